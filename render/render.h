@@ -176,6 +176,8 @@ int lf_scene_frame(const lf_scene *scene);
 double lf_scene_rate(const lf_scene *scene);
 /* Whether the scene is another one where its document says another "frame". */
 bool lf_scene_has_frames(const lf_scene *scene);
+/* Whether a mesh of it catches shadows of others, and does not show itself. */
+bool lf_scene_has_catchers(const lf_scene *scene);
 /* Whether what the scene says of another frame is right, and the volumes' files of it are there,
  * without reading them: LF_E_IO, LF_E_FORMAT with their place in the document. */
 LF_NODISCARD lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf_error *err);

@@ -421,7 +421,7 @@ void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out)
         known = known && state->relative_error >= 0.0;
         error += state->relative_error;
     }
-    out->film_bytes = (int64_t)film->data_bytes;
+    out->film_bytes += (int64_t)film->data_bytes;
     out->passes /= film->height;
     out->native_spp_mean /= film->height;
     out->effective_spp_mean = (double)out->contributions / (pixels * film->height);

@@ -96,10 +96,11 @@ lf_status lf_renderer_state_id(const lf_renderer *renderer, lf_state_id *out)
     const lf_render_settings *s = &renderer->settings;
     json_t *words = describe(renderer->scene, s, s->integrator),
            *camera = json_pack(
-               "{s:O, s:O, s:O, s:f, s:O*, s:O*}", "rig", json_object_get(words, "rig"),
+               "{s:O, s:O, s:O, s:f, s:O*, s:O*, s:O*, s:O*}", "rig", json_object_get(words, "rig"),
                "inclusive", json_object_get(words, "inclusive"), "window",
                json_object_get(words, "window"), "view_blur", s->camera.view_blur, "track",
-               json_object_get(words, "track"), "list", json_object_get(words, "list")),
+               json_object_get(words, "track"), "list", json_object_get(words, "list"), "rows_step",
+               json_object_get(words, "rows_step"), "part", json_object_get(words, "part")),
            *film = describe_film(renderer);
     *out = (lf_state_id){
         .n_views = s->camera.n_views, .width = s->width, .height = s->height, .seed = s->seed};

@@ -112,6 +112,11 @@ uint64_t lf_rows_seed(uint64_t seed, int row)
     return seed + (uint64_t)row * UINT64_C(0x9e3779b97f4a7c15);
 }
 
+uint64_t lf_parts_seed(uint64_t seed, int64_t part)
+{
+    return seed + UINT64_C(0xd1b54a32d192ed03) + (uint64_t)part;
+}
+
 int lf_frames_parts(double shutter, int *out_a_frame)
 {
     for (int n = 1; n <= MOST_PARTS && shutter > 1.0; n++) {

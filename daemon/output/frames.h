@@ -26,7 +26,7 @@ bool lf_frames_wanted(const lf_frames *frames);
 const char *lf_frames_option(const lf_frames *frames);
 const char *lf_frames_noun(const lf_frames *frames);
 /* Completes first and last: without a range all of the turntable. LF_E_ARG: they are the wrong way
- * round, or not of the turntable; overwrite without a sequence. */
+ * round, or not of the turntable; rows beside frames; overwrite without a sequence. */
 LF_NODISCARD lf_status lf_frames_check(lf_frames *frames, lf_error *err);
 int lf_frames_count(const lf_frames *frames);
 
@@ -40,6 +40,9 @@ char *lf_frames_path(const char *path, int frame);
 uint64_t lf_frames_seed(uint64_t seed, int frame);
 /* The same of a row of cameras; row 0 has the seed itself. */
 uint64_t lf_rows_seed(uint64_t seed, int row);
+
+/* The same of a part of a shutter, whichever frames have it. */
+uint64_t lf_parts_seed(uint64_t seed, int64_t part);
 
 /* The parts of a shutter that stays open for so many frames which the frames before and after have,
  * too: of one length, *out_a_frame of them in a frame, 1 to 4. 0: there are none, since it stays

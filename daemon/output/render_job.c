@@ -163,9 +163,12 @@ lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_est
         assert(budget->target_error > 0 || budget->target_shown_error > 0);
         status = run_target(&r, fmax(budget->target_error, budget->target_shown_error));
     }
-    *out_times = (lf_render_times){.passes = r.passes,
-                                   .seconds = lf_time_now() - r.start,
-                                   .cpu_seconds = lf_time_cpu() - r.cpu_start};
+    const double cpu_passes = lf_time_cpu();
+    if (status == LF_OK && estimator == LF_ESTIMATOR_MWIS && !budget->reconstructed)
+        status = lf_renderer_fill_holes(renderer, NULL, cancel);
+    const double cpu_end = lf_time_cpu();
+    *out_times = (lf_render_times){r.passes, lf_time_now() - r.start, cpu_end - r.cpu_start,
+                                   cpu_end - cpu_passes};
     return status;
 }
 
@@ -173,14 +176,11 @@ lf_status lf_render_answer(lf_renderer *renderer, const lf_budget *budget, lf_es
                            float *film, const lf_cancel *cancel, lf_render_times *times)
 {
     const double start = lf_time_now(), cpu_start = lf_time_cpu();
-    lf_status status = LF_OK;
-    if (estimator == LF_ESTIMATOR_MWIS && !budget->reconstructed)
-        status = lf_renderer_fill_holes(renderer, NULL, cancel);
-    if (status == LF_OK)
-        status = budget->reconstructed ? lf_renderer_show(renderer, film, cancel)
-                                       : lf_renderer_resolve(renderer, estimator, film, NULL);
-    times->answer_cpu_seconds = lf_time_cpu() - cpu_start;
-    times->cpu_seconds += times->answer_cpu_seconds;
+    lf_status status = budget->reconstructed ? lf_renderer_show(renderer, film, cancel)
+                                             : lf_renderer_resolve(renderer, estimator, film, NULL);
+    const double cpu = lf_time_cpu() - cpu_start;
+    times->answer_cpu_seconds += cpu;
+    times->cpu_seconds += cpu;
     times->seconds += lf_time_now() - start;
     return status;
 }

@@ -36,10 +36,11 @@ typedef struct lf_render_times {
     double answer_cpu_seconds; /* of them, behind the last pass: holes, a fit, the answer */
 } lf_render_times;
 
-/* Adds passes to the renderer until the budget is spent. With passes, the same seed and settings
- * give the same film for any number of threads. A time budget runs at least two passes and ends
- * within about one pass of its time. film, room for the answer [row][view][column][3], is what
- * error targets look at; NULL without one. progress may be NULL. LF_E_CANCELLED. */
+/* Adds passes to the renderer until the budget is spent, and for mwis that is not reconstructed
+ * what holes lack (lf_renderer_fill_holes). With passes, the same seed and settings give the same
+ * film for any number of threads. A time budget runs at least two passes and ends within about one
+ * pass of its time. film, room for the answer [row][view][column][3], is what error targets look
+ * at; NULL without one. progress may be NULL. LF_E_CANCELLED. */
 LF_NODISCARD lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget,
                                        lf_estimator estimator, float *film,
                                        lf_render_progress_fn progress, void *context,

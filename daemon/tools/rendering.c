@@ -88,8 +88,11 @@ static void warn_of_depth(const lf_rendering *r)
 /* The renderer of r->scene; that of the frame or row before goes on with this one. */
 static lf_status begin(lf_rendering *r, const lf_render_settings *settings, lf_error *err)
 {
-    if (r->gathered)
+    if (r->gathered) {
+        if (r->sequence.n_done == 0)
+            warn_of_depth(r);
         return LF_OK;
+    }
     if (r->renderer)
         return lf_renderer_restart(r->renderer, r->scene, settings, err);
     lf_status status = lf_renderer_create(r->scene, settings, r->pool, &r->renderer, err);

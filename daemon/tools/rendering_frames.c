@@ -115,7 +115,7 @@ static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
     for (int frame = frames->first; frame <= frames->last && status == LF_OK; frame++) {
         bool kept;
         status = take_frame(r, frame, &kept, err);
-        if (status == LF_OK && !kept)
+        if (status == LF_OK && !kept && wanted[frame - frames->first])
             status = make_frame(r, shared, &camera, err);
     }
     r->gathered = NULL;

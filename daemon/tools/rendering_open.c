@@ -118,6 +118,10 @@ static lf_status check_row(const lf_rendering *r, lf_error *err)
                             "the scene has a %s of %d x %d cameras: rows 0:%d",
                             camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows,
                             camera->n_rows - 1);
+    const lf_output_kind *kind = r->arguments->kind;
+    if (kind->needs_panel || kind->check_print)
+        return lf_error_set(err, LF_E_ARG, "--camera-rows",
+                            "does not go with --%s, which has a rig of its own", kind->option);
     if (o->views > 0 || o->preset)
         return lf_error_set(err, LF_E_ARG, o->preset ? "--preset" : "--views",
                             "does not go with --camera-rows: the scene says what a row is");
@@ -294,9 +298,10 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
     if (!film.auto_exposure || a->kind->is_linear || lf_path_has_ending(a->out, ".exr"))
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, a->options.has_exposure ? "--exposure" : a->scene,
-                        "%sauto would be another one in every frame: give stops (without --frames "
-                        "and --turntable, auto tells those of one picture)",
-                        a->options.has_exposure ? "" : "film.exposure: ");
+                        "%sauto would be another one in each of the %s: give stops (without %s, "
+                        "auto tells those of one picture)",
+                        a->options.has_exposure ? "" : "film.exposure: ",
+                        lf_frames_noun(&a->frames), lf_frames_option(&a->frames));
 }
 
 /* Whether it can be a video; that of views begins here, before hours of rendering. */
@@ -315,7 +320,7 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
                             "a video needs --frames, --turntable or a scene whose camera.views are "
                             "on a track, a path or a circle, or in a list");
     lf_status status = lf_video_check(options, &layout, r->path, &warning, err);
-    if (status == LF_OK && is_walk)
+    if (status == LF_OK && is_walk && !r->arguments->plan)
         status = lf_video_create(r->path, &layout, options, r->cancel, &r->video, err);
     if (warning)
         lf_log(LF_LOG_WARNING, "%s: %s", r->path, warning);

@@ -1,5 +1,7 @@
 #include "daemon/tools/rendering_plan.h"
 
+#include "daemon/tools/rendering_shared.h"
+
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
@@ -12,13 +14,28 @@
 
 /* ------------------------------------------------------------------------------------- tasks -- */
 
-/* Frames or rows of cameras of a task. */
-static int size_of_task(const lf_rendering *r)
+/* What is rendered by itself, and how much of it there is. */
+typedef struct work {
+    int n_parts, a_frame; /* 0: frames are whole */
+    int task;             /* frames or rows of a task, at most */
+    int64_t passes;       /* of a part, or of a whole one; 0: as long as something else says */
+} work;
+
+static work work_of(const lf_rendering *r)
 {
-    int a_frame;
-    const int parts =
-        r->arguments->frames.of_rows ? 0 : lf_frames_parts(r->settings.camera.shutter, &a_frame);
-    return parts > 0 ? SHUTTERS_A_TASK * ((parts - 1) / a_frame + 1) : 1;
+    work w = {.task = 1, .passes = lf_rendering_budget(r).passes};
+    w.n_parts = lf_shared_parts(r, &w.a_frame);
+    if (w.n_parts > 0) {
+        w.task = SHUTTERS_A_TASK * ((w.n_parts - 1) / w.a_frame + 1);
+        w.passes = w.passes > 0 ? lf_shared_budget(r, w.n_parts).passes : 0;
+    }
+    return w;
+}
+
+/* Of so many frames or rows in a task. */
+static int64_t units_of(const work *w, int n)
+{
+    return w->n_parts > 0 ? (int64_t)(n - 1) * w->a_frame + w->n_parts : n;
 }
 
 /* Whether a word is this option, whole or as short as getopt takes it; with "=" its value is in it.
@@ -49,25 +66,25 @@ static void print_task(const lf_render_arguments *a, int first, int last)
 {
     const char *const option = lf_frames_option(&a->frames);
     const bool turns = a->frames.turntable > 0;
-    for (int i = 0; a->argv[i]; i++) {
+    print_word(a->argv[0]);
+    if (first <= last)
+        printf(" %s %d:%d", turns ? "--frames" : option, first, last);
+    for (int i = 1; a->argv[i]; i++) {
         const char *word = a->argv[i];
         const bool chosen = is_option(word, turns ? "--frames" : option);
         if (chosen && !strchr(word, '=') && a->argv[i + 1])
             i++;
         if (chosen || is_option(word, "--plan"))
             continue;
-        printf(i > 0 ? " " : "");
+        putchar(' ');
         print_word(word);
     }
-    if (first <= last)
-        printf(" %s %d:%d", turns ? "--frames" : option, first, last);
     putchar('\n');
 }
 
-static void print_tasks(const lf_rendering *r)
+static void print_tasks(const lf_rendering *r, int size)
 {
     const lf_render_arguments *a = r->arguments;
-    const int size = size_of_task(r);
     if (!r->sequence.on || a->kind == &lf_output_video) {
         print_task(a, a->frames.first, r->sequence.on ? a->frames.last : a->frames.first - 1);
         return;
@@ -80,13 +97,13 @@ static void print_tasks(const lf_rendering *r)
 
 /* -------------------------------------------------------------------------------------- time -- */
 
-/* CPU seconds of all rows of one light field: measured on some, evenly spread. The film's memory is
- * taken by the rows that are visited. */
-static lf_status measure(lf_rendering *r, double *out_cpu, int *out_rows, lf_error *err)
+/* CPU seconds of so many passes of one light field: measured on some of its rows, evenly spread.
+ * The film's memory is taken by the rows that are visited. */
+static lf_status measure(lf_rendering *r, int64_t passes, double *out_cpu, int *out_rows,
+                         lf_error *err)
 {
     const lf_render_settings *s = &r->settings;
-    const int64_t passes = lf_rendering_budget(r).passes, cycles = 2 * (int64_t)s->camera.n_views,
-                  n = passes < cycles ? passes : cycles;
+    const int64_t cycles = 2 * (int64_t)s->camera.n_views, n = passes < cycles ? passes : cycles;
     const double fit = PILOT_PATHS / ((double)n * s->width);
     int rows = fit < 2 ? 2 : fit > MOST_PILOT_ROWS ? MOST_PILOT_ROWS : (int)fit;
     lf_status status = lf_renderer_create(r->scene, s, r->pool, &r->renderer, err);
@@ -136,24 +153,34 @@ static double file_bytes(const lf_render_arguments *a)
 static void print_light_fields(const lf_rendering *r, int fields, int views)
 {
     const lf_render_settings *s = &r->settings;
+    const lf_output_kind *kind = r->arguments->kind;
     const double pixels = (double)views * s->width * s->height;
     printf("# %d %s of %d views of %dx%d pixels\n", fields,
            !r->sequence.on ? "light field" : lf_frames_noun(&r->arguments->frames), views, s->width,
            s->height);
     print_amount("view pixels", pixels * fields, "");
-    print_amount("files, uncompressed", pixels * fields * file_bytes(r->arguments), "B");
+    if (kind->surplus || kind == &lf_output_quilt)
+        print_amount("files, uncompressed", pixels * fields * file_bytes(r->arguments), "B");
+}
+
+/* Of all tasks, that of one and the memory of one. cpu: of what is rendered by itself. */
+static void print_costs(const lf_rendering *r, const work *w, int fields, int views, double cpu)
+{
+    const int last = fields % w->task, whole = fields / w->task,
+              renderers = w->n_parts > 0 ? lf_shared_renderers(w->n_parts, w->a_frame) : 1;
+    const int64_t units = whole * units_of(w, w->task) + (last > 0 ? units_of(w, last) : 0);
+    lf_render_stats stats;
+    lf_renderer_stats(r->renderer, &stats);
+    print_amount("memory of sums", (double)renderers * (double)stats.film_bytes, "B");
+    print_amount("memory of a picture", 12.0 * views * r->settings.width * r->settings.height, "B");
+    if (r->sequence.on)
+        print_time("a task", cpu * (double)units_of(w, whole > 0 ? w->task : last));
+    print_time("all", cpu * (double)units);
 }
 
 lf_status lf_rendering_plan(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    const lf_budget budget = lf_rendering_budget(r);
-    const int fields = r->sequence.on ? lf_frames_count(&a->frames) : 1,
-              rows = r->settings.camera.n_rows > 0 ? r->settings.camera.n_rows : 1,
-              views = lf_camera_views(&r->settings.camera);
-    lf_render_stats stats;
-    double cpu = 0;
-    int measured = 0;
     lf_status status = LF_OK;
     if (a->frames.of_rows) {
         r->sequence.frame = (a->frames.first + a->frames.last) / 2;
@@ -161,26 +188,26 @@ lf_status lf_rendering_plan(lf_rendering *r, lf_error *err)
     }
     if (status != LF_OK)
         return status;
+    const work w = work_of(r);
+    const int fields = r->sequence.on ? lf_frames_count(&a->frames) : 1,
+              rows = r->settings.camera.n_rows > 0 ? r->settings.camera.n_rows : 1,
+              views = lf_camera_views(&r->settings.camera);
     print_light_fields(r, fields, views);
     if (rows > 1)
         r->settings.camera = lf_camera_row(&r->settings.camera, rows / 2);
-    if (budget.passes > 0)
-        status = measure(r, &cpu, &measured, err);
-    if (status != LF_OK)
-        return status;
-    if (measured > 0) {
-        lf_renderer_stats(r->renderer, &stats);
-        print_amount("memory of sums", (double)stats.film_bytes, "B");
-        print_amount("memory of a picture", 12.0 * views * r->settings.width * r->settings.height,
-                     "B");
-        print_time(r->sequence.on ? "one of them" : "all", cpu * rows);
-        if (r->sequence.on)
-            print_time("all", cpu * rows * fields);
-        printf("# measured on %d of %d image rows; loading and writing are not counted\n", measured,
-               r->settings.height);
+    if (w.passes > 0) {
+        double cpu;
+        int measured;
+        status = measure(r, w.passes, &cpu, &measured, err);
+        if (status != LF_OK)
+            return status;
+        print_costs(r, &w, fields, views, cpu * rows);
+        printf("# measured on %d of %d image rows; loading, layers, reconstruction and writing are "
+               "not counted\n",
+               measured, r->settings.height);
     } else {
         printf("# as long as --time or the error says\n");
     }
-    print_tasks(r);
+    print_tasks(r, w.task);
     return LF_OK;
 }

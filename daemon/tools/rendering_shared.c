@@ -1,12 +1,11 @@
 #include "daemon/tools/rendering_shared.h"
 
+#include <assert.h>
 #include <math.h>
 
 #include "base/alloc.h"
+#include "base/log.h"
 #include "daemon/output/content.h"
-
-/* Parts draw random numbers of their own, as frames and rows of cameras do. */
-#define PART_SEED UINT64_C(0xd1b54a32d192ed03)
 
 /* A frame that some of whose parts have been rendered. */
 typedef struct open_frame {
@@ -22,6 +21,7 @@ struct lf_shared_frames {
     int n_parts, a_frame;
     double shutter_open;
     const bool *wanted;
+    int64_t passes;        /* of a part; 0: not known yet */
     int64_t next;          /* the part to be rendered: part p opens p / a_frame frames on */
     lf_scene *scene;       /* of the last part */
     lf_renderer *renderer; /* of all parts */
@@ -29,25 +29,44 @@ struct lf_shared_frames {
     open_frame *open;      /* [n_open], a frame at its number */
 };
 
+int lf_shared_parts(const lf_rendering *r, int *out_a_frame)
+{
+    const lf_render_arguments *a = r->arguments;
+    const lf_camera *camera = &r->settings.camera;
+    const bool by_error = a->budget.target_error > 0 || a->budget.target_shown_error > 0;
+    if (!r->sequence.on || a->frames.turntable > 0 || a->frames.of_rows || camera->n_rows > 0 ||
+        by_error || a->options.layers || a->options.guides || lf_scene_has_catchers(r->scene))
+        return 0;
+    return lf_frames_parts(camera->shutter, out_a_frame);
+}
+
+/* Frames that a part lies in, at most. */
+static int most_open(int n_parts, int a_frame)
+{
+    return (n_parts - 1) / a_frame + 1;
+}
+
+int lf_shared_renderers(int n_parts, int a_frame)
+{
+    return most_open(n_parts, a_frame) + 2; /* that of parts, and the frame's that is written */
+}
+
 lf_status lf_shared_frames_create(const lf_rendering *r, const bool *wanted, lf_shared_frames **out,
                                   lf_error *err)
 {
-    const lf_budget *budget = &r->arguments->budget;
-    const lf_camera *camera = &r->settings.camera;
     int a_frame;
-    const int n_parts = lf_frames_parts(camera->shutter, &a_frame);
+    const int n_parts = lf_shared_parts(r, &a_frame);
     *out = NULL;
-    if (n_parts == 0 || r->arguments->frames.turntable > 0 || r->arguments->frames.of_rows ||
-        camera->n_rows > 0 || budget->target_error > 0 || budget->target_shown_error > 0)
+    if (n_parts == 0)
         return LF_OK;
     lf_shared_frames *s = lf_calloc(1, sizeof *s);
     if (s) {
         *s = (lf_shared_frames){.n_parts = n_parts,
                                 .a_frame = a_frame,
-                                .shutter_open = camera->shutter_open,
+                                .shutter_open = r->settings.camera.shutter_open,
                                 .wanted = wanted,
                                 .next = INT64_MIN,
-                                .n_open = (n_parts - 1) / a_frame + 1};
+                                .n_open = most_open(n_parts, a_frame)};
         s->open = lf_calloc((size_t)s->n_open, sizeof *s->open);
     }
     if (!s || !s->open) {
@@ -92,7 +111,7 @@ static lf_status resolve(lf_rendering *r, lf_scene *scene, lf_render_settings *o
 static int frame_of(const lf_rendering *r, double middle)
 {
     const int nearest = (int)floor(middle + 0.5);
-    for (int far = 0; far <= LF_MAX_SHUTTER; far++)
+    for (int far = 0; far <= 2 * LF_MAX_SHUTTER; far++)
         for (int sign = 1; sign >= -1; sign -= 2) {
             const int frame = nearest + sign * far;
             if (frame >= 0 && lf_scene_check_frame(r->scene, frame, NULL) == LF_OK)
@@ -117,21 +136,28 @@ static lf_status begin_part(lf_shared_frames *s, lf_rendering *r, int64_t part, 
     lf_scene_unref(s->scene);
     s->scene = scene;
     status = resolve(r, scene, &settings, err);
-    settings.seed = r->arguments->options.seed + PART_SEED + (uint64_t)part;
+    settings.seed = lf_parts_seed(r->arguments->options.seed, part);
     if (status != LF_OK)
         return status;
     return s->renderer ? lf_renderer_restart(s->renderer, scene, &settings, err)
                        : lf_renderer_create(scene, &settings, r->pool, &s->renderer, err);
 }
 
-/* A frame's budget, for one of its parts; passes in pairs, one for each half of the film. */
-static lf_budget budget_of_part(const lf_shared_frames *s, const lf_rendering *r)
+lf_budget lf_shared_budget(const lf_rendering *r, int n_parts)
 {
     lf_budget budget = lf_rendering_budget(r);
-    budget.passes = (budget.passes + 2 * s->n_parts - 1) / (2 * s->n_parts) * 2;
-    budget.seconds /= s->n_parts;
-    budget.cpu_seconds /= s->n_parts;
+    budget.passes = (budget.passes + 2 * n_parts - 1) / (2 * n_parts) * 2;
+    budget.seconds /= n_parts;
+    budget.cpu_seconds /= n_parts;
     return budget;
+}
+
+/* Parts have equal shares of a frame: of one that is timed all get what the first came to. */
+static lf_budget budget_of(const lf_shared_frames *s, const lf_rendering *r)
+{
+    const lf_budget timed = lf_shared_budget(r, s->n_parts);
+    return s->passes > 0 ? (lf_budget){.passes = s->passes, .reconstructed = timed.reconstructed}
+                         : timed;
 }
 
 /* ------------------------------------------------------------------------------------ frames -- */
@@ -179,6 +205,11 @@ static lf_status share(lf_shared_frames *s, lf_rendering *r, int64_t part,
         status = open_of(s, r, frame, &f, err);
         if (status == LF_OK && !f->alone)
             status = lf_renderer_mix(f->renderer, s->renderer, err);
+        if (status == LF_E_STATE && !f->alone)
+            lf_log(LF_LOG_WARNING,
+                   "frame %d: what its shutter sees changes in kind meanwhile, so that it is "
+                   "rendered as one picture, and shares nothing",
+                   frame);
         f->alone = f->alone || status == LF_E_STATE;
         status = f->alone ? LF_OK : status;
         f->times.passes += times->passes;
@@ -203,7 +234,7 @@ static void show_part(void *context, const lf_render_progress *progress)
 
 static lf_status render_part(lf_shared_frames *s, lf_rendering *r, int64_t part, lf_error *err)
 {
-    const lf_budget budget = budget_of_part(s, r);
+    const lf_budget budget = budget_of(s, r);
     progress_of of = {r, part - (int64_t)r->sequence.frame * s->a_frame, s->n_parts};
     lf_render_times times;
     lf_status status = begin_part(s, r, part, err);
@@ -213,6 +244,7 @@ static lf_status render_part(lf_shared_frames *s, lf_rendering *r, int64_t part,
                              &of, r->cancel, &times);
     if (status != LF_OK)
         return lf_error_set(err, status, r->arguments->out, "rendering failed");
+    s->passes = times.passes;
     return share(s, r, part, &times, err);
 }
 
@@ -226,6 +258,7 @@ lf_status lf_shared_frames_take(lf_shared_frames *shared, lf_rendering *r, lf_er
     if (status != LF_OK)
         return status;
     open_frame *f = &s->open[r->sequence.frame % s->n_open];
+    assert(f->is_open && f->frame == r->sequence.frame);
     lf_scene *const scene = r->scene;
     lf_renderer *const renderer = r->renderer;
     r->scene = f->scene;

@@ -159,7 +159,7 @@ const lf_film_stream *lf_film_find_stream(const lf_film *film, uint64_t seed, ui
  * random, without bias and the same whichever film is added to which, where a sum or mean is no
  * float. LF_E_STATE, and nothing is changed: lf_film_refusal, a half of a row where both
  * have visits of the same random stream, more visits or samples of a row than is possible, more
- * than LF_FILM_MAX_STREAMS. LF_E_NOMEM. */
+ * than LF_FILM_MAX_STREAMS. LF_E_NOMEM, with streams that have no visits. */
 LF_NODISCARD lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err);
 /* The same of films of whatever pictures, if they are alike: what comes out is the picture that
  * lies between, each having its share of the samples. LF_E_STATE also where they are not. */

@@ -156,16 +156,14 @@ static lf_status check_streams(const lf_film *film, const lf_film *from, lf_erro
                              *a = lf_film_find_stream(film, b->seed, b->number);
         int row = a ? overlap(a, b, film->height) : film->height;
         if (row < film->height)
-            return lf_error_set(
-                err, LF_E_STATE, "film",
-                "cannot be added: both have samples of seed %llu, stream %u in row %d",
-                (unsigned long long)b->seed, b->number, row);
+            return lf_error_set(err, LF_E_STATE, "film",
+                                "both have samples of seed %llu, stream %u in row %d",
+                                (unsigned long long)b->seed, b->number, row);
         n += !a;
     }
     return n <= LF_FILM_MAX_STREAMS
                ? LF_OK
-               : lf_error_set(err, LF_E_STATE, "film",
-                              "cannot be added: together more than %d random streams",
+               : lf_error_set(err, LF_E_STATE, "film", "together more than %d random streams",
                               LF_FILM_MAX_STREAMS);
 }
 
@@ -186,8 +184,7 @@ static lf_status check(const lf_film *film, const lf_film *from, lf_error *err)
 {
     int full = overflow(film, from);
     if (full < film->height)
-        return lf_error_set(err, LF_E_STATE, "film",
-                            "cannot be added: together row %d has too many samples", full);
+        return lf_error_set(err, LF_E_STATE, "film", "together row %d has too many samples", full);
     return check_streams(film, from, err);
 }
 

@@ -585,6 +585,7 @@ static void count(const void *the_state, lf_render_stats *out)
         lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
     }
     out->nonfinite_dropped += atomic_load(&s->splats.dropped);
+    out->film_bytes += lf_splats_bytes(&s->splats);
     out->rays_traced = s->has_meshes ? out->rays_traced : -1;
     out->volume_lookups = s->has_volumes ? out->volume_lookups : -1;
     out->base_hidden = -1;

@@ -224,6 +224,8 @@ static void through_lanes(const lf_depth_kernel *kernel, lf_tracer *tracer, cons
         jobs.of[jobs.n] = k;
         add_job(volume, &r, &jobs);
     }
+    if (jobs.n == 0)
+        return;
     tracer->lookups += kernel->trace(volume->grid, volume->nearest,
                                      (float)fmin(LF_DEPTH_ENOUGH / scale, 1e30), &jobs);
     for (int k = 0; k < jobs.n; k++)

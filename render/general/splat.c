@@ -24,6 +24,11 @@ void lf_splats_scale(lf_splats *splats, float largest)
     splats->unit = ldexp(1.0 / LF_SPLAT_PILOT, exponent);
 }
 
+int64_t lf_splats_bytes(const lf_splats *splats)
+{
+    return (int64_t)(splats->row * (size_t)splats->height * sizeof *splats->at);
+}
+
 void lf_splats_finish(lf_splats *splats)
 {
     lf_free(splats->at);

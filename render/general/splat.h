@@ -32,6 +32,8 @@ typedef struct lf_splats {
 /* For such a film; largest: what a pilot found, 0: nothing. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_splats_init(lf_splats *splats, const lf_film_layout *layout);
 void lf_splats_scale(lf_splats *splats, float largest);
+/* What they take. */
+int64_t lf_splats_bytes(const lf_splats *splats);
 void lf_splats_finish(lf_splats *splats);
 
 /* Adds a weight and radiance, weighted, both not below 0, to a view pixel [view][column] of a row,

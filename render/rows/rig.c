@@ -38,7 +38,7 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "camera.views", "a part is not within its track");
     if (!(c->track >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.views", "a track must not be shorter than 0");
-    if (!isfinite(c->rise) || !(c->rows_step >= 0.0))
+    if (!isfinite(c->rise) || !(c->rows_step >= 0.0 && isfinite(c->rows_step)))
         return lf_error_set(err, LF_E_ARG, "camera.views", "a row must not be infinitely high");
     if (!(c->lens_radius >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.lens_radius", "must not be negative");

@@ -113,6 +113,11 @@ bool lf_scene_has_frames(const lf_scene *scene)
     return scene->file.has_frames;
 }
 
+bool lf_scene_has_catchers(const lf_scene *scene)
+{
+    return scene->looks.caught;
+}
+
 const char *lf_scene_warning(const lf_scene *scene, int index)
 {
     return lf_warnings_at(&scene->warnings, index);

@@ -5,8 +5,6 @@
 #include "daemon/output/frames.h"
 
 #define SMALL "--view-size 12x16 --views 4 --seed 11 "
-/* Of the first part of frame 0; the frame of this number has the part of the same. */
-#define PART_SEED UINT64_C(0xd1b54a32d192ed03)
 
 /* A ball of fog that turns round in frame 3, before a sky. */
 static const char *puff(const qr_files *f, const char *name, const char *shutter)
@@ -86,10 +84,10 @@ static void a_frame_is_the_mean_of_its_parts(void **state)
     qr_succeed("%s -o %s/two.exr --frames 3:3 --spp 8 --estimator mis " SMALL, scene, f->folder);
     snprintf(scene, sizeof scene, "%s",
              puff(f, "one.json", "\"shutter\": 1, \"shutter_open\": -0.5"));
-    /* Frame 3 has this seed and 2 more, the part that begins in it PART_SEED and 3 more. */
+    /* frame 3 has this seed and 2 more, which is that of part 3 */
     qr_succeed("%s -o %s/one.exr --frames 3:4 --spp 4 --estimator mis --view-size 12x16 --views 4 "
                "--seed %llu",
-               scene, f->folder, (unsigned long long)(PART_SEED + 11 + 1));
+               scene, f->folder, (unsigned long long)(lf_parts_seed(11, 3) - 2));
     read_frame(f, "two_0003_qs2x2a0.75.exr", &whole);
     read_frame(f, "one_0003_qs2x2a0.75.exr", &part[0]);
     read_frame(f, "one_0004_qs2x2a0.75.exr", &part[1]);
@@ -150,23 +148,63 @@ static void a_sky_that_changes_is_the_mean_over_the_shutter(void **state)
     lf_quilt_finish(&frame);
 }
 
-/* What the lobes of views need of films one part has and the other has not: the frame is then one
- * picture, as that of a shutter that has no parts. */
-static void parts_that_do_not_go_together_are_rendered_as_one(void **state)
+/* Fog that only scatters, in light from everywhere, is not to be told from it, wherever it goes:
+ * also not where nothing was found at first. */
+static void a_furnace_has_no_dark_pixels(void **state)
+{
+    const qr_files *f = *state;
+    const char *scene = lf_test_write(
+        f->folder, "furnace.json",
+        "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"shutter\": 4 },\n"
+        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 1, \"albedo\": 1, "
+        "\"transform\": { \"scale\": 0.5, \"translate\": { \"keys\": [[3, [-1,0,0]], [5, [1,0,0]], "
+        "[7, [-1,0.3,0]]] } } } },\n"
+        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }\n");
+    qr_succeed("%s -o %s/f.exr --frames 3:4 --spp 1 --view-size 96x48 --views 1", scene, f->folder);
+    for (int frame = 3; frame <= 4; frame++) {
+        lf_quilt_file picture;
+        char name[32];
+        snprintf(name, sizeof name, "f_%04d_qs1x1a2.exr", frame);
+        read_frame(f, name, &picture);
+        for (int i = 0; i < 96 * 48; i++)
+            lf_assert_close((double)pixel_of(&picture, 0, i / 96, i % 96), 0.5, 1e-5, 0);
+        lf_quilt_finish(&picture);
+    }
+}
+
+static const struct {
+    const char *what, *things;
+} alone[] = {
+    /* what the lobes of views need of films one part has and the other has not */
+    {"lobes",
+     "\"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"g\": { \"keys\": [[3, "
+     "0], [4, 0.5]], \"interpolation\": \"step\" } } }"},
+    /* what catchers get is looked for in the frame's own scene */
+    {"catchers",
+     "\"backdrop\": 0.5, \"volumes\": {}, \"materials\": { \"grey\": { \"albedo\": 0.5 } }, "
+     "\"meshes\": { \"floor\": { "
+     "\"shape\": \"quad\", \"catcher\": true, \"material\": \"grey\", \"transform\": { \"scale\": "
+     "3, "
+     "\"translate\": [0, -1, 0] } }, \"ball\": { \"shape\": \"sphere\", \"material\": \"grey\", "
+     "\"transform\": { \"scale\": 0.4, \"translate\": { \"keys\": [[3, [-1, 0, 0]], [4, [1, 0, "
+     "0]], "
+     "[5, [-1, 0, 0]]] } } } }"},
+};
+
+/* The frame is then one picture, as that of a shutter that has no parts. */
+static void assert_alone(const qr_files *f, const char *things)
 {
     static const char *const shutters[] = {"\"shutter\": 2", "\"shutter\": 2.00002"};
-    const qr_files *f = *state;
     lf_quilt_file frames[2];
     for (int i = 0; i < 2; i++) {
-        char text[1024], name[32];
+        char text[2048], name[32];
         snprintf(text, sizeof text,
                  "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, %s },\n"
-                 "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"g\": "
-                 "{ \"keys\": [[3, 0], [4, 0.5]], \"interpolation\": \"step\" } } },\n"
+                 "  %s,\n"
                  "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }\n",
-                 shutters[i]);
+                 shutters[i], things);
         snprintf(name, sizeof name, "g%d.json", i);
-        qr_succeed("%s -o %s/g%d.exr --frames 3:3 --spp 8 --view-size 8x8 --views 1",
+        qr_succeed("%s -o %s/g%d.exr --overwrite --frames 3:3 --spp 8 --view-size 8x8 --views 1",
                    lf_test_write(f->folder, name, text), f->folder, i);
         snprintf(name, sizeof name, "g%d_0003_qs1x1a1.exr", i);
         read_frame(f, name, &frames[i]);
@@ -176,6 +214,14 @@ static void parts_that_do_not_go_together_are_rendered_as_one(void **state)
                         (double)pixel_of(&frames[1], 0, i / 8, i % 8), 1e-6, 0);
     for (int i = 0; i < 2; i++)
         lf_quilt_finish(&frames[i]);
+}
+
+static void what_parts_cannot_tell_is_rendered_as_one(void **state)
+{
+    for (size_t i = 0; i < sizeof alone / sizeof alone[0]; i++) {
+        print_message("%s\n", alone[i].what);
+        assert_alone(*state, alone[i].things);
+    }
 }
 
 int main(void)
@@ -191,8 +237,9 @@ int main(void)
             qr_tear_down),
         cmocka_unit_test_setup_teardown(a_sky_that_changes_is_the_mean_over_the_shutter, qr_set_up,
                                         qr_tear_down),
-        cmocka_unit_test_setup_teardown(parts_that_do_not_go_together_are_rendered_as_one,
-                                        qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(a_furnace_has_no_dark_pixels, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(what_parts_cannot_tell_is_rendered_as_one, qr_set_up,
+                                        qr_tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
