@@ -148,6 +148,66 @@ static void views_of_a_grid_are_means_over_cells(void **state)
     assert_true(worst_of_rows(DISTANCE, 1, 0, 0) < 0.015);
 }
 
+/* Of a row that stands so far above its place, without or with its cell: means over columns. */
+static void heights_of(lf_scene *scene, const char *integrator, double above, bool cell, int cycles,
+                       double out[width])
+{
+    lf_render_settings settings = {.camera = lf_camera_row(lf_scene_camera(scene), 1),
+                                   .width = 4,
+                                   .height = width,
+                                   .integrator = integrator,
+                                   .skip = LF_SKIP_ALL,
+                                   .seed = lf_test_seed()};
+    settings.camera.rise += above;
+    settings.camera.view_blur = cell ? 1 : 0;
+    lf_renderer *r = lf_test_renderer(scene, integrator, 4, width, NULL);
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    lf_test_cycles(r, cycles);
+    double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS);
+    for (int i = 0; i < width; i++) {
+        out[i] = 0;
+        for (int k = 0; k < 2 * 4; k++)
+            out[i] += picture[i * 2 * 4 + k] / 8;
+    }
+    free(picture);
+    lf_renderer_destroy(r);
+}
+
+/* Windows of their own, fog before a bar: a cell is the mean of the cameras in it. */
+static void cells_of_own_windows_are_means_of_their_cameras(void **state)
+{
+    (void)state;
+    enum { each = 9 };
+    lf_scene *scene = lf_test_scene(
+        "{'camera': {'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1, 'views': {'grid': "
+        "{'columns': 2, 'rows': 3, 'width': 0.001, 'height': 1.6, 'window': 'own'}}}, "
+        "'volumes': {'fog': {'shape': 'sphere', 'density': 1, 'albedo': 0.5, 'transform': "
+        "{'scale': 0.4, 'translate': [0, 0.3, 1]}}}, 'materials': {'grey': {'albedo': 0.3}}, "
+        "'meshes': {'bar': {'shape': 'quad', 'material': 'grey', 'transform': {'scale': [3, 1, "
+        "0.2], 'rotate': [90, 0, 0], 'translate': [0, -0.2, -1]}}}, " SKY "}");
+    for (int i = 0; i < 2; i++) {
+        const char *integrator = i ? "vpt" : "mvpt";
+        double cell[width], mean[width] = {0}, one[width], worst = 0, contrast = 0;
+        heights_of(scene, integrator, 0, true, 2048, cell);
+        for (int k = 0; k < each; k++) {
+            double row[width];
+            heights_of(scene, integrator, 0.8 * ((k + 0.5) / each - 0.5), false, 256, row);
+            for (int y = 0; y < width; y++)
+                mean[y] += row[y] / each;
+            if (k == each / 2)
+                memcpy(one, row, sizeof one);
+        }
+        for (int y = 0; y < width; y++) {
+            worst = fmax(worst, fabs(cell[y] - mean[y]));
+            contrast = fmax(contrast, fabs(one[y] - mean[y]));
+        }
+        print_message("%s: %.4f off; the middle camera alone %.4f\n", integrator, worst, contrast);
+        assert_true(worst < 0.02);
+        assert_true(contrast > 0.1);
+    }
+    lf_scene_unref(scene);
+}
+
 /* ----------------------------------------------------------------------------- pinholes between --
  */
 
@@ -219,6 +279,7 @@ int main(void)
         cmocka_unit_test(an_edge_is_a_ramp_as_wide_as_the_step),
         cmocka_unit_test(the_window_stays_sharp),
         cmocka_unit_test(views_of_a_grid_are_means_over_cells),
+        cmocka_unit_test(cells_of_own_windows_are_means_of_their_cameras),
         cmocka_unit_test(pinholes_in_the_place_of_lines_show_the_same),
         cmocka_unit_test(one_lens_at_a_time),
     };
