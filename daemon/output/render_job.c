@@ -142,7 +142,6 @@ lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_est
         .renderer = renderer,
         .budget = budget,
         .estimator = estimator,
-        .film = film,
         .n_views = settings->camera.n_views,
         .height = settings->height,
         .start = lf_time_now(),
@@ -152,6 +151,7 @@ lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_est
         .cancel = cancel,
     };
     lf_status status = LF_OK;
+    r.film = film;
     report(&r);
     if (budget->passes > 0) {
         status = add(&r, budget->passes, budget->passes == 1 && estimator == LF_ESTIMATOR_CV);
