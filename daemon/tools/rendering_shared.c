@@ -191,30 +191,41 @@ static lf_status open_of(lf_shared_frames *s, lf_rendering *r, int frame, open_f
     return status;
 }
 
-/* What the part in the renderer of parts has found goes to all frames that it lies in. */
+/* What the part in the renderer of parts has found, for a frame that it lies in. */
+static lf_status give(lf_shared_frames *s, lf_rendering *r, int frame, const lf_render_times *times,
+                      lf_error *err)
+{
+    open_frame *f;
+    lf_status status = open_of(s, r, frame, &f, err);
+    if (status != LF_OK || f->alone)
+        return status;
+    status = lf_renderer_mix(f->renderer, s->renderer, err);
+    f->alone = status == LF_E_STATE;
+    f->times.passes += times->passes;
+    f->times.seconds += times->seconds;
+    f->times.cpu_seconds += times->cpu_seconds;
+    if (!f->alone)
+        return status;
+    lf_progress_line_clear(&r->line);
+    lf_log(LF_LOG_WARNING,
+           "frame %d: what its shutter sees changes in kind meanwhile, so that it is rendered as "
+           "one picture, and shares nothing",
+           frame);
+    return LF_OK;
+}
+
+/* The same for all of those, from the one in hand on. */
 static lf_status share(lf_shared_frames *s, lf_rendering *r, int64_t part,
                        const lf_render_times *times, lf_error *err)
 {
     const lf_frames *frames = &r->arguments->frames;
     lf_status status = LF_OK;
     for (int frame = r->sequence.frame; frame <= frames->last && status == LF_OK; frame++) {
-        open_frame *f;
         const int64_t first = (int64_t)frame * s->a_frame;
-        if (first > part || part >= first + s->n_parts || !s->wanted[frame - frames->first])
-            continue;
-        status = open_of(s, r, frame, &f, err);
-        if (status == LF_OK && !f->alone)
-            status = lf_renderer_mix(f->renderer, s->renderer, err);
-        if (status == LF_E_STATE && !f->alone)
-            lf_log(LF_LOG_WARNING,
-                   "frame %d: what its shutter sees changes in kind meanwhile, so that it is "
-                   "rendered as one picture, and shares nothing",
-                   frame);
-        f->alone = f->alone || status == LF_E_STATE;
-        status = f->alone ? LF_OK : status;
-        f->times.passes += times->passes;
-        f->times.seconds += times->seconds;
-        f->times.cpu_seconds += times->cpu_seconds;
+        if (first > part)
+            break;
+        if (part < first + s->n_parts && s->wanted[frame - frames->first])
+            status = give(s, r, frame, times, err);
     }
     return status;
 }
