@@ -172,6 +172,27 @@ static void a_furnace_has_no_dark_pixels(void **state)
     }
 }
 
+/* A part that is dear, under a sky of 1, and a cheap one under a sky that goes from there to 5:
+ * beside the fog the mean is 2, whatever there is time for. */
+static void timed_parts_have_equal_shares(void **state)
+{
+    const qr_files *f = *state;
+    lf_quilt_file picture;
+    const char *scene = lf_test_write(
+        f->folder, "timed.json",
+        "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"shutter\": 2 },\n"
+        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"albedo\": 1, \"density\": "
+        "{ \"keys\": [[4, 20], [5, 0.05]], \"interpolation\": \"step\" } } },\n"
+        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": { \"keys\": "
+        "[[1, [1,1,1]], [4, [1,1,1]], [5, [5,5,5]]] } } } }\n");
+    qr_succeed("%s -o %s/t.exr --frames 3:3 --time 1 --view-size 12x12 --views 1", scene,
+               f->folder);
+    read_frame(f, "t_0003_qs1x1a1.exr", &picture);
+    print_message("%g\n", (double)pixel_of(&picture, 0, 0, 0));
+    lf_assert_close((double)pixel_of(&picture, 0, 0, 0), 2.0, 0, 0.15);
+    lf_quilt_finish(&picture);
+}
+
 static const struct {
     const char *what, *things;
 } alone[] = {
@@ -238,6 +259,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_sky_that_changes_is_the_mean_over_the_shutter, qr_set_up,
                                         qr_tear_down),
         cmocka_unit_test_setup_teardown(a_furnace_has_no_dark_pixels, qr_set_up, qr_tear_down),
+        cmocka_unit_test_setup_teardown(timed_parts_have_equal_shares, qr_set_up, qr_tear_down),
         cmocka_unit_test_setup_teardown(what_parts_cannot_tell_is_rendered_as_one, qr_set_up,
                                         qr_tear_down),
     };
