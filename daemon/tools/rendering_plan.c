@@ -155,9 +155,9 @@ static void print_light_fields(const lf_rendering *r, int fields, int views)
     const lf_render_settings *s = &r->settings;
     const lf_output_kind *kind = r->arguments->kind;
     const double pixels = (double)views * s->width * s->height;
-    printf("# %d %s of %d views of %dx%d pixels\n", fields,
-           !r->sequence.on ? "light field" : lf_frames_noun(&r->arguments->frames), views, s->width,
-           s->height);
+    printf("# %d %s of %d view%s of %dx%d pixels\n", fields,
+           !r->sequence.on ? "light field" : lf_frames_noun(&r->arguments->frames), views,
+           views == 1 ? "" : "s", s->width, s->height);
     print_amount("view pixels", pixels * fields, "");
     if (kind->surplus || kind == &lf_output_quilt)
         print_amount("files, uncompressed", pixels * fields * file_bytes(r->arguments), "B");
