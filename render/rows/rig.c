@@ -89,7 +89,7 @@ lf_camera lf_camera_row(const lf_camera *camera, int row)
     }
     const double place = camera->n_rows > 1 ? (double)row / (camera->n_rows - 1) - 0.5 : 0.0;
     one.rise += place * camera->rows_height;
-    one.rows_step = camera->n_rows > 1 ? camera->rows_height / (camera->n_rows - 1) : 0.0;
+    one.rows_step = camera->n_rows > 1 ? fabs(camera->rows_height) / (camera->n_rows - 1) : 0.0;
     one.n_rows = 0;
     one.rows_height = 0.0;
     return one;
