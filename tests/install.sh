@@ -64,7 +64,7 @@ whole_scenes() {
     local scene words few
     for scene in "$prefix"/share/quiltd/scenes/*.json; do
         few=(-o "$top/out.png" --views 1 --quilt 1x1)
-        grep -q '"grid"' "$scene" && few=(-o "$top/out/" --camera-rows 0:0)
+        grep -q '"rows"' "$scene" && few=(-o "$top/out/" --camera-rows 0:0)
         words=$(timeout 120 "$prefix/bin/quiltrender" "$scene" "${few[@]}" --view-size 24x32 --passes 1 2>&1) || echo "$scene: $words"
         rm -rf "$top"/out*
     done

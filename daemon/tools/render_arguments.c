@@ -211,7 +211,8 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
     }
     if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->is_linear))
-        return lf_error_set(err, LF_E_ARG, "--aov", "only goes with OUT.exr and folders of views");
+        return lf_error_set(err, LF_E_ARG, "--aov",
+                            "only goes with OUT.exr and folders of EXR views");
     if (a->options.guides && (a->kind->layers || !lf_path_has_ending(a->out, ".png")))
         return lf_error_set(err, LF_E_ARG, "--guides", "only goes with OUT.png that is shown");
     return LF_OK;

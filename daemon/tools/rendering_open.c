@@ -313,8 +313,9 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
     const char *warning = NULL;
     if (is_walk && r->settings.camera.n_rows > 0 && !r->settings.camera.has_parts)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
-                            "a video of views needs them on a track, and the scene has a grid of "
-                            "rows: --frames or --turntable make videos of quilts");
+                            "a video of views needs them on a track, a path or a circle, or in a "
+                            "list, and the scene has a grid of rows: --frames or --turntable make "
+                            "videos of quilts");
     if (is_walk && !(r->settings.camera.track > 0.0) && !r->settings.camera.list)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video needs --frames, --turntable or a scene whose camera.views are "
@@ -366,7 +367,7 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = provide_for_views(r, err);
     if (status == LF_OK && a->stats && r->settings.camera.n_rows > 0)
         status = lf_error_set(err, LF_E_ARG, "--stats",
-                              "is of one row of cameras, and the scene has a grid");
+                              "is of one row of cameras, and the scene has several");
     if (status == LF_OK)
         status = lf_rendering_name(r, r->sequence.frame, err);
     if (status == LF_OK && r->sequence.on)

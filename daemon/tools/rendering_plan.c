@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* What is rendered to tell the time by: so many paths, of at least two image rows. */
-#define PILOT_PATHS 2e6
+#define PILOT_PATHS 5e5
 #define MOST_PILOT_ROWS 32
 /* Frames of a task that share parts of their shutters, in shutters. */
 #define SHUTTERS_A_TASK 4
@@ -24,9 +24,12 @@ typedef struct work {
 static work work_of(const lf_rendering *r)
 {
     work w = {.task = 1, .passes = lf_rendering_budget(r).passes};
+    if (r->arguments->kind == &lf_output_video && r->sequence.on)
+        w.task = lf_frames_count(&r->arguments->frames);
     w.n_parts = lf_shared_parts(r, &w.a_frame);
     if (w.n_parts > 0) {
-        w.task = SHUTTERS_A_TASK * ((w.n_parts - 1) / w.a_frame + 1);
+        if (w.task == 1)
+            w.task = SHUTTERS_A_TASK * ((w.n_parts - 1) / w.a_frame + 1);
         w.passes = w.passes > 0 ? lf_shared_budget(r, w.n_parts).passes : 0;
     }
     return w;
@@ -85,8 +88,8 @@ static void print_task(const lf_render_arguments *a, int first, int last)
 static void print_tasks(const lf_rendering *r, int size)
 {
     const lf_render_arguments *a = r->arguments;
-    if (!r->sequence.on || a->kind == &lf_output_video) {
-        print_task(a, a->frames.first, r->sequence.on ? a->frames.last : a->frames.first - 1);
+    if (!r->sequence.on) {
+        print_task(a, 1, 0);
         return;
     }
     for (int first = a->frames.first; first <= a->frames.last; first += size) {
@@ -106,18 +109,19 @@ static lf_status measure(lf_rendering *r, int64_t passes, double *out_cpu, int *
     const int64_t cycles = 2 * (int64_t)s->camera.n_views, n = passes < cycles ? passes : cycles;
     const double fit = PILOT_PATHS / ((double)n * s->width);
     int rows = fit < 2 ? 2 : fit > MOST_PILOT_ROWS ? MOST_PILOT_ROWS : (int)fit;
-    lf_status status = lf_renderer_create(r->scene, s, r->pool, &r->renderer, err);
-    if (status != LF_OK)
-        return status;
     rows = rows < s->height ? rows : s->height;
     const int step = (s->height + rows - 1) / rows;
     const lf_part part = {.first_row = step / 2, .row_step = step};
     const double start = lf_time_cpu();
-    status = lf_renderer_passes(r->renderer, &part, n, false, NULL, NULL, r->cancel);
+    const lf_status status =
+        lf_renderer_passes(r->renderer, &part, n, false, NULL, NULL, r->cancel);
     rows = (s->height - part.first_row - 1) / step + 1;
     *out_cpu = (lf_time_cpu() - start) * ((double)passes / (double)n) * s->height / rows;
     *out_rows = rows;
-    return status == LF_OK ? LF_OK : lf_error_set(err, status, r->arguments->out, "cannot measure");
+    if (status == LF_OK)
+        return LF_OK;
+    return lf_error_set(err, status, r->arguments->out, "%s",
+                        status == LF_E_CANCELLED ? "interrupted: not planned" : "cannot measure");
 }
 
 /* -------------------------------------------------------------------------------------- plan -- */
@@ -163,19 +167,43 @@ static void print_light_fields(const lf_rendering *r, int fields, int views)
         print_amount("files, uncompressed", pixels * fields * file_bytes(r->arguments), "B");
 }
 
-/* Of all tasks, that of one and the memory of one. cpu: of what is rendered by itself. */
-static void print_costs(const lf_rendering *r, const work *w, int fields, int views, double cpu)
+static void print_memory(const lf_rendering *r, const work *w, int views)
 {
-    const int last = fields % w->task, whole = fields / w->task,
-              renderers = w->n_parts > 0 ? lf_shared_renderers(w->n_parts, w->a_frame) : 1;
-    const int64_t units = whole * units_of(w, w->task) + (last > 0 ? units_of(w, last) : 0);
+    const int renderers = w->n_parts > 0 ? lf_shared_renderers(w->n_parts, w->a_frame) : 1;
     lf_render_stats stats;
     lf_renderer_stats(r->renderer, &stats);
     print_amount("memory of sums", (double)renderers * (double)stats.film_bytes, "B");
     print_amount("memory of a picture", 12.0 * views * r->settings.width * r->settings.height, "B");
+}
+
+/* Of a task and of all of them. cpu: of what is rendered by itself. */
+static void print_times(const lf_rendering *r, const work *w, int fields, double cpu)
+{
+    const int last = fields % w->task, whole = fields / w->task;
+    const int64_t units = whole * units_of(w, w->task) + (last > 0 ? units_of(w, last) : 0);
     if (r->sequence.on)
         print_time("a task", cpu * (double)units_of(w, whole > 0 ? w->task : last));
     print_time("all", cpu * (double)units);
+}
+
+/* How long it takes, where that is not what the command line says. */
+static lf_status tell_times(lf_rendering *r, const work *w, int fields, int rows, lf_error *err)
+{
+    double cpu;
+    int measured;
+    if (w->passes == 0) {
+        printf("# as long as %s\n",
+               lf_rendering_budget(r).seconds > 0 ? "--time says" : "the error takes");
+        return LF_OK;
+    }
+    lf_status status = measure(r, w->passes, &cpu, &measured, err);
+    if (status != LF_OK)
+        return status;
+    print_times(r, w, fields, cpu * rows);
+    printf("# measured on %d of %d image rows; loading, layers, reconstruction and writing are not "
+           "counted\n",
+           measured, r->settings.height);
+    return LF_OK;
 }
 
 lf_status lf_rendering_plan(lf_rendering *r, lf_error *err)
@@ -195,19 +223,12 @@ lf_status lf_rendering_plan(lf_rendering *r, lf_error *err)
     print_light_fields(r, fields, views);
     if (rows > 1)
         r->settings.camera = lf_camera_row(&r->settings.camera, rows / 2);
-    if (w.passes > 0) {
-        double cpu;
-        int measured;
-        status = measure(r, w.passes, &cpu, &measured, err);
-        if (status != LF_OK)
-            return status;
-        print_costs(r, &w, fields, views, cpu * rows);
-        printf("# measured on %d of %d image rows; loading, layers, reconstruction and writing are "
-               "not counted\n",
-               measured, r->settings.height);
-    } else {
-        printf("# as long as --time or the error says\n");
-    }
-    print_tasks(r, w.task);
-    return LF_OK;
+    status = lf_renderer_create(r->scene, &r->settings, r->pool, &r->renderer, err);
+    if (status != LF_OK)
+        return status;
+    print_memory(r, &w, views);
+    status = tell_times(r, &w, fields, rows, err);
+    if (status == LF_OK)
+        print_tasks(r, w.task);
+    return status;
 }

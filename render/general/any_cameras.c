@@ -326,6 +326,14 @@ static uint64_t key_of(const lf_visit_order *order, int row, int half)
     return lf_hash64(lf_hash64(order->random, (uint64_t)row), (uint64_t)half);
 }
 
+/* Of a view pixel's visit. Its base sample and the ray of its B and q leave through the same point
+ * of the film and of the lens: where the one has met a surface, so has the other, and no pixel
+ * expects to have found something and has found nothing. */
+static uint64_t numbers_of(uint64_t key, size_t pixel)
+{
+    return lf_hash64(key, (uint64_t)pixel + 16);
+}
+
 /* The film takes it all behind the pass. */
 static bool visit(void *the_state, const lf_visit_order *order, int row, int half, int worker_index,
                   const lf_cancel *cancel)
@@ -347,7 +355,7 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
                        .row = row,
                        .column = column};
             const uint64_t pixel =
-                lf_hash64(key, (uint64_t)p.view * (uint64_t)s->width + (uint64_t)column + 16);
+                numbers_of(key, (size_t)p.view * (size_t)s->width + (size_t)column);
             base_sample(s, s->workers[worker_index], &p, pixel, index, false);
         }
     return true;
@@ -379,7 +387,7 @@ static lf_depth_ray follow(const state *s, worker *w, int view, int row, int col
     lf_sampler sampler;
     float film[2], lens[2], pdf;
     lf_hit hit;
-    lf_sampler_init(&sampler, s->sampler, lf_hash64(key, ((uint64_t)pixel << 8) + 5), index);
+    lf_sampler_init(&sampler, s->sampler, numbers_of(key, pixel), index);
     lf_sampler_2d(&sampler, film);
     const float v = (float)row + film[1];
     draw_lens(of, &sampler, lens);

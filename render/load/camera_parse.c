@@ -58,17 +58,26 @@ static void parse_framing(lf_reader *reader, const lf_node *node, lf_framing *fr
 
 static const char *const windows[] = {"shared", "own", NULL};
 
-/* So many in parts of as many, each a rig: as few of them as can be. */
-static void part_track(lf_reader *reader, const lf_node *count, int n, lf_camera *camera)
+/* As few equal parts as can be; 0: those would be too small. */
+static int parts_of(int n)
 {
     int parts = (n + LF_MAX_VIEWS - 1) / LF_MAX_VIEWS;
     while (n % parts != 0)
         parts++;
-    if (n / parts < LEAST_PART)
-        lf_read_fail(reader, count, "%d cameras are no parts of %d to %d: another number of them",
-                     n, LEAST_PART, LF_MAX_VIEWS);
-    camera->n_views = n / parts;
-    camera->n_rows = parts;
+    return n / parts >= LEAST_PART ? parts : 0;
+}
+
+/* So many in parts of as many, each a rig. */
+static void part_track(lf_reader *reader, const lf_node *count, int n, lf_camera *camera)
+{
+    int good = n;
+    while (parts_of(good) == 0)
+        good--;
+    if (good != n)
+        lf_read_fail(reader, count, "%d cameras are no equal parts of %d to %d each: %d are", n,
+                     LEAST_PART, LF_MAX_VIEWS, good);
+    camera->n_rows = parts_of(good);
+    camera->n_views = good / camera->n_rows;
     camera->has_parts = true;
 }
 
