@@ -596,6 +596,32 @@ static double *by_threads(lf_scene *scene, const char *integrator, int threads)
     return seen;
 }
 
+/* Edges that a lens makes wide: a pixel that knows of a surface has found it, also at one sample.
+ */
+static void surfaces_leave_no_holes(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(
+        "{ " SEEN LENS LIST " }, 'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': 'sphere', "
+        "'material': 'clay', 'transform': { 'scale': 0.5 } } }, 'materials': { 'clay': { 'albedo': "
+        "0.5 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
+    lf_renderer *r = lf_test_renderer(scene, "vpt", width, height, NULL);
+    uint8_t flags[n_views * width * height];
+    float *picture = calloc((size_t)n_views * width * height * 3, sizeof *picture);
+    int edges = 0;
+    lf_test_cycles(r, 2);
+    lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, picture, flags), NULL);
+    for (int i = 0; i < n_views * width * height; i++) {
+        assert_false(flags[i] & LF_PIXEL_HOLE);
+        edges += picture[3 * i] > 0.55f && picture[3 * i] < 0.95f;
+    }
+    print_message("%d pixels of edges\n", edges);
+    assert_true(edges > 50);
+    free(picture);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 static void pictures_do_not_depend_on_the_number_of_threads(void **state)
 {
     (void)state;
@@ -665,6 +691,7 @@ int main(void)
         cmocka_unit_test(cameras_all_around_agree_with_each_alone),
         cmocka_unit_test(weights_come_to_samples),
         cmocka_unit_test(a_white_world_is_white),
+        cmocka_unit_test(surfaces_leave_no_holes),
         cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(a_cancelled_pass_leaves_nothing),
     };
