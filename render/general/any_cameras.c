@@ -408,7 +408,7 @@ static lf_depth_ray follow(const state *s, worker *w, int view, int row, int col
 static void follow_all(const state *s, worker *w, int view, int row, int first, int n, uint64_t key,
                        uint32_t index)
 {
-    lf_depth_ray rays[FOLLOWED];
+    lf_depth_ray rays[FOLLOWED] = {{{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}, 0.0}};
     double depth[FOLLOWED];
     found behind[FOLLOWED];
     for (int i = 0; i < n; i++)
