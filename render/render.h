@@ -93,7 +93,7 @@ typedef struct lf_camera {
     /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
     bool inclusive;
     bool own_windows; /* on a track each camera looks straight ahead, through its own window */
-    /* scene units; radius 0 = pinhole; focus along the view axis */
+    /* scene units; radius 0 = pinhole; focus along the view axis, 0 (of a list): each its target */
     double lens_radius, focus_distance;
     /* A view is the mean of the views from so many times the distance of neighbouring cameras (its
      * mean over the rig) about its own, 0..LF_MAX_VIEW_BLUR: 1 = no gaps, nothing seen twice. Not

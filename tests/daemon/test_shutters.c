@@ -32,6 +32,17 @@ static void read_frame(const qr_files *f, const char *name, lf_quilt_file *out)
     lf_assert_ok(lf_quilt_read(lf_test_path(f->folder, name), NULL, 0, 0, out, &error), &error);
 }
 
+/* Frame 3 of a scene that is given whole, of one view. */
+static void render_third(const qr_files *f, const char *scene, const char *options,
+                         lf_quilt_file *out)
+{
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s", lf_test_write(f->folder, "third.json", scene));
+    qr_succeed("%s -o %s/third_%%d_qs1x1.exr --overwrite --frames 3:3 --views 1 %s", path,
+               f->folder, options);
+    read_frame(f, "third_3_qs1x1.exr", out);
+}
+
 static void a_shutter_has_parts_where_frames_share_them(void **state)
 {
     static const struct {
@@ -110,18 +121,15 @@ static void a_frame_is_the_mean_of_its_parts(void **state)
  * shutter opens to where it is when that closes it would stay away. */
 static void what_turns_round_while_the_shutter_is_open_is_seen_where_it_was(void **state)
 {
-    const qr_files *f = *state;
     lf_quilt_file frame;
-    const char *scene = lf_test_write(
-        f->folder, "lamp.json",
+    render_third(
+        *state,
         "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 0.1, \"shutter\": 4, \"shutter_open\": "
         "-2 },\n"
         "  \"lights\": { \"lamp\": { \"type\": \"rectangle\", \"width\": 1, \"height\": 1, "
         "\"direction\": [0,0,1], \"radiance\": 8,\n"
-        "    \"position\": { \"keys\": [[1, [-2,0,0]], [3, [0,0,0]], [5, [-2,0,0]]] } } } }\n");
-    qr_succeed("%s -o %s/lamp.exr --frames 3:3 --spp 1024 --view-size 2x2 --views 1", scene,
-               f->folder);
-    read_frame(f, "lamp_0003_qs1x1a1.exr", &frame);
+        "    \"position\": { \"keys\": [[1, [-2,0,0]], [3, [0,0,0]], [5, [-2,0,0]]] } } } }\n",
+        "--spp 1024 --view-size 2x2", &frame);
     /* parts of one frame; half of two of them, of 128 moments each a half of the film */
     lf_assert_close((double)pixel_of(&frame, 0, 1, 1), 2.0, 0, 8.0 / 128);
     lf_quilt_finish(&frame);
@@ -130,18 +138,15 @@ static void what_turns_round_while_the_shutter_is_open_is_seen_where_it_was(void
 /* The sky of the first part stands still, that of the second does not. */
 static void a_sky_that_changes_is_the_mean_over_the_shutter(void **state)
 {
-    const qr_files *f = *state;
     lf_quilt_file frame;
-    const char *scene = lf_test_write(
-        f->folder, "dawn.json",
+    render_third(
+        *state,
         "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"shutter\": 2 },\n"
         "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 1, "
         "\"transform\": { \"scale\": 0.5 } } },\n"
         "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": { \"keys\": "
-        "[[1, [1,1,1]], [4, [1,1,1]], [5, [5,5,5]]] } } } }\n");
-    qr_succeed("%s -o %s/dawn.exr --frames 3:3 --spp 256 --view-size 8x8 --views 1", scene,
-               f->folder);
-    read_frame(f, "dawn_0003_qs1x1a1.exr", &frame);
+        "[[1, [1,1,1]], [4, [1,1,1]], [5, [5,5,5]]] } } } }\n",
+        "--spp 256 --view-size 8x8", &frame);
     /* a furnace: as bright in the fog as beside it; moments are spread evenly */
     lf_assert_close((double)pixel_of(&frame, 0, 0, 0), 2.0, 0, 0.02);
     lf_assert_close((double)pixel_of(&frame, 0, 4, 4), 2.0, 0, 0.1);
@@ -176,18 +181,14 @@ static void a_furnace_has_no_dark_pixels(void **state)
  * beside the fog the mean is 2, whatever there is time for. */
 static void timed_parts_have_equal_shares(void **state)
 {
-    const qr_files *f = *state;
     lf_quilt_file picture;
-    const char *scene = lf_test_write(
-        f->folder, "timed.json",
-        "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"shutter\": 2 },\n"
-        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"albedo\": 1, \"density\": "
-        "{ \"keys\": [[4, 20], [5, 0.05]], \"interpolation\": \"step\" } } },\n"
-        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": { \"keys\": "
-        "[[1, [1,1,1]], [4, [1,1,1]], [5, [5,5,5]]] } } } }\n");
-    qr_succeed("%s -o %s/t.exr --frames 3:3 --time 1 --view-size 12x12 --views 1", scene,
-               f->folder);
-    read_frame(f, "t_0003_qs1x1a1.exr", &picture);
+    render_third(*state,
+                 "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"shutter\": 2 },\n"
+                 "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"albedo\": 1, \"density\": "
+                 "{ \"keys\": [[4, 20], [5, 0.05]], \"interpolation\": \"step\" } } },\n"
+                 "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": { \"keys\": "
+                 "[[1, [1,1,1]], [4, [1,1,1]], [5, [5,5,5]]] } } } }\n",
+                 "--time 1 --view-size 12x12", &picture);
     print_message("%g\n", (double)pixel_of(&picture, 0, 0, 0));
     lf_assert_close((double)pixel_of(&picture, 0, 0, 0), 2.0, 0, 0.15);
     lf_quilt_finish(&picture);
@@ -218,17 +219,13 @@ static void assert_alone(const qr_files *f, const char *things)
     static const char *const shutters[] = {"\"shutter\": 2", "\"shutter\": 2.00002"};
     lf_quilt_file frames[2];
     for (int i = 0; i < 2; i++) {
-        char text[2048], name[32];
+        char text[2048];
         snprintf(text, sizeof text,
                  "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, %s },\n"
                  "  %s,\n"
                  "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }\n",
                  shutters[i], things);
-        snprintf(name, sizeof name, "g%d.json", i);
-        qr_succeed("%s -o %s/g%d.exr --overwrite --frames 3:3 --spp 8 --view-size 8x8 --views 1",
-                   lf_test_write(f->folder, name, text), f->folder, i);
-        snprintf(name, sizeof name, "g%d_0003_qs1x1a1.exr", i);
-        read_frame(f, name, &frames[i]);
+        render_third(f, text, "--spp 8 --view-size 8x8", &frames[i]);
     }
     for (int i = 0; i < 64; i++)
         lf_assert_close((double)pixel_of(&frames[0], 0, i / 8, i % 8),
