@@ -16,9 +16,17 @@
 #include "render/rows/media.h"
 
 /* How dense points are, in units of the slice's rough: a pivot's are one of many that a pixel
- * receives, an exit's stand for a whole visit. */
+ * receives, what volumes emit along an exit's ray stands for a whole visit. */
 #define LF_CORRECTION_PIVOT 2.0f
 #define LF_CORRECTION_EXIT 16.0f
+
+/* The same of B and q in a visit that gives a view pixel so many contributions, its own included:
+ * twice a pivot's density at least, LF_CORRECTION_EXIT at most. The variance of weights falls with
+ * their density as that of paths with their number, so that one is to grow with the other. */
+static inline float lf_correction_exit_density(float contributions)
+{
+    return lf_min(lf_max(0.5f * contributions, 2.0f * LF_CORRECTION_PIVOT), LF_CORRECTION_EXIT);
+}
 
 /* Rays X(Z) = x0[k] + slope[k] Z of a row's plane, z_from < Z < z_end[k], in the order that
  * lf_kernels.march wants. */

@@ -272,7 +272,7 @@ static void veil(const lf_visit *visit, float xw, float lx, int from, int to)
 
 /* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a
  * point for every other fan, at least. */
-static void correct(const lf_visit *visit, int from, int to)
+static void correct(const lf_visit *visit, float density, int from, int to)
 {
     lf_scratch *w = visit->worker;
     lf_rays rays = {visit->scene,
@@ -285,7 +285,7 @@ static void correct(const lf_visit *visit, int from, int to)
                     w->z_end + from,
                     0.0f,
                     visit->scene->looks.chromatic};
-    lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_EXIT, 0.5f, &w->tracer,
+    lf_correction_transmittance(&w->media, &rays, density, 0.5f, &w->tracer,
                                 rays.channels ? w->channels.factor : w->factor + from);
 }
 
@@ -330,7 +330,8 @@ typedef struct lf_exits {
     const lf_visit *visit;
     uint64_t key;
     uint32_t index;
-    lf_vec3 sky; /* where it is constant */
+    lf_vec3 sky;   /* where it is constant */
+    float density; /* of the points of correction weights */
     bool constant, corrected, veiled;
 } lf_exits;
 
@@ -356,7 +357,7 @@ static void follow(const lf_exits *e, int column, int from, int to)
     for (int k = from; k < to && (e->corrected || e->veiled); k++)
         w->factor[k] = 1.0f;
     if (e->corrected && from < to)
-        correct(visit, from, to);
+        correct(visit, e->density, from, to);
     if (e->veiled && from < to)
         veil(visit, xw, lx, from, to);
     if (w->shine.flames.n_here > 0)
@@ -505,6 +506,13 @@ static void coarse_row(const lf_exits *e)
     }
 }
 
+/* Contributions that this visit gives a view pixel. */
+static float contributions(const lf_visit_plan *plan)
+{
+    float paths = (float)plan->order.subsets / (float)plan->order.column_step;
+    return plan->sharing->entry.shares ? paths : paths / (float)plan->rig->n_views;
+}
+
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
 {
     const lf_rig *rig = visit->rig;
@@ -513,6 +521,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     e.constant = sky_of_row(plan, visit, &e.sky);
     e.corrected = !plan->order.coarse && lf_correction_needed(&w->media) &&
                   !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
+    e.density = lf_correction_exit_density(contributions(plan));
     e.veiled = plan->scene->looks.veiled;
     w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
