@@ -22,7 +22,9 @@
 #define STATS_SHARE 0.05
 #define MAX_SPP 65536
 /* The reconstruction is fitted again when there are so many times more passes than at the last fit,
- * and all rows shown by the new one. Together they get at most this share of the time. */
+ * fewer times before the picture is complete, and all rows shown by the new one. Together they get
+ * at most this share of the time. */
+#define FIT_GROWTH_INCOMPLETE 3.0
 #define FIT_GROWTH 1.3
 #define FIT_SHARE 0.3
 
@@ -157,12 +159,13 @@ static bool fit_follows(const lf_engine *engine)
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
+    const double growth = engine->level < LF_LEVEL_COMPLETE ? FIT_GROWTH_INCOMPLETE : FIT_GROWTH;
     if (!engine->renderer || !engine->picture.reconstructs || fit->passes == engine->spent.passes)
         return false;
     bool follows = fit_follows(engine), first = fit->passes <= 0 && (fit->may_begin || follows),
          last = follows && lf_picture_missing(&engine->picture) == 0;
     return final || first || last ||
-           (fit->passes > 0 && engine->spent.passes >= FIT_GROWTH * fit->passes &&
+           (fit->passes > 0 && engine->spent.passes >= growth * fit->passes &&
             (lf_time_now() - fit->at) * FIT_SHARE >= fit->cost);
 }
 
@@ -501,6 +504,13 @@ static void start_over(lf_engine *engine)
     engine->frames.n_before = engine->frames.n;
 }
 
+static void start_schedule(lf_engine *engine)
+{
+    const lf_layout *layout = &engine->content->layout;
+    lf_schedule_start(&engine->schedule, layout->view_height, layout->n_views,
+                      engine->picture.reconstructs, engine->spent.passes);
+}
+
 /* The old content again, after a new one could not be set up. */
 static void recover(lf_engine *engine)
 {
@@ -512,8 +522,7 @@ static void recover(lf_engine *engine)
     }
     start_over(engine);
     if (engine->content)
-        lf_schedule_start(&engine->schedule, engine->content->layout.view_height,
-                          engine->content->layout.n_views, 0);
+        start_schedule(engine);
 }
 
 lf_status engine_run_commit(lf_engine *engine, engine_request *request)
@@ -536,8 +545,7 @@ lf_status engine_run_commit(lf_engine *engine, engine_request *request)
     request->generation = ++engine->generation;
     if (content->scene && engine->states)
         restore(engine, request);
-    lf_schedule_start(&engine->schedule, content->layout.view_height, content->layout.n_views,
-                      engine->spent.passes);
+    start_schedule(engine);
     if (request->restored > 0) {
         post_frame(engine, true);
         check_converged(engine);

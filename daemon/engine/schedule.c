@@ -12,15 +12,18 @@
 /* The first sweep is wanted whole: it is not cut finer than this. */
 #define MAX_COARSE_BATCHES 4
 /* Passes of the second sweep: while more than about a twentieth of the view pixels that scatter are
- * holes, another shared path fills them at less cost than native samples do. */
+ * holes, another shared path fills them at less cost than native samples do. A fit has no holes,
+ * and wants every row soon. */
 #define COMPLETE_PASSES 4
+#define FITTED_PASSES 2
 
 static int subsets_of(const lf_schedule *schedule)
 {
     if (schedule->sweep == 0)
         return 1;
     int doubling = (schedule->sweep - 1) / 2;
-    int subsets = doubling < 16 ? COMPLETE_PASSES << doubling : COMPLETE_PASSES << 16;
+    int first = schedule->fitted ? FITTED_PASSES : COMPLETE_PASSES;
+    int subsets = first << (doubling < 16 ? doubling : 16);
     return subsets < schedule->n_views ? subsets : schedule->n_views;
 }
 
@@ -31,10 +34,12 @@ static int sweep_rows(const lf_schedule *schedule)
                                 : rows;
 }
 
-void lf_schedule_start(lf_schedule *schedule, int height, int n_views, double passes_done)
+void lf_schedule_start(lf_schedule *schedule, int height, int n_views, bool fitted,
+                       double passes_done)
 {
     double row_seconds = schedule->row_seconds;
-    *schedule = (lf_schedule){.height = height, .n_views = n_views, .row_seconds = row_seconds};
+    *schedule = (lf_schedule){
+        .height = height, .n_views = n_views, .fitted = fitted, .row_seconds = row_seconds};
     for (double sum = 0; sum < passes_done && schedule->sweep < 64; schedule->sweep++)
         sum += (double)subsets_of(schedule) * sweep_rows(schedule) / height;
 }

@@ -21,14 +21,15 @@ static void answer_pixel(const lf_reconstruction *r, const lf_answered_row *o, s
     lf_fitted x;
     lf_bright_pixel bright;
     lf_pixel_found both = {.w = 0.0f};
-    lf_fitted_read(o->film, &o->halves, pixels->second[i], i, &x);
     for (int h = 0; h < 2; h++)
-        lf_pixel_found_join(&both, &x.found[h]);
+        if (o->halves.half[h].scattered)
+            lf_pixel_found_add(&both, &o->halves.half[h], i);
     float w = lf_pixel_found_weight(o->film, &both, pixels->second[i],
                                     pixels->q[i] * (float)(state->n[0] + state->n[1]));
     lf_pixel_show(both.n, w, fitted ? o->scratch->predicted[i] : none, out);
     if (!fitted || !o->bounded)
         return;
+    lf_fitted_read(o->film, &o->halves, pixels->second[i], i, &x);
     lf_bright_split(r, pixels, o->row, i, &x, &bright);
     if (!(bright.share > 0.0f))
         return;
@@ -72,7 +73,7 @@ lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row,
         status = lf_table_make(&scratch->table, r, row, LF_BOTH);
     if (status == LF_OK && bounded)
         status = lf_table_make(&bounded->table, r->bounded, row, LF_BOTH);
-    if (status == LF_OK && lf_pixels_read(&scratch->rows[0], r, film, row, false)) {
+    if (status == LF_OK && lf_pixels_read(&scratch->rows[0], r, film, row, LF_READ_ALL)) {
         const lf_answered_row o = {film, scratch, bounded, lf_row_halves_of(film, row), row};
         predict(r, scratch, &scratch->rows[0], film->n_views * film->width);
         if (bounded)

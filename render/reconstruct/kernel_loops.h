@@ -4,28 +4,69 @@
 
 #include "render/reconstruct/kernel.h"
 
-/* One half's features as they are, with the other's where it has none. */
-typedef struct half_features {
-    float nearness, spread, surface, light;
-} half_features;
+/* Pixels that are read side by side: without a branch, so that compilers make vectors of them. */
+#define READ_LANES 8
 
-static inline half_features unpack(const lf_packed_feature *p)
+/* Features of some pixels. */
+typedef struct lane_features {
+    float nearness[READ_LANES], spread[READ_LANES], surface[READ_LANES], light[READ_LANES];
+} lane_features;
+
+static inline void unpack(const lf_packed_feature *p, int n, lane_features *out)
 {
-    lf_feature f = lf_feature_unpack(*p);
-    return (half_features){f.nearness, f.spread, f.surface, f.light};
+    for (int j = 0; j < n; j++) {
+        lf_feature f = lf_feature_unpack(p[j]);
+        out->nearness[j] = f.nearness;
+        out->spread[j] = f.spread;
+        out->surface[j] = f.surface;
+        out->light[j] = f.light;
+    }
 }
 
-static inline void place(const lf_view_row *in, lf_pixels *out, int variant, int i, float column,
-                         const half_features *f, float q)
+/* A half has the other's where it has none of its own. */
+static inline void stand_in(const float *own, const lane_features *other, int n, lane_features *f)
 {
-    float deep = in->deep;
-    out->f[variant][LF_PLACE][i] =
-        (column + in->shift * (f->nearness - in->still)) * (1.0f / LF_CELL_SIDE);
-    out->f[variant][LF_DEPTH][i] = f->nearness * deep;
-    out->f[variant][LF_MEDIA][i] = 1.0f - f->surface;
-    out->f[variant][LF_PIVOTS][i] = q;
-    out->f[variant][LF_SPREAD][i] = f->spread * deep;
-    out->f[variant][LF_LIGHT][i] = f->light;
+    for (int j = 0; j < n; j++) {
+        bool has = own[j] > 0.0f;
+        f->nearness[j] = has ? f->nearness[j] : other->nearness[j];
+        f->spread[j] = has ? f->spread[j] : other->spread[j];
+        f->surface[j] = has ? f->surface[j] : other->surface[j];
+        f->light[j] = has ? f->light[j] : other->light[j];
+    }
+}
+
+static inline void mix(const lane_features *a, const lane_features *b, const float *of_b, int n,
+                       lane_features *out)
+{
+    for (int j = 0; j < n; j++) {
+        float t = of_b[j], s = 1.0f - t, d = b->nearness[j] - a->nearness[j];
+        out->nearness[j] = s * a->nearness[j] + t * b->nearness[j];
+        out->spread[j] = sqrtf(s * a->spread[j] * a->spread[j] + t * b->spread[j] * b->spread[j] +
+                               s * t * d * d);
+        out->surface[j] = s * a->surface[j] + t * b->surface[j];
+        out->light[j] = s * a->light[j] + t * b->light[j];
+    }
+}
+
+/* Where the pixels from k on lie, and what else they are fitted by. */
+static inline void place(const lf_view_row *in, int k, int n, const lane_features *f,
+                         const float *q, float *const out[LF_FEATURES])
+{
+    const float deep = in->deep, shift = in->shift, still = in->still;
+    const int first = in->first + k;
+    for (int j = 0; j < n; j++)
+        out[LF_PLACE][first + j] =
+            ((float)(k + j) + 0.5f + shift * (f->nearness[j] - still)) * (1.0f / LF_CELL_SIDE);
+    for (int j = 0; j < n; j++)
+        out[LF_DEPTH][first + j] = f->nearness[j] * deep;
+    for (int j = 0; j < n; j++)
+        out[LF_MEDIA][first + j] = 1.0f - f->surface[j];
+    for (int j = 0; j < n; j++)
+        out[LF_PIVOTS][first + j] = q[j];
+    for (int j = 0; j < n; j++)
+        out[LF_SPREAD][first + j] = f->spread[j] * deep;
+    for (int j = 0; j < n; j++)
+        out[LF_LIGHT][first + j] = f->light[j];
 }
 
 static inline int floor_int(float x)
@@ -45,32 +86,69 @@ static inline int node_of(const lf_deck *layer, int u, float *weight)
     return there ? i : 0;
 }
 
+/* Those of both halves together. */
+static inline void place_both(const lf_view_row *in, int k, int n, const lane_features *f,
+                              const float *q, lf_pixels *out)
+{
+    float *const *to = out->f[LF_BOTH];
+    const int first = in->first + k;
+    place(in, k, n, f, q, to);
+    for (int j = 0; j < n; j++) {
+        to[LF_ROW][first + j] = in->row;
+        to[LF_VIEW][first + j] = in->view;
+    }
+    for (int j = 0; j < n; j++) {
+        out->u[first + j] = floor_int(to[LF_PLACE][first + j]);
+        out->z[first + j] = floor_int(to[LF_DEPTH][first + j]);
+    }
+}
+
+static inline void read_lanes(const lf_view_row *in, int k, int n, bool halves, lf_pixels *out)
+{
+    /* of a half without samples nothing is looked at */
+    const int half[2] = {in->share[0] > 0.0f ? 0 : 1, in->share[1] > 0.0f ? 1 : 0};
+    const float share_a = half[0] == 0 ? in->share[0] : 0.0f,
+                share_b = half[1] == 1 ? in->share[1] : 0.0f;
+    const float *qa = in->q[half[0]] + k, *qb = in->q[half[1]] + k;
+    float wa[READ_LANES], wb[READ_LANES], q[READ_LANES], of_b[READ_LANES];
+    float own_a[READ_LANES], own_b[READ_LANES];
+    lane_features a, b, both;
+    int any = 0;
+    for (int j = 0; j < n; j++) {
+        wa[j] = share_a * qa[j];
+        wb[j] = share_b * qb[j];
+        q[j] = wa[j] + wb[j];
+    }
+    for (int j = 0; j < n; j++)
+        any |= q[j] > LF_LEAST_Q && q[j] < 2.0f;
+    memcpy(out->q + in->first + k, q, (size_t)n * sizeof *q);
+    if (!any)
+        return;
+    unpack(in->feature[half[0]] + k, n, &a);
+    unpack(in->feature[half[1]] + k, n, &b);
+    both = a;
+    stand_in(wa, &b, n, &a);
+    stand_in(wb, &both, n, &b);
+    for (int j = 0; j < n; j++) {
+        of_b[j] = wb[j] / q[j];
+        own_a[j] = wa[j] > 0.0f ? qa[j] : q[j];
+        own_b[j] = wb[j] > 0.0f ? qb[j] : q[j];
+    }
+    mix(&a, &b, of_b, n, &both);
+    place_both(in, k, n, &both, q, out);
+    if (!halves)
+        return;
+    place(in, k, n, &a, own_a, out->f[LF_HALF_A]);
+    place(in, k, n, &b, own_b, out->f[LF_HALF_B]);
+}
+
 static void read(const lf_view_row *in, bool halves, lf_pixels *out)
 {
-    for (int k = 0; k < in->n; k++) {
-        int i = in->first + k;
-        float wa = in->share[0] > 0.0f ? in->share[0] * in->q[0][k] : 0.0f,
-              wb = in->share[1] > 0.0f ? in->share[1] * in->q[1][k] : 0.0f, q = wa + wb;
-        out->q[i] = q;
-        if (!(q > LF_LEAST_Q && q < 2.0f))
-            continue;
-        half_features a = unpack(&in->feature[wa > 0.0f ? 0 : 1][k]),
-                      b = unpack(&in->feature[wb > 0.0f ? 1 : 0][k]);
-        float t = wb / q, s = 1.0f - t, d = b.nearness - a.nearness, column = (float)k + 0.5f;
-        const half_features both = {
-            s * a.nearness + t * b.nearness,
-            sqrtf(s * a.spread * a.spread + t * b.spread * b.spread + s * t * d * d),
-            s * a.surface + t * b.surface, s * a.light + t * b.light};
-        place(in, out, LF_BOTH, i, column, &both, q);
-        out->f[LF_BOTH][LF_ROW][i] = in->row;
-        out->f[LF_BOTH][LF_VIEW][i] = in->view;
-        out->u[i] = floor_int(out->f[LF_BOTH][LF_PLACE][i]);
-        out->z[i] = floor_int(out->f[LF_BOTH][LF_DEPTH][i]);
-        if (!halves)
-            continue;
-        place(in, out, LF_HALF_A, i, column, &a, wa > 0.0f ? in->q[0][k] : q);
-        place(in, out, LF_HALF_B, i, column, &b, wb > 0.0f ? in->q[1][k] : q);
-    }
+    int k = 0;
+    for (; k + READ_LANES <= in->n; k += READ_LANES)
+        read_lanes(in, k, READ_LANES, halves, out);
+    if (k < in->n)
+        read_lanes(in, k, in->n - k, halves, out);
 }
 
 static void add(lf_moments *m, float w, const float n[3], const float f[LF_FEATURES])
@@ -132,20 +210,21 @@ static void predict(const lf_row_table *table, const lf_pixels *pixels, int firs
         const float x[LF_TABLE_TERMS] = {
             1.0f,          f[LF_PLACE][i],  f[LF_DEPTH][i], f[LF_MEDIA][i], f[LF_PIVOTS][i],
             f[LF_VIEW][i], f[LF_SPREAD][i], f[LF_LIGHT][i]};
-        float w[2][8], sum[8] = {0}, own = 0.0f;
-        for (int j = 0; j < 8; j++) {
-            float across = j < 4 ? 1.0f - tu : tu;
-            w[0][j] = weight[0] * across;
-            w[1][j] = weight[1] * across;
-        }
+        float sum[8] = {0}, own = 0.0f;
         for (int l = 0; l < 2; l++) {
             size_t stride = (size_t)layer[l].nu * 4, at = layer[l].first;
             const float *terms = table->terms + at * LF_TABLE_TERMS * 4 + (size_t)node[l] * 4,
                         *share = table->share + at + node[l];
-            for (int term = 0; term < LF_TABLE_TERMS; term++)
+            const float before = weight[l] * (1.0f - tu), behind = weight[l] * tu;
+            float plane[8];
+            for (int j = 0; j < 8; j++)
+                plane[j] = terms[j];
+            for (int term = 1; term < LF_TABLE_TERMS; term++)
                 for (int j = 0; j < 8; j++)
-                    sum[j] += x[term] * (w[l][j] * terms[(size_t)term * stride + (size_t)j]);
-            own += w[l][0] * share[0] + w[l][4] * share[1];
+                    plane[j] += x[term] * terms[(size_t)term * stride + (size_t)j];
+            for (int j = 0; j < 8; j++)
+                sum[j] += (j < 4 ? before : behind) * plane[j];
+            own += before * share[0] + behind * share[1];
         }
         float there = sum[3] + sum[7], inverse = there > 0.0f ? 1.0f / there : 0.0f;
         for (int c = 0; c < 3; c++)

@@ -155,7 +155,7 @@ lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int numbe
     size_t n = (size_t)film->n_views * (size_t)film->width;
     int first = number * LF_CELL_SIDE, n_rows = 0, row[LF_CELL_SIDE];
     for (int i = first; i < first + LF_CELL_SIDE && i < film->height; i++)
-        if (lf_pixels_read(&rows[n_rows], r, film, i, true))
+        if (lf_pixels_read(&rows[n_rows], r, film, i, LF_READ_HALVES))
             row[n_rows++] = i;
     for (int j = 0; j < n_rows; j++)
         for (size_t i = 0; i < n; i++)

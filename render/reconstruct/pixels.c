@@ -38,7 +38,7 @@ void lf_pixels_finish(lf_pixels *pixels)
 }
 
 bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film *film, int row,
-                    bool halves)
+                    lf_reading what)
 {
     const lf_film_row *state = &film->rows[row];
     double n[2];
@@ -52,6 +52,9 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
     if (film->layout.has_w2)
         lf_film_row_second(film, row, pixels->second);
     for (int k = 0; k < film->n_views; k++) {
+        const bool summed = lf_view_is_fitted(r, row, k);
+        if (what == LF_READ_SUMMED && !summed)
+            continue;
         in.first = k * film->width;
         in.view = (float)k / (float)film->n_views - 0.5f;
         in.shift = r->shift[k];
@@ -61,7 +64,7 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
             in.feature[h] = half.feature + in.first;
             in.share[h] = (float)(n[h] / (n[0] + n[1]));
         }
-        r->kernels->read(&in, halves && lf_view_is_fitted(r, row, k), pixels);
+        r->kernels->read(&in, what == LF_READ_HALVES && summed, pixels);
     }
     return true;
 }

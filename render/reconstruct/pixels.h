@@ -11,9 +11,14 @@ LF_NODISCARD lf_status lf_pixels_init(size_t n, lf_pixels *out);
 /* Accepts what is all zero. */
 void lf_pixels_finish(lf_pixels *pixels);
 
-/* halves: also the features of each alone. false: the row was never visited. */
+/* What is read of a row: the features of both halves together, of all views or of those alone that
+ * are summed up (lf_view_is_fitted: the others are left undefined); or of all views, and of those
+ * that are summed up each half's as well. */
+typedef enum lf_reading { LF_READ_ALL, LF_READ_SUMMED, LF_READ_HALVES } lf_reading;
+
+/* false: the row was never visited. */
 bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film *film, int row,
-                    bool halves);
+                    lf_reading what);
 
 /* R as it is shown: the prediction, and N/W by its share (predicted[3], below 0 where no node is
  * near). n was found, over w, which is 0 where that is no answer. A prediction of -x is off by x at
@@ -25,8 +30,9 @@ static inline void lf_pixel_show(const float n[3], float w, const float predicte
     for (int c = 0; c < 3; c++) {
         float x = near ? predicted[c] : 0.0f, own = w > 0.0f ? n[c] / w : x;
         if (x < 0.0f)
-            x = fminf(-x, fmaxf(own, 0.0f));
-        out[c] = fmaxf(0.0f, w > 0.0f ? x + share * (own - x) : x);
+            x = own > 0.0f ? (own < -x ? own : -x) : 0.0f;
+        float shown = w > 0.0f ? x + share * (own - x) : x;
+        out[c] = shown > 0.0f ? shown : 0.0f;
     }
 }
 

@@ -168,7 +168,8 @@ static lf_status error_of_row(const lf_reconstruction *r, const lf_film *film, i
 {
     const lf_film_row *state = &film->rows[row];
     lf_pixels *pixels = &s->whole[0]->rows[0];
-    if (!(state->n[0] > 0.0 && state->n[1] > 0.0) || !lf_pixels_read(pixels, r, film, row, true))
+    if (!(state->n[0] > 0.0 && state->n[1] > 0.0) ||
+        !lf_pixels_read(pixels, r, film, row, LF_READ_HALVES))
         return LF_E_STATE;
     lf_status status = predict(r, row, pixels, s->whole);
     if (status == LF_OK && r->is_bright)

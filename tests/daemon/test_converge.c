@@ -132,7 +132,7 @@ static void show(converging *c)
 static void converge(converging *c, double target_seconds)
 {
     lf_schedule schedule = {0};
-    lf_schedule_start(&schedule, VIEW_HEIGHT, VIEWS, 0);
+    lf_schedule_start(&schedule, VIEW_HEIGHT, VIEWS, false, 0);
     schedule.row_seconds = ROW_SECONDS;
     while (schedule.sweep < SWEEPS) {
         lf_batch batch = lf_schedule_next(&schedule, target_seconds);

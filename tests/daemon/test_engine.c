@@ -41,7 +41,7 @@ static void the_first_sweep_visits_every_fourth_row_and_later_ones_all(void **st
     for (size_t h = 0; h < sizeof heights / sizeof *heights; h++) {
         for (size_t t = 0; t < sizeof targets / sizeof *targets; t++) {
             lf_schedule schedule = {0};
-            lf_schedule_start(&schedule, heights[h], 45, 0);
+            lf_schedule_start(&schedule, heights[h], 45, false, 0);
             for (int sweep = 0; sweep < 6; sweep++) {
                 int visits[600] = {0};
                 lf_batch first;
@@ -61,7 +61,7 @@ static void rows_far_from_the_coarse_ones_come_first(void **state)
     (void)state;
     static const int expected[8] = {0, 4, 1, 5, 3, 7, 2, 6};
     lf_schedule schedule = {0};
-    lf_schedule_start(&schedule, 560, 45, 0);
+    lf_schedule_start(&schedule, 560, 45, false, 0);
     schedule.row_seconds = 0.0007;
     lf_batch batch = lf_schedule_next(&schedule, 0.07);
     assert_int_equal(batch.first, 2);
@@ -81,13 +81,16 @@ static void rows_far_from_the_coarse_ones_come_first(void **state)
 static void visits_come_in_equal_pairs_that_grow_to_whole_samples(void **state)
 {
     (void)state;
-    static const int expected[] = {1, 4, 4, 8, 8, 16, 16, 32, 32, 45, 45, 45};
-    lf_schedule schedule = {0};
-    lf_schedule_start(&schedule, 32, 45, 0);
-    for (size_t i = 0; i < sizeof expected / sizeof *expected; i++) {
-        int visits[32] = {0};
-        lf_batch first;
-        assert_int_equal(run_sweep(&schedule, 1, visits, &first), expected[i]);
+    static const int expected[2][12] = {{1, 4, 4, 8, 8, 16, 16, 32, 32, 45, 45, 45},
+                                        {1, 2, 2, 4, 4, 8, 8, 16, 16, 32, 32, 45}};
+    for (int fitted = 0; fitted < 2; fitted++) {
+        lf_schedule schedule = {0};
+        lf_schedule_start(&schedule, 32, 45, fitted, 0);
+        for (int i = 0; i < 12; i++) {
+            int visits[32] = {0};
+            lf_batch first;
+            assert_int_equal(run_sweep(&schedule, 1, visits, &first), expected[fitted][i]);
+        }
     }
 }
 
@@ -95,11 +98,11 @@ static void a_restored_picture_goes_on_where_it_was(void **state)
 {
     (void)state;
     lf_schedule schedule = {0};
-    lf_schedule_start(&schedule, 32, 45, 8.25);
+    lf_schedule_start(&schedule, 32, 45, false, 8.25);
     assert_int_equal(schedule.sweep, 3);
     assert_int_equal(lf_schedule_next(&schedule, 1).subsets, 8);
     /* how long rows take is not known yet: the first batch is a short one */
-    lf_schedule_start(&schedule, 560, 45, 8.25);
+    lf_schedule_start(&schedule, 560, 45, false, 8.25);
     assert_true(lf_schedule_next(&schedule, 1).n_rows < 10);
 }
 
