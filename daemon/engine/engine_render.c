@@ -108,7 +108,8 @@ static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
     } else if (final) {
         engine->level = LF_LEVEL_CONVERGED;
     } else {
-        engine->level = views.data == engine->picture.filled ? LF_LEVEL_COARSE : LF_LEVEL_COMPLETE;
+        engine->level =
+            lf_picture_missing(&engine->picture) > 0 ? LF_LEVEL_COARSE : LF_LEVEL_COMPLETE;
     }
     return views;
 }

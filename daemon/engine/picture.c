@@ -24,7 +24,6 @@ void lf_picture_forget(lf_picture *picture)
 static void release(lf_picture *picture)
 {
     lf_free(picture->rgb);
-    lf_free(picture->filled);
     lf_free(picture->missing);
     lf_free(picture->row_missing);
     lf_free(picture->scratch);
@@ -48,13 +47,11 @@ static lf_status reshape(lf_picture *picture, int n_views, int width, int height
         .n_views = n_views, .width = width, .height = height, .n_threads = n_threads};
     size_t row = row_pixels(&fresh);
     fresh.rgb = lf_calloc(row * (size_t)height, 3);
-    fresh.filled = lf_calloc(row * (size_t)height, 3);
     fresh.missing = lf_calloc(row * (size_t)height, 1);
     fresh.row_missing = lf_calloc((size_t)height, sizeof *fresh.row_missing);
     fresh.scratch = lf_calloc(row * (size_t)n_threads, 3 * sizeof *fresh.scratch);
     fresh.flags = lf_calloc(row * (size_t)n_threads, 1);
-    if (!fresh.rgb || !fresh.filled || !fresh.missing || !fresh.row_missing || !fresh.scratch ||
-        !fresh.flags) {
+    if (!fresh.rgb || !fresh.missing || !fresh.row_missing || !fresh.scratch || !fresh.flags) {
         release(&fresh);
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory for %d views of %dx%d", n_views,
                             width, height);
@@ -349,10 +346,9 @@ lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfi
     if (lf_picture_missing(picture) > 0) {
         lf_fill_counts counts =
             lf_fill(picture->n_views, picture->width, picture->height, picture->rgb,
-                    picture->missing, LF_COARSE_REACH, LF_FILL_REACH, picture->filled, pool);
+                    picture->missing, LF_COARSE_REACH, LF_FILL_REACH, picture->rgb, pool);
         *out_unfilled = counts.far;
         *out_blank = counts.unfilled;
-        views.data = picture->filled;
     }
     return views;
 }

@@ -17,12 +17,12 @@
 
 typedef struct lf_picture {
     int n_views, width, height, n_threads;
-    uint8_t *rgb, *filled; /* [row][view][column][3] */
-    uint8_t *missing;      /* [row][view][column]: nonzero = hole or never visited */
-    int64_t *row_missing;  /* [row]: how many of them */
-    float *scratch;        /* [thread][view][column][3] */
-    float *beside;         /* [thread][view][column][2], LF_GUIDE_LAYERS; NULL: no guides */
-    uint8_t *flags;        /* [thread][view][column] */
+    uint8_t *rgb;         /* [row][view][column][3]; what is missing is filled when it is shown */
+    uint8_t *missing;     /* [row][view][column]: nonzero = hole or never visited */
+    int64_t *row_missing; /* [row]: how many of them */
+    float *scratch;       /* [thread][view][column][3] */
+    float *beside;        /* [thread][view][column][2], LF_GUIDE_LAYERS; NULL: no guides */
+    uint8_t *flags;       /* [thread][view][column] */
     lf_tone *tone;
     lf_film_settings film; /* exposure: the one in use */
     bool metered;          /* the one in use was measured: it stays unless it is far off */

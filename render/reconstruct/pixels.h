@@ -2,7 +2,7 @@
 #ifndef LF_RENDER_RECONSTRUCT_PIXELS_H
 #define LF_RENDER_RECONSTRUCT_PIXELS_H
 
-#include <math.h>
+#include <string.h>
 
 #include "render/reconstruct/kernel.h"
 
@@ -25,15 +25,19 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
  * least: of what the pixel itself has found it does not outweigh as much. */
 static inline void lf_pixel_show(const float n[3], float w, const float predicted[4], float out[3])
 {
-    const bool near = predicted[3] >= 0.0f;
-    const float share = near ? predicted[3] : 1.0f;
-    for (int c = 0; c < 3; c++) {
-        float x = near ? predicted[c] : 0.0f, own = w > 0.0f ? n[c] / w : x;
-        if (x < 0.0f)
-            x = own > 0.0f ? (own < -x ? own : -x) : 0.0f;
-        float shown = w > 0.0f ? x + share * (own - x) : x;
-        out[c] = shown > 0.0f ? shown : 0.0f;
+    const bool near = predicted[3] >= 0.0f, found = w > 0.0f;
+    const float share = near ? predicted[3] : 1.0f, over = found ? w : 1.0f,
+                sum[4] = {n[0], n[1], n[2], 0.0f};
+    float shown[4]; /* without a branch, and one more than there are channels: vectors */
+    for (int c = 0; c < 4; c++) {
+        float x = near ? predicted[c] : 0.0f, own = found ? sum[c] / over : x,
+              least = own < -x ? own : -x;
+        least = own > 0.0f ? least : 0.0f;
+        x = x < 0.0f ? least : x;
+        float mixed = found ? x + share * (own - x) : x;
+        shown[c] = mixed > 0.0f ? mixed : 0.0f;
     }
+    memcpy(out, shown, 3 * sizeof *out);
 }
 
 /* The table for a row from the last fit. LF_E_NOMEM. */
