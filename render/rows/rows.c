@@ -109,10 +109,8 @@ static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
         lf_queue *queue = rows->queues[i] = lf_calloc(1, sizeof *queue);
         if (!queue)
             return LF_E_NOMEM;
-        queue->lanes = rows->lanes;
-        queue->suffixes = lf_kernels_get()->suffixes;
-        queue->each = sharing->suffixes;
-        queue->most = LF_QUEUE_FIRST;
+        lf_suffix_batch_init(&queue->batch, rows->lanes, lf_kernels_get()->suffixes,
+                             sharing->suffixes);
     }
     return rows->queues ? LF_OK : LF_E_NOMEM;
 }

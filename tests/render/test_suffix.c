@@ -313,7 +313,7 @@ static int64_t waiting(rig *r, float sigma, float albedo)
     lf_assert_ok(lf_renderer_passes(renderer, NULL, 90, false, NULL, NULL, NULL), NULL);
     const lf_rows *rows = renderer->state;
     assert_non_null(rows->queues);
-    int64_t most = rows->queues[0]->most;
+    int64_t most = rows->queues[0]->batch.most;
     lf_renderer_destroy(renderer);
     return most;
 }
@@ -325,8 +325,8 @@ static void few_wait_where_paths_are_long(void **state)
     rig r = make_rig(SCENE("'albedo': 1", SKY), 4.0f);
     int64_t thin = waiting(&r, 4.0f, 0.5f), dense = waiting(&r, 600.0f, 1.0f);
     print_message("%d pivots wait in thin smoke, %d in dense white\n", (int)thin, (int)dense);
-    assert_true(thin == LF_QUEUE_PIVOTS);
-    assert_true(dense >= 16 && dense < LF_QUEUE_PIVOTS * 3 / 4);
+    assert_true(thin == LF_BATCH_PIVOTS);
+    assert_true(dense >= 16 && dense < LF_BATCH_PIVOTS * 3 / 4);
     drop_rig(&r);
 }
 

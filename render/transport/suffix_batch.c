@@ -1,0 +1,129 @@
+#include "render/transport/suffix_batch.h"
+
+#include <math.h>
+
+#include "render/transport/phase.h"
+
+/* Look-ups between two questions whether a visit is cancelled, about: some hundredths of a second.
+ * Pivots that keep lanes busy; and those of a batch that does not know yet how long paths are. */
+enum { MOST_LOOKUPS = 1 << 20, LEAST_PIVOTS = 16, FIRST_PIVOTS = 64 };
+
+void lf_suffix_batch_init(lf_suffix_batch *batch, const lf_lane_scene *lanes,
+                          const lf_suffixes *suffixes, int each)
+{
+    batch->lanes = lanes;
+    batch->suffixes = suffixes;
+    batch->each = each;
+    batch->most = FIRST_PIVOTS;
+}
+
+static void set_key(uint32_t *low, uint32_t *high, uint64_t key)
+{
+    *low = (uint32_t)key;
+    *high = (uint32_t)(key >> 32);
+}
+
+/* The pivot's light, and what its shadow ray starts with. */
+static void prepare_light(lf_suffix_batch *batch, const lf_scene *scene, int at,
+                          lf_sampler *sampler)
+{
+    lf_batch_pivot *pivot = &batch->pivot[at];
+    const lf_vec3 p = pivot->p;
+    float u[3];
+    u[0] = lf_sampler_1d(sampler);
+    lf_sampler_2d(sampler, u + 1);
+    pivot->has_light = lf_light_draw(scene, p, u, &pivot->light);
+    /* anywhere, where there is none */
+    lf_vec3 toward = pivot->has_light ? pivot->light.wi : lf_v3(0.0f, 1.0f, 0.0f);
+    batch->toward[0][at] = toward.x;
+    batch->toward[1][at] = toward.y;
+    batch->toward[2][at] = toward.z;
+    for (int i = 0; i < 3; i++) {
+        const float *row = batch->lanes->to_volume[i];
+        batch->q[i][at] = row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
+    }
+    set_key(&batch->random[0][at], &batch->random[1][at], lf_hash64(pivot->rng, 0));
+}
+
+/* Directions of its suffixes: the sampler's, and from it a lattice around the sphere. */
+static void prepare_paths(lf_suffix_batch *batch, const lf_scene *scene, int at,
+                          lf_sampler *sampler)
+{
+    const lf_batch_pivot *pivot = &batch->pivot[at];
+    float u[3];
+    lf_sampler_2d(sampler, u);
+    u[2] = lf_sampler_1d(sampler);
+    for (int k = 0; k < batch->each; k++) {
+        const int path = at * batch->each + k;
+        const float golden = 0.61803399f, share = (float)k / (float)batch->each;
+        float v[3] = {u[0] + share, u[1] + golden * (float)k, u[2]};
+        v[0] -= floorf(v[0]);
+        v[1] -= floorf(v[1]);
+        lf_vec3 wi = lf_volume_phase_sample(&scene->volumes[pivot->volume], pivot->w, v);
+        for (int i = 0; i < 3; i++)
+            batch->from[i][path] = batch->q[i][at];
+        batch->wi[0][path] = wi.x;
+        batch->wi[1][path] = wi.y;
+        batch->wi[2][path] = wi.z;
+        set_key(&batch->path_random[0][path], &batch->path_random[1][path],
+                lf_hash64(pivot->rng, (uint64_t)k + 1));
+    }
+}
+
+int lf_suffix_batch_add(lf_suffix_batch *batch, const lf_scene *scene, const lf_batch_pivot *pivot,
+                        lf_sampler *sampler)
+{
+    const int at = batch->n++;
+    batch->pivot[at] = *pivot;
+    prepare_light(batch, scene, at, sampler);
+    prepare_paths(batch, scene, at, sampler);
+    return at;
+}
+
+/* Twice as many as it was, or as many as take MOST_LOOKUPS by what these took. */
+static void set_most(lf_suffix_batch *batch, int64_t lookups)
+{
+    const int64_t fit = lookups > 0 ? batch->n * (int64_t)MOST_LOOKUPS / lookups : LF_BATCH_PIVOTS;
+    int64_t most = 2 * batch->most;
+    most = most < fit ? most : fit;
+    most = most < LF_BATCH_PIVOTS ? most : LF_BATCH_PIVOTS;
+    batch->most = most > LEAST_PIVOTS ? most : LEAST_PIVOTS;
+}
+
+int64_t lf_suffix_batch_trace(lf_suffix_batch *batch, int max_depth)
+{
+    const lf_lane_paths paths = {
+        .n = batch->n * batch->each,
+        .max_depth = max_depth,
+        .q = {batch->from[0], batch->from[1], batch->from[2]},
+        .w = {batch->wi[0], batch->wi[1], batch->wi[2]},
+        .random = {batch->path_random[0], batch->path_random[1]},
+        .radiance = {batch->radiance[0], batch->radiance[1], batch->radiance[2]},
+        .lit = {batch->lit[0], batch->lit[1], batch->lit[2]},
+        .escaped = batch->escaped,
+    };
+    const lf_lane_points points = {
+        .n = batch->n,
+        .q = {batch->q[0], batch->q[1], batch->q[2]},
+        .w = {batch->toward[0], batch->toward[1], batch->toward[2]},
+        .random = {batch->random[0], batch->random[1]},
+        .left = batch->left,
+    };
+    if (batch->n == 0)
+        return 0;
+    const int64_t lookups = batch->suffixes->trace(batch->lanes, &paths, &batch->memory) +
+                            batch->suffixes->light(batch->lanes, &points, &batch->memory);
+    set_most(batch, lookups);
+    return lookups;
+}
+
+void lf_suffix_batch_direction(const lf_suffix_batch *batch, const lf_scene *scene, int at, int k,
+                               lf_batch_direction *out)
+{
+    const int path = at * batch->each + k;
+    *out = (lf_batch_direction){.wi = {batch->wi[0][path], batch->wi[1][path], batch->wi[2][path]},
+                                .scattered = {batch->radiance[0][path], batch->radiance[1][path],
+                                              batch->radiance[2][path]}};
+    if (batch->lanes->has && batch->escaped[path] > 0.0f)
+        out->found = lf_light_escape(scene, out->wi, &out->found_pdf);
+}
