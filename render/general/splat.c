@@ -35,12 +35,17 @@ void lf_splats_finish(lf_splats *splats)
     splats->at = NULL;
 }
 
-/* false: the sum went round. It does so as often in any order, being a sum of whole numbers. */
-static bool add(atomic_uint_least64_t *sum, double steps, float u)
+/* How often the sum went round upwards. All of these together are as many in any order, since whole
+ * numbers are added up. */
+static int add(atomic_uint_least64_t *sum, double steps, float u)
 {
-    const uint64_t whole = (uint64_t)(steps + (double)u);
-    const uint64_t before = atomic_fetch_add_explicit(sum, whole, memory_order_relaxed);
-    return before + whole >= before;
+    const uint64_t low = UINT64_C(1)
+                         << 63; /* of the smallest number, so that order is that of bits */
+    const int64_t whole = (int64_t)floor(steps + (double)u);
+    const uint64_t before =
+                       atomic_fetch_add_explicit(sum, (uint64_t)whole, memory_order_relaxed) ^ low,
+                   after = before + (uint64_t)whole;
+    return (whole > 0 && after < before) - (whole < 0 && after > before);
 }
 
 void lf_splats_add(lf_splats *splats, lf_tracer *tracer, int row, size_t pixel, lf_vec3 n,
@@ -51,12 +56,12 @@ void lf_splats_add(lf_splats *splats, lf_tracer *tracer, int row, size_t pixel, 
                              (double)n.z / splats->unit, weight / LF_SPLAT_WEIGHT};
     bool good = true;
     for (int i = 0; i < 4; i++)
-        good = good && steps[i] >= 0.0 && steps[i] < LF_SPLAT_MOST;
+        good = good && fabs(steps[i]) < LF_SPLAT_MOST;
     int round = good ? 0 : 1;
     for (int i = 0; i < 4 && good; i++)
-        if (steps[i] > 0.0 && !add(&at->sum[i], steps[i], lf_rng(tracer)))
-            round++;
-    if (round > 0)
+        if (steps[i] != 0.0)
+            round += add(&at->sum[i], steps[i], lf_rng(tracer));
+    if (round != 0)
         atomic_fetch_add_explicit(&splats->dropped, round, memory_order_relaxed);
 }
 
@@ -66,7 +71,7 @@ void lf_splats_take(lf_splats *splats, int row, const lf_film_sums *out)
     for (size_t i = 0; i < splats->row; i++) {
         double value[4];
         for (int k = 0; k < 4; k++) {
-            value[k] = (double)atomic_load_explicit(&at[i].sum[k], memory_order_relaxed);
+            value[k] = (double)(int64_t)atomic_load_explicit(&at[i].sum[k], memory_order_relaxed);
             atomic_store_explicit(&at[i].sum[k], 0, memory_order_relaxed);
         }
         lf_film_scatter(out, i, (float)(value[0] * splats->unit), (float)(value[1] * splats->unit),

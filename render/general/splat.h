@@ -10,7 +10,7 @@
 #include "render/transport/track.h"
 
 typedef struct lf_splat {
-    atomic_uint_least64_t sum[4]; /* N, then W */
+    atomic_uint_least64_t sum[4]; /* N, then W; with a sign, in two's complement */
 } lf_splat;
 
 /* [row][view][column] */
@@ -25,7 +25,7 @@ typedef struct lf_splats {
 #define LF_SPLAT_WEIGHT 0x1p-32
 /* Steps that the largest radiance of a pilot is, few beside what rounding costs, so that there is
  * room for what a pilot misses; and those that are too many for one addition: 2^34 times as much. A
- * pixel holds another sixteen times that. */
+ * pixel holds another eight times that. */
 #define LF_SPLAT_PILOT 0x1p26
 #define LF_SPLAT_MOST 0x1p60
 
@@ -36,9 +36,9 @@ void lf_splats_scale(lf_splats *splats, float largest);
 int64_t lf_splats_bytes(const lf_splats *splats);
 void lf_splats_finish(lf_splats *splats);
 
-/* Adds a weight and radiance, weighted, both not below 0, to a view pixel [view][column] of a row,
- * rounded up or down at random in proportion by the tracer's numbers: without bias, and the same in
- * whatever order. Any thread. */
+/* Adds a weight and radiance, weighted (below 0 where a control says too much), to a view pixel
+ * [view][column] of a row, rounded up or down at random in proportion by the tracer's numbers:
+ * without bias, and the same in whatever order. Any thread. */
 void lf_splats_add(lf_splats *splats, lf_tracer *tracer, int row, size_t pixel, lf_vec3 n,
                    double weight);
 

@@ -1,12 +1,12 @@
 /* Cameras listed one by one (render/general/any_cameras.h): points land where a pinhole's own words
  * say; the densities that weights are made of are those of a rectified rig, to 1e-5, where the list
  * is one; pictures by the general way and by rows agree, tile by tile, and W is n q everywhere;
- * the sums do not depend on the order, nor pictures on the number of threads. */
+ * pictures do not depend on the number of threads. */
 #include "tests/testing.h"
 
 #include "render/general/depth.h"
 #include "render/general/pinhole.h"
-#include "render/general/splat.h"
+#include "render/renderer.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 
@@ -297,81 +297,6 @@ static void depths_are_integrals(void **state)
     }
 }
 
-/* ---------------------------------------------------------------------------------------- sums --
- */
-
-static void sums_do_not_depend_on_the_order(void **state)
-{
-    (void)state;
-    const lf_film_layout layout = {.n_views = 2, .width = 3, .height = 2, .has_known = true};
-    lf_film_scattered seen[2][6];
-    for (int way = 0; way < 2; way++) {
-        lf_splats splats = {0};
-        lf_film_sums sums = {0};
-        lf_assert_ok(lf_splats_init(&splats, &layout), NULL);
-        lf_assert_ok(lf_film_sums_init(&sums, &layout), NULL);
-        lf_splats_scale(&splats, 2.0f);
-        for (int i = 0; i < 5000; i++) {
-            const int n = way ? 4999 - i : i;
-            lf_tracer tracer = {.rng = lf_hash64(5, (uint64_t)n)};
-            const float y = expf(6.0f * lf_rng(&tracer) - 5.0f);
-            lf_splats_add(&splats, &tracer, n % 2, (size_t)(n % 6), lf_v3(y, 0.1f * y, 3.0f * y),
-                          0.3 * (double)y);
-        }
-        for (int row = 0; row < 2; row++) {
-            lf_film_sums_begin(&sums);
-            lf_splats_take(&splats, row, &sums);
-            for (int k = 0; k < 6; k++)
-                if (row == k % 2)
-                    seen[way][k] = sums.half.scattered[k];
-        }
-        /* it is empty by then */
-        lf_film_sums_begin(&sums);
-        lf_splats_take(&splats, 0, &sums);
-        assert_true(sums.half.scattered[0].w == 0.0f);
-        assert_int_equal(atomic_load(&splats.dropped), 0);
-        lf_film_sums_finish(&sums);
-        lf_splats_finish(&splats);
-    }
-    assert_memory_equal(seen[0], seen[1], sizeof seen[0]);
-    assert_true(seen[0][3].w > 1.0f);
-    lf_assert_close((double)seen[0][3].n[2], 10.0 * (double)seen[0][3].w, 1e-6, 0);
-}
-
-/* What is far less than a step counts in the mean, what is too much is dropped and told. */
-static void small_sums_stay_and_great_ones_are_told(void **state)
-{
-    (void)state;
-    enum { N = 200000 };
-    const lf_film_layout layout = {.n_views = 1, .width = 1, .height = 1, .has_known = true};
-    lf_splats splats = {0};
-    lf_film_sums sums = {0};
-    lf_tracer tracer = {.rng = lf_test_seed()};
-    lf_assert_ok(lf_splats_init(&splats, &layout), NULL);
-    lf_assert_ok(lf_film_sums_init(&sums, &layout), NULL);
-    lf_splats_scale(&splats, 1.0f);
-    const double small = 0.01 * LF_SPLAT_WEIGHT;
-    for (int i = 0; i < N; i++)
-        lf_splats_add(&splats, &tracer, 0, 0, lf_v3(0.0f, 0.0f, 0.0f), small);
-    lf_film_sums_begin(&sums);
-    lf_splats_take(&splats, 0, &sums);
-    /* five standard deviations of 2000 successes */
-    lf_assert_close((double)sums.half.scattered[0].w, N * small, 0.12, 0);
-    static const float bad[] = {INFINITY, NAN, -1.0f, 4e10f};
-    for (int i = 0; i < 4; i++)
-        lf_splats_add(&splats, &tracer, 0, 0, lf_v3(bad[i], 0.0f, 0.0f), 1.0);
-    assert_int_equal(atomic_load(&splats.dropped), 4);
-    /* and sums that go round, each once, whatever the others do */
-    for (int i = 0; i < 40; i++)
-        lf_splats_add(&splats, &tracer, 0, 0, lf_v3(2e10f, i < 39 ? 2e10f : 1e10f, 0.0f), 1.0);
-    assert_int_equal(atomic_load(&splats.dropped), 6);
-    lf_film_sums_begin(&sums);
-    lf_splats_take(&splats, 0, &sums);
-    lf_assert_close((double)sums.half.scattered[0].n[1], 79e10 - 0x1p39, 1e-6, 0);
-    lf_film_sums_finish(&sums);
-    lf_splats_finish(&splats);
-}
-
 /* ----------------------------------------------------------------------------------- pictures --
  */
 
@@ -395,10 +320,9 @@ static lf_scene *things(const char *camera)
     return lf_test_grid_scene(camera, lf_test_grid(lf_test_rough, 9, 8, 7), 0.2, 0.4, 3.0f, false);
 }
 
-static void pictures(lf_scene *scene, const char *integrator, int passes, uint64_t salt,
-                     lf_blocks out[3])
+/* Takes the renderer. */
+static void pictures_of(lf_renderer *r, int passes, uint64_t salt, lf_blocks out[3])
 {
-    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     lf_render_stats stats;
     for (int i = 0; i < 3; i++)
         lf_blocks_init(&out[i], n_views, width, height, tile);
@@ -412,6 +336,12 @@ static void pictures(lf_scene *scene, const char *integrator, int passes, uint64
     lf_renderer_stats(r, &stats);
     assert_int_equal(stats.nonfinite_dropped, 0);
     lf_renderer_destroy(r);
+}
+
+static void pictures(lf_scene *scene, const char *integrator, int passes, uint64_t salt,
+                     lf_blocks out[3])
+{
+    pictures_of(lf_test_renderer(scene, integrator, width, height, NULL), passes, salt, out);
 }
 
 /* The smallest p of all tiles and the whole. Where there is nothing but sky, means are rounded. */
@@ -512,6 +442,45 @@ static void cameras_all_around_agree_with_each_alone(void **state)
         lf_blocks_finish(&alone[i]);
     }
     lf_scene_unref(scene);
+}
+
+static lf_renderer *with_suffixes(lf_scene *scene, const char *integrator, bool in_lanes)
+{
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.skip = in_lanes ? LF_SKIP_ALL : LF_SKIP_ALL & ~LF_SKIP_PATHS;
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    assert_true(in_lanes ? (bool)r->lanes : !r->lanes);
+    return r;
+}
+
+/* A cloud alone under a wide sun, which light samples and directions find: what its paths bring
+ * side by side is what each brings alone. */
+static void lanes_bring_what_single_paths_do(void **state)
+{
+    (void)state;
+    static const char *const phases[] = {"0", "0.6"}, *const names[] = {"mvpt", "vpt"};
+    const double level = lf_sidak(0.4 * LF_FALSE_ALARM, 4 * tiles);
+    for (int i = 0; i < 2; i++) {
+        char text[2000], what[64];
+        lf_blocks alone[3], lanes[3];
+        snprintf(text, sizeof text,
+                 "%s'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': "
+                 "[0.98, 0.9, 0.8], 'g': %s } }, %s }",
+                 AROUND, phases[i], WIDE_SUNS);
+        lf_scene *scene = things(text);
+        pictures_of(with_suffixes(scene, "vpt", false), 30 * n_views, 6, alone);
+        for (int j = 0; j < 2; j++) {
+            pictures_of(with_suffixes(scene, names[j], true), (j ? 20 : 8) * n_views, 7, lanes);
+            snprintf(what, sizeof what, "lanes, g %s, %s", phases[i], names[j]);
+            assert_agreement(&lanes[1], &alone[1], what, level);
+            for (int k = 0; k < 3; k++)
+                lf_blocks_finish(&lanes[k]);
+        }
+        for (int k = 0; k < 3; k++)
+            lf_blocks_finish(&alone[k]);
+        lf_scene_unref(scene);
+    }
 }
 
 static void whole_passes(lf_renderer *r)
@@ -684,11 +653,10 @@ int main(void)
         cmocka_unit_test(densities_are_those_of_the_rig),
         cmocka_unit_test(areas_are_those_of_pixels),
         cmocka_unit_test(depths_are_integrals),
-        cmocka_unit_test(sums_do_not_depend_on_the_order),
-        cmocka_unit_test(small_sums_stay_and_great_ones_are_told),
         cmocka_unit_test(the_general_way_agrees_with_rows),
         cmocka_unit_test(lenses_agree_with_those_of_rows),
         cmocka_unit_test(cameras_all_around_agree_with_each_alone),
+        cmocka_unit_test(lanes_bring_what_single_paths_do),
         cmocka_unit_test(weights_come_to_samples),
         cmocka_unit_test(a_white_world_is_white),
         cmocka_unit_test(surfaces_leave_no_holes),
