@@ -19,7 +19,8 @@ typedef struct lf_integrator_input {
     const lf_scene *seen; /* what it is to see of the scene (skip.h): copied */
     const lf_render_settings *settings;
     lf_pool *pool;
-    const struct lf_lane_scene *lanes; /* transport/lane_scene.h; NULL: they do not serve it */
+    const struct lf_lane_scene *lanes;  /* transport/lane_scene.h; NULL: they do not serve it */
+    const struct lf_suffixes *suffixes; /* of this machine's instruction set, for them */
     lf_film *film; /* to be visited; has the layout and sky of lf_integrator_needs by then */
 } lf_integrator_input;
 

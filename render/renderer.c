@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "render/rows/kernel.h"
 #include "render/scene/geometry.h"
 #include "render/skip.h"
 #include "render/transport/sampler.h"
@@ -78,7 +79,8 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
         return lf_error_set(err, LF_E_ARG, "integrator", "%s knows no reuse of reservoirs",
                             fresh->name);
     status = make_lanes(r, scene, settings->skip & fresh->integrator->skips, &fresh->lanes);
-    const lf_integrator_input input = {scene, &seen, settings, r->pool, fresh->lanes, &r->film};
+    const lf_integrator_input input = {
+        scene, &seen, settings, r->pool, fresh->lanes, lf_kernels_get()->suffixes, &r->film};
     if (status == LF_OK)
         status = fresh->integrator->create(&input, index, &fresh->state, &fresh->needs, err);
     if (status == LF_OK) {

@@ -60,7 +60,7 @@ render/transport: render/render.h render/scene
 render/load: render/render.h render/scene render/transport
 render/film: render/render.h render/transport
 render/rows: render/render.h render/integrator.h render/scene render/transport render/film
-render/general: render/render.h render/integrator.h render/scene render/transport render/film render/rows/rig.h render/rows/adaptive.h render/rows/kernel.h
+render/general: render/render.h render/integrator.h render/scene render/transport render/film render/rows/rig.h render/rows/adaptive.h
 render/reconstruct: render/render.h render/film
 render/reader: render/render.h render/scene render/transport render/load
 render: render/scene render/transport render/load render/film render/rows render/general render/reconstruct

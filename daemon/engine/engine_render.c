@@ -22,8 +22,8 @@
 #define STATS_SHARE 0.05
 #define MAX_SPP 65536
 /* The reconstruction is fitted again when there are so many times more passes than at the last fit,
- * fewer times before the picture is complete, and all rows shown by the new one. Together they get
- * at most this share of the time. */
+ * and all rows shown by the new one: while rows are missing, and then. Together they get at most
+ * this share of the time. */
 #define FIT_GROWTH_INCOMPLETE 3.0
 #define FIT_GROWTH 1.3
 #define FIT_SHARE 0.3
@@ -160,7 +160,8 @@ static bool fit_follows(const lf_engine *engine)
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
-    const double growth = engine->level < LF_LEVEL_COMPLETE ? FIT_GROWTH_INCOMPLETE : FIT_GROWTH;
+    const double growth =
+        lf_picture_missing(&engine->picture) > 0 ? FIT_GROWTH_INCOMPLETE : FIT_GROWTH;
     if (!engine->renderer || !engine->picture.reconstructs || fit->passes == engine->spent.passes)
         return false;
     bool follows = fit_follows(engine), first = fit->passes <= 0 && (fit->may_begin || follows),

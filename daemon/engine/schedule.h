@@ -17,7 +17,7 @@
 
 typedef struct lf_schedule {
     int height, n_views;  /* rows of a view; passes of a whole native sample */
-    bool fitted;          /* what is shown is a fit, which has no holes */
+    bool fitted;          /* what was shown at the start is a fit, which has no holes */
     int sweep;            /* number of the sweep in progress */
     int batch, n_batches; /* next batch of it, out of */
     /* what one pass over one row takes, with all threads at work; 0 = not known. Survives a restart

@@ -8,7 +8,6 @@
 #include "render/general/alike.h"
 #include "render/general/any_pivot.h"
 #include "render/general/depth.h"
-#include "render/rows/kernel.h"
 
 enum { MVPT, VPT, N_ENTRIES };
 
@@ -18,6 +17,7 @@ static const lf_integrator_entry entries[N_ENTRIES] = {
 
 /* Paths that find how bright it gets. */
 #define PILOT_PATHS 1024
+
 /* -------------------------------------------------------------------------------- base samples --
  */
 
@@ -51,7 +51,7 @@ static bool find_pivot(const lf_any_cameras *s, lf_any_worker *w, lf_vec3 d, lf_
 }
 
 static void base_sample(lf_any_cameras *s, lf_any_worker *w, lf_any_pivot *p, uint64_t pixel,
-                        uint32_t index, bool pilot)
+                        uint32_t index, bool pilot, const lf_cancel *cancel)
 {
     float film[2];
     w->base_paths++;
@@ -64,7 +64,7 @@ static void base_sample(lf_any_cameras *s, lf_any_worker *w, lf_any_pivot *p, ui
     if (!find_pivot(s, w, d, p))
         return;
     if (w->queue && !pilot)
-        lf_any_push(s, w, p);
+        lf_any_push(s, w, p, cancel);
     else
         lf_any_scatter(s, w, p, pilot);
 }
@@ -82,7 +82,7 @@ static void look_ahead(void *the_state, int item, int worker_index)
                           .view = (int)(lf_hash64(key, 1) % (uint64_t)s->n_views),
                           .row = (int)(lf_hash64(key, 2) % (uint64_t)s->height),
                           .column = (int)(lf_hash64(key, 3) % (uint64_t)s->width)};
-        base_sample(s, w, &p, key, 0, true);
+        base_sample(s, w, &p, key, 0, true, NULL);
     }
     lf_splats_scale(&s->splats, w->brightest);
     w->base_paths = 0;
@@ -130,10 +130,10 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
                               .column = column};
             const uint64_t pixel =
                 numbers_of(key, (size_t)p.view * (size_t)s->width + (size_t)column);
-            base_sample(s, w, &p, pixel, index, false);
+            base_sample(s, w, &p, pixel, index, false, cancel);
         }
     if (w->queue)
-        lf_any_flush(s, w);
+        lf_any_flush(s, w, cancel);
     return true;
 }
 
@@ -302,7 +302,7 @@ static lf_status make_queue(const lf_any_cameras *s, lf_any_worker *w)
     w->queue = lf_calloc(1, sizeof *w->queue);
     if (!w->queue)
         return LF_E_NOMEM;
-    lf_suffix_batch_init(&w->queue->batch, s->lanes, lf_kernels_get()->suffixes,
+    lf_suffix_batch_init(&w->queue->batch, s->lanes, s->suffixes,
                          s->alone ? LF_ANY_SUFFIXES_ALONE : LF_ANY_SUFFIXES);
     return LF_OK;
 }
@@ -332,6 +332,7 @@ static void set_up(lf_any_cameras *s, const lf_integrator_input *input, int inde
     s->seen = *input->seen;
     s->pool = input->pool;
     s->lanes = input->lanes;
+    s->suffixes = input->suffixes;
     s->film = input->film;
     s->n_views = settings->camera.n_views;
     s->width = settings->width;
@@ -383,7 +384,7 @@ static void count(const void *the_state, lf_render_stats *out)
         const lf_any_worker *w = s->workers[i];
         lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
     }
-    out->nonfinite_dropped += atomic_load(&s->splats.dropped);
+    out->nonfinite_dropped += lf_splats_lost(&s->splats);
     out->film_bytes += lf_splats_bytes(&s->splats);
     out->rays_traced = s->has_meshes ? out->rays_traced : -1;
     out->volume_lookups = s->has_volumes ? out->volume_lookups : -1;

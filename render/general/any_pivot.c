@@ -1,5 +1,6 @@
 #include "render/general/any_pivot.h"
 
+#include <assert.h>
 #include <math.h>
 
 #include "render/general/depth.h"
@@ -196,9 +197,10 @@ static void spread_batch(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot
             continue;
         const lf_vec3 one =
             k < 0 ? light_of(batch, at, densities, over) : direction_of(&d, densities, over);
-        sum = lf_add(sum, one);
-        if (!same)
+        if (!same || !isfinite(one.x + one.y + one.z))
             spread(s, w, one, false);
+        else
+            sum = lf_add(sum, one);
     }
     if (same)
         spread(s, w, sum, false);
@@ -243,7 +245,7 @@ void lf_any_scatter(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p, 
         add_found(s, w, densities);
 }
 
-void lf_any_flush(lf_any_cameras *s, lf_any_worker *w)
+void lf_any_flush(lf_any_cameras *s, lf_any_worker *w, const lf_cancel *cancel)
 {
     lf_any_queue *q = w->queue;
     double densities;
@@ -258,6 +260,9 @@ void lf_any_flush(lf_any_cameras *s, lf_any_worker *w)
                                 .row = q->base[i].row,
                                 .column = q->base[i].column,
                                 .lens = {q->base[i].lens[0], q->base[i].lens[1]}};
+        if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
+            break;
+        w->tracer.rng = waits->rng; /* sums are rounded by numbers of their own, whoever waits */
         if (!weigh(s, w, &p, s->alone, &densities))
             continue;
         spread_batch(s, w, &p, i, densities);
@@ -266,7 +271,8 @@ void lf_any_flush(lf_any_cameras *s, lf_any_worker *w)
     q->batch.n = 0;
 }
 
-void lf_any_push(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p)
+void lf_any_push(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
+                 const lf_cancel *cancel)
 {
     lf_any_queue *q = w->queue;
     const lf_batch_pivot waits = {
@@ -278,5 +284,5 @@ void lf_any_push(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p)
     q->base[at].lens[0] = p->lens[0];
     q->base[at].lens[1] = p->lens[1];
     if (lf_suffix_batch_is_full(&q->batch))
-        lf_any_flush(s, w);
+        lf_any_flush(s, w, cancel);
 }

@@ -46,6 +46,7 @@ typedef struct lf_any_cameras {
     lf_scene seen;
     lf_pool *pool;
     const lf_lane_scene *lanes; /* what does its suffixes; NULL: none */
+    const lf_suffixes *suffixes;
     lf_film *film;
     lf_pinhole *views; /* [n_views] */
     int n_views, width, height;
@@ -74,8 +75,9 @@ void lf_any_scatter(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p, 
 
 /* Takes in a pivot in a medium for lanes, whose sampler's numbers it draws at once; flushes when it
  * is full. */
-void lf_any_push(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p);
-/* Draws the suffixes of all that wait and adds what they bring. */
-void lf_any_flush(lf_any_cameras *s, lf_any_worker *w);
+void lf_any_push(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
+                 const lf_cancel *cancel);
+/* Draws the suffixes of all that wait and adds what they bring; cancelled: leaves the rest out. */
+void lf_any_flush(lf_any_cameras *s, lf_any_worker *w, const lf_cancel *cancel);
 
 #endif

@@ -19,7 +19,8 @@ typedef struct lf_splats {
     int height;
     lf_splat *at;
     double unit;          /* radiance for a step of N; W's is LF_SPLAT_WEIGHT */
-    atomic_llong dropped; /* what was too much for the sums, or no number */
+    atomic_llong dropped; /* what was too much for one addition, or no number */
+    atomic_llong rounds;  /* sums that went round upwards less those that did downwards */
 } lf_splats;
 
 #define LF_SPLAT_WEIGHT 0x1p-32
@@ -32,6 +33,8 @@ typedef struct lf_splats {
 /* For such a film; largest: what a pilot found, 0: nothing. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_splats_init(lf_splats *splats, const lf_film_layout *layout);
 void lf_splats_scale(lf_splats *splats, float largest);
+/* Numbers that are lost to what was dropped or went round; sums that go round both ways cancel. */
+int64_t lf_splats_lost(const lf_splats *splats);
 /* What they take. */
 int64_t lf_splats_bytes(const lf_splats *splats);
 void lf_splats_finish(lf_splats *splats);

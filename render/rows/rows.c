@@ -109,8 +109,7 @@ static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
         lf_queue *queue = rows->queues[i] = lf_calloc(1, sizeof *queue);
         if (!queue)
             return LF_E_NOMEM;
-        lf_suffix_batch_init(&queue->batch, rows->lanes, lf_kernels_get()->suffixes,
-                             sharing->suffixes);
+        lf_suffix_batch_init(&queue->batch, rows->lanes, rows->suffixes, sharing->suffixes);
     }
     return rows->queues ? LF_OK : LF_E_NOMEM;
 }
@@ -227,6 +226,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     rows->seen = *input->seen;
     rows->pool = input->pool;
     rows->lanes = input->lanes;
+    rows->suffixes = input->suffixes;
     lf_status status = lf_rig_init(&rows->rig, input->settings, input->scene->origin, err);
     rig_track track;
     if (status == LF_OK) {

@@ -14,6 +14,7 @@ typedef struct lf_rows {
     lf_scene seen; /* what is seen of the scene; borrows from it */
     lf_pool *pool;
     const lf_lane_scene *lanes; /* what does its suffixes (queue.h); NULL: one by one */
+    const lf_suffixes *suffixes;
     lf_rig rig;
     lf_media_frame frame, flames;
     lf_row_triangles triangles; /* all zero without meshes */

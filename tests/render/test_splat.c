@@ -34,7 +34,7 @@ static void sums_do_not_depend_on_the_order(void **state)
         lf_film_sums_begin(&sums);
         lf_splats_take(&splats, 0, &sums);
         assert_true(sums.half.scattered[0].w == 0.0f);
-        assert_int_equal(atomic_load(&splats.dropped), 0);
+        assert_int_equal(lf_splats_lost(&splats), 0);
         lf_film_sums_finish(&sums);
         lf_splats_finish(&splats);
     }
@@ -65,12 +65,12 @@ static void small_sums_stay_and_great_ones_are_told(void **state)
     static const float bad[] = {INFINITY, NAN, -4e10f, 4e10f};
     for (int i = 0; i < 4; i++)
         lf_splats_add(&splats, &tracer, 0, 0, lf_v3(bad[i], 0.0f, 0.0f), 1.0);
-    assert_int_equal(atomic_load(&splats.dropped), 4);
+    assert_int_equal(lf_splats_lost(&splats), 4);
     /* what is below 0 takes away, a third of a step as well */
     for (int i = 0; i < N; i++)
         lf_splats_add(&splats, &tracer, 0, 1, lf_v3(i % 2 ? -3.0f : 2.0f, -0x1p-25f / 3.0f, 0.0f),
                       0.0);
-    assert_int_equal(atomic_load(&splats.dropped), 4);
+    assert_int_equal(lf_splats_lost(&splats), 4);
     lf_film_sums_begin(&sums);
     lf_splats_take(&splats, 0, &sums);
     lf_assert_close((double)sums.half.scattered[1].n[0], -0.5 * N, 1e-6, 0);
@@ -79,10 +79,17 @@ static void small_sums_stay_and_great_ones_are_told(void **state)
     /* and sums that go round, each once, whatever the others do */
     for (int i = 0; i < 40; i++)
         lf_splats_add(&splats, &tracer, 0, 0, lf_v3(2e10f, i < 39 ? 2e10f : 1e10f, 0.0f), 1.0);
-    assert_int_equal(atomic_load(&splats.dropped), 6);
+    assert_int_equal(lf_splats_lost(&splats), 6);
     lf_film_sums_begin(&sums);
     lf_splats_take(&splats, 0, &sums);
     lf_assert_close((double)sums.half.scattered[0].n[1], 79e10 - 0x1p39, 1e-6, 0);
+    /* downwards as upwards */
+    lf_splats_finish(&splats);
+    lf_assert_ok(lf_splats_init(&splats, &layout), NULL);
+    lf_splats_scale(&splats, 2.0f);
+    for (int i = 0; i < 40; i++)
+        lf_splats_add(&splats, &tracer, 0, 0, lf_v3(-2e10f, 0.0f, 0.0f), 1.0);
+    assert_true(lf_splats_lost(&splats) > 0);
     lf_film_sums_finish(&sums);
     lf_splats_finish(&splats);
 }
