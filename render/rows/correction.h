@@ -21,11 +21,15 @@
 #define LF_CORRECTION_EXIT 16.0f
 
 /* The same of B and q in a visit that gives a view pixel so many contributions, its own included:
- * twice a pivot's density at least, LF_CORRECTION_EXIT at most. The variance of weights falls with
- * their density as that of paths with their number, so that one is to grow with the other. */
-static inline float lf_correction_exit_density(float contributions)
+ * four times a pivot's density at least, LF_CORRECTION_EXIT at most. The variance of weights falls
+ * with their density as that of paths with their number, so that one is to grow with the other. A
+ * fit has little noise of paths left, and keeps B and q as they are: sparks at wisps would be seen.
+ */
+static inline float lf_correction_exit_density(float contributions, bool fitted)
 {
-    return lf_min(lf_max(0.5f * contributions, 2.0f * LF_CORRECTION_PIVOT), LF_CORRECTION_EXIT);
+    return fitted ? LF_CORRECTION_EXIT
+                  : lf_min(lf_max(0.5f * contributions, 4.0f * LF_CORRECTION_PIVOT),
+                           LF_CORRECTION_EXIT);
 }
 
 /* Rays X(Z) = x0[k] + slope[k] Z of a row's plane, z_from < Z < z_end[k], in the order that

@@ -506,7 +506,7 @@ static void coarse_row(const lf_exits *e)
     }
 }
 
-/* Contributions that this visit gives a view pixel. */
+/* Contributions that this visit gives a view pixel, on average where a map has other numbers. */
 static float contributions(const lf_visit_plan *plan)
 {
     float paths = (float)plan->order.subsets / (float)plan->order.column_step;
@@ -521,7 +521,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
     e.constant = sky_of_row(plan, visit, &e.sky);
     e.corrected = !plan->order.coarse && lf_correction_needed(&w->media) &&
                   !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
-    e.density = lf_correction_exit_density(contributions(plan));
+    e.density = lf_correction_exit_density(contributions(plan), visit->sums.feature);
     e.veiled = plan->scene->looks.veiled;
     w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)

@@ -300,6 +300,20 @@ static void a_rig_inside_a_grid_comes_to_an_end(void **state)
     lf_scene_unref(scene);
 }
 
+/* Of B and q: never fewer than four times a pivot's, never more than were measured to be of use,
+ * and always these where a fit keeps what they say. */
+static void points_of_exits_grow_with_the_paths_of_a_visit(void **state)
+{
+    (void)state;
+    static const float few[] = {0.02f, 1.0f, 4.0f, 16.0f}, more[] = {17.0f, 20.0f, 32.0f};
+    for (int i = 0; i < 4; i++)
+        assert_true(lf_correction_exit_density(few[i], false) == 8.0f);
+    for (int i = 0; i < 3; i++)
+        assert_true(lf_correction_exit_density(more[i], false) == 0.5f * more[i]);
+    assert_true(lf_correction_exit_density(45.0f, false) == 16.0f);
+    assert_true(lf_correction_exit_density(1.0f, true) == 16.0f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -308,6 +322,7 @@ int main(void)
         cmocka_unit_test(what_comes_through_rough_voxels_is_what_brute_force_says),
         cmocka_unit_test(a_rig_inside_a_grid_comes_to_an_end),
         cmocka_unit_test(what_comes_along_oblique_rays_is_right_and_quiet),
+        cmocka_unit_test(points_of_exits_grow_with_the_paths_of_a_visit),
     };
     return cmocka_run_group_tests_name("correction", tests, NULL, lf_test_finish);
 }
