@@ -118,10 +118,24 @@ static void spread(lf_any_cameras *s, lf_any_worker *w, lf_vec3 arriving, bool p
     }
 }
 
-/* A share of what a pivot brings, by a light sample: its balance is over all views' directions and
- * its own. */
+/* What a light sample brings, of which so much is left, and what a direction does, over their
+ * densities: each is in balance with all of the others. over: sum of densities times pdf of all
+ * directions. */
+static lf_vec3 of_light(const lf_light_sample *light, float left, double densities, double over)
+{
+    const double density = (double)light->pdf * densities + (light->delta ? 0.0 : over);
+    return lf_scale(light->radiance, (float)((double)left / density));
+}
+
+static lf_vec3 of_direction(const lf_batch_direction *d, double densities, double over)
+{
+    return lf_add(lf_scale(d->scattered, (float)(1.0 / over)),
+                  lf_scale(d->found, (float)(1.0 / (over + (double)d->found_pdf * densities))));
+}
+
+/* A share of what a pivot brings, by a light sample that is in balance with one direction. */
 static void spread_light(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
-                         double densities, double share, bool pilot)
+                         double densities, float share, bool pilot)
 {
     float u[3];
     lf_light_sample light;
@@ -132,23 +146,23 @@ static void spread_light(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot
     const float visible = lf_path_visible(&w->tracer, &p->event, &light);
     if (!(visible > 0.0f))
         return;
-    const double over = lobes(s, w, p, light.wi, densities),
-                 density = (double)light.pdf * densities + (light.delta ? 0.0 : over);
-    spread(s, w, lf_scale(light.radiance, (float)(share * (double)visible / density)), pilot);
+    const double over = lobes(s, w, p, light.wi, densities);
+    spread(s, w, lf_scale(of_light(&light, visible, densities, over), share), pilot);
 }
 
 /* The same by a direction of the base's own lobe, and all that comes along it. */
 static void spread_direction(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
-                             double densities, double share, bool pilot)
+                             double densities, float share, bool pilot)
 {
-    float u[3], light_pdf;
-    lf_vec3 wi, f;
+    float u[3];
+    lf_vec3 f;
     lf_event next;
+    lf_batch_direction d;
     lf_sampler_2d(p->sampler, u);
     u[2] = lf_sampler_1d(p->sampler);
-    if (!(lf_scatter_sample(&s->seen, &p->event, lf_scale(p->event.w, -1.0f), u, &wi, &f) > 0.0f))
+    if (!(lf_scatter_sample(&s->seen, &p->event, lf_scale(p->event.w, -1.0f), u, &d.wi, &f) > 0.0f))
         return;
-    const double over = lobes(s, w, p, wi, densities);
+    const double over = lobes(s, w, p, d.wi, densities);
     float most = 0.0f;
     for (int k = 0; k < s->n_views; k++)
         if (w->sight[k].density > 0.0)
@@ -156,28 +170,10 @@ static void spread_direction(lf_any_cameras *s, lf_any_worker *w, const lf_any_p
     if (!(most > 0.0f) || !(over > 0.0))
         return;
     w->tracer.spread = LF_SUFFIX_SPREAD;
-    lf_path_next(&w->tracer, &p->event, wi, &next);
-    const lf_vec3 found = lf_path_light_found(&s->seen, &p->event, &next, &light_pdf),
-                  scattered = lf_path_arriving(&w->tracer, &next, 2, s->max_depth);
-    spread(s, w,
-           lf_add(lf_scale(found, (float)(share / (over + (double)light_pdf * densities))),
-                  lf_scale(scattered, (float)(share / over))),
-           pilot);
-}
-
-/* What the light sample of pivot `at` brings, and one of its directions, over their densities: each
- * is in balance with all of the others. over: sum of densities times pdf of all directions. */
-static lf_vec3 light_of(const lf_suffix_batch *batch, int at, double densities, double over)
-{
-    const lf_light_sample *light = &batch->pivot[at].light;
-    const double density = (double)light->pdf * densities + (light->delta ? 0.0 : over);
-    return lf_scale(light->radiance, (float)((double)batch->left[at] / density));
-}
-
-static lf_vec3 direction_of(const lf_batch_direction *d, double densities, double over)
-{
-    return lf_add(lf_scale(d->scattered, (float)(1.0 / over)),
-                  lf_scale(d->found, (float)(1.0 / (over + (double)d->found_pdf * densities))));
+    lf_path_next(&w->tracer, &p->event, d.wi, &next);
+    d.found = lf_path_light_found(&s->seen, &p->event, &next, &d.found_pdf);
+    d.scattered = lf_path_arriving(&w->tracer, &next, 2, s->max_depth);
+    spread(s, w, lf_scale(of_direction(&d, densities, over), share), pilot);
 }
 
 /* What lanes have drawn behind pivot `at`; where every view is sent the same, in one go. */
@@ -195,8 +191,8 @@ static void spread_batch(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot
         const double over = batch->each * lobes(s, w, p, d.wi, densities);
         if (!(over > 0.0))
             continue;
-        const lf_vec3 one =
-            k < 0 ? light_of(batch, at, densities, over) : direction_of(&d, densities, over);
+        const lf_vec3 one = k < 0 ? of_light(&waits->light, batch->left[at], densities, over)
+                                  : of_direction(&d, densities, over);
         if (!same || !isfinite(one.x + one.y + one.z))
             spread(s, w, one, false);
         else
@@ -238,8 +234,8 @@ void lf_any_scatter(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p, 
     if (!weigh(s, w, p, s->alone || pilot, &densities))
         return;
     for (int i = 0; i < n; i++) {
-        spread_light(s, w, p, densities, 1.0 / n, pilot);
-        spread_direction(s, w, p, densities, 1.0 / n, pilot);
+        spread_light(s, w, p, densities, 1.0f / (float)n, pilot);
+        spread_direction(s, w, p, densities, 1.0f / (float)n, pilot);
     }
     if (!pilot)
         add_found(s, w, densities);

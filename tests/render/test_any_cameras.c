@@ -540,19 +540,15 @@ static void weights_come_to_samples(void **state)
 }
 
 /* In a world of radiance 1 that absorbs nothing all that is scattered is 1, whatever it weighs. */
-static void a_white_world_is_white(void **state)
+static void assert_white(lf_renderer *r)
 {
-    (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{ 'camera': { 'views': { 'circle': { 'count': 5 } } }, 'volumes': { 'v': { 'shape': "
-        "'sphere', 'density': 3, 'albedo': 1, 'transform': { 'scale': 0.6 } } }, "
-        "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", 24, 32, NULL);
-    lf_test_cycles(r, 2);
+    const lf_render_settings *settings = lf_renderer_settings(r);
+    const int row = settings->camera.n_views * settings->width;
     int found = 0;
-    for (int i = 0; i < 2 * 32 * 5 * 24; i++) {
-        const lf_film_half half = lf_film_at(&r->film, i / 2 / (5 * 24), i % 2);
-        const lf_film_scattered *at = &half.scattered[i / 2 % (5 * 24)];
+    lf_test_cycles(r, 2);
+    for (int i = 0; i < 2 * settings->height * row; i++) {
+        const lf_film_half half = lf_film_at(&r->film, i / 2 / row, i % 2);
+        const lf_film_scattered *at = &half.scattered[i / 2 % row];
         for (int k = 0; k < 3; k++)
             lf_assert_close((double)at->n[k], (double)at->w, 1e-5, 1e-6);
         found += at->w > 0.1f;
@@ -560,7 +556,23 @@ static void a_white_world_is_white(void **state)
     print_message("%d pixels scatter\n", found);
     assert_true(found > 500);
     lf_renderer_destroy(r);
-    lf_scene_unref(scene);
+}
+
+static void a_white_world_is_white(void **state)
+{
+    (void)state;
+    lf_scene *ball = lf_test_scene(
+        "{ 'camera': { 'views': { 'circle': { 'count': 5 } } }, 'volumes': { 'v': { 'shape': "
+        "'sphere', 'density': 3, 'albedo': 1, 'transform': { 'scale': 0.6 } } }, "
+        "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
+    lf_scene *grid =
+        things(AROUND LF_TEST_VOLUMES("") ", 'lights': { 'sky': { 'type': 'environment', "
+                                          "'radiance': 1 } } }");
+    assert_white(lf_test_renderer(ball, "mvpt", 24, 32, NULL));
+    assert_white(with_suffixes(grid, "mvpt", true, NULL));
+    assert_white(with_suffixes(grid, "mvpt", false, NULL));
+    lf_scene_unref(grid);
+    lf_scene_unref(ball);
 }
 
 static double *by_threads(lf_scene *scene, const char *integrator, bool in_lanes, int threads)
