@@ -49,15 +49,25 @@ typedef struct lf_row_table {
     size_t size;
 } lf_row_table;
 
+/* Fits that are made side by side. */
+#define LF_SOLVE_LANES 8
+
 typedef struct lf_reconstruct_kernels {
     /* Features of both halves; with `halves` also of each. Without, of lf_pixels alone u, z, q and
      * f[LF_BOTH]. */
     void (*read)(const lf_view_row *in, bool halves, lf_pixels *out);
     /* Adds one pixel's weight and radiance to moments. */
     void (*add)(lf_moments *m, float w, const float n[3], const float f[LF_FEATURES]);
-    /* Adds weight times the sums of `from` as seen from a place `shift` away: f + shift for the
-     * first three features. */
-    void (*move)(lf_moments *to, const lf_moments *from, float weight, const float shift[3]);
+    /* Adds weight times the sums of `from` as seen from a place `shift` away: f + shift, 0 but
+     * for the first three features. wff on and above the diagonal alone; below it is undefined. */
+    void (*move)(lf_moments *to, const lf_moments *from, float weight,
+                 const float shift[LF_FEATURES]);
+    /* Weighted least squares of N/W on features, a plane a channel, from where the moments are
+     * seen. Features are centred and scaled to a variance of about 1; ridge 4/W + 1e-3 (W counts
+     * pivots). depth: of a finest cell, in pixels at Z = D. Without weight: 0. Looks at wff on and
+     * above the diagonal. */
+    void (*solve)(const lf_moments *const moments[LF_SOLVE_LANES], double depth,
+                  lf_plane (*const out[LF_SOLVE_LANES])[3]);
     /* The prediction of R for n pixels from `first` on, out [n][4]: R, G, B and the share of N/W,
      * -1 where there is no node. Pixels without features are left out. */
     void (*predict)(const lf_row_table *table, const lf_pixels *pixels, int first, int n,
@@ -66,7 +76,7 @@ typedef struct lf_reconstruct_kernels {
 
 extern const lf_reconstruct_kernels lf_reconstruct_kernels_c;
 #if defined(__x86_64__)
-extern const lf_reconstruct_kernels lf_reconstruct_kernels_avx2;
+extern const lf_reconstruct_kernels lf_reconstruct_kernels_avx2, lf_reconstruct_kernels_avx512;
 #endif
 
 #endif

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/reconstruct/kernel.h"
+#include "render/reconstruct/solve_lanes.h"
 
 /* Pixels that are read side by side: without a branch, so that compilers make vectors of them. */
 #define READ_LANES 8
@@ -151,42 +151,55 @@ static void read(const lf_view_row *in, bool halves, lf_pixels *out)
         read_lanes(in, k, in->n - k, halves, out);
 }
 
-static void add(lf_moments *m, float w, const float n[3], const float f[LF_FEATURES])
+/* A row of numbers by feature: one vector or two, as the machine has them. */
+typedef float by_feature __attribute__((vector_size(4 * LF_FEATURES)));
+
+static inline void add_row(float *to, float weight, const float *from)
+{
+    by_feature sum, x;
+    memcpy(&sum, to, sizeof sum);
+    memcpy(&x, from, sizeof x);
+    sum += weight * x;
+    memcpy(to, &sum, sizeof sum);
+}
+
+static void add(lf_moments *restrict m, float w, const float n[3], const float f[LF_FEATURES])
 {
     m->w += w;
+    add_row(m->wf, w, f);
     for (int i = 0; i < LF_FEATURES; i++)
-        m->wf[i] += w * f[i];
-    for (int i = 0; i < LF_FEATURES; i++) {
-        float wf = w * f[i];
-        for (int j = 0; j < LF_FEATURES; j++)
-            m->wff[i][j] += wf * f[j];
-    }
+        add_row(m->wff[i], w * f[i], f);
     for (int c = 0; c < 3; c++) {
         m->n[c] += n[c];
-        for (int i = 0; i < LF_FEATURES; i++)
-            m->nf[c][i] += n[c] * f[i];
+        add_row(m->nf[c], n[c], f);
     }
 }
 
-static void move(lf_moments *to, const lf_moments *from, float weight, const float shift[3])
+static void move(lf_moments *restrict to, const lf_moments *restrict from, float weight,
+                 const float shift[LF_FEATURES])
 {
-    const float t[LF_FEATURES] = {shift[0], shift[1], shift[2]};
-    float moved[LF_FEATURES];
+    by_feature t, wf, moved, row, sum;
+    memcpy(&t, shift, sizeof t);
+    memcpy(&wf, from->wf, sizeof wf);
+    moved = wf + t * from->w;
     to->w += weight * from->w;
-    for (int i = 0; i < LF_FEATURES; i++) {
-        moved[i] = from->wf[i] + t[i] * from->w;
-        to->wf[i] += weight * moved[i];
+    memcpy(&sum, to->wf, sizeof sum);
+    sum += weight * moved;
+    memcpy(to->wf, &sum, sizeof sum);
+    for (int i = 0; i < 3; i++) {
+        memcpy(&row, from->wff[i], sizeof row);
+        memcpy(&sum, to->wff[i], sizeof sum);
+        sum += weight * (row + shift[i] * moved + from->wf[i] * t);
+        memcpy(to->wff[i], &sum, sizeof sum);
     }
-    for (int i = 0; i < LF_FEATURES; i++) {
-        float ti = t[i], wfi = from->wf[i];
-        for (int j = 0; j < LF_FEATURES; j++)
-            to->wff[i][j] += weight * (from->wff[i][j] + ti * moved[j] + wfi * t[j]);
-    }
+    for (int i = 3; i < LF_FEATURES; i++)
+        add_row(to->wff[i], weight, from->wff[i]);
     for (int c = 0; c < 3; c++) {
-        float n = from->n[c];
-        to->n[c] += weight * n;
-        for (int i = 0; i < LF_FEATURES; i++)
-            to->nf[c][i] += weight * (from->nf[c][i] + t[i] * n);
+        to->n[c] += weight * from->n[c];
+        memcpy(&row, from->nf[c], sizeof row);
+        memcpy(&sum, to->nf[c], sizeof sum);
+        sum += weight * (row + t * from->n[c]);
+        memcpy(to->nf[c], &sum, sizeof sum);
     }
 }
 

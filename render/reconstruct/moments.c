@@ -179,12 +179,21 @@ lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int numbe
     return status;
 }
 
+/* What moving leaves out (kernel.h). */
+static void mirror(lf_moments *m)
+{
+    for (int i = 0; i < LF_FEATURES; i++)
+        for (int j = 0; j < i; j++)
+            m->wff[i][j] = m->wff[j][i];
+}
+
 static void add_cell(const lf_reconstruct_kernels *kernels, lf_cell *to, const lf_cell *from,
                      float side, int from_band, int to_band)
 {
-    const float t[3] = {((float)from->u + 0.5f) * side - ((float)to->u + 0.5f) * 2.0f * side,
-                        ((float)from_band + 0.5f) * side - ((float)to_band + 0.5f) * 2.0f * side,
-                        ((float)from->z + 0.5f) * side - ((float)to->z + 0.5f) * 2.0f * side};
+    const float t[LF_FEATURES] = {
+        ((float)from->u + 0.5f) * side - ((float)to->u + 0.5f) * 2.0f * side,
+        ((float)from_band + 0.5f) * side - ((float)to_band + 0.5f) * 2.0f * side,
+        ((float)from->z + 0.5f) * side - ((float)to->z + 0.5f) * 2.0f * side};
     for (int i = 0; i < 2; i++)
         for (int j = 0; j < 2; j++)
             kernels->move(&to->half[i][j], &from->half[i][j], 1.0f, t);
@@ -225,5 +234,8 @@ lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number)
             add_cell(r->kernels, cell, child, (float)(1 << (level - 1)), b, number);
         }
     }
+    for (int i = 0; i < band->n; i++)
+        for (int h = 0; h < 4; h++)
+            mirror(&band->cells[i].half[h >> 1][h & 1]);
     return status;
 }

@@ -13,6 +13,8 @@
 static const lf_reconstruct_kernels *choose_kernels(void)
 {
 #if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f"))
+        return &lf_reconstruct_kernels_avx512;
     if (__builtin_cpu_supports("avx2"))
         return &lf_reconstruct_kernels_avx2;
 #endif
