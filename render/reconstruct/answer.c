@@ -11,24 +11,30 @@ typedef struct lf_answered_row {
     int row;
 } lf_answered_row;
 
-static void answer_pixel(const lf_reconstruction *r, const lf_answered_row *o, size_t i,
-                         float out[3])
+static lf_to_show to_show(const lf_answered_row *o)
 {
-    static const float none[4] = {0.0f, 0.0f, 0.0f, -1.0f};
+    const lf_film_row *state = &o->film->rows[o->row];
+    lf_to_show in = {.n = (float)(state->n[0] + state->n[1]),
+                     .least = o->film->layout.has_signed ? 0.25f : 0.0f};
+    int n = 0;
+    for (int h = 0; h < 2; h++) {
+        if (!o->halves.half[h].scattered)
+            continue;
+        in.scattered[n] = o->halves.half[h].scattered;
+        in.w2[n++] = o->halves.half[h].w2;
+    }
+    return in;
+}
+
+/* Goes over to the bounded fit where that has a share. */
+static void mix_bounded(const lf_reconstruction *r, const lf_answered_row *o, size_t i,
+                        float out[3])
+{
     const lf_pixels *pixels = &o->scratch->rows[0];
     const lf_film_row *state = &o->film->rows[o->row];
-    bool fitted = lf_pixel_is_fitted(pixels, i);
     lf_fitted x;
     lf_bright_pixel bright;
     lf_pixel_found both = {.w = 0.0f};
-    for (int h = 0; h < 2; h++)
-        if (o->halves.half[h].scattered)
-            lf_pixel_found_add(&both, &o->halves.half[h], i);
-    float w = lf_pixel_found_weight(o->film, &both, pixels->second[i],
-                                    pixels->q[i] * (float)(state->n[0] + state->n[1]));
-    lf_pixel_show(both.n, w, fitted ? o->scratch->predicted[i] : none, out);
-    if (!fitted || !o->bounded)
-        return;
     lf_fitted_read(o->film, &o->halves, pixels->second[i], i, &x);
     lf_bright_split(r, pixels, o->row, i, &x, &bright);
     if (!(bright.share > 0.0f))
@@ -37,22 +43,29 @@ static void answer_pixel(const lf_reconstruction *r, const lf_answered_row *o, s
         bright.below[0][c] += bright.below[1][c];
         bright.above[0][c] += bright.above[1][c];
     }
+    for (int h = 0; h < 2; h++)
+        lf_pixel_found_join(&both, &x.found[h]);
+    float w = lf_pixel_found_weight(o->film, &both, pixels->second[i],
+                                    pixels->q[i] * (float)(state->n[0] + state->n[1]));
     lf_bright_mix(bright.share, bright.below[0], bright.above[0], w, o->bounded->predicted[i], out);
 }
 
-static void answer_row(const lf_reconstruction *r, const lf_answered_row *o, float *out)
+/* B + q R. */
+static void answer_row(const lf_reconstruction *r, const lf_answered_row *o, float (*out)[3])
 {
     const lf_film *film = o->film;
     const lf_film_known *known = lf_film_known_at(film, o->row);
-    const float *q = o->scratch->rows[0].q;
-    size_t pixels = (size_t)film->n_views * (size_t)film->width;
-    for (size_t i = 0; i < pixels; i++) {
-        float x[3];
-        answer_pixel(r, o, i, x);
-        for (int c = 0; c < 3; c++) {
-            float b = known ? known[i].b[c] : film->sky[c] * (1.0f - q[i]);
-            out[3 * i + (size_t)c] = b + q[i] * x[c];
-        }
+    const lf_pixels *pixels = &o->scratch->rows[0];
+    const lf_to_show in = to_show(o);
+    const size_t n = (size_t)film->n_views * (size_t)film->width;
+    r->kernels->show(&in, pixels, o->scratch->predicted, (int)n, out);
+    for (size_t i = 0; i < n && o->bounded; i++)
+        if (lf_pixel_is_fitted(pixels, i))
+            mix_bounded(r, o, i, out[i]);
+    for (size_t i = 0; i < n; i++) {
+        const float q = pixels->q[i];
+        for (int c = 0; c < 3; c++)
+            out[i][c] = (known ? known[i].b[c] : film->sky[c] * (1.0f - q)) + q * out[i][c];
     }
 }
 
@@ -78,7 +91,7 @@ lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row,
         predict(r, scratch, &scratch->rows[0], film->n_views * film->width);
         if (bounded)
             predict(r->bounded, bounded, &scratch->rows[0], film->n_views * film->width);
-        answer_row(r, &o, out);
+        answer_row(r, &o, (float(*)[3])out);
     }
     if (scratch)
         lf_scratch_give(r, scratch);

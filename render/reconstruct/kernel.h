@@ -4,6 +4,7 @@
 #ifndef LF_RENDER_RECONSTRUCT_KERNEL_H
 #define LF_RENDER_RECONSTRUCT_KERNEL_H
 
+#include "render/film/film.h"
 #include "render/reconstruct/lattice.h"
 
 /* What has less is not fitted, nor fitted to: N/W of the pixel itself is its answer. */
@@ -49,6 +50,37 @@ typedef struct lf_row_table {
     size_t size;
 } lf_row_table;
 
+/* R of one channel as it is shown: the prediction x, and N/W by its share. n was found, over w,
+ * which is 0 where that is no answer. A prediction of -x is off by x at least: of what the pixel
+ * itself has found it does not outweigh as much. */
+static inline float lf_channel_show(float n, float w, float x, float share)
+{
+    const bool found = w > 0.0f;
+    float own = n / (found ? w : 1.0f), least;
+    own = found ? own : x;
+    least = own < -x ? own : -x;
+    least = own > 0.0f ? least : 0.0f;
+    x = x < 0.0f ? least : x;
+    float mixed = found ? x + share * (own - x) : x;
+    return mixed > 0.0f ? mixed : 0.0f;
+}
+
+/* All of them. predicted: R, G, B and the share of N/W, below 0 where no node is near. */
+static inline void lf_pixel_show(const float n[3], float w, const float predicted[4], float out[3])
+{
+    const bool near = predicted[3] >= 0.0f;
+    for (int c = 0; c < 3; c++)
+        out[c] = lf_channel_show(n[c], w, near ? predicted[c] : 0.0f, near ? predicted[3] : 1.0f);
+}
+
+/* What pixels are shown from. */
+typedef struct lf_to_show {
+    const lf_film_scattered *scattered[2]; /* of the halves; [1] NULL: one has something */
+    const float *w2[2];                    /* NULL: W stands for W' */
+    float n;                               /* samples of both */
+    float least;                           /* W is an answer from this share of n q on */
+} lf_to_show;
+
 /* Fits that are made side by side. */
 #define LF_SOLVE_LANES 8
 
@@ -72,6 +104,10 @@ typedef struct lf_reconstruct_kernels {
      * -1 where there is no node. Pixels without features are left out. */
     void (*predict)(const lf_row_table *table, const lf_pixels *pixels, int first, int n,
                     float (*out)[4]);
+    /* R of n pixels, a row's from the first on, as they are shown; what is predicted of pixels
+     * without features is not looked at. */
+    void (*show)(const lf_to_show *in, const lf_pixels *pixels, float (*predicted)[4], int n,
+                 float (*out)[3]);
 } lf_reconstruct_kernels;
 
 extern const lf_reconstruct_kernels lf_reconstruct_kernels_c;

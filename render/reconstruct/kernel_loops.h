@@ -5,7 +5,9 @@
 #include "render/reconstruct/solve_lanes.h"
 
 /* Pixels that are read side by side: without a branch, so that compilers make vectors of them. */
+#ifndef READ_LANES
 #define READ_LANES 8
+#endif
 
 /* Features of some pixels. */
 typedef struct lane_features {
@@ -77,6 +79,22 @@ static inline int floor_int(float x)
     return i - ((float)i > x);
 }
 
+/* The same of n, step by step: whole it is no vector for compilers. */
+static inline void floor_lanes(const float *x, int n, int *out)
+{
+    const float most = 0x1p24f;
+    float clamped[READ_LANES];
+    int down[READ_LANES];
+    for (int j = 0; j < n; j++) {
+        float least = x[j] > -most ? x[j] : -most;
+        clamped[j] = least < most ? least : most;
+    }
+    for (int j = 0; j < n; j++)
+        down[j] = (int)clamped[j];
+    for (int j = 0; j < n; j++)
+        out[j] = (float)down[j] > clamped[j] ? down[j] - 1 : down[j];
+}
+
 /* A node of a layer, or the layer's first with no weight. */
 static inline int node_of(const lf_deck *layer, int u, float *weight)
 {
@@ -97,10 +115,8 @@ static inline void place_both(const lf_view_row *in, int k, int n, const lane_fe
         to[LF_ROW][first + j] = in->row;
         to[LF_VIEW][first + j] = in->view;
     }
-    for (int j = 0; j < n; j++) {
-        out->u[first + j] = floor_int(to[LF_PLACE][first + j]);
-        out->z[first + j] = floor_int(to[LF_DEPTH][first + j]);
-    }
+    floor_lanes(to[LF_PLACE] + first, n, out->u + first);
+    floor_lanes(to[LF_DEPTH] + first, n, out->z + first);
 }
 
 static inline void read_lanes(const lf_view_row *in, int k, int n, bool halves, lf_pixels *out)
@@ -151,12 +167,9 @@ static void read(const lf_view_row *in, bool halves, lf_pixels *out)
         read_lanes(in, k, in->n - k, halves, out);
 }
 
-/* A row of numbers by feature: one vector or two, as the machine has them. */
-typedef float by_feature __attribute__((vector_size(4 * LF_FEATURES)));
-
 static inline void add_row(float *to, float weight, const float *from)
 {
-    by_feature sum, x;
+    lf_by_feature sum, x;
     memcpy(&sum, to, sizeof sum);
     memcpy(&x, from, sizeof x);
     sum += weight * x;
@@ -178,7 +191,7 @@ static void add(lf_moments *restrict m, float w, const float n[3], const float f
 static void move(lf_moments *restrict to, const lf_moments *restrict from, float weight,
                  const float shift[LF_FEATURES])
 {
-    by_feature t, wf, moved, row, sum;
+    lf_by_feature t, wf, moved, row, sum;
     memcpy(&t, shift, sizeof t);
     memcpy(&wf, from->wf, sizeof wf);
     moved = wf + t * from->w;
@@ -203,6 +216,9 @@ static void move(lf_moments *restrict to, const lf_moments *restrict from, float
     }
 }
 
+/* R, G, B and weight of two neighbouring nodes. */
+typedef float node_terms __attribute__((vector_size(32)));
+
 static void predict(const lf_row_table *table, const lf_pixels *pixels, int first, int n,
                     float (*out)[4])
 {
@@ -223,25 +239,80 @@ static void predict(const lf_row_table *table, const lf_pixels *pixels, int firs
         const float x[LF_TABLE_TERMS] = {
             1.0f,          f[LF_PLACE][i],  f[LF_DEPTH][i], f[LF_MEDIA][i], f[LF_PIVOTS][i],
             f[LF_VIEW][i], f[LF_SPREAD][i], f[LF_LIGHT][i]};
-        float sum[8] = {0}, own = 0.0f;
+        node_terms sum = {0}, plane, next;
+        float own = 0.0f;
         for (int l = 0; l < 2; l++) {
             size_t stride = (size_t)layer[l].nu * 4, at = layer[l].first;
             const float *terms = table->terms + at * LF_TABLE_TERMS * 4 + (size_t)node[l] * 4,
                         *share = table->share + at + node[l];
-            const float before = weight[l] * (1.0f - tu), behind = weight[l] * tu;
-            float plane[8];
-            for (int j = 0; j < 8; j++)
-                plane[j] = terms[j];
-            for (int term = 1; term < LF_TABLE_TERMS; term++)
-                for (int j = 0; j < 8; j++)
-                    plane[j] += x[term] * terms[(size_t)term * stride + (size_t)j];
-            for (int j = 0; j < 8; j++)
-                sum[j] += (j < 4 ? before : behind) * plane[j];
-            own += before * share[0] + behind * share[1];
+            const float a = weight[l] * (1.0f - tu), b = weight[l] * tu;
+            memcpy(&plane, terms, sizeof plane);
+            for (int term = 1; term < LF_TABLE_TERMS; term++) {
+                memcpy(&next, terms + (size_t)term * stride, sizeof next);
+                plane += x[term] * next;
+            }
+            sum += (node_terms){a, a, a, a, b, b, b, b} * plane;
+            own += a * share[0] + b * share[1];
         }
         float there = sum[3] + sum[7], inverse = there > 0.0f ? 1.0f / there : 0.0f;
         for (int c = 0; c < 3; c++)
             out[k][c] = (sum[c] + sum[c + 4]) * inverse;
         out[k][3] = there > 0.0f ? own * inverse : -1.0f;
     }
+}
+
+/* What both halves have found of some pixels. */
+typedef struct lane_found {
+    float n[3][READ_LANES], w[READ_LANES], w2[READ_LANES];
+} lane_found;
+
+static inline void add_half(const lf_to_show *in, int h, int k, int n, lane_found *to)
+{
+    const lf_film_scattered *s = in->scattered[h] + k;
+    const float *w2 = in->w2[h] ? in->w2[h] + k : NULL;
+    for (int c = 0; c < 3; c++)
+        for (int j = 0; j < n; j++)
+            to->n[c][j] += s[j].n[c];
+    for (int j = 0; j < n; j++)
+        to->w[j] += s[j].w;
+    for (int j = 0; j < n; j++)
+        to->w2[j] += w2 ? w2[j] : s[j].w;
+}
+
+static inline void show_lanes(const lf_to_show *in, const lf_pixels *pixels, float (*predicted)[4],
+                              int k, int n, float (*out)[3])
+{
+    const float *q = pixels->q + k;
+    const bool *second = pixels->second + k;
+    float w[READ_LANES], share[READ_LANES], shown[3][READ_LANES], x[3][READ_LANES];
+    lane_found found = {.w = {0.0f}};
+    add_half(in, 0, k, n, &found);
+    if (in->scattered[1])
+        add_half(in, 1, k, n, &found);
+    for (int j = 0; j < n; j++) {
+        float over = lf_film_weight(found.w[j], found.w2[j], second[j]);
+        w[j] = over > in->least * (q[j] * in->n) ? over : 0.0f;
+    }
+    for (int j = 0; j < n; j++) {
+        bool near = q[j] > LF_LEAST_Q && q[j] < 2.0f && predicted[k + j][3] >= 0.0f;
+        share[j] = near ? predicted[k + j][3] : 1.0f;
+        for (int c = 0; c < 3; c++)
+            x[c][j] = near ? predicted[k + j][c] : 0.0f;
+    }
+    for (int c = 0; c < 3; c++)
+        for (int j = 0; j < n; j++)
+            shown[c][j] = lf_channel_show(found.n[c][j], w[j], x[c][j], share[j]);
+    for (int j = 0; j < n; j++)
+        for (int c = 0; c < 3; c++)
+            out[k + j][c] = shown[c][j];
+}
+
+static void show(const lf_to_show *in, const lf_pixels *pixels, float (*predicted)[4], int n,
+                 float (*out)[3])
+{
+    int k = 0;
+    for (; k + READ_LANES <= n; k += READ_LANES)
+        show_lanes(in, pixels, predicted, k, READ_LANES, out);
+    if (k < n)
+        show_lanes(in, pixels, predicted, k, n - k, out);
 }

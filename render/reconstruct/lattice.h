@@ -21,6 +21,9 @@
  */
 enum { LF_PLACE, LF_ROW, LF_DEPTH, LF_MEDIA, LF_PIVOTS, LF_VIEW, LF_SPREAD, LF_LIGHT, LF_FEATURES };
 
+/* A number a feature: one vector or two, as the machine has them. */
+typedef float lf_by_feature __attribute__((vector_size(4 * LF_FEATURES)));
+
 /* Sums over pixels with weights W and radiance N of one half, on features f of the same or the
  * other half. */
 typedef struct lf_moments {

@@ -21,16 +21,22 @@ static double dot(const lf_plane *a, const lf_plane *b)
     return s;
 }
 
-/* Sum of W f p: the moments' matrix applied to a plane. */
+/* Sum of W f p: the moments' matrix, which is symmetric, applied to a plane. */
 static lf_plane apply(const lf_moments *m, const lf_plane *p)
 {
-    lf_plane out = {.constant = m->w * p->constant};
+    lf_plane out;
+    lf_by_feature sum, row, slope, products;
+    memcpy(&row, m->wf, sizeof row);
+    memcpy(&slope, p->slope, sizeof slope);
+    products = row * slope;
+    sum = row * p->constant;
+    out.constant = m->w * p->constant;
     for (int i = 0; i < LF_FEATURES; i++) {
-        out.constant += m->wf[i] * p->slope[i];
-        out.slope[i] = m->wf[i] * p->constant;
-        for (int j = 0; j < LF_FEATURES; j++)
-            out.slope[i] += m->wff[i][j] * p->slope[j];
+        out.constant += products[i];
+        memcpy(&row, m->wff[i], sizeof row);
+        sum += row * p->slope[i];
     }
+    memcpy(out.slope, &sum, sizeof out.slope);
     return out;
 }
 
