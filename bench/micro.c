@@ -11,6 +11,7 @@
 #include "daemon/output/content.h"
 #include "render/renderer.h"
 #include "render/rows/rows.h"
+#include "render/transport/suffix_batch.h"
 
 #define N_FANS 512
 #define N_RAYS 4096
@@ -377,10 +378,13 @@ static double step_sampler(bench *b)
     return sum;
 }
 
+/* One collision in so many. */
+enum { SUFFIX_ITEMS = 16 };
+
 static double step_suffix(bench *b)
 {
     double sum = 0;
-    for (int i = 0; i < b->n_rays / 16; i++)
+    for (int i = 0; i < b->n_rays / SUFFIX_ITEMS; i++)
         sum +=
             (double)lf_path_scattered(&b->worker->tracer, &b->events[i], 1, LF_DEFAULT_MAX_DEPTH).x;
     return sum;
@@ -391,10 +395,10 @@ static const struct step {
     double (*run)(bench *b);
     int items; /* of N_RAYS, one in so many */
 } steps[] = {
-    {"next collision", "ray", step_collision, 1}, {"transmittance", "ray", step_transmittance, 1},
-    {"extinction", "point", step_lookup, 1},      {"phase function", "pair", step_phase, 1},
-    {"light drawn", "sample", step_light, 1},     {"sampler, owen", "pair", step_sampler, 1},
-    {"suffix", "path", step_suffix, 16},
+    {"next collision", "ray", step_collision, 1},  {"transmittance", "ray", step_transmittance, 1},
+    {"extinction", "point", step_lookup, 1},       {"phase function", "pair", step_phase, 1},
+    {"light drawn", "sample", step_light, 1},      {"sampler, owen", "pair", step_sampler, 1},
+    {"suffix", "path", step_suffix, SUFFIX_ITEMS},
 };
 
 static lf_status measure_step(bench *b, const struct step *what, lf_error *err)
@@ -413,6 +417,78 @@ static lf_status measure_step(bench *b, const struct step *what, lf_error *err)
     return LF_OK;
 }
 
+/* ------------------------------------------------------------------------ suffixes in lanes -- */
+
+/* All collisions as pivots, in batches; a sum of all that their suffixes find. */
+static double run_lanes(bench *b, const lf_suffixes *suffixes, lf_suffix_batch *batch)
+{
+    const lf_scene *scene = b->renderer->scene;
+    double sum = 0;
+    memset(batch, 0, sizeof *batch);
+    lf_suffix_batch_init(batch, b->renderer->lanes, suffixes, LF_BATCH_EACH);
+    for (int i = 0; i < b->n_rays; i++) {
+        const lf_event *event = &b->events[i];
+        const lf_batch_pivot pivot = {.p = event->p,
+                                      .w = event->w,
+                                      .volume = event->volume,
+                                      .rng = lf_hash64(b->arguments->options.seed, (uint64_t)i)};
+        lf_sampler sampler;
+        lf_sampler_init(&sampler, LF_SAMPLER_OWEN, pivot.rng, 0);
+        lf_suffix_batch_add(batch, scene, &pivot, &sampler);
+        if (!lf_suffix_batch_is_full(batch) && i + 1 < b->n_rays)
+            continue;
+        lf_suffix_batch_trace(batch, LF_DEFAULT_MAX_DEPTH);
+        for (int k = 0; k < batch->n; k++)
+            sum += (double)batch->left[k];
+        for (int k = 0; k < batch->n * batch->each; k++)
+            sum += (double)batch->radiance[0][k] + (double)batch->radiance[2][k];
+        batch->n = 0;
+    }
+    return sum;
+}
+
+static lf_status time_lanes(bench *b, lf_suffix_batch *batch, lf_error *err)
+{
+    lf_timing timing[MAX_TABLES] = {0}, single = {0};
+    int n = 0;
+    for (int i = 0; i <= b->arguments->repeat; i++) {
+        double plain = 0, start = lf_time_cpu();
+        if (!isfinite(step_suffix(b)))
+            return lf_error_set(err, LF_E_STATE, "suffix", "an answer is not finite");
+        lf_timing_add(&single, lf_time_cpu() - start);
+        for (n = 0; n < MAX_TABLES && lf_kernels_at(n); n++) {
+            start = lf_time_cpu();
+            double sum = run_lanes(b, lf_kernels_at(n)->suffixes, batch);
+            lf_timing_add(&timing[n], lf_time_cpu() - start);
+            plain = n == 0 ? sum : plain;
+            if (sum != plain)
+                return lf_error_set(err, LF_E_STATE, "suffix in lanes",
+                                    "%s answers something else than plain C",
+                                    lf_kernels_at(n)->suffixes->name);
+        }
+    }
+    const double alone = SUFFIX_ITEMS * lf_timing_quantile(&single, 0.5);
+    for (int k = 0; k < n; k++) {
+        double seconds = lf_timing_quantile(&timing[k], 0.5) / LF_BATCH_EACH;
+        add_line(b, "suffix in lanes / one by one", lf_kernels_at(k)->suffixes->name, "path",
+                 1e9 * seconds / b->n_rays, alone / seconds);
+    }
+    return LF_OK;
+}
+
+/* In turns with those that go one by one, where lanes serve the scene. */
+static lf_status measure_lanes(bench *b, lf_error *err)
+{
+    if (!b->renderer->lanes)
+        return LF_OK;
+    lf_suffix_batch *batch = lf_calloc(1, sizeof *batch);
+    if (!batch)
+        return lf_error_set(err, LF_E_NOMEM, "suffix in lanes", "out of memory");
+    lf_status status = time_lanes(b, batch, err);
+    lf_free(batch);
+    return status;
+}
+
 static lf_status measure(bench *b, lf_error *err)
 {
     lf_status status = LF_OK;
@@ -420,7 +496,7 @@ static lf_status measure(bench *b, lf_error *err)
         status = measure_kernel(b, &kernels[i], err);
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == LF_OK; i++)
         status = measure_step(b, &steps[i], err);
-    return status;
+    return status == LF_OK ? measure_lanes(b, err) : status;
 }
 
 static lf_status write_json(const bench *b, lf_error *err)
