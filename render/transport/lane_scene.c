@@ -177,7 +177,7 @@ static void pack_brick(lf_lane_field *field, const lf_volume *volume, size_t fro
     const float highest = grid->brick_max[from];
     field->majorant[to] = highest * volume->sigma_scale;
     field->first[to] = (int32_t)first;
-    for (int i = 0; i < LF_BRICK_STRIDE && highest > 0.0f; i++) {
+    for (int i = 0; i < LF_BRICK_STRIDE && highest > 0.0f && field->values; i++) {
         float share = lf_grid_stored(grid, first + (size_t)i) / highest;
         field->values[first + (size_t)i] = (uint16_t)(lf_min(share, 1.0f) * 65535.0f + 0.5f);
     }
@@ -209,10 +209,12 @@ static lf_status pack(lf_lane_field *field, const lf_volume *volume, lf_pool *po
     }
     field->majorant = lf_calloc(n, sizeof *field->majorant);
     field->first = lf_calloc(n, sizeof *field->first);
-    /* a pair is read behind the last value */
-    field->values =
-        lf_calloc(((size_t)grid->n_bricks + 1) * LF_BRICK_STRIDE + 2, sizeof *field->values);
-    if (!field->majorant || !field->first || !field->values)
+    field->shorts = grid->shorts;
+    field->scale = grid->short_scale * volume->sigma_scale;
+    if (!grid->shorts)
+        field->values =
+            lf_calloc(((size_t)grid->n_bricks + 1) * LF_BRICK_STRIDE, sizeof *field->values);
+    if (!field->majorant || !field->first || !(field->values || field->shorts))
         return LF_E_NOMEM;
     return lf_pool_run(pool, grid->bricks[2], pack_layer, &job, NULL);
 }

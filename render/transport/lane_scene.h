@@ -1,9 +1,10 @@
 /* A scene as suffixes in lanes see it (suffix.h); private to render/. So far: one grid, a sky that
  * is the same everywhere or has a picture, and a light at infinity.
  *
- * Bricks are kept in 16 bits as shares of their own largest value, so that what is looked up is the
- * probability with which a tentative collision is one: within 2^-17 of that value. Indices stand in
- * a frame of empty bricks, so that a walk needs no bounds.
+ * A grid whose values are kept in 16 bits (lf_grid_shorten) is read where it lies: 2.9 bytes a
+ * voxel of a brick in all. Others are kept here a second time, in 16 bits as shares of their
+ * brick's largest value: within 2^-17 of that. Indices stand in a frame of empty bricks, so that a
+ * walk needs no bounds.
  *
  * The control is what is left of the light at the nodes of a lattice, T~, interpolated in between.
  * Suffixes count T~ at every vertex and trace a shadow ray only by chance, which then counts T - T~
@@ -18,9 +19,13 @@
  * cameras and colours alone. */
 typedef struct lf_lane_field {
     int refs;
-    lf_scene *scene;  /* counted reference: what it was made of */
-    uint16_t *values; /* [bricks + 1][LF_BRICK_STRIDE], the first all 0 */
-    /* [z][y][x] of the framed bricks: sigma_t that is 65535 there, and where the values begin */
+    lf_scene *scene; /* counted reference: what it was made of */
+    /* [bricks + 1][LF_BRICK_STRIDE], the first all 0: 65535 is the largest value of the brick, or,
+     * NULL, the grid's own, which are times `scale` */
+    uint16_t *values;
+    const uint16_t *shorts;
+    float scale;
+    /* [z][y][x] of the framed bricks: the largest sigma_t there, and where the values begin */
     float *majorant;
     int32_t *first;
     int framed[3]; /* bricks along x, y, z, frame included */

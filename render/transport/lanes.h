@@ -267,6 +267,14 @@ LF_INLINE lanes between_pair(lanes_int pair, lanes f)
     return between(to_float(pair & 0xffff), to_float((lanes_int)((lanes_bits)pair >> 16)), f);
 }
 
+/* The same of two values of a grid in 16 bits (lf_short_value), before their scale. */
+LF_INLINE lanes between_shorts(lanes_int pair, lanes f)
+{
+    const int32_t kept = 0xffff << 13;
+    return between((lanes)((pair << 13) & kept), (lanes)((lanes_int)((lanes_bits)pair >> 3) & kept),
+                   f);
+}
+
 /* --------------------------------------------------------------------------------- functions -- */
 
 /* lf_exponential, u in (0, 1): -log(1 - u). The logarithm of 2^e m, m in [sqrt(1/2), sqrt(2)), is e

@@ -117,15 +117,18 @@ LF_INLINE void step(walk *k, const lf_lane_scene *scene, turns *w)
     w->step = on;
 }
 
-/* Four neighbouring pairs in a box of nodes, interpolated, 65535 = 1. */
+/* What two neighbours in 16 bits stand for, and what is between them. */
+typedef lanes between_fn(lanes_int pair, lanes f);
+
+/* Four neighbouring pairs in a box of nodes, interpolated. */
 LF_INLINE lanes look_up_box(const uint16_t *values, lanes_int at, int row, int layer,
-                            const lanes part[3])
+                            const lanes part[3], between_fn pair)
 {
-    lanes a = between_pair(gather_pairs(values, at), part[0]),
-          b = between_pair(gather_pairs(values, at + row), part[0]),
-          c = between_pair(gather_pairs(values, at + layer), part[0]),
-          d = between_pair(gather_pairs(values, at + (layer + row)), part[0]);
-    return between(between(a, b, part[1]), between(c, d, part[1]), part[2]) * (1.0f / 65535.0f);
+    lanes a = pair(gather_pairs(values, at), part[0]),
+          b = pair(gather_pairs(values, at + row), part[0]),
+          c = pair(gather_pairs(values, at + layer), part[0]),
+          d = pair(gather_pairs(values, at + (layer + row)), part[0]);
+    return between(between(a, b, part[1]), between(c, d, part[1]), part[2]);
 }
 
 /* sigma_t over the brick's majorant where the rays are. */
@@ -142,7 +145,12 @@ LF_INLINE lanes look_up(const walk *k, const lf_lane_scene *scene)
     const int row = LF_BRICK_VALUES, layer = row * row;
     lanes_int at =
         gather_int(scene->field->first, k->brick) + cell[2] * layer + cell[1] * row + cell[0];
-    return look_up_box(scene->field->values, at, row, layer, part);
+    if (scene->field->values)
+        return look_up_box(scene->field->values, at, row, layer, part, between_pair) *
+               (1.0f / 65535.0f);
+    /* divided while values are on their way */
+    return look_up_box(scene->field->shorts, at, row, layer, part, between_shorts) *
+           (scene->field->scale / k->majorant);
 }
 
 /* What the control says at points of volume space. */
@@ -161,7 +169,8 @@ LF_INLINE lanes control_at(const lf_lane_field *field, const lanes q[3])
     const int along = field->nodes[2], layer = along * field->nodes[0];
     const lanes order[3] = {part[2], part[0], part[1]};
     return look_up_box(field->left, node[1] * layer + node[0] * along + node[2], along, layer,
-                       order);
+                       order, between_pair) *
+           (1.0f / 65535.0f);
 }
 
 /* ---------------------------------------------------------------------------------------- jobs --

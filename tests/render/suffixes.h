@@ -50,6 +50,15 @@ static inline lf_scene *make_scene(const char *text, float sigma)
     return lf_test_grid_scene(text, lf_test_grid(soft, 30, 17, 12), 0.1, 0.4, sigma, false);
 }
 
+/* The same grid, rounded to what it keeps in 16 bits. */
+static inline lf_scene *make_short_scene(const char *text, float sigma)
+{
+    lf_grid *grid = lf_test_grid(soft, 30, 17, 12);
+    lf_grid_shorten(grid, true);
+    assert_true(grid->shorts && !grid->values);
+    return lf_test_grid_scene(text, grid, 0.1, 0.4, sigma, false);
+}
+
 /* Takes the scene. */
 static inline rig rig_of(lf_scene *scene)
 {

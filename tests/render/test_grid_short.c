@@ -128,10 +128,14 @@ static void what_is_rounded_is_near(void **state)
         "") ", 'lights': { 'sky': { 'type': 'environment', 'radiance': [0.4, 0.5, 0.7] }, "        \
             "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5] } } }"
 
+/* Suffixes go one by one. */
 static double *picture(lf_grid *grid, const char *integrator, bool nearest)
 {
     lf_scene *scene = lf_test_grid_scene(SCENE, lf_grid_ref(grid), 0.08, 0.4, 6.0f, nearest);
     lf_renderer *r = lf_test_renderer(scene, integrator, 24, 18, NULL);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.skip = LF_SKIP_ALL & ~LF_SKIP_PATHS;
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
     lf_test_reseed(r, 3);
     lf_test_cycles(r, 2);
     double *out = lf_test_picture(r, LF_ESTIMATOR_MWIS);
@@ -140,6 +144,7 @@ static double *picture(lf_grid *grid, const char *integrator, bool nearest)
     return out;
 }
 
+/* By single paths: lanes read floats as shares of bricks' largest (test_suffix). */
 static void pictures_are_those_of_floats(void **state)
 {
     (void)state;
