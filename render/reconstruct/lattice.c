@@ -69,10 +69,11 @@ lf_status lf_band_reserve(lf_band *band)
     for (size_t i = 0; i < band->n_places; i++)
         if (band->index[i] >= 0)
             band->index[i] = n++;
-    if (n > band->size) {
+    if (n > band->size) { /* with room for what the next fit has more: fresh pages are dear */
+        const int room = n + n / 4;
         lf_free(band->cells);
-        band->cells = lf_calloc((size_t)n, sizeof *band->cells);
-        band->size = band->cells ? n : 0;
+        band->cells = lf_calloc((size_t)room, sizeof *band->cells);
+        band->size = band->cells ? room : 0;
         if (!band->cells)
             return LF_E_NOMEM;
     }

@@ -147,35 +147,49 @@ static lf_status begin_band(lf_band *band, lf_range z)
                           : lf_band_begin(band, z.low, z.high - z.low + 1);
 }
 
+/* Where the fitted pixels of some rows lie; of neighbours in one cell the first. */
+static size_t list_places(const lf_pixels *rows, int n_rows, size_t n, lf_place *out)
+{
+    size_t listed = 0;
+    for (int j = 0; j < n_rows; j++)
+        for (size_t i = 0; i < n; i++) {
+            const lf_place here = {rows[j].u[i], rows[j].z[i]};
+            if (lf_pixel_is_fitted(&rows[j], i) &&
+                (listed == 0 || here.u != out[listed - 1].u || here.z != out[listed - 1].z))
+                out[listed++] = here;
+        }
+    return listed;
+}
+
+/* A band with a cell wherever one of n places is. */
+static lf_status make_band(lf_band *band, const lf_place *places, size_t n)
+{
+    lf_range z = {INT_MAX, INT_MIN};
+    for (size_t i = 0; i < n; i++)
+        widen(&z, places[i].z);
+    lf_status status = begin_band(band, z);
+    for (size_t i = 0; i < n && status == LF_OK; i++)
+        lf_band_widen(band, places[i].u, places[i].z);
+    if (status == LF_OK)
+        status = lf_band_open(band);
+    for (size_t i = 0; i < n && status == LF_OK; i++)
+        lf_band_mark(band, places[i].u, places[i].z);
+    return status == LF_OK ? lf_band_reserve(band) : status;
+}
+
 lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
-                            lf_pixels rows[LF_CELL_SIDE])
+                            lf_reconstruct_scratch *scratch)
 {
     lf_band *band = &r->level[0].bands[number];
-    lf_range z = {INT_MAX, INT_MIN};
     size_t n = (size_t)film->n_views * (size_t)film->width;
     int first = number * LF_CELL_SIDE, n_rows = 0, row[LF_CELL_SIDE];
     for (int i = first; i < first + LF_CELL_SIDE && i < film->height; i++)
-        if (lf_pixels_read(&rows[n_rows], r, film, i, LF_READ_HALVES))
+        if (lf_pixels_read(&scratch->rows[n_rows], r, film, i, LF_READ_HALVES))
             row[n_rows++] = i;
-    for (int j = 0; j < n_rows; j++)
-        for (size_t i = 0; i < n; i++)
-            if (lf_pixel_is_fitted(&rows[j], i))
-                widen(&z, rows[j].z[i]);
-    lf_status status = begin_band(band, z);
-    for (int j = 0; j < n_rows && status == LF_OK; j++)
-        for (size_t i = 0; i < n; i++)
-            if (lf_pixel_is_fitted(&rows[j], i))
-                lf_band_widen(band, rows[j].u[i], rows[j].z[i]);
-    if (status == LF_OK)
-        status = lf_band_open(band);
-    for (int j = 0; j < n_rows && status == LF_OK; j++)
-        for (size_t i = 0; i < n; i++)
-            if (lf_pixel_is_fitted(&rows[j], i))
-                lf_band_mark(band, rows[j].u[i], rows[j].z[i]);
-    if (status == LF_OK)
-        status = lf_band_reserve(band);
+    lf_status status =
+        make_band(band, scratch->places, list_places(scratch->rows, n_rows, n, scratch->places));
     for (int j = 0; j < n_rows && status == LF_OK && band->n > 0; j++)
-        add_row(band, r, film, &rows[j], row[j]);
+        add_row(band, r, film, &scratch->rows[j], row[j]);
     return status;
 }
 

@@ -2,7 +2,7 @@
 #ifndef LF_RENDER_RECONSTRUCT_MOMENTS_H
 #define LF_RENDER_RECONSTRUCT_MOMENTS_H
 
-#include "render/reconstruct/pixels.h"
+#include "render/reconstruct/scratch.h"
 
 /* N, W and W' of a pixel, of a half or of both. */
 typedef struct lf_pixel_found {
@@ -50,7 +50,7 @@ void lf_fitted_read(const lf_film *film, const lf_row_halves *halves, bool secon
 
 /* All cells and sums of a band of level 0. One worker a band. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
-                                         lf_pixels rows[LF_CELL_SIDE]);
+                                         lf_reconstruct_scratch *scratch);
 /* Those of a band of a level above, from the level below. */
 LF_NODISCARD lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number);
 

@@ -117,7 +117,7 @@ static lf_status gather(const lf_fit_job *job, int band)
     lf_reconstruct_scratch *scratch = lf_scratch_take(job->r);
     if (!scratch)
         return LF_E_NOMEM;
-    lf_status status = lf_moments_gather(job->r, job->film, band, scratch->rows);
+    lf_status status = lf_moments_gather(job->r, job->film, band, scratch);
     lf_scratch_give(job->r, scratch);
     return status;
 }

@@ -8,6 +8,7 @@ static void destroy(lf_reconstruct_scratch *s)
         lf_pixels_finish(&s->rows[i]);
     lf_table_finish(&s->table);
     lf_free(s->predicted);
+    lf_free(s->places);
     lf_free(s);
 }
 
@@ -19,7 +20,8 @@ static lf_reconstruct_scratch *create(size_t n)
         whole = lf_pixels_init(n, &s->rows[i]) == LF_OK;
     if (whole) {
         s->predicted = lf_calloc(n, sizeof *s->predicted);
-        whole = s->predicted;
+        s->places = lf_calloc(LF_CELL_SIDE * n, sizeof *s->places);
+        whole = s->predicted && s->places;
     }
     if (!whole && s)
         destroy(s);
