@@ -1,5 +1,7 @@
 /* The answer of one row: what the nodes around its pixels predict, and N/W of the pixel itself by
  * its share. */
+#include <math.h>
+
 #include "render/reconstruct/bright.h"
 #include "render/reconstruct/scratch.h"
 
@@ -14,8 +16,7 @@ typedef struct lf_answered_row {
 static lf_to_show to_show(const lf_answered_row *o)
 {
     const lf_film_row *state = &o->film->rows[o->row];
-    lf_to_show in = {.n = (float)(state->n[0] + state->n[1]),
-                     .least = o->film->layout.has_signed ? 0.25f : 0.0f};
+    lf_to_show in = {.n = (float)(state->n[0] + state->n[1]), .least = lf_least_share(o->film)};
     int n = 0;
     for (int h = 0; h < 2; h++) {
         if (!o->halves.half[h].scattered)
@@ -50,7 +51,9 @@ static void mix_bounded(const lf_reconstruction *r, const lf_answered_row *o, si
     lf_bright_mix(bright.share, bright.below[0], bright.above[0], w, o->bounded->predicted[i], out);
 }
 
-/* B + q R. */
+/* B + q R. Correction weights may leave q beyond 0..1: then the sky would be dimmed, or shown more
+ * than once, in a dot beside its neighbours. Where all else follows from q it is taken to be within
+ * (as it is when its noise is gone); a B that was found has the same noise, and keeps it. */
 static void answer_row(const lf_reconstruction *r, const lf_answered_row *o, float (*out)[3])
 {
     const lf_film *film = o->film;
@@ -63,7 +66,7 @@ static void answer_row(const lf_reconstruction *r, const lf_answered_row *o, flo
         if (lf_pixel_is_fitted(pixels, i))
             mix_bounded(r, o, i, out[i]);
     for (size_t i = 0; i < n; i++) {
-        const float q = pixels->q[i];
+        const float found = pixels->q[i], q = known ? found : fminf(1.0f, fmaxf(0.0f, found));
         for (int c = 0; c < 3; c++)
             out[i][c] = (known ? known[i].b[c] : film->sky[c] * (1.0f - q)) + q * out[i][c];
     }

@@ -21,9 +21,13 @@ typedef struct lf_pixels {
     int *cells;
 } lf_pixels;
 
+static inline bool lf_q_is_fitted(float q)
+{
+    return q > LF_LEAST_Q && q < 2.0f;
+}
 static inline bool lf_pixel_is_fitted(const lf_pixels *pixels, size_t i)
 {
-    return pixels->q[i] > LF_LEAST_Q && pixels->q[i] < 2.0f;
+    return lf_q_is_fitted(pixels->q[i]);
 }
 
 /* The halves of one row of one view. */

@@ -136,7 +136,7 @@ static inline void read_lanes(const lf_view_row *in, int k, int n, bool halves, 
         q[j] = wa[j] + wb[j];
     }
     for (int j = 0; j < n; j++)
-        any |= q[j] > LF_LEAST_Q && q[j] < 2.0f;
+        any |= lf_q_is_fitted(q[j]);
     memcpy(out->q + in->first + k, q, (size_t)n * sizeof *q);
     if (!any)
         return;
@@ -294,7 +294,7 @@ static inline void show_lanes(const lf_to_show *in, const lf_pixels *pixels, flo
         w[j] = over > in->least * (q[j] * in->n) ? over : 0.0f;
     }
     for (int j = 0; j < n; j++) {
-        bool near = q[j] > LF_LEAST_Q && q[j] < 2.0f && predicted[k + j][3] >= 0.0f;
+        bool near = lf_q_is_fitted(q[j]) && predicted[k + j][3] >= 0.0f;
         share[j] = near ? predicted[k + j][3] : 1.0f;
         for (int c = 0; c < 3; c++)
             x[c][j] = near ? predicted[k + j][c] : 0.0f;

@@ -87,9 +87,11 @@ lf_status lf_band_reserve(lf_band *band)
 const lf_cell *lf_cell_around(const lf_lattice *l, int number, const lf_cell *cell, int n,
                               float *weight)
 {
-    int du = n % 3 - 1, dz = n / 3 % 3 - 1, dv = n / 9 - 1, v = number + dv;
-    int at = v >= 0 && v < l->n_bands ? lf_band_find(&l->bands[v], cell->u + du, cell->z + dz) : -1;
-    *weight = (dv ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f) * (du ? 0.5f : 1.0f);
+    const lf_around a = lf_around_at(n);
+    const int v = number + a.dv;
+    int at =
+        v >= 0 && v < l->n_bands ? lf_band_find(&l->bands[v], cell->u + a.du, cell->z + a.dz) : -1;
+    *weight = a.weight;
     return at >= 0 ? &l->bands[v].cells[at] : NULL;
 }
 

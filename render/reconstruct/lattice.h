@@ -29,7 +29,7 @@ typedef float lf_by_feature __attribute__((vector_size(4 * LF_FEATURES)));
 typedef struct lf_moments {
     float w, n[3];
     float wf[LF_FEATURES];
-    float wff[LF_FEATURES][LF_FEATURES];
+    float wff[LF_FEATURES][LF_FEATURES]; /* of sums that were moved the upper triangle (kernel.h) */
     float nf[3][LF_FEATURES];
 } lf_moments;
 
@@ -128,7 +128,18 @@ static inline int lf_band_find(const lf_band *band, int u, int z)
     return place < 0 ? -1 : band->index[place];
 }
 
-/* The n-th of the 27 cells around one, NULL: there is none; what it counts. */
+/* The n-th of the 27 cells around one: where it is from there, and its tent weight. */
+typedef struct lf_around {
+    int du, dv, dz;
+    float weight;
+} lf_around;
+static inline lf_around lf_around_at(int n)
+{
+    int du = n % 3 - 1, dz = n / 3 % 3 - 1, dv = n / 9 - 1;
+    return (lf_around){du, dv, dz, (dv ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f) * (du ? 0.5f : 1.0f)};
+}
+
+/* That cell, NULL: there is none; what it counts. */
 const lf_cell *lf_cell_around(const lf_lattice *l, int number, const lf_cell *cell, int n,
                               float *weight);
 

@@ -148,12 +148,12 @@ static lf_status begin_band(lf_band *band, lf_range z)
 }
 
 /* Where the fitted pixels of some rows lie; of neighbours in one cell the first. */
-static size_t list_places(const lf_pixels *rows, int n_rows, size_t n, lf_place *out)
+static size_t list_places(const lf_pixels *rows, int n_rows, size_t n, lf_cell_at *out)
 {
     size_t listed = 0;
     for (int j = 0; j < n_rows; j++)
         for (size_t i = 0; i < n; i++) {
-            const lf_place here = {rows[j].u[i], rows[j].z[i]};
+            const lf_cell_at here = {rows[j].u[i], rows[j].z[i]};
             if (lf_pixel_is_fitted(&rows[j], i) &&
                 (listed == 0 || here.u != out[listed - 1].u || here.z != out[listed - 1].z))
                 out[listed++] = here;
@@ -162,7 +162,7 @@ static size_t list_places(const lf_pixels *rows, int n_rows, size_t n, lf_place 
 }
 
 /* A band with a cell wherever one of n places is. */
-static lf_status make_band(lf_band *band, const lf_place *places, size_t n)
+static lf_status make_band(lf_band *band, const lf_cell_at *places, size_t n)
 {
     lf_range z = {INT_MAX, INT_MIN};
     for (size_t i = 0; i < n; i++)

@@ -54,6 +54,12 @@ LF_NODISCARD lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *fi
 /* Those of a band of a level above, from the level below. */
 LF_NODISCARD lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number);
 
+/* The share of n q that W has to come up to where weights may cancel. */
+static inline float lf_least_share(const lf_film *film)
+{
+    return film->layout.has_signed ? 0.25f : 0.0f;
+}
+
 /* What N is divided by where it is an answer: W, or W' where that is the second and less noisy
  * weight; 0 where it is none: it has to come up to a share of what is expected, nq, where weights
  * may cancel. */
@@ -61,7 +67,7 @@ static inline float lf_pixel_found_weight(const lf_film *film, const lf_pixel_fo
                                           bool second, float nq)
 {
     float w = lf_film_weight(found->w, found->w2, second);
-    return w > (film->layout.has_signed ? 0.25f * nq : 0.0f) ? w : 0.0f;
+    return w > lf_least_share(film) * nq ? w : 0.0f;
 }
 
 #endif

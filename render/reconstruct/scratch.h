@@ -5,15 +5,15 @@
 #include "render/reconstruct/pixels.h"
 
 /* A cell of level 0, in its band. */
-typedef struct lf_place {
+typedef struct lf_cell_at {
     int u, z;
-} lf_place;
+} lf_cell_at;
 
 typedef struct lf_reconstruct_scratch {
     lf_pixels rows[LF_CELL_SIDE];
     lf_row_table table;
     float (*predicted)[4]; /* [view][column] */
-    lf_place *places;      /* [LF_CELL_SIDE][view][column], as many as there are */
+    lf_cell_at *places;    /* [LF_CELL_SIDE][view][column], as many as there are */
     struct lf_reconstruct_scratch *next;
 } lf_reconstruct_scratch;
 

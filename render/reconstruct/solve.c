@@ -5,38 +5,31 @@
 
 #include "render/reconstruct/kernel.h"
 
-/* The 27 cells around one: where they are from it, and what they count. */
-typedef struct lf_around {
-    int du, dv, dz;
-    float weight, shift[LF_FEATURES]; /* to the middle between them */
-} lf_around;
+/* From the middles of the 27 cells around one to its own. */
+typedef float lf_shifts[27][LF_FEATURES];
 
-static void find_around(float side, lf_around out[27])
+static void find_shifts(float side, lf_shifts out)
 {
+    memset(out, 0, sizeof(lf_shifts));
     for (int n = 0; n < 27; n++) {
-        int du = n % 3 - 1, dz = n / 3 % 3 - 1, dv = n / 9 - 1;
-        out[n] = (lf_around){
-            du, dv, dz, (dv ? 0.5f : 1.0f) * (dz ? 0.5f : 1.0f) * (du ? 0.5f : 1.0f), {0}};
-        out[n].shift[LF_PLACE] = (float)du * side;
-        out[n].shift[LF_ROW] = (float)dv * side;
-        out[n].shift[LF_DEPTH] = (float)dz * side;
+        const lf_around a = lf_around_at(n);
+        out[n][LF_PLACE] = (float)a.du * side;
+        out[n][LF_ROW] = (float)a.dv * side;
+        out[n][LF_DEPTH] = (float)a.dz * side;
     }
 }
 
 /* Tent-weighted sums of the cells around one, each half's by its own features, as seen from its
  * middle. */
 static void gather(const lf_reconstruct_kernels *kernels, const lf_lattice *level, int number,
-                   const lf_cell *cell, const lf_around around[27], lf_moments sum[2])
+                   const lf_cell *cell, lf_shifts shifts, lf_moments sum[2])
 {
     memset(sum, 0, 2 * sizeof *sum);
     for (int n = 0; n < 27; n++) {
-        const lf_around *a = &around[n];
-        const int v = number + a->dv;
-        if (v < 0 || v >= level->n_bands)
-            continue;
-        int i = lf_band_find(&level->bands[v], cell->u + a->du, cell->z + a->dz);
-        for (int h = 0; h < 2 && i >= 0; h++)
-            kernels->move(&sum[h], &level->bands[v].cells[i].half[h][h], a->weight, a->shift);
+        float weight;
+        const lf_cell *other = lf_cell_around(level, number, cell, n, &weight);
+        for (int h = 0; h < 2 && other; h++)
+            kernels->move(&sum[h], &other->half[h][h], weight, shifts[n]);
     }
 }
 
@@ -77,12 +70,12 @@ void lf_solve_band(lf_reconstruction *r, int level, int number)
     static const float here[LF_FEATURES];
     lf_band *band = &r->level[level].bands[number];
     lf_fits fits = {.n = 0};
-    lf_around around[27];
-    find_around((float)(1 << level), around);
+    lf_shifts shifts;
+    find_shifts((float)(1 << level), shifts);
     for (int i = 0; i < band->n; i++) {
         lf_cell *cell = &band->cells[i];
         lf_moments sum[LF_VARIANTS];
-        gather(r->kernels, &r->level[level], number, cell, around, sum);
+        gather(r->kernels, &r->level[level], number, cell, shifts, sum);
         sum[LF_BOTH] = sum[LF_HALF_A];
         r->kernels->move(&sum[LF_BOTH], &sum[LF_HALF_B], 1.0f, here);
         for (int v = 0; v < LF_VARIANTS; v++)

@@ -39,9 +39,11 @@ LF_NODISCARD lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *plac
                                    const float *values, bool is_signed, lf_error *err);
 
 /* Keeps a finished grid's values in 16 bits from here on. Where all of them are such numbers, as
- * those of files of halves are, nothing is changed but memory; others are left alone, or, if it
+ * those of files of halves are, no value is changed; others are left alone, or, if it
  * `rounds`, become the nearest such number: within 2^-11 of themselves, 0 below 2^-62 of the
- * largest. Without memory they stay as they are. */
+ * largest. Without memory they stay as they are. What single paths find is the same to the bit
+ * either way; suffixes in lanes read floats as shares of their brick's largest (lane_scene.h), so
+ * that pictures by these differ within what that rounds off. */
 void lf_grid_shorten(lf_grid *grid, bool rounds);
 
 /* A new grid that is at each voxel what two others are together; theirs lie in the same places,

@@ -10,7 +10,7 @@
 /* Nodes of the control along the longest side: one for two voxels, within bounds. */
 enum { LEAST_NODES = 16, MOST_NODES = 160 };
 
-/* 1 GiB beside the grid itself. */
+/* 1 GiB, beside the grid itself where that is of floats. */
 #define MOST_VALUES (UINT64_C(1) << 29)
 
 /* Of a picture of the sky: indices are 32 bits. */
@@ -20,7 +20,8 @@ enum { LEAST_NODES = 16, MOST_NODES = 160 };
  */
 
 /* Mean free paths along the longest edge of a voxel: where there are more, what 16 bits round off
- * in a brick could take more than 1/256 of the light on its way through. */
+ * in a brick could take more than 1/256 of the light on its way through (grids that are in 16 bits
+ * already are held to the same). */
 #define MOST_DEPTH 64.0f
 
 static float deepest_voxel(const lf_volume *v)
@@ -177,7 +178,9 @@ static void pack_brick(lf_lane_field *field, const lf_volume *volume, size_t fro
     const float highest = grid->brick_max[from];
     field->majorant[to] = highest * volume->sigma_scale;
     field->first[to] = (int32_t)first;
-    for (int i = 0; i < LF_BRICK_STRIDE && highest > 0.0f && field->values; i++) {
+    if (!field->values)
+        return;
+    for (int i = 0; i < LF_BRICK_STRIDE && highest > 0.0f; i++) {
         float share = lf_grid_stored(grid, first + (size_t)i) / highest;
         field->values[first + (size_t)i] = (uint16_t)(lf_min(share, 1.0f) * 65535.0f + 0.5f);
     }

@@ -20,11 +20,11 @@
 typedef struct lf_lane_field {
     int refs;
     lf_scene *scene; /* counted reference: what it was made of */
-    /* [bricks + 1][LF_BRICK_STRIDE], the first all 0: 65535 is the largest value of the brick, or,
-     * NULL, the grid's own, which are times `scale` */
+    /* [bricks + 1][LF_BRICK_STRIDE], the first all 0: 65535 is the largest value of the brick;
+     * NULL: the grid's own are read */
     uint16_t *values;
-    const uint16_t *shorts;
-    float scale;
+    const uint16_t *shorts; /* those, bits as in lf_short_value … */
+    float scale;            /* … which times this are sigma_t */
     /* [z][y][x] of the framed bricks: the largest sigma_t there, and where the values begin */
     float *majorant;
     int32_t *first;

@@ -14,10 +14,10 @@
 
 /* Lanes that are enough for a turn. */
 enum { ENOUGH = LF_WIDTH / 2 };
-/* Groups of lanes that have their turns one after the other: while one waits for what it gathers,
+/* Teams of lanes that have their turns one after the other: while one waits for what it gathers,
  * or a turn was guessed wrong, the other goes on (1.2 times as fast; three or four are no better).
  */
-enum { GROUPS = 2 };
+enum { TEAMS = 2 };
 
 /* ----------------------------------------------------------------------------- through the grid --
  */
@@ -248,15 +248,15 @@ LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory 
 LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory, unsigned has)
 {
     const mask every = mask_of((1u << LF_WIDTH) - 1);
-    shadow group[GROUPS];
+    shadow team[TEAMS];
     int64_t lookups = 0;
     int next = 0;
-    for (int g = 0; g < GROUPS; g++)
-        group[g] = (shadow){.w = {.shade = every}, .fresh = every};
-    for (int ended = 0; ended < GROUPS;) {
+    for (int g = 0; g < TEAMS; g++)
+        team[g] = (shadow){.w = {.shade = every}, .fresh = every};
+    for (int ended = 0; ended < TEAMS;) {
         ended = 0;
-        for (int g = 0; g < GROUPS; g++) {
-            shadow *s = &group[g];
+        for (int g = 0; g < TEAMS; g++) {
+            shadow *s = &team[g];
             switch (choose_turn(&s->w)) {
             case STEP:
                 step(&s->k, scene, &s->w);
@@ -522,6 +522,11 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
     p->t.shade = p->t.idle;
 }
 
+/* A vertex shoots twice at most before shots are looked at, and `aim` fills its last groups up. */
+enum { FILL = LF_GROUPS * LF_WIDTH };
+_Static_assert((LF_LANE_SHOTS + LF_WIDTH + FILL - 1) / FILL * FILL <= LF_LANE_SHOTS + LF_LANE_MOST,
+               "room for a turn's shots");
+
 /* Traces the shots that wait and adds what they find. */
 LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
                         lf_lane_memory *memory, unsigned has)
@@ -544,18 +549,18 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
                              lf_lane_memory *memory, unsigned has)
 {
     const mask every = mask_of((1u << LF_WIDTH) - 1);
-    path group[GROUPS];
+    path team[TEAMS];
     int64_t lookups = 0;
     int next = 0;
-    for (int g = 0; g < GROUPS; g++)
-        group[g] = (path){.t = {.shade = every}, .fresh = every};
+    for (int g = 0; g < TEAMS; g++)
+        team[g] = (path){.t = {.shade = every}, .fresh = every};
     for (int i = 0; i < 3; i++)
         memset(paths->lit[i], 0, sizeof **paths->lit * (size_t)paths->n);
     memory->n = memory->n_exits = 0;
-    for (int ended = 0; ended < GROUPS;) {
+    for (int ended = 0; ended < TEAMS;) {
         ended = 0;
-        for (int g = 0; g < GROUPS; g++) {
-            path *p = &group[g];
+        for (int g = 0; g < TEAMS; g++) {
+            path *p = &team[g];
             switch (choose_turn(&p->t)) {
             case STEP:
                 step(&p->k, scene, &p->t);

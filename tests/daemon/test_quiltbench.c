@@ -477,6 +477,37 @@ static void kernels_are_timed_and_must_agree(void **state)
     assert_int_equal(run(d, "micro none.json"), 1);
 }
 
+/* A grid, which lanes serve: all instruction sets find the same, and a bit that is spoilt is told.
+ */
+static void suffixes_in_lanes_are_timed_and_must_agree(void **state)
+{
+    const char *d = *state;
+    lf_test_write(
+        d, "grid.json",
+        "{\"quiltd\": 1, \"camera\": {\"target\": [4,4,4], \"position\": [4,4,30], \"fov_y\": 30, "
+        "\"views\": 12},"
+        "\"volumes\": {\"v\": {\"file\": \"block.vdb\", \"scale\": 0.5}},"
+        "\"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}, "
+        "\"sun\": {\"type\": \"distant\", \"direction\": [0.3,-1,0.2], \"irradiance\": 2}}}");
+    char *real = realpath(lf_test_built("testdata/block.vdb"), NULL);
+    assert_non_null(real);
+    assert_int_equal(symlink(real, lf_test_path(d, "block.vdb")), 0);
+    free(real);
+    assert_int_equal(run(d, "micro grid.json --view-size 40x30 --repeat 1 --json l.json"), 0);
+    json_t *m = load(d, "l.json");
+    const json_t *plain = line_of(m, "what", "suffix in lanes", 0);
+    assert_string_equal(json_string_value(json_object_get(plain, "kernels")), "c");
+    assert_true(number(plain, "ns") > 0);
+    assert_true(number(line_of(m, "what", "suffix one by one, in turns with", 0), "ns") > 0);
+    json_decref(m);
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) {
+        assert_int_equal(run(d, "micro grid.json --view-size 40x30 --repeat 1 --fault"), 1);
+        assert_error_line(d, "avx2 finds something else than plain C");
+    }
+#endif
+}
+
 static const char panel_text[] = "{\"configVersion\":\"3.0\",\"serial\":\"LKG-T\",\"pitch\":50.0,"
                                  "\"slope\":-7.0,\"center\":0.1,\"DPI\":324.0,\"screenW\":96.0,"
                                  "\"screenH\":64.0,\"viewCone\":40.0,\"invView\":1.0,"
@@ -610,6 +641,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_table_says_what_is_met, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_papers_estimators_stand_beside_ours, set_up, tear_down),
         cmocka_unit_test_setup_teardown(kernels_are_timed_and_must_agree, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(suffixes_in_lanes_are_timed_and_must_agree, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(what_is_shown_after_a_command_comes_closer, set_up,
