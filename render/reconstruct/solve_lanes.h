@@ -13,10 +13,10 @@ typedef double solve_lanes[LF_SOLVE_LANES];
 typedef struct solve_system {
     solve_lanes w; /* 1 over the sum of weights */
     solve_lanes mean[LF_FEATURES], scale[LF_FEATURES];
-    solve_lanes a[LF_FEATURES][LF_FEATURES]; /* the lower triangle; then its Cholesky
- factor but for the diagonal */
-    solve_lanes inverse[LF_FEATURES];        /* 1 over the factor's diagonal */
-    solve_lanes good;                        /* 1; 0: it is not positive definite */
+    /* The lower triangle; then its Cholesky factor but for the diagonal, 1 over which is `inverse`.
+     */
+    solve_lanes a[LF_FEATURES][LF_FEATURES], inverse[LF_FEATURES];
+    solve_lanes good; /* 1; 0: it is not positive definite */
 } solve_system;
 
 /* Variances that features are known to, or matter by: below them a slope is not asked for. */
