@@ -445,6 +445,7 @@ static uint64_t run_lanes(bench *b, const lf_suffixes *suffixes, lf_suffix_batch
     const lf_scene *scene = b->renderer->scene;
     const double start = lf_time_cpu();
     uint64_t hash = 0;
+    lf_tracer tracer = {.scene = scene};
     memset(batch, 0, sizeof *batch);
     lf_suffix_batch_init(batch, b->renderer->lanes, suffixes, LF_BATCH_EACH);
     for (int i = 0; i < b->n_rays; i++) {
@@ -458,7 +459,7 @@ static uint64_t run_lanes(bench *b, const lf_suffixes *suffixes, lf_suffix_batch
         lf_suffix_batch_add(batch, scene, &pivot, &sampler);
         if (!lf_suffix_batch_is_full(batch) && i + 1 < b->n_rays)
             continue;
-        lf_suffix_batch_trace(batch, LF_DEFAULT_MAX_DEPTH);
+        lf_suffix_batch_trace(batch, &tracer, LF_DEFAULT_MAX_DEPTH);
         add_batch(&hash, batch);
         batch->n = 0;
     }

@@ -18,7 +18,7 @@ static const lf_skip_entry table[] = {
      true},
     {"known-light", "all rays that escape find the same light: it is neither looked up nor stored",
      LF_SKIP_KNOWN_LIGHT, false},
-    {"single-paths", "one grid, a sky and at most one far light: suffixes go side by side in lanes",
+    {"single-paths", "one grid, a sky and at most one far light: suffixes in media go in lanes",
      LF_SKIP_PATHS, false},
 };
 #define N_SKIPS (sizeof table / sizeof table[0])

@@ -63,7 +63,7 @@ static void base_sample(lf_any_cameras *s, lf_any_worker *w, lf_any_pivot *p, ui
                                      (float)p->row + film[1]);
     if (!find_pivot(s, w, d, p))
         return;
-    if (w->queue && !pilot)
+    if (w->queue && !pilot && p->event.kind == LF_EVENT_MEDIUM)
         lf_any_push(s, w, p, cancel);
     else
         lf_any_scatter(s, w, p, pilot);

@@ -245,7 +245,7 @@ void lf_any_flush(lf_any_cameras *s, lf_any_worker *w, const lf_cancel *cancel)
 {
     lf_any_queue *q = w->queue;
     double densities;
-    w->tracer.lookups += lf_suffix_batch_trace(&q->batch, s->max_depth);
+    lf_suffix_batch_trace(&q->batch, &w->tracer, s->max_depth);
     for (int i = 0; i < q->batch.n; i++) {
         const lf_batch_pivot *waits = &q->batch.pivot[i];
         const lf_any_pivot p = {.event = {.kind = LF_EVENT_MEDIUM,

@@ -100,7 +100,7 @@ static void spread(const lf_queue *queue, lf_visit *visit, int at)
 
 void lf_queue_flush(lf_queue *queue, lf_visit *visit)
 {
-    visit->worker->tracer.lookups += lf_suffix_batch_trace(&queue->batch, visit->max_depth);
+    lf_suffix_batch_trace(&queue->batch, &visit->worker->tracer, visit->max_depth);
     const float alone = visit->alone;
     for (int i = 0; i < queue->batch.n; i++)
         spread(queue, visit, i);

@@ -6,6 +6,7 @@
 #include "render/scene/look_up.h"
 #include "render/transport/light_types.h"
 #include "render/transport/sunlight_media.h"
+#include "render/transport/track.h"
 
 /* Nodes of the control along the longest side: one for two voxels, within bounds. */
 enum { LEAST_NODES = 16, MOST_NODES = 160 };
@@ -82,11 +83,17 @@ static bool serves_lights(const lf_scene *scene)
     return drawn[0] <= 1 && drawn[1] <= 1;
 }
 
+/* Rays meet what is there for sure, and no path ends inside of anything. */
+static bool serves_surfaces(const lf_looks *looks)
+{
+    return !looks->veiled && !looks->paned && !looks->filled && !looks->fleshy;
+}
+
 bool lf_lane_scene_serves(const lf_scene *scene)
 {
-    return scene->n_volumes == 1 && serves_volume(&scene->volumes[0]) && !scene->embree &&
-           !scene->looks.chromatic && !scene->looks.moving && scene->flames.n == 0 &&
-           scene->glows.n == 0 && serves_lights(scene);
+    return scene->n_volumes == 1 && serves_volume(&scene->volumes[0]) &&
+           serves_surfaces(&scene->looks) && !scene->looks.chromatic && !scene->looks.moving &&
+           scene->flames.n == 0 && scene->glows.n == 0 && serves_lights(scene);
 }
 
 static void put(float out[3], lf_vec3 v)
@@ -135,6 +142,50 @@ static lf_vec3 even_sky(const lf_scene *scene)
             sum = lf_add(sum, light->kind->escape(light, lf_v3(0.0f, 1.0f, 0.0f), &pdf));
     }
     return sum;
+}
+
+static bool is_empty(const lf_box *box)
+{
+    return !(box->min.x <= box->max.x);
+}
+
+/* Makes the box that holds what is inside of min and max hold a mesh as well, and what it may be
+ * off by in rounded coordinates. */
+static void grow(const lf_volume *volume, const lf_box *mesh, float min[3], float max[3])
+{
+    const float x[2] = {mesh->min.x, mesh->max.x}, y[2] = {mesh->min.y, mesh->max.y},
+                z[2] = {mesh->min.z, mesh->max.z};
+    for (int i = 0; i < 3; i++) {
+        const float *row = volume->to_volume[i];
+        for (int c = 0; c < 8; c++) {
+            const float part[4] = {row[0] * x[c & 1], row[1] * y[c >> 1 & 1], row[2] * z[c >> 2],
+                                   row[3]};
+            const float at = part[0] + part[1] + part[2] + part[3],
+                        off = 1e-5f *
+                              (fabsf(part[0]) + fabsf(part[1]) + fabsf(part[2]) + fabsf(part[3]));
+            min[i] = lf_min(min[i], at - off);
+            max[i] = lf_max(max[i], at + off);
+        }
+    }
+}
+
+static void set_boxes(lf_lane_scene *lanes, const lf_scene *scene)
+{
+    lf_lane_boxes *boxes = &lanes->boxes;
+    for (int b = 0; b < LF_LANE_BOXES; b++)
+        for (int k = 0; k < 3; k++) {
+            boxes->min[b][k] = INFINITY;
+            boxes->max[b][k] = -INFINITY;
+        }
+    for (int i = 0; i < scene->n_meshes; i++) {
+        if (is_empty(&scene->meshes[i].box))
+            continue;
+        if (boxes->n < LF_LANE_BOXES)
+            boxes->n++;
+        const int b = boxes->n - 1;
+        grow(&scene->volumes[0], &scene->meshes[i].box, boxes->min[b], boxes->max[b]);
+    }
+    lanes->has |= boxes->n > 0 ? LF_LANE_SURFACES : 0;
 }
 
 static void set_colours(lf_lane_scene *lanes, const lf_scene *scene)
@@ -240,6 +291,42 @@ static int nodes_for(const lf_grid *grid)
     return (int)lf_min(lf_max((float)longest / 2.0f, LEAST_NODES), MOST_NODES);
 }
 
+typedef struct shades {
+    lf_lane_field *field;
+    const lf_sunlight_media *media;
+} shades;
+
+/* The scene-local place of a node: rows of to_nodes are at right angles. */
+static lf_vec3 node_place(const lf_sunlight_media *media, const int node[3])
+{
+    lf_vec3 p = lf_v3(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < 3; i++) {
+        const float *m = media->to_nodes[i];
+        const lf_vec3 row = lf_v3(m[0], m[1], m[2]);
+        p = lf_madd(p, ((float)node[i] - m[3]) / lf_dot(row, row), row);
+    }
+    return p;
+}
+
+static void shade_layer(void *context, int y, int worker)
+{
+    const shades *job = context;
+    const lf_sunlight_media *media = job->media;
+    lf_tracer tracer = {.scene = media->scene};
+    (void)worker;
+    for (int x = 0; x < media->size[0]; x++)
+        for (int z = 0; z < media->size[2]; z++) {
+            const size_t at =
+                ((size_t)y * (size_t)media->size[0] + (size_t)x) * (size_t)media->size[2] +
+                (size_t)z;
+            const lf_vec3 p = node_place(media, (const int[3]){x, y, z});
+            float left = expf(-media->depth[at]);
+            if (media->scene->embree)
+                left *= lf_trace_passed(&tracer, p, media->toward, INFINITY);
+            job->field->left[at] = (uint16_t)(left * 65535.0f + 0.5f);
+        }
+}
+
 static lf_status make_control(lf_lane_field *field, const lf_light *light, lf_pool *pool)
 {
     const lf_volume *volume = &field->scene->volumes[0];
@@ -252,14 +339,14 @@ static lf_status make_control(lf_lane_field *field, const lf_light *light, lf_po
         lf_sunlight_media_finish(&media);
         return status;
     }
+    shades job = {field, &media};
     field->left = lf_calloc(n + 1, sizeof *field->left);
-    for (size_t i = 0; field->left && i < n; i++)
-        field->left[i] = (uint16_t)(expf(-media.depth[i]) * 65535.0f + 0.5f);
+    status = field->left ? lf_pool_run(pool, media.size[1], shade_layer, &job, NULL) : LF_E_NOMEM;
     for (int i = 0; i < 3; i++)
         field->nodes[i] = media.size[i];
     compose(&media, volume, field->to_nodes);
     lf_sunlight_media_finish(&media);
-    return field->left ? LF_OK : LF_E_NOMEM;
+    return status;
 }
 
 static void unref(lf_lane_field *field)
@@ -300,9 +387,9 @@ static bool is_field_of(const lf_lane_field *field, const lf_scene *scene)
     } else if (before || now) {
         return false;
     }
-    return old->grid == new->grid && old->sigma_scale ==
-                                         new->sigma_scale &&memcmp(old->to_volume, new->to_volume,
-                                                                   sizeof new->to_volume) == 0;
+    const bool same_place = memcmp(old->to_volume, new->to_volume, sizeof new->to_volume) == 0;
+    return old->grid == new->grid && old->sigma_scale == new->sigma_scale &&same_place &&
+           field->scene->geometry == scene->geometry;
 }
 
 lf_status lf_lane_scene_init(lf_lane_scene *out, lf_scene *scene, const lf_lane_scene *previous,
@@ -312,6 +399,7 @@ lf_status lf_lane_scene_init(lf_lane_scene *out, lf_scene *scene, const lf_lane_
     if (!lf_lane_scene_serves(scene))
         return LF_OK;
     set_colours(out, scene);
+    set_boxes(out, scene);
     if (!previous || !previous->field || !is_field_of(previous->field, scene))
         return make_field(scene, pool, &out->field);
     out->field = previous->field;

@@ -1,5 +1,6 @@
 /* A scene as suffixes in lanes see it (suffix.h); private to render/. So far: one grid, a sky that
- * is the same everywhere or has a picture, and a light at infinity.
+ * is the same everywhere or has a picture, a light at infinity, and meshes, whose rays are traced
+ * one by one (lane_surfaces.h) where a segment goes through the box of one.
  *
  * A grid whose values are kept in 16 bits (lf_grid_shorten) is read where it lies: 2.9 bytes a
  * voxel of a brick in all. Others are kept here a second time, in 16 bits as shares of their
@@ -8,7 +9,8 @@
  *
  * The control is what is left of the light at the nodes of a lattice, T~, interpolated in between.
  * Suffixes count T~ at every vertex and trace a shadow ray only by chance, which then counts T - T~
- * over that chance (a control variate with roulette: unbiased whatever T~ is). */
+ * over that chance (a control variate with roulette: unbiased whatever T~ is). What meshes shade
+ * counts as dark there. */
 #ifndef LF_RENDER_LANE_SCENE_H
 #define LF_RENDER_LANE_SCENE_H
 
@@ -51,17 +53,32 @@ typedef struct lf_lane_disk {
     float radiance[3];
 } lf_lane_disk;
 
+/* Boxes that hold all meshes, volume space: one a mesh, and where there are more the last holds the
+ * rest. */
+enum { LF_LANE_BOXES = 8 };
+typedef struct lf_lane_boxes {
+    int n;
+    float min[LF_LANE_BOXES][3], max[LF_LANE_BOXES][3];
+} lf_lane_boxes;
+
 /* What scenes may have, and what is compiled for those that have not stays without it. */
-enum { LF_LANE_PICTURE = 1, LF_LANE_DISK = 2 };
+enum {
+    LF_LANE_PICTURE = 1,
+    LF_LANE_DISK = 2,
+    LF_LANE_SKY = LF_LANE_PICTURE | LF_LANE_DISK, /* one of them: the sky is not even */
+    LF_LANE_SURFACES = 4,
+    LF_LANE_KINDS = 8 /* of scenes */
+};
 
 typedef struct lf_lane_scene {
     lf_lane_field *field; /* counted reference; NULL: lanes do not serve the scene */
     float to_volume[3][4], size[3], g;
     float albedo[3], sky[3];        /* sky: without the picture */
     float toward[3], irradiance[3]; /* of the light; all 0: there is none */
-    unsigned has;                   /* of LF_LANE_PICTURE, LF_LANE_DISK */
+    unsigned has;                   /* of LF_LANE_PICTURE, LF_LANE_DISK, LF_LANE_SURFACES */
     lf_lane_picture picture;        /* all 0: there is none */
     lf_lane_disk disk;              /* all 0: the light is none */
+    lf_lane_boxes boxes;            /* n = 0: there is no mesh */
 } lf_lane_scene;
 
 /* Whether lanes can do all of the scene's suffixes. */

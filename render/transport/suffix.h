@@ -27,12 +27,33 @@ typedef struct lf_lane_exit {
     int32_t job;
 } lf_lane_exit;
 
+/* A segment of a path that may meet a surface. */
+typedef struct lf_lane_segment {
+    float q[3], w[3]; /* from, volume space; unit, scene */
+    float length;     /* INFINITY: it leaves */
+    float beta[3];
+    int depth, max_depth; /* of what is met, as in lf_path_scattered */
+    uint32_t random[2];   /* key of the numbers of what comes behind it */
+} lf_lane_segment;
+
+/* Who answers rays in scenes with surfaces; all of a job's questions come in the order of its
+ * vertices. */
+typedef struct lf_lane_surfaces {
+    void *of;
+    /* Whether the segment meets a surface: the path ends there, and beta times what comes from it
+     * is in out. */
+    bool (*meet)(void *of, const lf_lane_segment *segment, float out[3]);
+    /* What surfaces let through from q to infinity along w. */
+    float (*passed)(void *of, const float q[3], const float w[3]);
+} lf_lane_surfaces;
+
 /* Memory of a worker. */
 typedef struct lf_lane_memory {
+    lf_lane_surfaces surfaces; /* looked at where the scene `has` surfaces */
     lf_lane_shot shot[LF_LANE_SHOTS + LF_LANE_MOST];
     float left[LF_LANE_SHOTS + LF_LANE_MOST];
     int n; /* shots */
-    /* Where the scene `has` anything: unit, scene. Of shots with `draws` the way that the path
+    /* Where the scene `has` LF_LANE_SKY: unit, scene. Of shots with `draws` the way that the path
      * came; of others where to. */
     float w[3][LF_LANE_SHOTS + LF_LANE_MOST];
     int32_t draws[LF_LANE_SHOTS + LF_LANE_MOST]; /* -1, else 0 */
@@ -48,8 +69,8 @@ typedef struct lf_lane_paths {
     const uint32_t *random[2];
     float *radiance[3]; /* out: what arrives along w, light met at the first event included … */
     float *lit[3];      /* what shadow rays add to it meanwhile */
-    /* … but where the scene `has` anything: there that is left to the caller, and this says whether
-     * the path met nothing (1, else 0). Elsewhere it is not looked at. */
+    /* … but where the scene `has` LF_LANE_SKY: there that is left to the caller, and this says
+     * whether the path met nothing (1, else 0). Elsewhere it is not looked at. */
     float *escaped;
 } lf_lane_paths;
 
@@ -57,7 +78,7 @@ typedef struct lf_lane_paths {
 typedef struct lf_lane_points {
     int n;
     const float *q[3];
-    const float *w[3]; /* unit, scene: where to; read where it `has` anything, else `toward` */
+    const float *w[3]; /* unit, scene: where to; read where it `has` LF_LANE_SKY, else `toward` */
     const uint32_t *random[2];
     float *left; /* out: an unbiased estimate, 0..1; 0 without a light */
 } lf_lane_points;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "render/transport/lane_surfaces.h"
 #include "render/transport/phase.h"
 
 /* Look-ups between two questions whether a visit is cancelled, about: some hundredths of a second.
@@ -90,7 +91,7 @@ static void set_most(lf_suffix_batch *batch, int64_t lookups)
     batch->most = most > LEAST_PIVOTS ? most : LEAST_PIVOTS;
 }
 
-int64_t lf_suffix_batch_trace(lf_suffix_batch *batch, int max_depth)
+void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth)
 {
     const lf_lane_paths paths = {
         .n = batch->n * batch->each,
@@ -110,11 +111,12 @@ int64_t lf_suffix_batch_trace(lf_suffix_batch *batch, int max_depth)
         .left = batch->left,
     };
     if (batch->n == 0)
-        return 0;
+        return;
+    batch->memory.surfaces = lf_lane_surfaces_of(tracer);
     const int64_t lookups = batch->suffixes->trace(batch->lanes, &paths, &batch->memory) +
                             batch->suffixes->light(batch->lanes, &points, &batch->memory);
+    tracer->lookups += lookups;
     set_most(batch, lookups);
-    return lookups;
 }
 
 void lf_suffix_batch_direction(const lf_suffix_batch *batch, const lf_scene *scene, int at, int k,
@@ -124,6 +126,6 @@ void lf_suffix_batch_direction(const lf_suffix_batch *batch, const lf_scene *sce
     *out = (lf_batch_direction){.wi = {batch->wi[0][path], batch->wi[1][path], batch->wi[2][path]},
                                 .scattered = {batch->radiance[0][path], batch->radiance[1][path],
                                               batch->radiance[2][path]}};
-    if (batch->lanes->has && batch->escaped[path] > 0.0f)
+    if (batch->lanes->has & LF_LANE_SKY && batch->escaped[path] > 0.0f)
         out->found = lf_light_escape(scene, out->wi, &out->found_pdf);
 }

@@ -6,6 +6,7 @@
 #include "render/transport/light.h"
 #include "render/transport/sampler.h"
 #include "render/transport/suffix.h"
+#include "render/transport/track.h"
 
 /* Pivots, and suffixes of each: one costs about a third of what the rest of a pivot costs
  * (docs/performance.md, "Suffixes in lanes"). */
@@ -27,7 +28,7 @@ typedef struct lf_suffix_batch {
     lf_batch_pivot pivot[LF_BATCH_PIVOTS];
     /* [pivot]: where, volume space, and what of the light is left there, 0..1 in the mean */
     float q[3][LF_BATCH_PIVOTS], left[LF_BATCH_PIVOTS];
-    float toward[3][LF_BATCH_PIVOTS]; /* its light, where the scene `has` more than directions */
+    float toward[3][LF_BATCH_PIVOTS]; /* its light, where the scene `has` LF_LANE_SKY */
     uint32_t random[2][LF_BATCH_PIVOTS];
     /* [pivot][suffix] */
     float from[3][LF_BATCH_PIVOTS * LF_BATCH_EACH], wi[3][LF_BATCH_PIVOTS * LF_BATCH_EACH],
@@ -57,9 +58,10 @@ static inline bool lf_suffix_batch_is_full(const lf_suffix_batch *batch)
     return batch->n >= batch->most;
 }
 
-/* Draws the suffixes of all that wait; they go on waiting until n is set to 0. Returns how often
- * the grid was looked up. */
-int64_t lf_suffix_batch_trace(lf_suffix_batch *batch, int max_depth);
+/* Draws the suffixes of all that wait; they go on waiting until n is set to 0. How often grids were
+ * looked up is counted by the tracer, which answers rays where the scene has surfaces, and whose
+ * random numbers are then others. */
+void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth);
 
 /* Direction k of pivot `at`, traced. */
 void lf_suffix_batch_direction(const lf_suffix_batch *batch, const lf_scene *scene, int at, int k,

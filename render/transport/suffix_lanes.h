@@ -11,6 +11,7 @@
 
 #include "render/transport/lanes.h"
 #include "render/transport/suffix_sky_lanes.h"
+#include "render/transport/suffix_surface_lanes.h"
 
 /* Lanes that are enough for a turn. */
 enum { ENOUGH = LF_WIDTH / 2 };
@@ -83,11 +84,10 @@ LF_INLINE lanes nearest_edge(const walk *k)
 LF_INLINE void begin_walk(walk *k, const lf_lane_scene *scene, mask m, const lanes w[3],
                           lanes_random *random)
 {
-    lanes end = all(INFINITY);
-    for (int i = 0; i < 3; i++) {
-        const float *row = scene->to_volume[i];
-        enter_axis(k, scene, i, m, row[0] * w[0] + row[1] * w[1] + row[2] * w[2], &end);
-    }
+    lanes end = all(INFINITY), d[3];
+    to_volume(scene, w, d);
+    for (int i = 0; i < 3; i++)
+        enter_axis(k, scene, i, m, d[i], &end);
     k->t = choose(m, all(0.0f), k->t);
     k->end = choose(m, end, k->end);
     k->edge = choose(m, most(all(0.0f), nearest_edge(k)), k->edge);
@@ -234,7 +234,7 @@ LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory 
     lanes_int at = s->job * words;
     for (int i = 0; i < 3; i++)
         s->k.q[i] = choose(m, gather(memory->shot->q + i, at), s->k.q[i]);
-    for (int i = 0; i < 3 && has; i++)
+    for (int i = 0; i < 3 && has & LF_LANE_SKY; i++)
         toward[i] = gather(memory->w[i], s->job);
     begin_random(&s->random, m, (lanes_bits)gather_int(&memory->shot->random[0], at),
                  (lanes_bits)gather_int(&memory->shot->random[1], at));
@@ -273,6 +273,8 @@ LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory
             }
         }
     }
+    if (has & LF_LANE_SURFACES)
+        pass_surfaces(scene, memory, has);
     return lookups;
 }
 
@@ -334,17 +336,52 @@ LF_INLINE void leave(const path *p, mask m, lf_lane_memory *memory)
     }
 }
 
+/* Those of m whose last segment met a surface, where their path is over: what comes from there is
+ * found one by one. */
+LF_INLINE mask meet(path *p, const lf_lane_scene *scene, int max_depth, mask m,
+                    const lf_lane_surfaces *surfaces)
+{
+    const lanes length = choose(p->collided, p->k.t, all(INFINITY));
+    unsigned met = 0;
+    m = both(m, may_meet(&scene->boxes, p->k.q, p->k.d, length));
+    const lanes_bits key[2] = {draw(&p->random, m), draw(&p->random, m)};
+    for (unsigned b = bits_of(m); b; b &= b - 1) {
+        const int k = __builtin_ctz(b);
+        float found[3];
+        lf_lane_segment segment = {.length = length[k],
+                                   .depth = (int)p->vertex[k] + 1,
+                                   .max_depth = max_depth,
+                                   .random = {key[0][k], key[1][k]}};
+        for (int i = 0; i < 3; i++) {
+            segment.q[i] = p->k.q[i][k];
+            segment.w[i] = p->w[i][k];
+            segment.beta[i] = p->beta[i][k];
+        }
+        if (!surfaces->meet(surfaces->of, &segment, found))
+            continue;
+        met |= 1u << k;
+        for (int i = 0; i < 3; i++)
+            p->radiance[i][k] += found[i];
+    }
+    p->vertex = choose(mask_of(met), p->vertex + 1.0f, p->vertex);
+    return mask_of(met);
+}
+
 /* Moves collided lanes to their vertex, gives the sky to those that left; returns the lanes whose
  * path is over. */
 LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded,
                       lf_lane_memory *memory, unsigned has)
 {
-    mask vertex = both(shaded, p->collided), left = without(shaded, either(vertex, p->fresh));
+    mask met = mask_of(0);
+    if (has & LF_LANE_SURFACES)
+        met = meet(p, scene, max_depth, without(shaded, p->fresh), &memory->surfaces);
+    mask vertex = without(both(shaded, p->collided), met),
+         left = without(shaded, either(either(vertex, met), p->fresh));
     lanes seen = choose(left, all(1.0f), all(0.0f));
-    if (has)
+    if (has & LF_LANE_SKY)
         leave(p, left, memory);
     for (int i = 0; i < 3; i++) {
-        if (!has)
+        if (!(has & LF_LANE_SKY))
             p->radiance[i] = p->radiance[i] + p->beta[i] * (scene->sky[i] * seen);
         p->k.q[i] = choose(vertex, p->k.q[i] + p->k.t * p->k.d[i], p->k.q[i]);
     }
@@ -375,7 +412,7 @@ LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *
         int k = __builtin_ctz(b);
         for (int i = 0; i < 3; i++)
             paths->radiance[i][p->job[k]] = p->radiance[i][k];
-        if (has)
+        if (has & LF_LANE_SKY)
             paths->escaped[p->job[k]] = p->vertex[k] > 1.0f ? 0.0f : 1.0f;
     }
     mask m = fetch(ended, paths->n, next, &p->job, &p->t);
@@ -453,7 +490,7 @@ LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_m
     m = both(m, is_less(draw_unit(&p->random, m), probability));
     int n = memory->n;
     shoot(p, m, light, weight / probability, expected, memory);
-    for (unsigned b = has ? bits_of(m) : 0; b; b &= b - 1, n++) {
+    for (unsigned b = has & LF_LANE_SKY ? bits_of(m) : 0; b; b &= b - 1, n++) {
         int k = __builtin_ctz(b);
         memory->draws[n] = 0;
         for (int i = 0; i < 3; i++)
@@ -495,7 +532,7 @@ LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m, unsigned has
         p->w[i] = choose(m, turned[i], p->w[i]);
         p->beta[i] = choose(m, p->beta[i] * scene->albedo[i], p->beta[i]);
     }
-    if (has)
+    if (has & LF_LANE_SKY)
         p->pdf = choose(m, phase_at(scene->g, 2.0f * versine), p->pdf);
 }
 
@@ -540,7 +577,7 @@ LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
             paths->lit[i][shot->job] += shot->weight[i] * (memory->left[k] - shot->expected);
     }
     memory->n = 0;
-    if (has)
+    if (has & LF_LANE_SKY)
         find(scene, paths, memory, has);
     return lookups;
 }
@@ -572,7 +609,7 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
             case SHADE:
                 shade(p, scene, paths, memory, &next, has);
                 if (memory->n > LF_LANE_SHOTS - LF_WIDTH ||
-                    (has && memory->n_exits > LF_LANE_SHOTS - LF_WIDTH))
+                    (has & LF_LANE_SKY && memory->n_exits > LF_LANE_SHOTS - LF_WIDTH))
                     lookups += flush(scene, paths, memory, has);
                 break;
             case END:
@@ -588,29 +625,27 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
     return lookups;
 }
 
-#define LF_TRACE(name, has)                                                                        \
-    static int64_t name(const lf_lane_scene *scene, const lf_lane_paths *paths,                    \
-                        lf_lane_memory *memory)                                                    \
+#define LF_TRACE(has)                                                                              \
+    static int64_t trace_##has(const lf_lane_scene *scene, const lf_lane_paths *paths,             \
+                               lf_lane_memory *memory)                                             \
     {                                                                                              \
         return trace_with(scene, paths, memory, has);                                              \
     }
-LF_TRACE(trace_even, 0)
-LF_TRACE(trace_picture, LF_LANE_PICTURE)
-LF_TRACE(trace_disk, LF_LANE_DISK)
-LF_TRACE(trace_picture_and_disk, LF_LANE_PICTURE | LF_LANE_DISK)
+LF_TRACE(0)
+LF_TRACE(1)
+LF_TRACE(2)
+LF_TRACE(3)
+LF_TRACE(4)
+LF_TRACE(5)
+LF_TRACE(6)
+LF_TRACE(7)
 
 static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
 {
-    switch (scene->has) {
-    case LF_LANE_PICTURE:
-        return trace_picture(scene, paths, memory);
-    case LF_LANE_DISK:
-        return trace_disk(scene, paths, memory);
-    case LF_LANE_PICTURE | LF_LANE_DISK:
-        return trace_picture_and_disk(scene, paths, memory);
-    default:
-        return trace_even(scene, paths, memory);
-    }
+    static int64_t (*const of[LF_LANE_KINDS])(const lf_lane_scene *, const lf_lane_paths *,
+                                              lf_lane_memory *) = {
+        trace_0, trace_1, trace_2, trace_3, trace_4, trace_5, trace_6, trace_7};
+    return of[scene->has](scene, paths, memory);
 }
 
 /* -------------------------------------------------------------------------------------- points --
@@ -622,7 +657,7 @@ LF_INLINE int64_t light_with(const lf_lane_scene *scene, const lf_lane_points *p
     const float *toward = scene->toward;
     int64_t lookups = 0;
     memset(points->left, 0, sizeof *points->left * (size_t)points->n);
-    if (!has && toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f)
+    if (!(has & LF_LANE_SKY) && toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f)
         return 0; /* rays would stand still, and some for ever */
     for (int first = 0; first < points->n; first += LF_LANE_SHOTS) {
         const int rest = points->n - first;
@@ -634,7 +669,7 @@ LF_INLINE int64_t light_with(const lf_lane_scene *scene, const lf_lane_points *p
             for (int i = 0; i < 2; i++)
                 shot->random[i] = points->random[i][first + k];
         }
-        for (int i = 0; i < 3 && has; i++)
+        for (int i = 0; i < 3 && has & LF_LANE_SKY; i++)
             memcpy(memory->w[i], points->w[i] + first, sizeof(float) * (size_t)memory->n);
         lookups += trace_shots(scene, memory, has);
         memcpy(points->left + first, memory->left, sizeof *memory->left * (size_t)memory->n);
@@ -642,21 +677,19 @@ LF_INLINE int64_t light_with(const lf_lane_scene *scene, const lf_lane_points *p
     return lookups;
 }
 
-static int64_t light_even(const lf_lane_scene *scene, const lf_lane_points *points,
-                          lf_lane_memory *memory)
-{
-    return light_with(scene, points, memory, 0);
-}
-static int64_t light_anywhere(const lf_lane_scene *scene, const lf_lane_points *points,
-                              lf_lane_memory *memory)
-{
-    return light_with(scene, points, memory, LF_LANE_PICTURE | LF_LANE_DISK);
-}
-
 static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
                      lf_lane_memory *memory)
 {
-    return scene->has ? light_anywhere(scene, points, memory) : light_even(scene, points, memory);
+    switch (scene->has & LF_LANE_SKY ? scene->has | LF_LANE_SKY : scene->has) {
+    case 0:
+        return light_with(scene, points, memory, 0);
+    case LF_LANE_SKY:
+        return light_with(scene, points, memory, LF_LANE_SKY);
+    case LF_LANE_SURFACES:
+        return light_with(scene, points, memory, LF_LANE_SURFACES);
+    default:
+        return light_with(scene, points, memory, LF_LANE_SKY | LF_LANE_SURFACES);
+    }
 }
 
 #endif
