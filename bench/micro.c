@@ -461,7 +461,7 @@ static uint64_t run_lanes(bench *b, const lf_suffixes *suffixes, lf_suffix_batch
             continue;
         lf_suffix_batch_trace(batch, &tracer, LF_DEFAULT_MAX_DEPTH);
         add_batch(&hash, batch);
-        batch->n = 0;
+        lf_suffix_batch_clear(batch);
     }
     lf_timing_add(timing, lf_time_cpu() - start);
     return hash;

@@ -118,7 +118,7 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
     s->halves[row] = (uint8_t)half;
     lf_any_worker *w = s->workers[worker_index];
     if (w->queue)
-        w->queue->batch.n = 0; /* a cancelled visit may have left some */
+        lf_suffix_batch_clear(&w->queue->batch); /* a cancelled visit may have left some */
     for (int column = lattice.first; column < s->width; column += order->column_step)
         for (int j = 0; j < order->subsets; j++) {
             if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))

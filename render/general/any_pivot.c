@@ -264,7 +264,7 @@ void lf_any_flush(lf_any_cameras *s, lf_any_worker *w, const lf_cancel *cancel)
         spread_batch(s, w, &p, i, densities);
         add_found(s, w, densities);
     }
-    q->batch.n = 0;
+    lf_suffix_batch_clear(&q->batch);
 }
 
 void lf_any_push(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
@@ -279,6 +279,7 @@ void lf_any_push(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
     q->base[at].column = p->column;
     q->base[at].lens[0] = p->lens[0];
     q->base[at].lens[1] = p->lens[1];
+    lf_suffix_batch_keep_up(&q->batch, &w->tracer, s->max_depth);
     if (lf_suffix_batch_is_full(&q->batch))
         lf_any_flush(s, w, cancel);
 }

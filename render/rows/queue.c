@@ -15,6 +15,7 @@ void lf_queue_push(lf_queue *queue, lf_visit *visit, int view, int column, const
                                   .medium = pivot->medium,
                                   .view = view,
                                   .column = column};
+    lf_suffix_batch_keep_up(&queue->batch, &visit->worker->tracer, visit->max_depth);
     if (lf_suffix_batch_is_full(&queue->batch))
         lf_queue_flush(queue, visit);
 }
@@ -105,5 +106,5 @@ void lf_queue_flush(lf_queue *queue, lf_visit *visit)
     for (int i = 0; i < queue->batch.n; i++)
         spread(queue, visit, i);
     visit->alone = alone;
-    queue->batch.n = 0;
+    lf_suffix_batch_clear(&queue->batch);
 }

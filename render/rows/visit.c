@@ -606,7 +606,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     visit.queue = plan->queue;
     if (visit.queue)
-        visit.queue->batch.n = 0; /* a cancelled visit may have left some */
+        lf_suffix_batch_clear(&visit.queue->batch); /* a cancelled visit may have left some */
     if (visit.expected
             ? !sample_counts(plan, &visit, before->n[half], first_rank, lf_hash64(key, 13), cancel)
             : !sample_lattice(plan, &visit, first, passes, key, cancel))

@@ -81,10 +81,10 @@ int lf_suffix_batch_add(lf_suffix_batch *batch, const lf_scene *scene, const lf_
     return at;
 }
 
-/* Twice as many as it was, or as many as take MOST_LOOKUPS by what these took. */
-static void set_most(lf_suffix_batch *batch, int64_t lookups)
+/* Twice as many as it was, or as many as take MOST_LOOKUPS by what n took. */
+static void set_most(lf_suffix_batch *batch, int n, int64_t lookups)
 {
-    const int64_t fit = lookups > 0 ? batch->n * (int64_t)MOST_LOOKUPS / lookups : LF_BATCH_PIVOTS;
+    const int64_t fit = lookups > 0 ? n * (int64_t)MOST_LOOKUPS / lookups : LF_BATCH_PIVOTS;
     int64_t most = 2 * batch->most;
     most = most < fit ? most : fit;
     most = most < LF_BATCH_PIVOTS ? most : LF_BATCH_PIVOTS;
@@ -93,30 +93,36 @@ static void set_most(lf_suffix_batch *batch, int64_t lookups)
 
 void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth)
 {
-    const lf_lane_paths paths = {
-        .n = batch->n * batch->each,
-        .max_depth = max_depth,
-        .q = {batch->from[0], batch->from[1], batch->from[2]},
-        .w = {batch->wi[0], batch->wi[1], batch->wi[2]},
-        .random = {batch->path_random[0], batch->path_random[1]},
-        .radiance = {batch->radiance[0], batch->radiance[1], batch->radiance[2]},
-        .lit = {batch->lit[0], batch->lit[1], batch->lit[2]},
-        .escaped = batch->escaped,
-    };
-    const lf_lane_points points = {
-        .n = batch->n,
-        .q = {batch->q[0], batch->q[1], batch->q[2]},
-        .w = {batch->toward[0], batch->toward[1], batch->toward[2]},
-        .random = {batch->random[0], batch->random[1]},
-        .left = batch->left,
-    };
-    if (batch->n == 0)
+    const int first = batch->traced, n = batch->n - first, path = first * batch->each;
+    lf_lane_paths paths = {.n = n * batch->each,
+                           .max_depth = max_depth,
+                           .random = {batch->path_random[0] + path, batch->path_random[1] + path},
+                           .escaped = batch->escaped + path};
+    lf_lane_points points = {.n = n,
+                             .random = {batch->random[0] + first, batch->random[1] + first},
+                             .left = batch->left + first};
+    for (int i = 0; i < 3; i++) {
+        paths.q[i] = batch->from[i] + path;
+        paths.w[i] = batch->wi[i] + path;
+        paths.radiance[i] = batch->radiance[i] + path;
+        paths.lit[i] = batch->lit[i] + path;
+        points.q[i] = batch->q[i] + first;
+        points.w[i] = batch->toward[i] + first;
+    }
+    if (n == 0)
         return;
     batch->memory.surfaces = lf_lane_surfaces_of(tracer);
     const int64_t lookups = batch->suffixes->trace(batch->lanes, &paths, &batch->memory) +
                             batch->suffixes->light(batch->lanes, &points, &batch->memory);
     tracer->lookups += lookups;
-    set_most(batch, lookups);
+    batch->traced = batch->n;
+    set_most(batch, n, lookups);
+}
+
+void lf_suffix_batch_keep_up(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth)
+{
+    if (batch->n - batch->traced >= batch->most)
+        lf_suffix_batch_trace(batch, tracer, max_depth);
 }
 
 void lf_suffix_batch_direction(const lf_suffix_batch *batch, const lf_scene *scene, int at, int k,

@@ -23,8 +23,9 @@ typedef struct lf_batch_pivot {
 typedef struct lf_suffix_batch {
     const lf_lane_scene *lanes;
     const lf_suffixes *suffixes;
-    int n, each;  /* pivots that wait, and suffixes of each, at most LF_BATCH_EACH */
-    int64_t most; /* that may wait: fewer where paths are long, so that visits can be cancelled */
+    int n, traced; /* pivots, of which the first so many have been traced */
+    int each;      /* suffixes of each, at most LF_BATCH_EACH */
+    int64_t most;  /* traced at once: fewer where paths are long, so that visits can be cancelled */
     lf_batch_pivot pivot[LF_BATCH_PIVOTS];
     /* [pivot]: where, volume space, and what of the light is left there, 0..1 in the mean */
     float q[3][LF_BATCH_PIVOTS], left[LF_BATCH_PIVOTS];
@@ -49,19 +50,28 @@ typedef struct lf_batch_direction {
 void lf_suffix_batch_init(lf_suffix_batch *batch, const lf_lane_scene *lanes,
                           const lf_suffixes *suffixes, int each);
 
+/* Forgets all pivots. */
+static inline void lf_suffix_batch_clear(lf_suffix_batch *batch)
+{
+    batch->n = batch->traced = 0;
+}
+
 /* Takes in a pivot (all but its light), whose sampler's numbers it draws at once; returns its
  * number. There must be room: */
 int lf_suffix_batch_add(lf_suffix_batch *batch, const lf_scene *scene, const lf_batch_pivot *pivot,
                         lf_sampler *sampler);
 static inline bool lf_suffix_batch_is_full(const lf_suffix_batch *batch)
 {
-    return batch->n >= batch->most;
+    return batch->n == LF_BATCH_PIVOTS;
 }
 
-/* Draws the suffixes of all that wait; they go on waiting until n is set to 0. How often grids were
- * looked up is counted by the tracer, which answers rays where the scene has surfaces, and whose
- * random numbers are then others. */
+/* Draws the suffixes of all that have none yet; they stay until the batch is cleared. How often
+ * grids were looked up is counted by the tracer, which answers rays where the scene has surfaces,
+ * and whose random numbers are then others. */
 void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth);
+/* The same as soon as enough wait. When that is depends on how long paths were before: what is
+ * spread when, and so the order of sums, must not. */
+void lf_suffix_batch_keep_up(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth);
 
 /* Direction k of pivot `at`, traced. */
 void lf_suffix_batch_direction(const lf_suffix_batch *batch, const lf_scene *scene, int at, int k,
