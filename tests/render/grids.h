@@ -26,6 +26,8 @@ static inline lf_scene *lf_test_grid_scene(const char *text, lf_grid *grid, doub
     v->voxel = (float)voxel;
     v->slice_cell = lf_max(v->voxel / 4.0f, lf_min(v->voxel, 2.0f / v->sigma_max));
     double reach = 0.0;
+    for (int j = 0; j < 3; j++)
+        v->to_scene[j][3] = 0.0f;
     for (int i = 0; i < 3; i++) {
         double middle = 0.5 * (grid->size[i] - 1);
         for (int j = 0; j < 3; j++) {
@@ -33,6 +35,8 @@ static inline lf_scene *lf_test_grid_scene(const char *text, lf_grid *grid, doub
             v->to_scene[j][i] = (float)(axes[i][j] * voxel);
         }
         v->to_volume[i][3] = (float)middle;
+        for (int j = 0; j < 3; j++)
+            v->to_scene[j][3] -= (float)(axes[i][j] * voxel * middle);
         reach += voxel * voxel * (middle + 1.0) * (middle + 1.0);
     }
     reach = sqrt(reach);

@@ -9,6 +9,7 @@
 #include "render/rows/kernel.h"
 #include "render/rows/queue.h"
 #include "render/rows/rows.h"
+#include "render/transport/lane_surfaces.h"
 #include "render/transport/lanes.h"
 #include "render/transport/path.h"
 #include "render/transport/suffix.h"
@@ -23,6 +24,13 @@ enum { n_jobs = 4096 };
     "{ 'quiltd': 1, 'volumes': { 'v': { 'shape': 'box', 'density': 1, " volume " } }, "            \
     "'lights': { " lights " } }"
 
+#define AMONG(volume, lights, meshes)                                                              \
+    "{ 'quiltd': 1, 'volumes': { 'v': { 'shape': 'box', 'density': 1, " volume " } }, "            \
+    "'meshes': { " meshes " }, 'lights': { " lights " } }"
+/* In the grid, and sticking out of it. */
+#define BALL                                                                                       \
+    "'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.6, 'translate': [0.5, 0.1, 0.2] } }"
+
 /* Jobs of all kinds in the arrays that lanes want. */
 typedef struct jobs {
     float q[3][n_jobs], w[3][n_jobs], radiance[3][n_jobs], lit[3][n_jobs], left[n_jobs],
@@ -36,6 +44,7 @@ typedef struct rig {
     lf_pool *pool;
     lf_lane_scene lanes;
     lf_lane_memory *memory;
+    lf_tracer tracer; /* of rays to surfaces */
 } rig;
 
 /* Soft, with holes: 0 in a third of the bricks. */
@@ -62,7 +71,7 @@ static inline lf_scene *make_short_scene(const char *text, float sigma)
 /* Takes the scene. */
 static inline rig rig_of(lf_scene *scene)
 {
-    rig r = {.scene = scene, .memory = calloc(1, sizeof *r.memory)};
+    rig r = {.scene = scene, .memory = calloc(1, sizeof *r.memory), .tracer = {.scene = scene}};
     assert_non_null(r.memory);
     assert_int_equal(lf_pool_create(2, &r.pool), LF_OK);
     assert_true(lf_lane_scene_serves(r.scene));
@@ -133,6 +142,7 @@ static inline int64_t trace(const lf_suffixes *s, rig *r, jobs *j, int first, in
         .radiance = {j->radiance[0] + first, j->radiance[1] + first, j->radiance[2] + first},
         .lit = {j->lit[0], j->lit[1], j->lit[2]},
         .escaped = j->escaped + first};
+    r->memory->surfaces = lf_lane_surfaces_of(&r->tracer);
     return s->trace(&r->lanes, &paths, r->memory);
 }
 
@@ -143,6 +153,7 @@ static inline int64_t light(const lf_suffixes *s, rig *r, jobs *j, int first, in
                                    .w = {j->w[0] + first, j->w[1] + first, j->w[2] + first},
                                    .random = {j->random[0] + first, j->random[1] + first},
                                    .left = j->left + first};
+    r->memory->surfaces = lf_lane_surfaces_of(&r->tracer);
     return s->light(&r->lanes, &points, r->memory);
 }
 
@@ -163,16 +174,27 @@ static inline void single(const rig *r, jobs *j, int max_depth, double *out)
         tracer.rng = (uint64_t)j->random[0][i] | (uint64_t)j->random[1][i] << 32;
         lf_path_next(&tracer, &event, lf_v3(j->w[0][i], j->w[1][i], j->w[2][i]), &next);
         lf_vec3 found = lf_path_light_found(r->scene, &event, &next, &pdf);
-        if (r->lanes.has) /* as lanes leave it to their caller */
+        if (r->lanes.has & LF_LANE_SKY) /* as lanes leave it to their caller */
             found = lf_v3(0.0f, 0.0f, 0.0f);
         found = lf_add(found, lf_path_arriving(&tracer, &next, 2, max_depth));
         out[i] = (double)found.x + (double)found.y + (double)found.z;
     }
 }
 
+/* exp(-depth) from p along w, by the trapezoidal rule in steps of 1/50 of a voxel. */
+static inline double left_beyond(const rig *r, lf_vec3 p, lf_vec3 w)
+{
+    const double step = 0.002;
+    double depth = 0.0;
+    for (int i = 0; i < 3000; i++) {
+        lf_vec3 at = lf_madd(p, (float)((i + 0.5) * step), w);
+        depth += step * (double)lf_volume_sigma_t(&r->scene->volumes[0], at);
+    }
+    return exp(-depth);
+}
+
 /* Fails the test unless batches of any size, by whatever instruction set is there, find the same to
- * the bit. has: of LF_LANE_PICTURE and LF_LANE_DISK, what the scene's sky must have. Takes the
- * scene. */
+ * the bit. has: what the scene must have, of lf_lane_scene's. Takes the scene. */
 static inline void assert_same_bits(lf_scene *scene, unsigned has)
 {
     static jobs first, other;
@@ -202,6 +224,59 @@ static inline void assert_same_bits(lf_scene *scene, unsigned has)
             memset(other.left, 0, sizeof other.left);
         }
     drop_rig(&r);
+}
+
+enum { PIECES = 4 };
+
+/* Lanes less path.c over replicates, whose places they have in common: of each quarter of the grid,
+ * then of all. Over the mean of path.c in all. */
+typedef struct differences {
+    lf_moments of[PIECES + 1];
+    double mean; /* of path.c */
+} differences;
+
+static inline differences compare_under(rig *r, int max_depth, int rounds)
+{
+    static jobs j;
+    static double alone[n_jobs];
+    const float length = (float)(r->scene->volumes[0].grid->size[0] + 1);
+    differences d;
+    memset(&d, 0, sizeof d);
+    for (int round = 0; round < rounds; round++) {
+        double sum[PIECES + 1] = {0.0};
+        draw_jobs(r, 200 + (uint64_t)round, n_jobs, &j);
+        trace(best(), r, &j, 0, n_jobs, max_depth);
+        single(r, &j, max_depth, alone);
+        for (int i = 0; i < n_jobs; i++) {
+            double off = -alone[i];
+            int piece = (int)(PIECES * lf_min(lf_max((j.q[0][i] + 1.0f) / length, 0.0f), 0.99f));
+            for (int c = 0; c < 3; c++)
+                off += (double)j.radiance[c][i];
+            sum[piece] += PIECES * off / n_jobs;
+            sum[PIECES] += off / n_jobs;
+            d.mean += alone[i] / n_jobs / rounds;
+        }
+        for (int k = 0; k <= PIECES; k++)
+            lf_moments_add(&d.of[k], sum[k]);
+    }
+    return d;
+}
+
+/* Fails the test unless differences of `rounds` replicates are 0 by all that the level lets them be
+ * off, and a relative bias of twice `bias` in the whole would be seen. */
+static inline void assert_mean_of_single_paths(rig *r, int number, int max_depth, int rounds,
+                                               double bias, double level)
+{
+    differences d = compare_under(r, max_depth, rounds);
+    for (int k = 0; k <= PIECES; k++)
+        if (!(lf_p_mean(&d.of[k], 0.0) > level))
+            fail_msg("case %d, piece %d: %.5g +- %.2g off, of %.5g", number, k, d.of[k].mean,
+                     lf_moments_error(&d.of[k]), d.mean);
+    print_message("case %d: %.2g +- %.2g off, of %.5g\n", number, d.of[PIECES].mean,
+                  lf_moments_error(&d.of[PIECES]), d.mean);
+    if (!(lf_p_mean(&d.of[PIECES], 2.0 * bias * d.mean) < level))
+        fail_msg("case %d: %.2g of %.5g is too much noise", number, lf_moments_error(&d.of[PIECES]),
+                 d.mean);
 }
 
 #endif

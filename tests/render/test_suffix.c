@@ -122,18 +122,6 @@ static void nothing_is_lost_in_a_furnace(void **state)
     drop_rig(&r);
 }
 
-/* exp(-depth) from p along w, by the trapezoidal rule in steps of 1/50 of a voxel. */
-static double left_beyond(const rig *r, lf_vec3 p, lf_vec3 w)
-{
-    const double step = 0.002;
-    double depth = 0.0;
-    for (int i = 0; i < 3000; i++) {
-        lf_vec3 at = lf_madd(p, (float)((i + 0.5) * step), w);
-        depth += step * (double)lf_volume_sigma_t(&r->scene->volumes[0], at);
-    }
-    return exp(-depth);
-}
-
 /* What is asked of a rig: of its sun or of its sky; the difference, or that over the truth where
  * the truth is a few per cent. */
 typedef enum asked { SKY_LEFT, SUN_LEFT, LITTLE_SUN_LEFT } asked;

@@ -226,8 +226,12 @@ static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
         {SCENE("'albedo': [0.95, 0.8, 0.6], 'g': 0.6", ALONE ", " DISK("3")), NULL, LF_LANE_DISK},
         {SCENE("'albedo': [0.95, 0.8, 0.6], 'g': 0.6", ALONE ", " DISK("3")), uneven,
          LF_LANE_PICTURE | LF_LANE_DISK},
+        {AMONG("'albedo': [0.95, 0.8, 0.6], 'g': 0.6", ALONE ", " SUN, BALL), sunny,
+         LF_LANE_PICTURE | LF_LANE_SURFACES},
+        {AMONG("'albedo': [0.95, 0.8, 0.6], 'g': 0.6", ALONE ", " DISK("3"), BALL), uneven,
+         LF_LANE_PICTURE | LF_LANE_DISK | LF_LANE_SURFACES},
     };
-    for (size_t i = 0; i < 3; i++)
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_same_bits(sky_scene(cases[i].lights, 25.0f, cases[i].sky), cases[i].has);
 }
 
@@ -267,42 +271,6 @@ static void nothing_is_lost_in_a_furnace_under_a_picture(void **state)
  * --
  */
 
-enum { PIECES = 4 };
-
-/* Lanes less path.c over replicates, whose places they have in common: of each quarter of the grid,
- * then of all. Over the mean of path.c in all. */
-typedef struct differences {
-    lf_moments of[PIECES + 1];
-    double mean; /* of path.c */
-} differences;
-
-static differences compare_under(rig *r, int max_depth, int rounds)
-{
-    static jobs j;
-    static double alone[n_jobs];
-    const float length = (float)(r->scene->volumes[0].grid->size[0] + 1);
-    differences d;
-    memset(&d, 0, sizeof d);
-    for (int round = 0; round < rounds; round++) {
-        double sum[PIECES + 1] = {0.0};
-        draw_jobs(r, 200 + (uint64_t)round, n_jobs, &j);
-        trace(best(), r, &j, 0, n_jobs, max_depth);
-        single(r, &j, max_depth, alone);
-        for (int i = 0; i < n_jobs; i++) {
-            double off = -alone[i];
-            int piece = (int)(PIECES * lf_min(lf_max((j.q[0][i] + 1.0f) / length, 0.0f), 0.99f));
-            for (int c = 0; c < 3; c++)
-                off += (double)j.radiance[c][i];
-            sum[piece] += PIECES * off / n_jobs;
-            sum[PIECES] += off / n_jobs;
-            d.mean += alone[i] / n_jobs / rounds;
-        }
-        for (int k = 0; k <= PIECES; k++)
-            lf_moments_add(&d.of[k], sum[k]);
-    }
-    return d;
-}
-
 static void the_mean_under_pictures_is_that_of_single_paths(void **state)
 {
     (void)state;
@@ -331,22 +299,16 @@ static void the_mean_under_pictures_is_that_of_single_paths(void **state)
          0.01},
         {SCENE("'albedo': [0.9, 0.8, 0.6], 'g': 0", ALONE ", " DISK("20")), half_black, 8.0f, 1024,
          150, 0.01},
+        {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0.3", ALONE ", " DISK("20"), BALL), half_black,
+         4.0f, 1024, 150, 0.02},
     };
     enum { n = sizeof cases / sizeof *cases };
     const double level = lf_sidak(LF_FALSE_ALARM, n * (PIECES + 1));
     for (int i = 0; i < n; i++) {
         rig r = rig_of(sky_scene(cases[i].text, cases[i].sigma, cases[i].sky));
-        assert_true(r.lanes.has != 0);
-        differences d = compare_under(&r, cases[i].max_depth, cases[i].rounds);
-        for (int k = 0; k <= PIECES; k++)
-            if (!(lf_p_mean(&d.of[k], 0.0) > level))
-                fail_msg("case %d, piece %d: %.5g +- %.2g off, of %.5g", i, k, d.of[k].mean,
-                         lf_moments_error(&d.of[k]), d.mean);
-        print_message("case %d: %.2g +- %.2g off, of %.5g\n", i, d.of[PIECES].mean,
-                      lf_moments_error(&d.of[PIECES]), d.mean);
-        if (!(lf_p_mean(&d.of[PIECES], 2.0 * cases[i].bias * d.mean) < level))
-            fail_msg("case %d: %.2g of %.5g is too much noise", i, lf_moments_error(&d.of[PIECES]),
-                     d.mean);
+        assert_true(r.lanes.has & LF_LANE_SKY);
+        assert_mean_of_single_paths(&r, i, cases[i].max_depth, cases[i].rounds, cases[i].bias,
+                                    level);
         drop_rig(&r);
     }
 }
@@ -400,6 +362,16 @@ static void pictures_are_those_of_single_paths(void **state)
          "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.9, 'g': 0.3 } }, "
          "'lights': { " ALONE ", " DISK("8") " } }",
          NULL},
+        {"mvpt",
+         "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 9], 'views': 4, 'fov_y': 12 }, "
+         "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.9, 'g': 0.3 } }, "
+         "'meshes': { " BALL " }, 'lights': { " ALONE ", " SUN " } }",
+         NULL},
+        {"vpt",
+         "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 9], 'views': 4, 'fov_y': 12 }, "
+         "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.9 } }, "
+         "'meshes': { " BALL " }, 'lights': { " ALONE ", " DISK("8") " } }",
+         uneven},
     };
     enum { n = sizeof cases / sizeof *cases };
     const double level = lf_sidak(LF_FALSE_ALARM, n * (4 * 4 + 1));

@@ -1,0 +1,311 @@
+/* Suffixes in lanes among surfaces. Closed forms: a furnace with white walls in it; what is left of
+ * a sun behind half a roof, point by point; darkness under a whole one, also where the control says
+ * anything. Bits are the same for every instruction set and whatever jobs are run together, and the
+ * film for any number of threads. The mean of suffixes is that of path.c, in the whole and in each
+ * piece of the grid; tests/render/test_brute_force.c holds a picture to what shares no code.
+ * Negative controls: what is added to each mean is rejected, and a scene without its roof. */
+#include "tests/render/suffixes.h"
+
+#define WHITE "'sky': { 'type': 'environment', 'radiance': 1 }"
+/* Floors and roofs of one material each, by their names. */
+#define GROUND                                                                                     \
+    "'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 3, 'translate': "    \
+    "[0, -1.1, 0] } }"
+#define MADE                                                                                       \
+    "'ball': { 'shape': 'sphere', 'material': 'made', 'transform': { 'scale': 0.6, 'translate': "  \
+    "[0.5, 0.1, 0.2] } }"
+/* Above the grid, in the sun's way. */
+#define ROOF(scale, x)                                                                             \
+    "'roof': { 'shape': 'quad', 'material': 'black', 'transform': { 'scale': " scale               \
+    ", 'translate': [" x ", 2, 0] } }"
+#define OF(made)                                                                                   \
+    " }, 'materials': { 'clay': { 'type': 'diffuse', 'albedo': [0.8, 0.6, 0.4] }, 'black': { "     \
+    "'type': 'diffuse', 'albedo': 0 }, 'made': { " made " } "
+#define PLAIN OF("'type': 'diffuse'")
+
+/* --------------------------------------------------------------------------------------- bits --
+ */
+
+static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
+{
+    (void)state;
+    assert_same_bits(make_scene(AMONG("'albedo': [0.9, 0.7, 0.4], 'g': 0.6", SKY ", " SUN,
+                                      BALL ", " GROUND PLAIN),
+                                25.0f),
+                     LF_LANE_SURFACES);
+    assert_same_bits(make_scene(AMONG("'albedo': [0.9, 0.7, 0.4], 'g': 0",
+                                      SKY ", 'sun': { 'type': 'distant', 'direction': "
+                                          "[0.5, -0.7, -0.5], 'angle': 8 }",
+                                      BALL ", " GROUND PLAIN),
+                                25.0f),
+                     LF_LANE_DISK | LF_LANE_SURFACES);
+}
+
+/* What is spread when does not depend on what a worker has traced before. */
+static void films_are_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    enum { views = 5, width = 48, height = 36 };
+    static float seen[3][views * height * width * 3];
+    static const int threads[] = {1, 2, 7};
+    lf_scene *scene = make_scene(
+        "{ 'quiltd': 1, 'camera': { 'position': [0, 0.5, 9], 'views': 5, 'fov_y': 20 }, 'volumes': "
+        "{ 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.99 } }, 'meshes': { " BALL
+        ", " GROUND PLAIN " }, 'lights': { " SKY ", " SUN " } }",
+        9.0f);
+    for (int i = 0; i < 3; i++) {
+        lf_pool *pool = NULL;
+        lf_assert_ok(lf_pool_create(threads[i], &pool), NULL);
+        lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
+        lf_render_settings settings = *lf_renderer_settings(r);
+        settings.skip = LF_SKIP_ALL;
+        lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+        assert_true(r->lanes && r->lanes->has == LF_LANE_SURFACES);
+        lf_test_passes(r, 40 * views);
+        lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, seen[i], NULL), NULL);
+        lf_renderer_destroy(r);
+        lf_pool_destroy(pool);
+    }
+    assert_memory_equal(seen[0], seen[1], sizeof seen[0]);
+    assert_memory_equal(seen[0], seen[2], sizeof seen[0]);
+    lf_scene_unref(scene);
+}
+
+/* ------------------------------------------------------------------------------- closed forms --
+ */
+
+/* Radiance that arrives, of jobs whose mean is 1 or what a darker wall makes of it. */
+static lf_moments furnace(const char *text)
+{
+    static jobs j;
+    lf_moments seen = {0};
+    rig r = make_rig(text, 10.0f);
+    assert_true(r.lanes.has == LF_LANE_SURFACES);
+    for (uint64_t round = 0; round < 40; round++) {
+        double sum = 0.0;
+        draw_jobs(&r, 40 + round, n_jobs, &j);
+        trace(best(), &r, &j, 0, n_jobs, 1 << 20);
+        for (int i = 0; i < n_jobs; i++)
+            sum += (double)j.radiance[1][i] / n_jobs;
+        lf_moments_add(&seen, sum);
+    }
+    drop_rig(&r);
+    return seen;
+}
+
+#define WALLS(albedo)                                                                              \
+    "'floor': { 'shape': 'quad', 'material': 'made', 'transform': { 'scale': 2, 'translate': "     \
+    "[0, -0.3, 0] } }, 'wall': { 'shape': 'quad', 'material': 'made', 'transform': { 'scale': "    \
+    "0.5, 'rotate': [90, 20, 0] } }" OF("'type': 'diffuse', 'albedo': " albedo)
+
+static void nothing_is_lost_in_a_furnace_with_white_walls(void **state)
+{
+    (void)state;
+    lf_moments white = furnace(AMONG("'albedo': 1, 'g': 0.5", WHITE, WALLS("1"))),
+               grey = furnace(AMONG("'albedo': 1, 'g': 0.5", WHITE, WALLS("0.98")));
+    /* to the rounding of each path: no light sample is drawn from an even sky */
+    lf_assert_close(white.mean, 1.0, 0, 1e-6);
+    assert_true(lf_moments_error(&white) < 1e-6 && lf_p_mean(&grey, 1.0) < LF_FALSE_ALARM);
+}
+
+/* The roof of x > -1.4 at y = 2 hides the sun from those whose way to it comes through there. */
+static void half_a_roof_hides_the_sun_from_whom_it_stands_before(void **state)
+{
+    (void)state;
+    static jobs j;
+    lf_moments off = {0};
+    rig r = make_rig(AMONG("'albedo': 0.8", SUN, ROOF("3", "1.6") PLAIN), 3.0f);
+    const lf_vec3 toward = lf_v3(r.lanes.toward[0], r.lanes.toward[1], r.lanes.toward[2]);
+    int hidden = 0;
+    draw_jobs(&r, 5, n_jobs, &j);
+    for (int i = 0; i < n_jobs; i++)
+        for (int a = 0; a < 3; a++)
+            j.q[a][i] = j.q[a][i % 512];
+    light(best(), &r, &j, 0, n_jobs);
+    for (int i = 0; i < n_jobs; i++) {
+        const lf_vec3 p = j.p[i % 512],
+                      o = lf_v3((float)r.scene->origin[0], (float)r.scene->origin[1], 0.0f);
+        const float x = o.x + p.x + (2.0f - o.y - p.y) / toward.y * toward.x + 1.4f;
+        if (fabsf(x) < 1e-3f)
+            continue;
+        hidden += x > 0.0f;
+        if (x > 0.0f)
+            assert_true(j.left[i] == 0.0f);
+        else
+            lf_moments_add(&off, (double)j.left[i] - left_beyond(&r, p, toward));
+    }
+    print_message("%d of %d hidden; the others %.2g +- %.2g off\n", hidden, n_jobs, off.mean,
+                  lf_moments_error(&off));
+    assert_in_range(hidden, n_jobs / 5, n_jobs * 4 / 5);
+    assert_true(lf_p_mean(&off, 0.0) > LF_FALSE_ALARM);
+    assert_true(lf_p_mean(&off, 0.03) < LF_FALSE_ALARM);
+    drop_rig(&r);
+}
+
+/* What suffixes find of the sun. */
+static lf_moments sun_found(rig *r)
+{
+    static jobs j;
+    lf_moments found = {0};
+    for (uint64_t round = 0; round < 40; round++) {
+        double sum = 0.0;
+        draw_jobs(r, 80 + round, n_jobs, &j);
+        trace(best(), r, &j, 0, n_jobs, 1024);
+        for (int i = 0; i < n_jobs; i++)
+            sum += (double)j.radiance[1][i] / n_jobs;
+        lf_moments_add(&found, sum);
+    }
+    return found;
+}
+
+static void under_a_whole_roof_it_is_dark_whatever_the_control_says(void **state)
+{
+    (void)state;
+    rig r = make_rig(AMONG("'albedo': 0.8", SUN, ROOF("9", "0") PLAIN), 3.0f);
+    const lf_lane_field *field = r.lanes.field;
+    const size_t nodes =
+        (size_t)field->nodes[0] * (size_t)field->nodes[1] * (size_t)field->nodes[2];
+    lf_moments dark = sun_found(&r), noisy, lit;
+    assert_true(dark.mean == 0.0 && lf_moments_error(&dark) == 0.0);
+    for (size_t i = 0; i < nodes; i++)
+        field->left[i] = (uint16_t)lf_hash64(i, 0);
+    noisy = sun_found(&r);
+    drop_rig(&r);
+    r = make_rig(AMONG("'albedo': 0.8", SUN, ROOF("0.01", "0") PLAIN), 3.0f);
+    lit = sun_found(&r);
+    drop_rig(&r);
+    print_message("%.2g +- %.2g by a control that says anything, of %.4g in the sun\n", noisy.mean,
+                  lf_moments_error(&noisy), lit.mean);
+    assert_true(lf_p_mean(&noisy, 0.0) > LF_FALSE_ALARM);
+    assert_true(lf_p_mean(&noisy, 0.02 * lit.mean) < LF_FALSE_ALARM);
+}
+
+/* ---------------------------------------------------------------------------- the mean of path.c
+ * --
+ */
+
+static void the_mean_among_surfaces_is_that_of_single_paths(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        float sigma;
+        int max_depth, rounds;
+        double bias; /* relative, that would be seen in the whole */
+    } cases[] = {
+        {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN, BALL ", " GROUND PLAIN), 4.0f,
+         1024, 150, 0.01},
+        {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0.7", SKY ", " SUN,
+               MADE ", " GROUND OF("'type': 'plastic', 'roughness': 0.2")),
+         4.0f, 1024, 150, 0.02},
+        {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0.3", SKY ", " SUN,
+               MADE ", " ROOF("3", "3") OF("'type': 'conductor', 'roughness': 0")),
+         4.0f, 1024, 150, 0.02},
+        {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': -0.3", SKY,
+               MADE OF("'type': 'principled', 'transmission': 1, 'roughness': 0, 'albedo': 1")),
+         2.0f, 1024, 150, 0.01},
+        {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN, BALL ", " GROUND PLAIN), 4.0f, 3,
+         150, 0.01},
+    };
+    enum { n = sizeof cases / sizeof *cases };
+    const double level = lf_sidak(LF_FALSE_ALARM, n * (PIECES + 1));
+    for (int i = 0; i < n; i++) {
+        rig r = make_rig(cases[i].text, cases[i].sigma);
+        assert_true(r.lanes.has == LF_LANE_SURFACES);
+        assert_mean_of_single_paths(&r, i, cases[i].max_depth, cases[i].rounds, cases[i].bias,
+                                    level);
+        drop_rig(&r);
+    }
+}
+
+/* ------------------------------------------------------------------------------------- scenes --
+ */
+
+/* Of more meshes than boxes the last holds the rest; all of each is in one of them. */
+static void boxes_hold_all_meshes(void **state)
+{
+    (void)state;
+    char text[4096];
+    int length = snprintf(text, sizeof text,
+                          "{ 'quiltd': 1, 'volumes': { 'v': { 'shape': 'box', 'density': 1 } }, "
+                          "'lights': { " SKY " }, 'meshes': { ");
+    for (int i = 0; i < 12; i++)
+        length += snprintf(text + length, sizeof text - (size_t)length,
+                           "%s'm%d': { 'shape': 'sphere', 'transform': { 'scale': 0.1, "
+                           "'translate': [%g, %g, 40] } }",
+                           i ? ", " : "", i, 0.3 * i - 1.5, 0.2 * (i % 3));
+    snprintf(text + length, sizeof text - (size_t)length, " } }");
+    rig r = make_rig(text, 3.0f);
+    const lf_lane_boxes *boxes = &r.lanes.boxes;
+    const lf_volume *v = &r.scene->volumes[0];
+    assert_int_equal(boxes->n, LF_LANE_BOXES);
+    for (int m = 0; m < r.scene->n_meshes; m++)
+        for (int i = 0; i < r.scene->meshes[m].n_vertices; i++) {
+            const lf_vec3 p = lf_mesh_vertex(&r.scene->meshes[m], (uint32_t)i);
+            bool within = false;
+            for (int b = 0; b < boxes->n; b++) {
+                bool in = true;
+                for (int a = 0; a < 3; a++) {
+                    const float *row = v->to_volume[a],
+                                q = row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
+                    in = in && q >= boxes->min[b][a] && q <= boxes->max[b][a];
+                }
+                within = within || in;
+            }
+            assert_true(within);
+        }
+    drop_rig(&r);
+}
+
+static void a_field_is_made_anew_for_other_meshes(void **state)
+{
+    (void)state;
+    rig r = make_rig(AMONG("'albedo': 0.8", SUN, ROOF("9", "0") PLAIN), 3.0f);
+    lf_lane_scene again;
+    lf_scene without = *r.scene;
+    assert_int_equal(lf_lane_scene_init(&again, r.scene, &r.lanes, r.pool), LF_OK);
+    assert_ptr_equal(again.field, r.lanes.field);
+    lf_lane_scene_finish(&again);
+    without.geometry = NULL;
+    r.lanes.field->scene = &without; /* what the field was made of */
+    assert_int_equal(lf_lane_scene_init(&again, r.scene, &r.lanes, r.pool), LF_OK);
+    assert_ptr_not_equal(again.field, r.lanes.field);
+    lf_lane_scene_finish(&again);
+    r.lanes.field->scene = r.scene;
+    drop_rig(&r);
+}
+
+static void surfaces_that_ask_for_more_are_left_to_single_paths(void **state)
+{
+    (void)state;
+    static const char *const others[] = {
+        "'type': 'principled', 'transmission': 1, 'roughness': 0, 'absorption': 1",
+        "'type': 'principled', 'subsurface': 1",
+        "'type': 'principled', 'transmission': 1, 'roughness': 0, 'glass': 'sheet'",
+        "'type': 'diffuse', 'emission': 1",
+    };
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, AMONG("'albedo': 0.8", SKY, MADE OF("%s")), others[i]);
+        lf_scene *scene = make_scene(text, 3.0f);
+        if (lf_lane_scene_serves(scene))
+            fail_msg("%s is served", others[i]);
+        lf_scene_unref(scene);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bits_are_the_same_for_every_instruction_set_and_batch),
+        cmocka_unit_test(films_are_the_same_for_any_number_of_threads),
+        cmocka_unit_test(nothing_is_lost_in_a_furnace_with_white_walls),
+        cmocka_unit_test(half_a_roof_hides_the_sun_from_whom_it_stands_before),
+        cmocka_unit_test(under_a_whole_roof_it_is_dark_whatever_the_control_says),
+        cmocka_unit_test(the_mean_among_surfaces_is_that_of_single_paths),
+        cmocka_unit_test(boxes_hold_all_meshes),
+        cmocka_unit_test(a_field_is_made_anew_for_other_meshes),
+        cmocka_unit_test(surfaces_that_ask_for_more_are_left_to_single_paths),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
