@@ -512,6 +512,34 @@ static void stripes_take_views_evenly_from_more(void **state)
     lf_printed_finish(&printed);
 }
 
+/* sRGB's curve in double precision, over the whole range and beside the end of its straight part:
+ * the nearest code, but where floats leave two as near (within 0.02 of half way). */
+static void codes_are_the_nearest_of_8_and_16_bits(void **state)
+{
+    (void)state;
+    enum { N = 1 << 16 };
+    static float light[N];
+    static uint8_t code8[N];
+    static uint16_t code16[N];
+    lf_print print = lf_print_sound();
+    lf_print_colour *colour;
+    lf_error err = {0};
+    for (int i = 0; i < N; i++)
+        light[i] = i % 4 ? ((float)i + 0.5F) / N : 0.0031308F * (2.0F * (float)i / N);
+    for (int bits = 8; bits <= 16; bits += 8) {
+        print.bits = bits;
+        lf_assert_ok(lf_print_colour_create(&print, &colour, &err), &err);
+        lf_print_colour_encode(colour, N, light, bits == 8 ? (void *)code8 : (void *)code16);
+        lf_print_colour_destroy(colour);
+        for (int i = 0; i < N; i++) {
+            const double v = (double)light[i],
+                         exact = (bits == 8 ? 255.0 : 65535.0) *
+                                 (v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1.0 / 2.4) - 0.055);
+            lf_assert_close(bits == 8 ? code8[i] : code16[i], exact, 0.0, 0.52);
+        }
+    }
+}
+
 static void samples_that_are_no_numbers_count_as_black(void **state)
 {
     (void)state;
@@ -549,6 +577,7 @@ int main(void)
         cmocka_unit_test(a_picture_keeps_its_aspect_and_is_cut),
         cmocka_unit_test(codes_print_as_their_light),
         cmocka_unit_test(stripes_take_views_evenly_from_more),
+        cmocka_unit_test(codes_are_the_nearest_of_8_and_16_bits),
         cmocka_unit_test(samples_that_are_no_numbers_count_as_black),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -194,18 +194,18 @@ static void the_mean_among_surfaces_is_that_of_single_paths(void **state)
         double bias; /* relative, that would be seen in the whole */
     } cases[] = {
         {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN, BALL ", " GROUND PLAIN), 4.0f,
-         1024, 150, 0.01},
+         1024, 60, 0.01},
         {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0.7", SKY ", " SUN,
                MADE ", " GROUND OF("'type': 'plastic', 'roughness': 0.2")),
-         4.0f, 1024, 150, 0.02},
+         4.0f, 1024, 60, 0.02},
         {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0.3", SKY ", " SUN,
                MADE ", " ROOF("3", "3") OF("'type': 'conductor', 'roughness': 0")),
-         4.0f, 1024, 150, 0.02},
+         4.0f, 1024, 60, 0.02},
         {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': -0.3", SKY,
                MADE OF("'type': 'principled', 'transmission': 1, 'roughness': 0, 'albedo': 1")),
-         2.0f, 1024, 150, 0.01},
+         2.0f, 1024, 60, 0.01},
         {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN, BALL ", " GROUND PLAIN), 4.0f, 3,
-         150, 0.01},
+         60, 0.01},
     };
     enum { n = sizeof cases / sizeof *cases };
     const double level = lf_sidak(LF_FALSE_ALARM, n * (PIECES + 1));
