@@ -517,7 +517,7 @@ static void stripes_take_views_evenly_from_more(void **state)
 static void codes_are_the_nearest_of_8_and_16_bits(void **state)
 {
     (void)state;
-    enum { N = 1 << 16 };
+    enum { PIXELS = 1 << 14, N = 3 * PIXELS };
     static float light[N];
     static uint8_t code8[N];
     static uint16_t code16[N];
@@ -529,7 +529,7 @@ static void codes_are_the_nearest_of_8_and_16_bits(void **state)
     for (int bits = 8; bits <= 16; bits += 8) {
         print.bits = bits;
         lf_assert_ok(lf_print_colour_create(&print, &colour, &err), &err);
-        lf_print_colour_encode(colour, N, light, bits == 8 ? (void *)code8 : (void *)code16);
+        lf_print_colour_encode(colour, PIXELS, light, bits == 8 ? (void *)code8 : (void *)code16);
         lf_print_colour_destroy(colour);
         for (int i = 0; i < N; i++) {
             const double v = (double)light[i],
