@@ -86,7 +86,7 @@ static bool serves_lights(const lf_scene *scene)
 /* Rays meet what is there for sure, and no path ends inside of anything. */
 static bool serves_surfaces(const lf_looks *looks)
 {
-    return !looks->veiled && !looks->paned && !looks->filled && !looks->fleshy;
+    return !looks->veiled && !looks->filled; /* panes are veils, and flesh fills */
 }
 
 bool lf_lane_scene_serves(const lf_scene *scene)
@@ -294,40 +294,51 @@ static int nodes_for(const lf_grid *grid)
 typedef struct shades {
     lf_lane_field *field;
     const lf_sunlight_media *media;
+    const lf_lane_boxes *boxes;
+    float toward[3]; /* volume space */
 } shades;
 
-/* The scene-local place of a node: rows of to_nodes are at right angles. */
-static lf_vec3 node_place(const lf_sunlight_media *media, const int node[3])
+/* What meshes let through from p to the light. */
+static float passed(const shades *job, lf_tracer *tracer, lf_vec3 p)
 {
-    lf_vec3 p = lf_v3(0.0f, 0.0f, 0.0f);
-    for (int i = 0; i < 3; i++) {
-        const float *m = media->to_nodes[i];
-        const lf_vec3 row = lf_v3(m[0], m[1], m[2]);
-        p = lf_madd(p, ((float)node[i] - m[3]) / lf_dot(row, row), row);
+    const lf_volume *volume = &job->field->scene->volumes[0];
+    for (int b = 0; b < job->boxes->n; b++) {
+        float first = 0.0f, last = INFINITY;
+        for (int i = 0; i < 3; i++) {
+            const float *row = volume->to_volume[i], d = job->toward[i],
+                        q = row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3],
+                        inverse = 1.0f / (fabsf(d) < 1e-20f ? 1e-20f : d),
+                        near = (job->boxes->min[b][i] - q) * inverse,
+                        far = (job->boxes->max[b][i] - q) * inverse;
+            first = lf_max(first, lf_min(near, far));
+            last = lf_min(last, lf_max(near, far));
+        }
+        if (first <= last)
+            return lf_trace_passed(tracer, p, job->media->toward, INFINITY);
     }
-    return p;
+    return 1.0f;
 }
 
 static void shade_layer(void *context, int y, int worker)
 {
     const shades *job = context;
-    const lf_sunlight_media *media = job->media;
-    lf_tracer tracer = {.scene = media->scene};
+    const int *size = job->media->size;
+    lf_tracer tracer = {.scene = job->media->scene};
     (void)worker;
-    for (int x = 0; x < media->size[0]; x++)
-        for (int z = 0; z < media->size[2]; z++) {
+    for (int x = 0; x < size[0]; x++)
+        for (int z = 0; z < size[2]; z++) {
             const size_t at =
-                ((size_t)y * (size_t)media->size[0] + (size_t)x) * (size_t)media->size[2] +
-                (size_t)z;
-            const lf_vec3 p = node_place(media, (const int[3]){x, y, z});
-            float left = expf(-media->depth[at]);
-            if (media->scene->embree)
-                left *= lf_trace_passed(&tracer, p, media->toward, INFINITY);
+                ((size_t)y * (size_t)size[0] + (size_t)x) * (size_t)size[2] + (size_t)z;
+            float left = expf(-job->media->depth[at]);
+            if (left > 0x1p-17f)
+                left *= passed(job, &tracer,
+                               lf_sunlight_media_node(job->media, (const int[3]){x, y, z}));
             job->field->left[at] = (uint16_t)(left * 65535.0f + 0.5f);
         }
 }
 
-static lf_status make_control(lf_lane_field *field, const lf_light *light, lf_pool *pool)
+static lf_status make_control(lf_lane_field *field, const lf_lane_boxes *boxes,
+                              const lf_light *light, lf_pool *pool)
 {
     const lf_volume *volume = &field->scene->volumes[0];
     lf_sunlight_media media;
@@ -339,7 +350,11 @@ static lf_status make_control(lf_lane_field *field, const lf_light *light, lf_po
         lf_sunlight_media_finish(&media);
         return status;
     }
-    shades job = {field, &media};
+    shades job = {field, &media, boxes, {0.0f}};
+    for (int i = 0; i < 3; i++) {
+        const float *row = volume->to_volume[i];
+        job.toward[i] = lf_dot(lf_v3(row[0], row[1], row[2]), media.toward);
+    }
     field->left = lf_calloc(n + 1, sizeof *field->left);
     status = field->left ? lf_pool_run(pool, media.size[1], shade_layer, &job, NULL) : LF_E_NOMEM;
     for (int i = 0; i < 3; i++)
@@ -361,7 +376,8 @@ static void unref(lf_lane_field *field)
     lf_free(field);
 }
 
-static lf_status make_field(lf_scene *scene, lf_pool *pool, lf_lane_field **out)
+static lf_status make_field(lf_scene *scene, const lf_lane_boxes *boxes, lf_pool *pool,
+                            lf_lane_field **out)
 {
     const lf_light *light = light_of_lanes(scene, false);
     lf_lane_field *field = lf_calloc(1, sizeof *field);
@@ -371,7 +387,7 @@ static lf_status make_field(lf_scene *scene, lf_pool *pool, lf_lane_field **out)
     field->scene = lf_scene_ref(scene);
     lf_status status = pack(field, &scene->volumes[0], pool);
     if (status == LF_OK && light)
-        status = make_control(field, light, pool);
+        status = make_control(field, boxes, light, pool);
     *out = field;
     return status;
 }
@@ -401,7 +417,7 @@ lf_status lf_lane_scene_init(lf_lane_scene *out, lf_scene *scene, const lf_lane_
     set_colours(out, scene);
     set_boxes(out, scene);
     if (!previous || !previous->field || !is_field_of(previous->field, scene))
-        return make_field(scene, pool, &out->field);
+        return make_field(scene, &out->boxes, pool, &out->field);
     out->field = previous->field;
     out->field->refs++;
     return LF_OK;

@@ -81,13 +81,14 @@ typedef struct lf_lane_scene {
     lf_lane_boxes boxes;            /* n = 0: there is no mesh */
 } lf_lane_scene;
 
-/* Whether lanes can do all of the scene's suffixes. */
+/* Whether lanes can do the suffixes of all pivots in media. */
 bool lf_lane_scene_serves(const lf_scene *scene);
 
 /* For a scene that is served (others: all 0). The field is that of `previous` (may be NULL) where
- * it would be the same, or made on the pool: a few milliseconds a million voxels; the same for any
- * number of threads. LF_E_NOMEM; *out can always be finished. Thread: the pool's caller, all of
- * those that share a field. */
+ * it would be the same, or made on the pool: a few milliseconds a million voxels, and a ray for
+ * each node of the control whose way to the light goes through a mesh's box; all of it anew where
+ * grid, light or any mesh are others. The same for any number of threads. LF_E_NOMEM; *out can
+ * always be finished. Thread: the pool's caller, all of those that share a field. */
 LF_NODISCARD lf_status lf_lane_scene_init(lf_lane_scene *out, lf_scene *scene,
                                           const lf_lane_scene *previous, lf_pool *pool);
 /* Accepts one that is all 0. */

@@ -6,8 +6,8 @@
 #include "render/transport/suffix.h"
 #include "render/transport/track.h"
 
-/* Borrows the tracer, whose scene is the lanes' and whose random numbers it begins anew for each
- * segment. Thread: the tracer's. */
+/* Borrows the tracer, whose scene is the lanes' and whose random numbers, width and spread it sets
+ * anew for each segment. Thread: the tracer's. */
 lf_lane_surfaces lf_lane_surfaces_of(lf_tracer *tracer);
 
 #endif

@@ -204,6 +204,12 @@ LF_INLINE lanes between(lanes a, lanes b, lanes f)
     return a + f * (b - a);
 }
 
+/* 1 / a, of 0 next to infinity. */
+LF_INLINE lanes inverse_of(lanes a)
+{
+    return 1.0f / choose(is_less(magnitude(a), all(1e-20f)), all(1e-20f), a);
+}
+
 /* ------------------------------------------------------------------------------------ memory -- */
 
 LF_INLINE lanes load(const float *from)

@@ -36,8 +36,8 @@ typedef struct lf_lane_segment {
     uint32_t random[2];   /* key of the numbers of what comes behind it */
 } lf_lane_segment;
 
-/* Who answers rays in scenes with surfaces; all of a job's questions come in the order of its
- * vertices. */
+/* Who answers rays in scenes with surfaces. Either's questions come in the order of a job's
+ * vertices; those of shadow rays, which wait, behind those of later segments. */
 typedef struct lf_lane_surfaces {
     void *of;
     /* Whether the segment meets a surface: the path ends there, and beta times what comes from it

@@ -5,9 +5,10 @@
 #include "render/transport/lane_surfaces.h"
 #include "render/transport/phase.h"
 
-/* Look-ups between two questions whether a visit is cancelled, about: some hundredths of a second.
- * Pivots that keep lanes busy; and those of a batch that does not know yet how long paths are. */
-enum { MOST_LOOKUPS = 1 << 20, LEAST_PIVOTS = 16, FIRST_PIVOTS = 64 };
+/* Look-ups between two questions whether a visit is cancelled, about: some hundredths of a second;
+ * and for how many a ray to surfaces counts. Pivots that keep lanes busy; and those of a batch that
+ * does not know yet how long paths are. */
+enum { MOST_LOOKUPS = 1 << 20, A_RAY = 8, LEAST_PIVOTS = 16, FIRST_PIVOTS = 64 };
 
 void lf_suffix_batch_init(lf_suffix_batch *batch, const lf_lane_scene *lanes,
                           const lf_suffixes *suffixes, int each)
@@ -81,10 +82,15 @@ int lf_suffix_batch_add(lf_suffix_batch *batch, const lf_scene *scene, const lf_
     return at;
 }
 
-/* Twice as many as it was, or as many as take MOST_LOOKUPS by what n took. */
-static void set_most(lf_suffix_batch *batch, int n, int64_t lookups)
+static int64_t work_of(const lf_tracer *tracer)
 {
-    const int64_t fit = lookups > 0 ? n * (int64_t)MOST_LOOKUPS / lookups : LF_BATCH_PIVOTS;
+    return tracer->lookups + A_RAY * tracer->rays;
+}
+
+/* Twice as many as it was, or as many as take MOST_LOOKUPS by what n took. */
+static void set_most(lf_suffix_batch *batch, int n, int64_t work)
+{
+    const int64_t fit = work > 0 ? n * (int64_t)MOST_LOOKUPS / work : LF_BATCH_PIVOTS;
     int64_t most = 2 * batch->most;
     most = most < fit ? most : fit;
     most = most < LF_BATCH_PIVOTS ? most : LF_BATCH_PIVOTS;
@@ -111,12 +117,12 @@ void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_de
     }
     if (n == 0)
         return;
+    const int64_t before = work_of(tracer);
     batch->memory.surfaces = lf_lane_surfaces_of(tracer);
-    const int64_t lookups = batch->suffixes->trace(batch->lanes, &paths, &batch->memory) +
-                            batch->suffixes->light(batch->lanes, &points, &batch->memory);
-    tracer->lookups += lookups;
+    tracer->lookups += batch->suffixes->trace(batch->lanes, &paths, &batch->memory);
+    tracer->lookups += batch->suffixes->light(batch->lanes, &points, &batch->memory);
     batch->traced = batch->n;
-    set_most(batch, n, lookups);
+    set_most(batch, n, work_of(tracer) - before);
 }
 
 void lf_suffix_batch_keep_up(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth)

@@ -66,8 +66,8 @@ static inline bool lf_suffix_batch_is_full(const lf_suffix_batch *batch)
 }
 
 /* Draws the suffixes of all that have none yet; they stay until the batch is cleared. How often
- * grids were looked up is counted by the tracer, which answers rays where the scene has surfaces,
- * and whose random numbers are then others. */
+ * grids were looked up is counted by the tracer, which answers rays where the scene has surfaces;
+ * its random numbers, width and spread are then others. */
 void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth);
 /* The same as soon as enough wait. When that is depends on how long paths were before: what is
  * spread when, and so the order of sums, must not. */

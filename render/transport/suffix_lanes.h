@@ -57,7 +57,7 @@ LF_INLINE void enter_axis(walk *k, const lf_lane_scene *scene, int i, mask m, la
 {
     const int32_t strides[3] = {1, scene->field->framed[0],
                                 scene->field->framed[0] * scene->field->framed[1]};
-    lanes inverse = 1.0f / choose(is_less(magnitude(d), all(1e-20f)), all(1e-20f), d);
+    lanes inverse = inverse_of(d);
     mask up = is_less(all(0.0f), inverse);
     *end = least(*end, (choose(up, all(scene->size[i]), all(-1.0f)) - k->q[i]) * inverse);
     lanes last = all((float)(scene->field->framed[i] - 3));
@@ -344,14 +344,14 @@ LF_INLINE mask meet(path *p, const lf_lane_scene *scene, int max_depth, mask m,
     const lanes length = choose(p->collided, p->k.t, all(INFINITY));
     unsigned met = 0;
     m = both(m, may_meet(&scene->boxes, p->k.q, p->k.d, length));
-    const lanes_bits key[2] = {draw(&p->random, m), draw(&p->random, m)};
+    const lanes_bits low = draw(&p->random, m), high = draw(&p->random, m);
     for (unsigned b = bits_of(m); b; b &= b - 1) {
         const int k = __builtin_ctz(b);
         float found[3];
         lf_lane_segment segment = {.length = length[k],
                                    .depth = (int)p->vertex[k] + 1,
                                    .max_depth = max_depth,
-                                   .random = {key[0][k], key[1][k]}};
+                                   .random = {low[k], high[k]}};
         for (int i = 0; i < 3; i++) {
             segment.q[i] = p->k.q[i][k];
             segment.w[i] = p->w[i][k];
@@ -434,7 +434,7 @@ LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *
 LF_INLINE void shoot(path *p, mask m, const float light[3], lanes weight, lanes expected,
                      lf_lane_memory *memory)
 {
-    lanes_bits key[2] = {draw(&p->random, m), draw(&p->random, m)};
+    const lanes_bits low = draw(&p->random, m), high = draw(&p->random, m);
     for (unsigned b = bits_of(m); b; b &= b - 1) {
         int k = __builtin_ctz(b);
         lf_lane_shot *shot = &memory->shot[memory->n++];
@@ -443,8 +443,8 @@ LF_INLINE void shoot(path *p, mask m, const float light[3], lanes weight, lanes 
             shot->weight[i] = weight[k] * p->beta[i][k] * light[i];
         }
         shot->expected = expected[k];
-        shot->random[0] = key[0][k];
-        shot->random[1] = key[1][k];
+        shot->random[0] = low[k];
+        shot->random[1] = high[k];
         shot->job = p->job[k];
     }
 }
@@ -631,6 +631,7 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
     {                                                                                              \
         return trace_with(scene, paths, memory, has);                                              \
     }
+_Static_assert(LF_LANE_KINDS == 8, "one for each kind of scene");
 LF_TRACE(0)
 LF_TRACE(1)
 LF_TRACE(2)

@@ -1,5 +1,5 @@
-/* Which segments of lanes may meet a surface, and shadow rays that do; private to suffix_lanes.h.
- */
+/* Directions of lanes in volume space, which segments may meet a surface, and shadow rays that do;
+ * private to suffix_lanes.h. */
 #ifndef LF_RENDER_SUFFIX_SURFACE_LANES_H
 #define LF_RENDER_SUFFIX_SURFACE_LANES_H
 
@@ -12,7 +12,7 @@ LF_INLINE mask may_meet(const lf_lane_boxes *boxes, const lanes q[3], const lane
     mask any = mask_of(0);
     lanes inverse[3];
     for (int i = 0; i < 3; i++)
-        inverse[i] = 1.0f / choose(is_less(magnitude(d[i]), all(1e-20f)), all(1e-20f), d[i]);
+        inverse[i] = inverse_of(d[i]);
     for (int b = 0; b < boxes->n; b++) {
         lanes first = all(0.0f), last = end;
         for (int i = 0; i < 3; i++) {

@@ -107,6 +107,17 @@ void lf_sunlight_media_finish(lf_sunlight_media *media)
 /* ----------------------------------------------------------------------------------- look-ups --
  */
 
+lf_vec3 lf_sunlight_media_node(const lf_sunlight_media *media, const int node[3])
+{
+    lf_vec3 p = lf_v3(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < 3; i++) { /* rows are at right angles */
+        const float *m = media->to_nodes[i];
+        const lf_vec3 row = lf_v3(m[0], m[1], m[2]);
+        p = lf_madd(p, ((float)node[i] - m[3]) / lf_dot(row, row), row);
+    }
+    return p;
+}
+
 static float grids_depth(const lf_sunlight_media *media, lf_vec3 p)
 {
     const int *size = media->size;

@@ -26,6 +26,8 @@ LF_NODISCARD lf_status lf_sunlight_media_init(lf_sunlight_media *media, const lf
 /* Accepts one that is all zero. */
 void lf_sunlight_media_finish(lf_sunlight_media *media);
 
+/* The scene-local place of node (x, y, z). */
+lf_vec3 lf_sunlight_media_node(const lf_sunlight_media *media, const int node[3]);
 /* Optical depth of all media between p and the light. */
 float lf_sunlight_media_depth(const lf_sunlight_media *media, lf_vec3 p);
 

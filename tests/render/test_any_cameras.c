@@ -455,7 +455,8 @@ static lf_renderer *with_suffixes(lf_scene *scene, const char *integrator, bool 
     return r;
 }
 
-/* A cloud alone. */
+/* A cloud alone, and what may stick out of it. */
+#define BALL "'meshes': { 'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.6 } } }, "
 #define CLOUD(g)                                                                                   \
     AROUND "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': [0.98, 0.9, 0.8], 'g': " g \
            " } }, "
@@ -471,6 +472,7 @@ static void lanes_bring_what_single_paths_do(void **state)
     } cases[] = {
         {CLOUD("0") WIDE_SUNS " }", 8, {3, 5}},
         {CLOUD("0.6") LF_TEST_SHARP_LIGHTS " }", 8, {3, 5}},
+        {CLOUD("0.3") BALL WIDE_SUNS " }", 8, {3, 5}},
         {CLOUD("0.6") "'lights': { 'day': { 'type': 'sky', 'elevation': 14 } } }", 24, {16, 24}}};
     static const char *const names[] = {"mvpt", "vpt"};
     enum { N = sizeof cases / sizeof *cases };
