@@ -347,6 +347,12 @@ static int64_t waiting(rig *r, float sigma, float albedo)
     return most;
 }
 
+/* Paths bounce some hundred times. */
+#define IN_A_WHITE_ROOM                                                                            \
+    AMONG("'albedo': 1", SKY,                                                                      \
+          "'room': { 'shape': 'cube', 'material': 'white', 'transform': { 'scale': 30 } } }, "     \
+          "'materials': { 'white': { 'type': 'diffuse', 'albedo': 0.99 } ")
+
 /* Batches are short where paths are long: nobody asks within one whether the visit is cancelled. */
 static void few_wait_where_paths_are_long(void **state)
 {
@@ -356,6 +362,12 @@ static void few_wait_where_paths_are_long(void **state)
     print_message("%d pivots wait in thin smoke, %d in dense white\n", (int)thin, (int)dense);
     assert_true(thin == LF_BATCH_PIVOTS);
     assert_true(dense >= 16 && dense < LF_BATCH_PIVOTS * 3 / 4);
+    drop_rig(&r);
+    /* what is traced one by one behind surfaces counts, too */
+    r = rig_of(make_scene(IN_A_WHITE_ROOM, 4.0f));
+    int64_t around = waiting(&r, 4.0f, 0.5f);
+    print_message("%d wait in thin smoke in a white room\n", (int)around);
+    assert_true(around >= 16 && around < LF_BATCH_PIVOTS * 3 / 4);
     drop_rig(&r);
 }
 
