@@ -49,7 +49,6 @@ typedef struct lf_lane_surfaces {
 
 /* Memory of a worker. */
 typedef struct lf_lane_memory {
-    lf_lane_surfaces surfaces; /* looked at where the scene `has` surfaces */
     lf_lane_shot shot[LF_LANE_SHOTS + LF_LANE_MOST];
     float left[LF_LANE_SHOTS + LF_LANE_MOST];
     int n; /* shots */
@@ -59,6 +58,7 @@ typedef struct lf_lane_memory {
     int32_t draws[LF_LANE_SHOTS + LF_LANE_MOST]; /* -1, else 0 */
     lf_lane_exit exit[LF_LANE_SHOTS + LF_LANE_MOST];
     int n_exits;
+    lf_lane_surfaces surfaces; /* looked at where the scene `has` surfaces */
 } lf_lane_memory;
 
 /* Paths that leave vertex 1, the pivot, each array of n. */

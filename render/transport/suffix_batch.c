@@ -91,10 +91,10 @@ static int64_t work_of(const lf_tracer *tracer)
 static void set_most(lf_suffix_batch *batch, int n, int64_t work)
 {
     const int64_t fit = work > 0 ? n * (int64_t)MOST_LOOKUPS / work : LF_BATCH_PIVOTS;
-    int64_t most = 2 * batch->most;
+    int64_t most = 2 * (int64_t)batch->most;
     most = most < fit ? most : fit;
     most = most < LF_BATCH_PIVOTS ? most : LF_BATCH_PIVOTS;
-    batch->most = most > LEAST_PIVOTS ? most : LEAST_PIVOTS;
+    batch->most = most > LEAST_PIVOTS ? (int)most : LEAST_PIVOTS;
 }
 
 void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth)

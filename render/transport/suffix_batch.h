@@ -25,7 +25,7 @@ typedef struct lf_suffix_batch {
     const lf_suffixes *suffixes;
     int n, traced; /* pivots, of which the first so many have been traced */
     int each;      /* suffixes of each, at most LF_BATCH_EACH */
-    int64_t most;  /* traced at once: fewer where paths are long, so that visits can be cancelled */
+    int most;      /* traced at once: fewer where paths are long, so that visits can be cancelled */
     lf_batch_pivot pivot[LF_BATCH_PIVOTS];
     /* [pivot]: where, volume space, and what of the light is left there, 0..1 in the mean */
     float q[3][LF_BATCH_PIVOTS], left[LF_BATCH_PIVOTS];

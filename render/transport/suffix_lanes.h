@@ -84,10 +84,9 @@ LF_INLINE lanes nearest_edge(const walk *k)
 LF_INLINE void begin_walk(walk *k, const lf_lane_scene *scene, mask m, const lanes w[3],
                           lanes_random *random)
 {
-    lanes end = all(INFINITY), d[3];
-    to_volume(scene, w, d);
+    lanes end = all(INFINITY);
     for (int i = 0; i < 3; i++)
-        enter_axis(k, scene, i, m, d[i], &end);
+        enter_axis(k, scene, i, m, along_axis(scene, i, w), &end);
     k->t = choose(m, all(0.0f), k->t);
     k->end = choose(m, end, k->end);
     k->edge = choose(m, most(all(0.0f), nearest_edge(k)), k->edge);

@@ -26,13 +26,11 @@ LF_INLINE mask may_meet(const lf_lane_boxes *boxes, const lanes q[3], const lane
     return any;
 }
 
-/* A scene's direction in volume space. */
-LF_INLINE void to_volume(const lf_lane_scene *scene, const lanes w[3], lanes out[3])
+/* An axis of a scene's direction in volume space. */
+LF_INLINE lanes along_axis(const lf_lane_scene *scene, int axis, const lanes w[3])
 {
-    for (int i = 0; i < 3; i++) {
-        const float *row = scene->to_volume[i];
-        out[i] = row[0] * w[0] + row[1] * w[1] + row[2] * w[2];
-    }
+    const float *row = scene->to_volume[axis];
+    return row[0] * w[0] + row[1] * w[1] + row[2] * w[2];
 }
 
 /* Of what media have left of shots, what surfaces do. */
@@ -46,7 +44,8 @@ LF_INLINE void pass_surfaces(const lf_lane_scene *scene, lf_lane_memory *memory,
             q[i] = gather(memory->shot->q + i, at);
             w[i] = has & LF_LANE_SKY ? load(memory->w[i] + first) : all(scene->toward[i]);
         }
-        to_volume(scene, w, d);
+        for (int i = 0; i < 3; i++)
+            d[i] = along_axis(scene, i, w);
         mask m = both(may_meet(&scene->boxes, q, d, all(INFINITY)),
                       is_less(all(0.0f), load(memory->left + first)));
         for (unsigned b = bits_of(m); b; b &= b - 1) {
