@@ -394,7 +394,7 @@ static lf_status make_field(lf_scene *scene, const lf_lane_boxes *boxes, lf_pool
 
 static bool is_field_of(const lf_lane_field *field, const lf_scene *scene)
 {
-    const lf_volume *old = &field->scene->volumes[0], *new = &scene->volumes[0];
+    const lf_volume *old = &field->scene->volumes[0], *is = &scene->volumes[0];
     const lf_light *before = light_of_lanes(field->scene, false),
                    *now = light_of_lanes(scene, false);
     if (before && now) {
@@ -403,8 +403,8 @@ static bool is_field_of(const lf_lane_field *field, const lf_scene *scene)
     } else if (before || now) {
         return false;
     }
-    const bool same_place = memcmp(old->to_volume, new->to_volume, sizeof new->to_volume) == 0;
-    return old->grid == new->grid && old->sigma_scale == new->sigma_scale &&same_place &&
+    return old->grid == is->grid && old->sigma_scale == is->sigma_scale &&
+           memcmp(old->to_volume, is->to_volume, sizeof is->to_volume) == 0 &&
            field->scene->geometry == scene->geometry;
 }
 

@@ -119,8 +119,9 @@ void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_de
         return;
     const int64_t before = work_of(tracer);
     batch->memory.surfaces = lf_lane_surfaces_of(tracer);
-    tracer->lookups += batch->suffixes->trace(batch->lanes, &paths, &batch->memory);
-    tracer->lookups += batch->suffixes->light(batch->lanes, &points, &batch->memory);
+    const int64_t lookups = batch->suffixes->trace(batch->lanes, &paths, &batch->memory) +
+                            batch->suffixes->light(batch->lanes, &points, &batch->memory);
+    tracer->lookups += lookups;
     batch->traced = batch->n;
     set_most(batch, n, work_of(tracer) - before);
 }
