@@ -10,7 +10,8 @@
 
 typedef struct lf_tracer {
     const lf_scene *scene;
-    uint64_t rng; /* stream of the path in progress: set before each base sample */
+    /* Stream of the path in progress: set before each base sample, and where lanes leave a path. */
+    uint64_t rng;
     /* What rays average, where anything varies along surfaces: the diameter where they begin, and
      * what it gains with each unit of t. Zeroed: nothing. */
     float width, spread;

@@ -124,21 +124,27 @@ static void films_are_the_same_for_any_number_of_threads(void **state)
 /* ------------------------------------------------------------------------------- closed forms --
  */
 
-/* Radiance that arrives, of jobs whose mean is 1 or what a darker wall makes of it. */
-static lf_moments furnace(const char *text)
+/* What arrives in the mean, in the second channel. */
+static lf_moments arriving(rig *r, uint64_t seed, int max_depth)
 {
     static jobs j;
-    lf_moments seen = {0};
-    rig r = make_rig(text, 10.0f);
-    assert_true(r.lanes.has == LF_LANE_SURFACES);
+    lf_moments found = {0};
     for (uint64_t round = 0; round < 40; round++) {
         double sum = 0.0;
-        draw_jobs(&r, 40 + round, n_jobs, &j);
-        trace(best(), &r, &j, 0, n_jobs, 1 << 20);
+        draw_jobs(r, seed + round, n_jobs, &j);
+        trace(best(), r, &j, 0, n_jobs, max_depth);
         for (int i = 0; i < n_jobs; i++)
             sum += (double)j.radiance[1][i] / n_jobs;
-        lf_moments_add(&seen, sum);
+        lf_moments_add(&found, sum);
     }
+    return found;
+}
+
+static lf_moments furnace(const char *text)
+{
+    rig r = make_rig(text, 10.0f);
+    assert_true(r.lanes.has == LF_LANE_SURFACES);
+    lf_moments seen = arriving(&r, 40, 1 << 20);
     drop_rig(&r);
     return seen;
 }
@@ -214,22 +220,6 @@ static void what_meets_a_surface_has_not_escaped(void **state)
     drop_rig(&r);
 }
 
-/* What suffixes find of the sun. */
-static lf_moments sun_found(rig *r)
-{
-    static jobs j;
-    lf_moments found = {0};
-    for (uint64_t round = 0; round < 40; round++) {
-        double sum = 0.0;
-        draw_jobs(r, 80 + round, n_jobs, &j);
-        trace(best(), r, &j, 0, n_jobs, 1024);
-        for (int i = 0; i < n_jobs; i++)
-            sum += (double)j.radiance[1][i] / n_jobs;
-        lf_moments_add(&found, sum);
-    }
-    return found;
-}
-
 static void under_a_whole_roof_it_is_dark_whatever_the_control_says(void **state)
 {
     (void)state;
@@ -237,14 +227,14 @@ static void under_a_whole_roof_it_is_dark_whatever_the_control_says(void **state
     const lf_lane_field *field = r.lanes.field;
     const size_t nodes =
         (size_t)field->nodes[0] * (size_t)field->nodes[1] * (size_t)field->nodes[2];
-    lf_moments dark = sun_found(&r), noisy, lit;
+    lf_moments dark = arriving(&r, 80, 1024), noisy, lit;
     assert_true(dark.mean == 0.0 && lf_moments_error(&dark) == 0.0);
     for (size_t i = 0; i < nodes; i++)
         field->left[i] = (uint16_t)lf_hash64(i, 0);
-    noisy = sun_found(&r);
+    noisy = arriving(&r, 80, 1024);
     drop_rig(&r);
     r = make_rig(AMONG("'albedo': 0.8", SUN, ROOF("0.01", "0") PLAIN), 3.0f);
-    lit = sun_found(&r);
+    lit = arriving(&r, 80, 1024);
     drop_rig(&r);
     print_message("%.2g +- %.2g by a control that says anything, of %.4g in the sun\n", noisy.mean,
                   lf_moments_error(&noisy), lit.mean);
