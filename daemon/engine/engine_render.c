@@ -231,7 +231,8 @@ static void post_frame(lf_engine *engine, bool final)
     }
     double now = lf_time_now();
     if (engine->now.panel.views && (final || now - engine->look.views_at > VIEWS_SECONDS)) {
-        lf_mailbox_attach(&engine->mailbox, frame, &views);
+        /* no other frame follows the final one: it comes again, with its views */
+        engine->owed = !lf_mailbox_attach(&engine->mailbox, frame, &views) && final;
         engine->look.views_at = now;
     }
     engine->frames.n++;

@@ -70,7 +70,7 @@ static bool room_for_views(lf_mailbox *mailbox, size_t size)
     return mailbox->views_size >= size;
 }
 
-void lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *views)
+bool lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *views)
 {
     pthread_mutex_lock(&mailbox->lock);
     bool taken = mailbox->views_taken;
@@ -80,7 +80,7 @@ void lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *vi
     size_t row = (size_t)views->width * 3;
     size_t n_views = (size_t)views->n_views;
     if (taken || !room_for_views(mailbox, row * n_views * (size_t)views->height))
-        return;
+        return !taken;
     for (int y = 0; y < views->height; y++) {
         for (int v = 0; v < views->n_views; v++) {
             memcpy(mailbox->views_data + ((size_t)y * n_views + (size_t)v) * row,
@@ -92,6 +92,7 @@ void lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *vi
     mailbox->views.row_stride = row * n_views;
     mailbox->views.data = mailbox->views_data;
     frame->has_views = true;
+    return true;
 }
 
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame)

@@ -32,7 +32,8 @@ typedef struct lf_frame {
     uint64_t against;   /* number of the frame that rects were computed against; 0 = none */
     int n_rects;
     lf_rect rects[LF_FRAME_MAX_RECTS];
-    bool has_views; /* the views behind it lie in the mailbox's views buffer */
+    bool has_views; /* the views behind it lie in the mailbox's buffer; the consumer does not look
+                     * here, where the producer may write, but asks lf_mailbox_views */
 } lf_frame;
 
 typedef struct lf_mailbox {
@@ -61,9 +62,9 @@ void lf_mailbox_finish(lf_mailbox *mailbox);
 lf_frame *lf_mailbox_begin(lf_mailbox *mailbox, int width, int height);
 /* Rectangles that changed since the frame shown now, into frame. */
 void lf_mailbox_compare(lf_mailbox *mailbox, lf_frame *frame);
-/* Puts a copy of the views beside the frame, unless the consumer is still reading the last ones or
- * memory is out. */
-void lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *views);
+/* Puts a copy of the views beside the frame, unless memory is out. False: the consumer is still
+ * reading the last ones, and the frame has none. */
+bool lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *views);
 /* Hands over what begin gave. */
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame);
 

@@ -114,16 +114,14 @@ static void last_views(running *r, uint8_t out[3 * PIXELS])
         const lf_frame *frame = lf_mailbox_take(lf_engine_mailbox(r->engine));
         if (!frame)
             continue;
-        const lf_views8 *views =
-            frame->has_views ? lf_mailbox_views(lf_engine_mailbox(r->engine), frame) : NULL;
+        const lf_views8 *views = lf_mailbox_views(lf_engine_mailbox(r->engine), frame);
         for (int i = 0; views && i < VIEWS * SIDE; i++)
             memcpy(out + 3 * SIDE * i,
                    views->data + (size_t)(i / VIEWS) * views->row_stride +
                        (size_t)(i % VIEWS) * views->view_stride,
                    3 * SIDE);
         have = have || views;
-        if (views)
-            lf_mailbox_views_done(lf_engine_mailbox(r->engine));
+        lf_mailbox_views_done(lf_engine_mailbox(r->engine));
         lf_mailbox_shown(lf_engine_mailbox(r->engine));
     }
 }

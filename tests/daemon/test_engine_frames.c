@@ -51,7 +51,7 @@ static const lf_frame *next_frame(lf_engine *engine, int fd, int64_t generation)
 {
     for (;;) {
         struct pollfd p = {.fd = fd, .events = POLLIN};
-        assert_int_equal(poll(&p, 1, 600000), 1);
+        assert_int_equal(poll(&p, 1, 60000), 1);
         lf_wakeup_clear(fd);
         const lf_frame *frame = lf_mailbox_take(lf_engine_mailbox(engine));
         if (frame && frame->generation == generation) {
@@ -112,11 +112,44 @@ static void the_first_frame_of_another_scene_is_unfiltered(void **state)
     close(fd);
 }
 
+/* A consumer that reads views just then gets no others; after the last frame no more would come. */
+static void the_last_frame_has_its_views(void **state)
+{
+    (void)state;
+    lf_engine_controls controls = {.threads = 2};
+    lf_engine_status status;
+    lf_engine *engine = NULL;
+    lf_error err = {0};
+    int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    lf_assert_ok(lf_engine_create(&controls, fd, &engine, &err), &err);
+    lf_mailbox *mailbox = lf_engine_mailbox(engine);
+    lf_engine_set_panel(engine, NULL, 1, true);
+    int64_t generation = commit(engine, 0.0, 4.0);
+    const lf_frame *frame = next_frame(engine, fd, generation);
+    while (!lf_mailbox_views(mailbox, frame))
+        frame = next_frame(engine, fd, generation);
+    controls.paused = true;
+    lf_engine_set_controls(engine, &controls);
+    do {
+        usleep(1000);
+        lf_engine_get_status(engine, &status);
+    } while (status.state != LF_STATE_PAUSED);
+    for (int i = 0; i < 2; i++) /* one may be from before */
+        frame = next_frame(engine, fd, generation);
+    assert_null(lf_mailbox_views(mailbox, frame));
+    while (!lf_mailbox_views(mailbox, frame) || frame->passes < status.passes)
+        frame = next_frame(engine, fd, generation);
+    lf_mailbox_views_done(mailbox);
+    lf_engine_destroy(engine);
+    close(fd);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_frame_of_a_camera_that_moves_is_unfiltered),
         cmocka_unit_test(the_first_frame_of_another_scene_is_unfiltered),
+        cmocka_unit_test(the_last_frame_has_its_views),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
