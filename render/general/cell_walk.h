@@ -6,18 +6,20 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 
 typedef struct lf_cell_walk {
-    double t, end;    /* where the next cell is entered, and where the way ends */
-    double next[3];   /* where the next cell along each axis is entered … */
-    double stride[3]; /* … and the one behind that, from there */
-    int cell[3], step[3], n[3];
+    double t, end;           /* where the next cell is entered, and where the way ends */
+    double next[3];          /* where the next cell along each axis is entered … */
+    double stride[3];        /* … and the one behind that, from there */
+    ptrdiff_t cell, step[3]; /* [z][y][x], and from one to the next */
+    int left[3];             /* cells behind this one */
 } lf_cell_walk;
 
 /* One cell's part of the ray. */
 typedef struct lf_cell_part {
     double from, to;
-    int cell[3];
+    ptrdiff_t cell;
 } lf_cell_part;
 
 /* Of the ray o + t w, 0 <= t <= end (which may be infinite), through n cells an axis; w need not be
@@ -25,6 +27,7 @@ typedef struct lf_cell_part {
 static inline bool lf_cell_walk_init(lf_cell_walk *walk, const int n[3], const double o[3],
                                      const double w[3], double end)
 {
+    const ptrdiff_t apart[3] = {1, n[0], (ptrdiff_t)n[0] * n[1]};
     double t0 = 0.0, t1 = end;
     for (int i = 0; i < 3; i++) {
         double a = -o[i] / w[i], b = ((double)n[i] - o[i]) / w[i];
@@ -35,11 +38,12 @@ static inline bool lf_cell_walk_init(lf_cell_walk *walk, const int n[3], const d
     }
     if (!(t0 < t1))
         return false;
+    walk->cell = 0;
     for (int i = 0; i < 3; i++) {
-        int cell = (int)fmin(fmax(floor(o[i] + t0 * w[i]), 0.0), (double)(n[i] - 1));
-        walk->n[i] = n[i];
-        walk->cell[i] = cell;
-        walk->step[i] = w[i] > 0.0 ? 1 : -1;
+        const int cell = (int)fmin(fmax(floor(o[i] + t0 * w[i]), 0.0), (double)(n[i] - 1));
+        walk->cell += cell * apart[i];
+        walk->step[i] = w[i] > 0.0 ? apart[i] : -apart[i];
+        walk->left[i] = w[i] > 0.0 ? n[i] - 1 - cell : cell;
         walk->next[i] =
             w[i] == 0.0 ? (double)INFINITY : ((double)(cell + (w[i] > 0.0)) - o[i]) / w[i];
         walk->stride[i] = fabs(1.0 / w[i]);
@@ -52,21 +56,24 @@ static inline bool lf_cell_walk_init(lf_cell_walk *walk, const int n[3], const d
 /* false: there are no more. */
 static inline bool lf_cell_walk_next(lf_cell_walk *walk, lf_cell_part *out)
 {
+    if (!(walk->t < walk->end))
+        return false;
     int axis = walk->next[0] < walk->next[1] ? 0 : 1;
     if (walk->next[2] < walk->next[axis])
         axis = 2;
-    if (!(walk->t < walk->end))
-        return false;
+    const double next = walk->next[axis];
     out->from = walk->t;
-    out->to = fmax(walk->t, fmin(walk->next[axis], walk->end));
-    for (int i = 0; i < 3; i++)
-        out->cell[i] = walk->cell[i];
-    walk->t = out->to;
-    walk->cell[axis] += walk->step[axis];
-    if (!(walk->next[axis] < walk->end) || walk->cell[axis] < 0 ||
-        walk->cell[axis] >= walk->n[axis])
+    out->cell = walk->cell;
+    if (next < walk->end && walk->left[axis] > 0) {
+        out->to = next > walk->t ? next : walk->t;
+        walk->t = out->to;
+        walk->cell += walk->step[axis];
+        walk->left[axis]--;
+        walk->next[axis] = next + walk->stride[axis];
+    } else {
+        out->to = next > walk->t && next < walk->end ? next : walk->end;
         walk->t = walk->end;
-    walk->next[axis] += walk->stride[axis];
+    }
     return true;
 }
 

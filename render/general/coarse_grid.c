@@ -1,6 +1,7 @@
 #include "render/general/coarse_grid.h"
 
 #include "base/alloc.h"
+#include "render/scene/look_up.h"
 
 #define MAX_CELLS (1 << 21)
 #define LEAST_SHARE 0.02f
@@ -32,7 +33,8 @@ static float largest_voxel(const lf_grid *grid, const double low[3], const doubl
     for (int z = from[2]; z <= to[2]; z++)
         for (int y = from[1]; y <= to[1]; y++)
             for (int x = from[0]; x <= to[0]; x++)
-                largest = lf_max(largest, lf_grid_nearest(grid, (float)x, (float)y, (float)z));
+                largest = lf_max(largest,
+                                 lf_grid_stored(grid, lf_grid_cell(grid, (const int[3]){x, y, z})));
     return largest;
 }
 
@@ -156,13 +158,6 @@ static bool begin(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, double end, 
     return grid->sigma && lf_cell_walk_init(walk, grid->n, from, along, end);
 }
 
-static float sigma_of(const lf_coarse_grid *grid, const int cell[3])
-{
-    return grid
-        ->sigma[((size_t)cell[2] * (size_t)grid->n[1] + (size_t)cell[1]) * (size_t)grid->n[0] +
-                (size_t)cell[0]];
-}
-
 double lf_coarse_grid_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, double end)
 {
     lf_cell_walk walk;
@@ -171,7 +166,7 @@ double lf_coarse_grid_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, do
     if (!begin(grid, o, w, end, &walk))
         return 0.0;
     while (lf_cell_walk_next(&walk, &part))
-        depth += (double)sigma_of(grid, part.cell) * (part.to - part.from);
+        depth += (double)grid->sigma[part.cell] * (part.to - part.from);
     return depth;
 }
 
@@ -183,7 +178,7 @@ bool lf_coarse_grid_at_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, d
     double sum = 0.0;
     bool inside = begin(grid, o, w, INFINITY, &walk);
     while (inside && lf_cell_walk_next(&walk, &part)) {
-        float sigma = sigma_of(grid, part.cell);
+        float sigma = grid->sigma[part.cell];
         double own = (double)sigma * (part.to - part.from);
         if (own > 0.0 && sum + own >= depth) {
             *out = (lf_coarse_point){part.from + (depth - sum) / (double)sigma, sigma};

@@ -110,11 +110,18 @@ static lf_vec3 bring(const lf_path_space *space, const lf_camera_ray *ray,
         w = path->vertex[i].w;
     }
     if (path->escape)
-        f = lf_mul(f, path->n == 0 ? ray->sky : escaped(space, w, pdf));
+        f = lf_mul(f, escaped(space, w, pdf));
     if (!(lf_max3(f) > 0.0f))
         return nothing;
     depth += depth_along(space, exact, p, w, (double)light.distance, tracer);
     return lf_scale(f, expf(-(float)depth));
+}
+
+lf_vec3 lf_camera_ray_behind(const lf_camera_ray *ray, lf_tracer *tracer)
+{
+    double depth =
+        lf_max3(ray->sky) > 0.0f ? lf_depth_along(tracer, ray->o, ray->w, (double)INFINITY) : 0.0;
+    return lf_scale(ray->sky, expf(-(float)depth));
 }
 
 lf_vec3 lf_light_path_radiance(const lf_path_space *space, const lf_camera_ray *ray,
@@ -135,8 +142,8 @@ double lf_light_path_target(const lf_path_space *space, const lf_camera_ray *ray
 /* A walk at a vertex, or at the camera. */
 typedef struct walk {
     lf_light_path path;
-    lf_vec3 p, w, f; /* f: what the path so far brings, without transmittance … */
-    lf_vec3 end;     /* … and of what it finds along w, if it escapes */
+    lf_vec3 p, w, f; /* f: what the path so far brings, without transmittance */
+    float pdf;       /* of w, where it scattered */
     double inverse;  /* 1 / its density without transmittance, which p-hat has, too */
     double depth;
 } walk;
@@ -161,29 +168,30 @@ static void offer_light(const lf_path_space *space, walk *at, const mixture *m, 
               found, context);
 }
 
-static void turn(const lf_path_space *space, walk *at, const mixture *m, lf_tracer *tracer)
+static void turn(walk *at, const mixture *m, lf_tracer *tracer)
 {
-    float pdf;
     lf_vec3 on = draw_direction(m, at->w, tracer);
-    at->f = lf_mul(at->f, scatter(m, at->w, on, &pdf));
-    at->inverse /= (double)pdf;
+    at->f = lf_mul(at->f, scatter(m, at->w, on, &at->pdf));
+    at->inverse /= (double)at->pdf;
     at->w = on;
-    at->end = escaped(space, on, pdf);
     at->path.vertex[at->path.n - 1].w = on;
 }
 
-void lf_light_path_walk(const lf_path_space *space, const lf_camera_ray *ray, lf_tracer *tracer,
-                        lf_candidate_fn found, void *context)
+void lf_light_path_walk(const lf_path_space *space, const lf_camera_ray *ray, double u,
+                        lf_tracer *tracer, lf_candidate_fn found, void *context)
 {
-    walk at = {.p = ray->o, .w = ray->w, .f = {1.0f, 1.0f, 1.0f}, .end = ray->sky, .inverse = 1.0};
-    for (;;) {
-        double goal = (double)lf_rng_exponential(tracer), way;
+    const double scatters = -expm1(-ray->depth);
+    double goal = -log1p(-u * scatters), way;
+    walk at = {.p = ray->o, .w = ray->w, .f = {1.0f, 1.0f, 1.0f}, .inverse = scatters};
+    for (;; goal = (double)lf_rng_exponential(tracer)) {
         lf_coarse_point next;
         mixture m;
         if (!lf_coarse_grid_at_depth(space->coarse, at.p, at.w, goal, &next, &way)) {
+            if (at.path.n == 0)
+                return; /* rounding, at the end of the media */
             at.depth += way;
             at.path.escape = 1;
-            offer(&at, lf_mul(at.f, at.end), 0.0, found, context);
+            offer(&at, lf_mul(at.f, escaped(space, at.w, at.pdf)), 0.0, found, context);
             return;
         }
         float z = (float)next.t;
@@ -198,7 +206,7 @@ void lf_light_path_walk(const lf_path_space *space, const lf_camera_ray *ray, lf
         at.depth += goal;
         at.inverse /= (double)next.sigma;
         offer_light(space, &at, &m, tracer, found, context);
-        turn(space, &at, &m, tracer);
+        turn(&at, &m, tracer);
         if (!(lf_max3(at.f) > 0.0f))
             return;
     }

@@ -8,7 +8,10 @@
  *     in a light sample, by the three numbers u of [0,1)^3 that it was drawn with: the ray that
  *     takes the path draws its own light with them, so that lights of any kind, points too, are
  *     reused, and their density is part of what the path brings; or
- *     at infinity, along w_n, where it finds skies and suns; with n = 0 what the camera sees there.
+ *     at infinity, along w_n, where it finds skies and suns.
+ *
+ * n >= 1: what the camera sees behind the media (n = 0) is no path to be drawn but known for every
+ * ray (lf_camera_ray_behind), and all walks scatter.
  *
  * What both ways could have found is shared between them by the balance heuristic, as a function of
  * the path (of where it is moved to): each way is an integral of its own. Media overlap freely;
@@ -38,6 +41,7 @@ typedef struct lf_camera_ray {
     lf_vec3 o, w; /* w unit */
     lf_vec3 sky;  /* what it finds where it meets nothing */
     float from;   /* distance from which z of the first vertex counts */
+    double depth; /* of the coarse grid, all along it */
 } lf_camera_ray;
 
 /* A scene with what its paths are drawn by. */
@@ -46,6 +50,9 @@ typedef struct lf_path_space {
     const lf_coarse_grid *coarse;
     int max_depth; /* <= LF_MAX_PATH_VERTICES */
 } lf_path_space;
+
+/* What the ray sees behind the media, times their exact transmittance. */
+lf_vec3 lf_camera_ray_behind(const lf_camera_ray *ray, lf_tracer *tracer);
 
 /* What the path brings along a ray: the integrand F, its transmittances exact. look-ups: the
  * tracer's. */
@@ -62,8 +69,9 @@ typedef void (*lf_candidate_fn)(void *context, const lf_light_path *path, double
                                 double weight);
 
 /* A random walk from the ray, collisions drawn on the coarse grid: a light sample at each vertex,
- * and what it finds where it escapes. Random numbers are the tracer's. */
-void lf_light_path_walk(const lf_path_space *space, const lf_camera_ray *ray, lf_tracer *tracer,
-                        lf_candidate_fn found, void *context);
+ * and what it finds where it escapes. The first collision is the one of those along the ray that
+ * the number u of (0, 1) stands for; other random numbers are the tracer's. */
+void lf_light_path_walk(const lf_path_space *space, const lf_camera_ray *ray, double u,
+                        lf_tracer *tracer, lf_candidate_fn found, void *context);
 
 #endif

@@ -90,6 +90,7 @@ static void aim(const state *s, int row, int view, int column, lf_sampler *sampl
     out->w = lf_normalize(lf_rig_direction(rig, slope, plane.my, 1.0f));
     out->sky = lf_rig_sky(&s->rig, &s->seen, out->w, plane.my);
     out->from = s->across ? rig->distance / lf_dot(out->w, rig->forward) : 0.0f;
+    out->depth = lf_coarse_grid_depth(&s->coarse, out->o, out->w, (double)INFINITY);
 }
 
 /* A ray and the reservoir of its walks. */
@@ -200,11 +201,11 @@ static void choose(const state *s, worker *w, const lf_visit_order *order, uint6
 static void shade(const state *s, worker *w, int at)
 {
     const lf_path_sample *sample = &w->pixels[at].sample;
-    if (!sample->kept)
-        return;
-    lf_vec3 y =
-        lf_scale(lf_light_path_radiance(&s->space, &w->pixels[at].ray, &sample->path, &w->tracer),
-                 (float)sample->weight);
+    const lf_camera_ray *ray = &w->pixels[at].ray;
+    lf_vec3 y = lf_camera_ray_behind(ray, &w->tracer);
+    if (sample->kept)
+        y = lf_madd(y, (float)sample->weight,
+                    lf_light_path_radiance(&s->space, ray, &sample->path, &w->tracer));
     if (!isfinite(y.x + y.y + y.z)) {
         w->tracer.nonfinite++;
         return;

@@ -2,8 +2,8 @@
  * alone. A visit gives every view pixel that it takes a ray and a reservoir of LF_RESTIR_WALKS
  * walks (light_path.h), puts it together with what an earlier visit of the same half left in the
  * pixel (settings.reuse; M capped) and with those of LF_RESTIR_NEIGHBOURS columns of its row drawn
- * within LF_RESTIR_REACH, and adds F W of what is kept, its transmittances exact. W of the film is
- * n: every answer is N/n. Halves never see each other's reservoirs. What is kept is no part of the
+ * within LF_RESTIR_REACH, and adds F W of what is kept, its transmittances exact, to what the ray
+ * sees behind the media. W of the film is n: every answer is N/n. Halves never see each other's reservoirs. What is kept is no part of the
  * film: one that is read from a file goes on with new reservoirs.
  *
  * mvrestir is restir whose neighbours are pixels of other views, LF_MVRESTIR_VIEWS to either side,
@@ -16,7 +16,7 @@
 
 extern const lf_integrator lf_integrator_restir;
 
-#define LF_RESTIR_WALKS 4
+#define LF_RESTIR_WALKS 8
 #define LF_RESTIR_NEIGHBOURS 3
 #define LF_RESTIR_REACH 10 /* columns */
 #define LF_MVRESTIR_VIEWS 4

@@ -29,8 +29,8 @@ void lf_path_sample_draw(const lf_path_space *space, const lf_camera_ray *ray, i
 {
     keeping k = {.reservoir = {.m = (double)n}, .out = out, .tracer = tracer};
     out->kept = 0;
-    for (int i = 0; i < n; i++)
-        lf_light_path_walk(space, ray, tracer, keep, &k);
+    for (int i = 0; i < n && ray->depth > 0.0; i++)
+        lf_light_path_walk(space, ray, (i + (double)lf_rng_fine(tracer)) / n, tracer, keep, &k);
     finish(&k);
 }
 

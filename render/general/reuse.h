@@ -30,7 +30,7 @@ typedef struct lf_reuse_input {
 /* The best known weights, and the shortcut that reservoir.h tells of. */
 typedef enum lf_reuse_weights { LF_REUSE_UNBIASED, LF_REUSE_BIASED } lf_reuse_weights;
 
-/* Draws `n` random walks of one ray into a sample. */
+/* Draws `n` random walks of one ray into a sample, their first collisions in n strata. */
 void lf_path_sample_draw(const lf_path_space *space, const lf_camera_ray *ray, int n,
                          lf_tracer *tracer, lf_path_sample *out);
 

@@ -314,12 +314,13 @@ static void pictures_do_not_depend_on_the_number_of_threads(void **state)
 
 enum { wide = 32, low = 4, edge = wide / 2, reach = 10, neighbours = 3 };
 
-/* A white box in the right half of the window, seen from so far away that its edge is the middle of
- * the picture at every depth; lit by a sun alone, one bounce. */
+/* A white box in the right half of the window, so deep and seen from so far away that its front is
+ * equally far from columns that are neighbours (to 1/4000 of its depth) and its edge is the middle
+ * of the picture at every depth; lit by a sun alone, one bounce. */
 static const char half_box[] =
     "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 1000], 'fov_y': 0.1, 'aspect': 8, 'cone': 1, "
-    "'views': 1 }, 'volumes': { 'fog': { 'shape': 'box', 'density': 0.5, 'albedo': 1, "
-    "'transform': { 'scale': [8, 3, 1], 'translate': [8, 0, 0] } } }, "
+    "'views': 1 }, 'volumes': { 'fog': { 'shape': 'box', 'density': 0.025, 'albedo': 1, "
+    "'transform': { 'scale': [8, 3, 20], 'translate': [8, 0, 0] } } }, "
     "'lights': { 'sun': { 'type': 'distant', 'direction': [0, 0, -1], 'irradiance': 3 } } }";
 
 /* What is left of a column of the box: E[(1 + s) / (1 + v)], v of 3 drawn columns being in the
