@@ -3,8 +3,9 @@
  * walks (light_path.h), puts it together with what an earlier visit of the same half left in the
  * pixel (settings.reuse; M capped) and with those of LF_RESTIR_NEIGHBOURS columns of its row drawn
  * within LF_RESTIR_REACH, and adds F W of what is kept, its transmittances exact, to what the ray
- * sees behind the media. W of the film is n: every answer is N/n. Halves never see each other's reservoirs. What is kept is no part of the
- * film: one that is read from a file goes on with new reservoirs.
+ * sees behind the media. W of the film is n: every answer is N/n. Halves never see each other's
+ * reservoirs. What is kept is no part of the film: one that is read from a file goes on with new
+ * reservoirs.
  *
  * mvrestir is restir whose neighbours are pixels of other views, LF_MVRESTIR_VIEWS to either side,
  * near the same place in the window. The first vertex's distance counts from the window there, so
