@@ -7,6 +7,8 @@
 #include "daemon/engine/engine_internal.h"
 
 enum { NICER = 5 };
+/* Until views that the consumer had no room for are offered again. */
+#define VIEWS_AGAIN_NS (LF_NS_PER_S / 50)
 
 /* -------------------------------------------------------------------------------- the thread -- */
 
@@ -29,16 +31,23 @@ static next_step next_todo(const lf_engine *engine)
     return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
 }
 
+/* True: something may have changed. */
+static bool sleep_now(lf_engine *engine)
+{
+    if (engine->views_owed)
+        return lf_cond_wait_until(&engine->wake, &engine->lock, lf_time_now_ns() + VIEWS_AGAIN_NS);
+    pthread_cond_wait(&engine->wake, &engine->lock);
+    return true;
+}
+
 /* Sleeps while there is nothing to do. What changed is copied out under the lock. */
 static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
                                lf_engine_controls *controls, engine_panel *panel)
 {
     pthread_mutex_lock(&engine->lock);
     next_step what = next_todo(engine);
-    while (what == NEXT_SETTLE && !engine->owed) {
-        pthread_cond_wait(&engine->wake, &engine->lock);
+    while (what == NEXT_SETTLE && !engine->owed && sleep_now(engine))
         what = next_todo(engine);
-    }
     if (what == NEXT_REQUEST) {
         *out_request = engine->first;
         engine->first = engine->first->next;
@@ -196,9 +205,10 @@ lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_
     engine->look.stats = (lf_render_stats){.rel_mse_estimate = -1};
     engine->look.error_bound = engine->look.shown_error = engine->look.shown_bound = -1;
     pthread_mutex_init(&engine->lock, NULL);
-    pthread_cond_init(&engine->wake, NULL);
     pthread_cond_init(&engine->answered, NULL);
-    lf_status status = lf_mailbox_init(&engine->mailbox, event_fd);
+    lf_status status = lf_cond_init(&engine->wake);
+    if (status == LF_OK)
+        status = lf_mailbox_init(&engine->mailbox, event_fd);
     if (status == LF_OK)
         status = start_thread(engine);
     if (status != LF_OK) {

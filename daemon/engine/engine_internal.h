@@ -103,7 +103,8 @@ struct lf_engine {
     lf_level level;
     bool spoiled; /* a cancelled pass left rows unfinished */
     bool converged;
-    bool owed; /* the picture changed since the last frame */
+    bool owed;       /* the picture changed since the last frame */
+    bool views_owed; /* the last frame, a final one, went without the views it should have had */
     engine_spent spent;
     engine_frames frames;
     engine_look look;
@@ -114,7 +115,8 @@ struct lf_engine {
 bool engine_has_work(const lf_engine *engine);
 /* One batch and its frame. */
 void engine_batch(lf_engine *engine);
-/* Posts the frame that is owed, when there is one, and brings the counters up to date. */
+/* Posts the frame that is owed, when there is one, and brings the counters up to date; or once more
+ * the last one, with the views it lacks. */
 void engine_settle(lf_engine *engine);
 /* Takes over controls or a panel that changed. */
 void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls);

@@ -197,7 +197,7 @@ static lf_status fit(lf_engine *engine, bool final)
 
 static void post_frame(lf_engine *engine, bool final)
 {
-    engine->owed = false;
+    engine->owed = engine->views_owed = false;
     if (fit_is_due(engine, final) && fit(engine, final) != LF_OK)
         return;
     engine->fit.may_begin = true;
@@ -231,8 +231,7 @@ static void post_frame(lf_engine *engine, bool final)
     }
     double now = lf_time_now();
     if (engine->now.panel.views && (final || now - engine->look.views_at > VIEWS_SECONDS)) {
-        /* no other frame follows the final one: it comes again, with its views */
-        engine->owed = !lf_mailbox_attach(&engine->mailbox, frame, &views) && final;
+        engine->views_owed = !lf_mailbox_attach(&engine->mailbox, frame, &views) && final;
         engine->look.views_at = now;
     }
     engine->frames.n++;
@@ -317,11 +316,11 @@ void engine_batch(lf_engine *engine)
 void engine_settle(lf_engine *engine)
 {
     if (!engine->content)
-        engine->owed = false;
-    if (engine->owed) {
+        engine->owed = engine->views_owed = false;
+    if (engine->owed)
         update_stats(engine, true);
+    if (engine->owed || engine->views_owed)
         post_frame(engine, true);
-    }
 }
 
 /* ----------------------------------------------------------------------------------- changes -- */

@@ -71,8 +71,7 @@ static inline bool lf_cell_walk_next(lf_cell_walk *walk, lf_cell_part *out)
         walk->left[axis]--;
         walk->next[axis] = next + walk->stride[axis];
     } else {
-        out->to = next > walk->t && next < walk->end ? next : walk->end;
-        walk->t = walk->end;
+        out->to = walk->t = walk->end;
     }
     return true;
 }

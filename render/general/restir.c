@@ -202,14 +202,15 @@ static void shade(const state *s, worker *w, int at)
 {
     const lf_path_sample *sample = &w->pixels[at].sample;
     const lf_camera_ray *ray = &w->pixels[at].ray;
-    lf_vec3 y = lf_camera_ray_behind(ray, &w->tracer);
+    lf_vec3 y = {0.0f, 0.0f, 0.0f};
     if (sample->kept)
-        y = lf_madd(y, (float)sample->weight,
-                    lf_light_path_radiance(&s->space, ray, &sample->path, &w->tracer));
+        y = lf_scale(lf_light_path_radiance(&s->space, ray, &sample->path, &w->tracer),
+                     (float)sample->weight);
     if (!isfinite(y.x + y.y + y.z)) {
         w->tracer.nonfinite++;
-        return;
+        y = lf_v3(0.0f, 0.0f, 0.0f);
     }
+    y = lf_add(y, lf_camera_ray_behind(ray, &w->tracer));
     lf_film_scatter(&w->sums, (size_t)at, y.x, y.y, y.z);
     w->contributions++;
 }

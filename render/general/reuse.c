@@ -28,8 +28,9 @@ void lf_path_sample_draw(const lf_path_space *space, const lf_camera_ray *ray, i
                          lf_tracer *tracer, lf_path_sample *out)
 {
     keeping k = {.reservoir = {.m = (double)n}, .out = out, .tracer = tracer};
+    const int walks = ray->depth > 0.0 ? n : 0;
     out->kept = 0;
-    for (int i = 0; i < n && ray->depth > 0.0; i++)
+    for (int i = 0; i < walks; i++)
         lf_light_path_walk(space, ray, (i + (double)lf_rng_fine(tracer)) / n, tracer, keep, &k);
     finish(&k);
 }

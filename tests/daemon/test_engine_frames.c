@@ -51,7 +51,7 @@ static const lf_frame *next_frame(lf_engine *engine, int fd, int64_t generation)
 {
     for (;;) {
         struct pollfd p = {.fd = fd, .events = POLLIN};
-        assert_int_equal(poll(&p, 1, 60000), 1);
+        assert_int_equal(poll(&p, 1, 600000), 1);
         lf_wakeup_clear(fd);
         const lf_frame *frame = lf_mailbox_take(lf_engine_mailbox(engine));
         if (frame && frame->generation == generation) {

@@ -194,6 +194,60 @@ static void depths_are_those_of_the_media(void **state)
     lf_pool_destroy(pool);
 }
 
+/* Of the cells' own extinction, in many steps. */
+static double stepped(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, double end)
+{
+    enum { steps = 100000 };
+    double sum = 0;
+    for (int k = 0; k < steps; k++) {
+        const lf_vec3 p = lf_madd(o, (float)((k + 0.5) / steps * end), w);
+        const double at[3] = {((double)p.x - grid->min[0]) * grid->per_cell[0],
+                              ((double)p.y - grid->min[1]) * grid->per_cell[1],
+                              ((double)p.z - grid->min[2]) * grid->per_cell[2]};
+        bool inside = true;
+        for (int i = 0; i < 3; i++)
+            inside = inside && at[i] >= 0 && at[i] < grid->n[i];
+        if (inside)
+            sum +=
+                (double)
+                    grid->sigma[((int)at[2] * grid->n[1] + (int)at[1]) * grid->n[0] + (int)at[0]] *
+                end / steps;
+    }
+    return sum;
+}
+
+/* Along the axes, either way, from outside and from a face between cells within; with their ends
+ * where they please; and beside the grid. */
+static void cells_are_walked_along_axes_and_faces(void **state)
+{
+    (void)state;
+    lf_coarse_grid grid = {.sigma = NULL};
+    lf_pool *pool = NULL;
+    int met = 0;
+    lf_assert_ok(lf_pool_create(1, &pool), NULL);
+    lf_assert_ok(lf_coarse_grid_init(&grid, fog, pool), NULL);
+    for (int i = 0; i < 48; i++) {
+        const int axis = i % 3, sign = i / 3 % 2 ? 1 : -1, where = i / 6 % 4;
+        float o[3], w[3] = {0, 0, 0};
+        for (int k = 0; k < 3; k++) /* a little off the middle: in a cell, not between two */
+            o[k] = (float)(grid.min[k] + (0.37 + 0.05 * where) * grid.n[k] / grid.per_cell[k]);
+        w[axis] = (float)sign;
+        o[axis] = i < 24 ? (float)grid.min[axis] - 20 * w[axis]
+                         : (float)(grid.min[axis] + grid.n[axis] / 2 / grid.per_cell[axis]);
+        const lf_vec3 from = {o[0], o[1], o[2]}, along = {w[0], w[1], w[2]};
+        const double end = where == 0 ? 60 : where == 1 ? 0.83 : 20.3 + where;
+        const double seen = lf_coarse_grid_depth(&grid, from, along, end);
+        lf_assert_close(seen, stepped(&grid, from, along, end), 1e-3, 2e-3);
+        met += seen > 0.1;
+        o[(axis + 1) % 3] = (float)(grid.min[(axis + 1) % 3] +
+                                    grid.n[(axis + 1) % 3] / grid.per_cell[(axis + 1) % 3] + 1e-3);
+        assert_true(lf_coarse_grid_depth(&grid, lf_v3(o[0], o[1], o[2]), along, end) == 0);
+    }
+    assert_true(met >= 24);
+    lf_coarse_grid_finish(&grid);
+    lf_pool_destroy(pool);
+}
+
 static void there_are_candidates_wherever_there_is_extinction(void **state)
 {
     (void)state;
@@ -315,7 +369,7 @@ static void pictures_do_not_depend_on_the_number_of_threads(void **state)
 enum { wide = 32, low = 4, edge = wide / 2, reach = 10, neighbours = 3 };
 
 /* A white box in the right half of the window, so deep and seen from so far away that its front is
- * equally far from columns that are neighbours (to 1/4000 of its depth) and its edge is the middle
+ * equally far from columns that are neighbours (to 1/2000 of its depth) and its edge is the middle
  * of the picture at every depth; lit by a sun alone, one bounce. */
 static const char half_box[] =
     "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 1000], 'fov_y': 0.1, 'aspect': 8, 'cone': 1, "
@@ -429,6 +483,7 @@ int main(void)
         cmocka_unit_test(weights_of_a_toy_have_closed_means),
         cmocka_unit_test(shares_are_a_partition),
         cmocka_unit_test(depths_are_those_of_the_media),
+        cmocka_unit_test(cells_are_walked_along_axes_and_faces),
         cmocka_unit_test(there_are_candidates_wherever_there_is_extinction),
         cmocka_unit_test(reservoirs_agree_with_vpt),
         cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),

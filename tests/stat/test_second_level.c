@@ -22,7 +22,7 @@ static const lf_vec3 view = {0, 0, -1}, to_sun = {-0.6f, 0.3f, 0.742f};
 
 typedef struct pivot {
     lf_vec3 x, x2, w2, w3; /* w2 leads to x2, w3 away from it */
-    int column;
+    int column, block;
     bool inside;  /* x2 is in the slab */
     float behind; /* radiance that comes to x2 against w3 */
     float unlike; /* what is not shared: the sun at x, the sky that w2 sees */
@@ -32,8 +32,8 @@ typedef struct pivot {
 /* What is compared, for one pitch (mean free paths a column), phase function and size of group. */
 typedef struct setup {
     float pitch, g;
-    int columns, group;
-    float dark; /* the share of the columns that the sun does not reach */
+    int columns, block, group; /* groups are of pivots of a block of columns */
+    float dark; /* the share of the columns that the sun does not reach; 0: it is everywhere */
     bool wrong; /* a mistake: densities of directions, without T / r^2 */
 } setup;
 
@@ -51,7 +51,7 @@ static bool is_inside(lf_vec3 x)
 /* The sun at a point, as it scatters from w. */
 static float lit(const setup *s, lf_vec3 x, lf_vec3 w)
 {
-    if (x.x < s->dark * (float)s->columns * s->pitch)
+    if (s->dark > 0.0f && x.x < s->dark * (float)s->columns * s->pitch)
         return 0.0f;
     const lf_vec3 from_sun = lf_scale(to_sun, 1.0f / sqrtf(lf_dot(to_sun, to_sun)));
     return albedo * sun * lf_phase_between(s->g, w, from_sun) * expf(x.z / from_sun.z);
@@ -82,7 +82,8 @@ static void draw_pivot(const setup *s, int column, int pass, lf_tracer *t, pivot
     const float u = ((float)pass + lf_rng(t)) / PASSES, aside = lf_rng(t), along = lf_rng(t);
     *out = (pivot){.x = {((float)column + aside) * s->pitch, along * s->pitch,
                          logf(1.0f - u * (1.0f - expf(-slab)))},
-                   .column = column};
+                   .column = column,
+                   .block = column / s->block};
     out->w2 = scattered(s->g, view, t);
     out->x2 = lf_madd(out->x, lf_rng_exponential(t), out->w2);
     out->inside = is_inside(out->x2);
@@ -117,32 +118,33 @@ static void share(const setup *s, pivot *group, int n, const pivot *from)
             albedo * (vertex[i] / vertices * light[i] + path[i] / paths * albedo * from->behind);
 }
 
-static int by_depth(const void *a, const void *b)
+static int by_block_and_depth(const void *a, const void *b)
 {
-    const float x = ((const pivot *)a)->x.z, y = ((const pivot *)b)->x.z;
-    return (x > y) - (x < y);
+    const pivot *p = a, *q = b;
+    return p->block != q->block ? p->block - q->block : (p->x.z > q->x.z) - (p->x.z < q->x.z);
 }
 
-/* All pivots of a sample; groups are neighbours in depth. */
+/* All pivots of a sample; groups are neighbours in depth within a block. */
 static void draw_row(const setup *s, lf_tracer *t, pivot *row)
 {
     const int n = PASSES * s->columns;
     for (int i = 0; i < n; i++)
         draw_pivot(s, i % s->columns, i / s->columns, t, &row[i]);
-    qsort(row, (size_t)n, sizeof *row, by_depth);
-    for (int first = 0; first < n; first += s->group) {
-        const int size = n - first < s->group ? n - first : s->group;
+    qsort(row, (size_t)n, sizeof *row, by_block_and_depth);
+    for (int first = 0, size; first < n; first += size) {
+        for (size = 1; size < s->group && first + size < n; size++)
+            if (row[first + size].block != row[first].block)
+                break;
         for (int i = 0; i < size; i++)
             if (row[first + i].inside)
                 share(s, &row[first], size, &row[first + i]);
     }
 }
 
-/* View pixels: of columns that have neighbours on both sides. And whole rows, which are
- * independent, as sums that places weigh: what neighbours owe each other would not be seen in plain
- * ones. */
+/* View pixels. And whole rows, which are independent: what sharing adds to a sum that places weigh
+ * (what neighbours owe each other would not be seen in a plain one). */
 typedef struct outcome {
-    lf_moments alone, shared, rows_alone, rows_shared;
+    lf_moments alone, shared, added;
 } outcome;
 
 static void measure(const setup *s, int n_rows, uint64_t seed, outcome *out)
@@ -151,26 +153,24 @@ static void measure(const setup *s, int n_rows, uint64_t seed, outcome *out)
     lf_tracer t = {.rng = lf_hash64(lf_test_seed(), seed)};
     *out = (outcome){0};
     for (int k = 0; k < n_rows; k++) {
-        double alone[MAX_COLUMNS] = {0}, shared[MAX_COLUMNS] = {0}, all = 0.0, all_shared = 0.0;
+        double alone[MAX_COLUMNS] = {0}, shared[MAX_COLUMNS] = {0}, added = 0.0;
         draw_row(s, &t, row);
         for (int i = 0; i < PASSES * s->columns; i++) {
             const pivot *p = &row[i];
             alone[p->column] += (double)p->alone / PASSES;
             shared[p->column] += (double)p->shared / PASSES;
-            all += (double)p->x.x * (double)p->alone;
-            all_shared += (double)p->x.x * (double)p->shared;
+            added += (double)p->x.x * ((double)p->shared - (double)p->alone);
         }
-        for (int c = s->columns / 4; c < s->columns - s->columns / 4; c++) {
+        for (int c = 0; c < s->columns; c++) {
             lf_moments_add(&out->alone, alone[c]);
             lf_moments_add(&out->shared, shared[c]);
         }
-        lf_moments_add(&out->rows_alone, all);
-        lf_moments_add(&out->rows_shared, all_shared);
+        lf_moments_add(&out->added, added / PASSES);
     }
 }
 
-/* How many suffixes of a pivot alone one that is shared counts for: what pivots leave themselves is
- * next to nothing here. */
+/* How many suffixes of a pivot alone one that is shared counts for. A suffix's noise is nearly all
+ * there is: 8 % (g = 0) are of second vertices that left the slab, which nobody can share. */
 static double counts_for(const outcome *o)
 {
     return lf_moments_variance(&o->alone) / lf_moments_variance(&o->shared);
@@ -182,29 +182,30 @@ static void what_is_shared_has_the_mean_of_what_is_not(void **state)
     static const float g[] = {0.0f, 0.6f};
     const double level = lf_sidak(LF_FALSE_ALARM, 2);
     for (int i = 0; i < 2; i++) {
-        const setup s = {.pitch = 0.23f, .g = g[i], .columns = 16, .group = 16, .dark = 0.5f};
+        const setup s = {
+            .pitch = 0.23f, .g = g[i], .columns = 16, .block = 16, .group = 16, .dark = 0.5f};
         setup wrong = s;
         outcome o;
         wrong.wrong = true;
         measure(&s, 150, (uint64_t)i, &o);
-        assert_true(lf_p_welch(&o.rows_alone, &o.rows_shared) > level);
+        assert_true(lf_p_mean(&o.added, 0.0) > level);
         measure(&wrong, 150, (uint64_t)i, &o); /* a negative control */
-        assert_true(lf_p_welch(&o.rows_alone, &o.rows_shared) < 1e-6);
+        assert_true(lf_p_mean(&o.added, 0.0) < 1e-6);
     }
 }
 
-/* The variances of 1200 pixels are right to some 5 %. Rows of columns as fine as in the last case
+/* The variances of 2400 pixels and more are right to some 5 %. Columns as fine as in the last case
  * show that what is looked for would be found. */
-static void at_the_pitch_of_a_panel_one_counts_for_less_than_two(void **state)
+static void at_the_pitch_of_a_panel_one_counts_for_less_than_three(void **state)
 {
     (void)state;
     static const struct {
         setup s;
         double low, high;
-    } cases[] = {{{.pitch = 1.6f, .columns = 16, .group = 16}, 0.5, 1.1},
-                 {{.pitch = 0.23f, .columns = 16, .group = 16}, 1.2, 2.0},
-                 {{.pitch = 0.23f, .columns = 16, .group = 64}, 1.2, 2.2},
-                 {{.pitch = 0.05f, .columns = 32, .group = 64}, 2.5, 8.0}};
+    } cases[] = {{{.pitch = 1.6f, .columns = 16, .block = 8, .group = 8}, 0.5, 1.2},
+                 {{.pitch = 0.23f, .columns = 16, .block = 16, .group = 16}, 1.2, 2.0},
+                 {{.pitch = 0.07f, .columns = 16, .block = 16, .group = 16}, 2.0, 3.0},
+                 {{.pitch = 0.02f, .columns = 32, .block = 32, .group = 64}, 4.0, 12.0}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         outcome o;
         measure(&cases[i].s, 150, 10 + i, &o);
@@ -217,17 +218,20 @@ static void at_the_pitch_of_a_panel_one_counts_for_less_than_two(void **state)
 static void the_table(void **state)
 {
     (void)state;
-    static const float pitches[] = {1.6f, 1.0f, 0.5f, 0.23f, 0.1f, 0.05f}, g[] = {0.0f, 0.6f};
-    static const int groups[] = {4, 16, 64};
+    static const float pitches[] = {1.6f, 0.5f, 0.23f, 0.1f, 0.07f, 0.05f}, g[] = {0.0f, 0.6f};
+    static const int groups[] = {8, 16, 64}, blocks[] = {8, 16, 32};
     if (!lf_test_long())
         skip();
     for (int i = 0; i < 2 * 6 * 3; i++) {
-        const setup s = {
-            .pitch = pitches[i / 3 % 6], .g = g[i / 18], .columns = 32, .group = groups[i % 3]};
+        const setup s = {.pitch = pitches[i / 3 % 6],
+                         .g = g[i / 18],
+                         .columns = 32,
+                         .block = blocks[i % 3],
+                         .group = groups[i % 3]};
         outcome o;
-        measure(&s, 600, 100 + (uint64_t)i, &o);
-        printf("g %.1f pitch %.2f, groups of %2d: %.2f\n", (double)s.g, (double)s.pitch, s.group,
-               counts_for(&o));
+        measure(&s, 400, 100 + (uint64_t)i, &o);
+        printf("g %.1f pitch %.2f, groups of %2d in %2d columns: %.2f\n", (double)s.g,
+               (double)s.pitch, s.group, s.block, counts_for(&o));
     }
 }
 
@@ -235,7 +239,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_shared_has_the_mean_of_what_is_not),
-        cmocka_unit_test(at_the_pitch_of_a_panel_one_counts_for_less_than_two),
+        cmocka_unit_test(at_the_pitch_of_a_panel_one_counts_for_less_than_three),
         cmocka_unit_test(the_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
