@@ -7,8 +7,6 @@
 #include "daemon/engine/engine_internal.h"
 
 enum { NICER = 5 };
-/* Until views that the consumer had no room for are offered again. */
-#define VIEWS_AGAIN_NS (LF_NS_PER_S / 50)
 
 /* -------------------------------------------------------------------------------- the thread -- */
 
@@ -34,8 +32,8 @@ static next_step next_todo(const lf_engine *engine)
 /* True: something may have changed. */
 static bool sleep_now(lf_engine *engine)
 {
-    if (engine->views_owed)
-        return lf_cond_wait_until(&engine->wake, &engine->lock, lf_time_now_ns() + VIEWS_AGAIN_NS);
+    if (engine->frames.again_ns > 0)
+        return lf_cond_wait_until(&engine->wake, &engine->lock, engine->frames.again_ns);
     pthread_cond_wait(&engine->wake, &engine->lock);
     return true;
 }

@@ -46,6 +46,9 @@ typedef struct engine_orders {
 typedef struct engine_frames {
     uint64_t n, n_before; /* n_before: before this content */
     double at, cost;
+    /* lf_time_now_ns when the last one, a final one, comes again, with views that it had to go
+     * without; 0: it lacks none */
+    uint64_t again_ns;
 } engine_frames;
 
 /* What rendering took so far; passes: mean over rows. */
@@ -103,8 +106,7 @@ struct lf_engine {
     lf_level level;
     bool spoiled; /* a cancelled pass left rows unfinished */
     bool converged;
-    bool owed;       /* the picture changed since the last frame */
-    bool views_owed; /* the last frame, a final one, went without the views it should have had */
+    bool owed; /* the picture changed since the last frame */
     engine_spent spent;
     engine_frames frames;
     engine_look look;

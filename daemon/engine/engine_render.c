@@ -18,6 +18,9 @@
 #define FRAME_SHARE 0.2
 /* Views are copied for devices that show them at most this often. */
 #define VIEWS_SECONDS 0.45
+/* Until those of a final frame are offered again that the device, still at the last ones, refused.
+ */
+#define VIEWS_AGAIN_NS (LF_NS_PER_S / 50)
 /* The error estimate reads the whole film: it gets at most a twentieth of the time. */
 #define STATS_SHARE 0.05
 #define MAX_SPP 65536
@@ -197,7 +200,8 @@ static lf_status fit(lf_engine *engine, bool final)
 
 static void post_frame(lf_engine *engine, bool final)
 {
-    engine->owed = engine->views_owed = false;
+    engine->owed = false;
+    engine->frames.again_ns = 0;
     if (fit_is_due(engine, final) && fit(engine, final) != LF_OK)
         return;
     engine->fit.may_begin = true;
@@ -231,7 +235,8 @@ static void post_frame(lf_engine *engine, bool final)
     }
     double now = lf_time_now();
     if (engine->now.panel.views && (final || now - engine->look.views_at > VIEWS_SECONDS)) {
-        engine->views_owed = !lf_mailbox_attach(&engine->mailbox, frame, &views) && final;
+        if (!lf_mailbox_attach(&engine->mailbox, frame, &views) && final)
+            engine->frames.again_ns = lf_time_now_ns() + VIEWS_AGAIN_NS;
         engine->look.views_at = now;
     }
     engine->frames.n++;
@@ -315,11 +320,13 @@ void engine_batch(lf_engine *engine)
 
 void engine_settle(lf_engine *engine)
 {
-    if (!engine->content)
-        engine->owed = engine->views_owed = false;
+    if (!engine->content) {
+        engine->owed = false;
+        engine->frames.again_ns = 0;
+    }
     if (engine->owed)
         update_stats(engine, true);
-    if (engine->owed || engine->views_owed)
+    if (engine->owed || engine->frames.again_ns > 0)
         post_frame(engine, true);
 }
 
