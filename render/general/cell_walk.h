@@ -6,20 +6,20 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <stddef.h>
+#include <string.h>
 
 typedef struct lf_cell_walk {
-    double t, end;           /* where the next cell is entered, and where the way ends */
-    double next[3];          /* where the next cell along each axis is entered … */
-    double stride[3];        /* … and the one behind that, from there */
-    ptrdiff_t cell, step[3]; /* [z][y][x], and from one to the next */
-    int left[3];             /* cells behind this one */
+    double t, end;        /* where the next cell is entered, and where the way ends */
+    double next[3];       /* where the next cell along each axis is entered … */
+    double stride[3];     /* … and the one behind that, from there */
+    int cell[3], step[3]; /* and from one to the next */
+    int left[3];          /* cells behind this one */
 } lf_cell_walk;
 
 /* One cell's part of the ray. */
 typedef struct lf_cell_part {
     double from, to;
-    ptrdiff_t cell;
+    int cell[3];
 } lf_cell_part;
 
 /* Of the ray o + t w, 0 <= t <= end (which may be infinite), through n cells an axis; w need not be
@@ -27,7 +27,6 @@ typedef struct lf_cell_part {
 static inline bool lf_cell_walk_init(lf_cell_walk *walk, const int n[3], const double o[3],
                                      const double w[3], double end)
 {
-    const ptrdiff_t apart[3] = {1, n[0], (ptrdiff_t)n[0] * n[1]};
     double t0 = 0.0, t1 = end;
     for (int i = 0; i < 3; i++) {
         double a = -o[i] / w[i], b = ((double)n[i] - o[i]) / w[i];
@@ -38,11 +37,10 @@ static inline bool lf_cell_walk_init(lf_cell_walk *walk, const int n[3], const d
     }
     if (!(t0 < t1))
         return false;
-    walk->cell = 0;
     for (int i = 0; i < 3; i++) {
         const int cell = (int)fmin(fmax(floor(o[i] + t0 * w[i]), 0.0), (double)(n[i] - 1));
-        walk->cell += cell * apart[i];
-        walk->step[i] = w[i] > 0.0 ? apart[i] : -apart[i];
+        walk->cell[i] = cell;
+        walk->step[i] = w[i] > 0.0 ? 1 : -1;
         walk->left[i] = w[i] > 0.0 ? n[i] - 1 - cell : cell;
         walk->next[i] =
             w[i] == 0.0 ? (double)INFINITY : ((double)(cell + (w[i] > 0.0)) - o[i]) / w[i];
@@ -63,11 +61,11 @@ static inline bool lf_cell_walk_next(lf_cell_walk *walk, lf_cell_part *out)
         axis = 2;
     const double next = walk->next[axis];
     out->from = walk->t;
-    out->cell = walk->cell;
+    memcpy(out->cell, walk->cell, sizeof out->cell);
     if (next < walk->end && walk->left[axis] > 0) {
         out->to = next > walk->t ? next : walk->t;
         walk->t = out->to;
-        walk->cell += walk->step[axis];
+        walk->cell[axis] += walk->step[axis];
         walk->left[axis]--;
         walk->next[axis] = next + walk->stride[axis];
     } else {

@@ -4,6 +4,7 @@
 #include "render/scene/look_up.h"
 
 #define MAX_CELLS (1 << 21)
+#define MAX_SIDE 1024 /* what lanes step through in float */
 #define LEAST_SHARE 0.02f
 
 typedef struct fill_job {
@@ -91,8 +92,8 @@ static void fill_layer(void *context, int z, int worker)
             for (int k = 0; k < job->scene->n_volumes; k++)
                 bound += bound_of(&job->scene->volumes[k], low, high);
             float mean = bound > 0.0f ? mean_of(job->scene, job->points, low, high) : 0.0f;
-            grid->sigma[((size_t)z * (size_t)grid->n[1] + (size_t)y) * (size_t)grid->n[0] +
-                        (size_t)x] = lf_max(mean, LEAST_SHARE * bound);
+            grid->sigma[lf_cells_at(grid->n, cell)] =
+                lf_cell_stored(lf_max(mean, LEAST_SHARE * bound));
         }
     }
 }
@@ -103,10 +104,12 @@ static void lay_out(lf_coarse_grid *grid, const lf_box *box, double edge)
     const double side[3] = {(double)(box->max.x - box->min.x), (double)(box->max.y - box->min.y),
                             (double)(box->max.z - box->min.z)};
     for (;; edge *= 1.1) {
-        double cells = 1.0;
-        for (int i = 0; i < 3; i++)
+        double cells = 1.0, longest = 1.0;
+        for (int i = 0; i < 3; i++) {
             cells *= fmax(1.0, ceil(side[i] / edge));
-        if (cells <= MAX_CELLS)
+            longest = fmax(longest, ceil(side[i] / edge));
+        }
+        if (cells <= MAX_CELLS && longest <= MAX_SIDE)
             break;
     }
     grid->min[0] = (double)box->min.x;
@@ -137,8 +140,7 @@ lf_status lf_coarse_grid_init(lf_coarse_grid *grid, const lf_scene *scene, lf_po
             fmin(edge, v->kind == LF_VOLUME_GRID ? (double)v->voxel : (double)lf_max3(side) / 32.0);
     }
     lay_out(grid, &box, edge);
-    grid->sigma = lf_calloc((size_t)grid->n[0] * (size_t)grid->n[1] * (size_t)grid->n[2],
-                            sizeof *grid->sigma);
+    grid->sigma = lf_calloc(lf_cells_count(grid->n), sizeof *grid->sigma);
     return grid->sigma ? lf_pool_run(pool, grid->n[2], fill_layer, &job, NULL) : LF_E_NOMEM;
 }
 
@@ -166,8 +168,26 @@ double lf_coarse_grid_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, do
     if (!begin(grid, o, w, end, &walk))
         return 0.0;
     while (lf_cell_walk_next(&walk, &part))
-        depth += (double)grid->sigma[part.cell] * (part.to - part.from);
+        depth += (double)lf_coarse_grid_sigma(grid, part.cell) * (part.to - part.from);
     return depth;
+}
+
+void lf_coarse_grid_depths(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, int n,
+                           const double *ends, double *out_depths)
+{
+    lf_cell_walk walk;
+    lf_cell_part part;
+    double sum = 0.0;
+    int i = 0;
+    if (n > 0 && begin(grid, o, w, ends[n - 1], &walk))
+        while (lf_cell_walk_next(&walk, &part)) {
+            const double sigma = (double)lf_coarse_grid_sigma(grid, part.cell);
+            for (; i < n && ends[i] < part.to; i++)
+                out_depths[i] = sum + sigma * fmax(0.0, ends[i] - part.from);
+            sum += sigma * (part.to - part.from);
+        }
+    for (; i < n; i++)
+        out_depths[i] = sum;
 }
 
 bool lf_coarse_grid_at_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, double depth,
@@ -178,7 +198,7 @@ bool lf_coarse_grid_at_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, d
     double sum = 0.0;
     bool inside = begin(grid, o, w, INFINITY, &walk);
     while (inside && lf_cell_walk_next(&walk, &part)) {
-        float sigma = grid->sigma[part.cell];
+        float sigma = lf_coarse_grid_sigma(grid, part.cell);
         double own = (double)sigma * (part.to - part.from);
         if (own > 0.0 && sum + own >= depth) {
             *out = (lf_coarse_point){part.from + (depth - sum) / (double)sigma, sigma};
@@ -188,4 +208,51 @@ bool lf_coarse_grid_at_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, d
     }
     *out_depth = sum;
     return false;
+}
+
+static void add_job(lf_cell_jobs *jobs, const lf_cell_walk *walk, double goal)
+{
+    const int n = jobs->n++;
+    for (int i = 0; i < 3; i++) {
+        jobs->next[i][n] = (float)(walk->next[i] - walk->t);
+        jobs->stride[i][n] = (float)walk->stride[i];
+        jobs->cell[i][n] = walk->cell[i];
+        jobs->step[i][n] = walk->step[i];
+        jobs->left[i][n] = walk->left[i];
+    }
+    jobs->end[n] = (float)(walk->end - walk->t);
+    jobs->goal[n] = (float)goal;
+}
+
+static void trace_some(const lf_coarse_grid *grid, const lf_depth_kernel *kernel, int n,
+                       const lf_coarse_ray *rays, lf_coarse_end *out)
+{
+    lf_cell_jobs jobs;
+    int of[LF_CELL_MOST];
+    jobs.n = 0;
+    for (int k = 0; k < n; k++) {
+        lf_cell_walk walk;
+        out[k] = (lf_coarse_end){.depth = 0.0};
+        if (!begin(grid, rays[k].o, rays[k].w, rays[k].end, &walk))
+            continue;
+        of[jobs.n] = k;
+        out[k].point.t = walk.t;
+        add_job(&jobs, &walk, rays[k].goal);
+    }
+    const int found = jobs.n;
+    kernel->trace_cells(grid->n, grid->sigma, &jobs);
+    for (int i = 0; i < found; i++) {
+        lf_coarse_end *end = &out[of[i]];
+        end->depth = (double)jobs.sum[i];
+        end->point.t += (double)jobs.at[i];
+        end->point.sigma = jobs.sigma[i];
+    }
+}
+
+void lf_coarse_grid_trace(const lf_coarse_grid *grid, const lf_depth_kernel *kernel, int n,
+                          const lf_coarse_ray *rays, lf_coarse_end *out)
+{
+    for (int first = 0; first < n; first += LF_CELL_MOST)
+        trace_some(grid, kernel, n - first < LF_CELL_MOST ? n - first : LF_CELL_MOST, rays + first,
+                   out + first);
 }

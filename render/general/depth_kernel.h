@@ -1,10 +1,11 @@
 /* Optical depths of many rays through one grid, side by side in lanes (transport/lanes.h); private
- * to render/. depth_lanes.h is the algorithm, compiled once an instruction set: a ray's depth has
- * the same bits in all of them, and whatever rays it is taken with. Chosen once, before threads
- * start: the best that the CPU has, or what LF_CPU names ("c", "avx2"). */
+ * to render/. depth_lanes.h and cell_lanes.h are the algorithms, compiled once an instruction set:
+ * a ray's depth has the same bits in all of them, and whatever rays it is taken with. Chosen once,
+ * before threads start: the best that the CPU has, or what LF_CPU names ("c", "avx2"). */
 #ifndef LF_RENDER_DEPTH_KERNEL_H
 #define LF_RENDER_DEPTH_KERNEL_H
 
+#include "render/general/cells.h"
 #include "render/scene/scene.h"
 
 enum { LF_DEPTH_MOST = LF_MAX_VIEWS };
@@ -19,10 +20,25 @@ typedef struct lf_depth_jobs {
     float sum[LF_DEPTH_MOST];        /* out: the integral of the values, in units of d */
 } lf_depth_jobs;
 
+enum { LF_CELL_MOST = 256 };
+
+/* Rays through a regular grid of cells, as lf_cell_walk (cell_walk.h) has them where they enter it;
+ * distances are from there. Each goes on until what lies behind it is `goal`, or it ends. */
+typedef struct lf_cell_jobs {
+    int n;
+    float next[3][LF_CELL_MOST], stride[3][LF_CELL_MOST];
+    int32_t cell[3][LF_CELL_MOST], step[3][LF_CELL_MOST], left[3][LF_CELL_MOST];
+    float end[LF_CELL_MOST], goal[LF_CELL_MOST]; /* goal: above 0, may be infinite */
+    /* out: where it is, what is behind it; the value there if it is `goal`, else 0 */
+    float at[LF_CELL_MOST], sum[LF_CELL_MOST], sigma[LF_CELL_MOST];
+} lf_cell_jobs;
+
 typedef struct lf_depth_kernel {
     const char *name;
     /* Rays end where their sum is above `most`. Returns how many cells were looked up. */
     int64_t (*trace)(const lf_grid *grid, bool nearest, float most, lf_depth_jobs *jobs);
+    /* values: of n cells an axis, as cells.h has them. */
+    void (*trace_cells)(const int n[3], const uint16_t *values, lf_cell_jobs *jobs);
 } lf_depth_kernel;
 
 extern const lf_depth_kernel lf_depth_kernel_c;

@@ -1,213 +1,204 @@
 #include "render/general/light_path.h"
 
-#include "render/general/depth.h"
-#include "render/transport/phase.h"
+#include <string.h>
 
-/* The media at a point. */
-typedef struct mixture {
-    const lf_volume *volume[LF_MAX_VOLUMES];
-    float sigma[LF_MAX_VOLUMES], total;
-    lf_vec3 albedo[LF_MAX_VOLUMES];
-    int n;
-} mixture;
-
-static void mix(const lf_path_space *space, lf_vec3 p, lf_tracer *tracer, mixture *out)
+lf_leaving lf_light_path_leaving(const lf_path_space *space, const lf_light_path *path, int i,
+                                 lf_vec3 p)
 {
-    const lf_scene *scene = space->scene;
-    out->n = 0;
-    out->total = 0.0f;
-    tracer->lookups += scene->n_volumes;
-    for (int i = 0; i < scene->n_volumes; i++) {
-        const lf_volume *volume = &scene->volumes[i];
-        float sigma = lf_volume_sigma_t(volume, p);
-        if (!(sigma > 0.0f))
-            continue;
-        out->volume[out->n] = volume;
-        out->sigma[out->n] = sigma;
-        out->albedo[out->n++] = lf_volume_albedo(volume, p);
-        out->total += sigma;
-    }
+    if (i < path->n - 1)
+        return lf_leave_on(path->vertex[i].w);
+    return path->escape ? lf_leave_to_sky(space->scene, path->vertex[i].w)
+                        : lf_leave_to_light(space->scene, p, path->u);
 }
 
-/* sigma_s times phase function, and the density with which draw_direction draws `on`. */
-static lf_vec3 scatter(const mixture *m, lf_vec3 w, lf_vec3 on, float *out_pdf)
+lf_path_value lf_light_path_value(const lf_path_space *space, const lf_camera_ray *ray,
+                                  const lf_light_path *path, lf_tracer *tracer)
 {
-    lf_vec3 sum = lf_v3(0.0f, 0.0f, 0.0f);
-    float pdf = 0.0f;
-    for (int i = 0; i < m->n; i++) {
-        float lobe = m->sigma[i] * lf_volume_phase(m->volume[i], w, on);
-        sum = lf_madd(sum, lobe, m->albedo[i]);
-        pdf += lobe;
-    }
-    *out_pdf = pdf / m->total;
-    return sum;
-}
-
-static lf_vec3 draw_direction(const mixture *m, lf_vec3 w, lf_tracer *tracer)
-{
-    float left = lf_rng(tracer) * m->total;
-    int i = 0;
-    for (; i < m->n - 1 && left >= m->sigma[i]; i++)
-        left -= m->sigma[i];
-    const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
-    return lf_volume_phase_sample(m->volume[i], w, u);
-}
-
-/* What a light sample brings there, over its density and the walk's; nothing stands between. */
-static lf_vec3 lit(const lf_path_space *space, const mixture *m, lf_vec3 p, lf_vec3 w,
-                   const float u[3], lf_light_sample *out)
-{
-    float pdf;
-    if (!lf_light_draw(space->scene, p, u, out))
-        return lf_v3(0.0f, 0.0f, 0.0f);
-    lf_vec3 f = scatter(m, w, out->wi, &pdf);
-    return lf_scale(lf_mul(f, out->radiance), 1.0f / (out->pdf + (out->delta ? 0.0f : pdf)));
-}
-
-/* What a direction finds at infinity that light samples leave to it. */
-static lf_vec3 escaped(const lf_path_space *space, lf_vec3 w, float pdf)
-{
-    float light_pdf;
-    lf_vec3 radiance = lf_light_escape(space->scene, w, &light_pdf);
-    return lf_scale(radiance, pdf / (pdf + light_pdf));
-}
-
-/* ------------------------------------------------------------------------------ what it brings --
- */
-
-static double depth_along(const lf_path_space *space, bool exact, lf_vec3 o, lf_vec3 w, double end,
-                          lf_tracer *tracer)
-{
-    return exact ? lf_depth_along(tracer, o, w, end)
-                 : lf_coarse_grid_depth(space->coarse, o, w, end);
-}
-
-static lf_vec3 bring(const lf_path_space *space, const lf_camera_ray *ray,
-                     const lf_light_path *path, bool exact, lf_tracer *tracer)
-{
-    const lf_vec3 nothing = {0.0f, 0.0f, 0.0f};
-    lf_vec3 p = ray->o, w = ray->w, f = {1.0f, 1.0f, 1.0f};
-    lf_light_sample light = {.distance = INFINITY};
-    mixture m;
-    float pdf = 0.0f;
-    double depth = 0.0;
+    const lf_path_value nothing = {.depth = 0.0};
+    lf_path_value out = {{1.0f, 1.0f, 1.0f}, 0.0};
+    lf_leaving leaving = {.w = ray->w};
+    lf_vec3 p = ray->o;
+    lf_mixture m;
     for (int i = 0; i < path->n; i++) {
-        float z = path->vertex[i].z + (i == 0 ? ray->from : 0.0f);
-        lf_vec3 next = lf_madd(p, z, w);
+        const float z = i == 0 ? lf_light_path_first(ray, path) : path->vertex[i].z;
+        const lf_vec3 w = leaving.w, next = lf_madd(p, z, w);
         if (!(z > 0.0f))
             return nothing;
-        mix(space, next, tracer, &m);
+        lf_mixture_at(tracer, next, &m);
         if (m.n == 0)
             return nothing;
-        depth += depth_along(space, exact, p, w, (double)z, tracer);
+        out.depth += lf_coarse_grid_depth(space->coarse, p, w, (double)z);
         p = next;
-        if (i == path->n - 1 && !path->escape) {
-            f = lf_mul(f, lit(space, &m, p, w, path->u, &light));
-            w = light.wi;
-            continue;
-        }
-        f = lf_mul(f, scatter(&m, w, path->vertex[i].w, &pdf));
+        leaving = lf_light_path_leaving(space, path, i, p);
+        out.f = lf_mul(out.f, lf_mixture_leave(&m, w, &leaving));
+    }
+    if (!(lf_max3(out.f) > 0.0f))
+        return nothing;
+    out.depth += lf_coarse_grid_depth(space->coarse, p, leaving.w, leaving.distance);
+    return out;
+}
+
+void lf_light_path_segments(const lf_path_space *space, const lf_camera_ray *ray,
+                            const lf_light_path *path, lf_depth_ray *out)
+{
+    lf_vec3 p = ray->o, w = ray->w;
+    for (int i = 0; i < path->n; i++) {
+        const float z = i == 0 ? lf_light_path_first(ray, path) : path->vertex[i].z;
+        out[i] = (lf_depth_ray){p, w, (double)z};
+        p = lf_madd(p, z, w);
         w = path->vertex[i].w;
     }
-    if (path->escape)
-        f = lf_mul(f, escaped(space, w, pdf));
-    if (!(lf_max3(f) > 0.0f))
-        return nothing;
-    depth += depth_along(space, exact, p, w, (double)light.distance, tracer);
-    return lf_scale(f, expf(-(float)depth));
+    const lf_leaving last = lf_light_path_leaving(space, path, path->n - 1, p);
+    out[path->n] = (lf_depth_ray){p, last.w, last.distance};
 }
 
-lf_vec3 lf_camera_ray_behind(const lf_camera_ray *ray, lf_tracer *tracer)
-{
-    double depth =
-        lf_max3(ray->sky) > 0.0f ? lf_depth_along(tracer, ray->o, ray->w, (double)INFINITY) : 0.0;
-    return lf_scale(ray->sky, expf(-(float)depth));
-}
-
-lf_vec3 lf_light_path_radiance(const lf_path_space *space, const lf_camera_ray *ray,
-                               const lf_light_path *path, lf_tracer *tracer)
-{
-    return bring(space, ray, path, true, tracer);
-}
-
-double lf_light_path_target(const lf_path_space *space, const lf_camera_ray *ray,
-                            const lf_light_path *path, lf_tracer *tracer)
-{
-    return (double)lf_mean3(bring(space, ray, path, false, tracer));
-}
-
-/* --------------------------------------------------------------------------------- candidates --
+/* ----------------------------------------------------------------------------------- the walks --
  */
 
-/* A walk at a vertex, or at the camera. */
-typedef struct walk {
-    lf_light_path path;
-    lf_vec3 p, w, f; /* f: what the path so far brings, without transmittance */
-    float pdf;       /* of w, where it scattered */
-    double inverse;  /* 1 / its density without transmittance, which p-hat has, too */
-    double depth;
-} walk;
+/* One step of some walks. */
+typedef struct wave {
+    const lf_path_space *space;
+    const lf_depth_kernel *kernel;
+    lf_tracer *tracer;
+    int n, n_shadows;
+    lf_light_walk *walks[LF_MAX_WALKS]; /* that still go on */
+    double goals[LF_MAX_WALKS];
+    lf_coarse_end ends[LF_MAX_WALKS];
+    lf_coarse_ray shadows[LF_MAX_WALKS];
+    lf_path_candidate *lit[LF_MAX_WALKS]; /* whose the shadows are */
+} wave;
 
-static void offer(const walk *at, lf_vec3 f, double shadow, lf_candidate_fn found, void *context)
+/* A candidate that brings f; what lies behind the walk's last vertex is not in it yet. */
+static lf_path_candidate *found(lf_light_walk *walk, lf_vec3 f)
 {
-    double brought = (double)lf_mean3(f) * exp(-shadow), weight = brought * at->inverse;
-    if (weight > 0.0)
-        found(context, &at->path, brought * exp(-at->depth), weight);
+    lf_path_candidate *out = &walk->candidates[walk->n_candidates++];
+    *out = (lf_path_candidate){.n = walk->path.n, .value = {f, walk->depth}};
+    out->weight = (double)lf_mean3(f) * walk->inverse;
+    return out;
 }
 
-static void offer_light(const lf_path_space *space, walk *at, const mixture *m, lf_tracer *tracer,
-                        lf_candidate_fn found, void *context)
+static void find_light(wave *at, lf_light_walk *walk, const lf_mixture *m)
 {
-    lf_light_sample light = {.distance = INFINITY};
+    float u[3];
     for (int i = 0; i < 3; i++)
-        at->path.u[i] = lf_rng(tracer);
-    at->path.escape = 0;
-    lf_vec3 f = lf_mul(at->f, lit(space, m, at->p, at->w, at->path.u, &light));
-    if (lf_max3(f) > 0.0f)
-        offer(at, f, lf_coarse_grid_depth(space->coarse, at->p, light.wi, (double)light.distance),
-              found, context);
+        u[i] = lf_rng(at->tracer);
+    const lf_leaving light = lf_leave_to_light(at->space->scene, walk->p, u);
+    const lf_vec3 f = lf_mul(walk->f, lf_mixture_leave(m, walk->w, &light));
+    if (!(lf_max3(f) > 0.0f))
+        return;
+    lf_path_candidate *candidate = found(walk, f);
+    memcpy(candidate->u, u, sizeof u);
+    at->lit[at->n_shadows] = candidate;
+    at->shadows[at->n_shadows++] =
+        (lf_coarse_ray){walk->p, light.w, light.distance, (double)INFINITY};
 }
 
-static void turn(walk *at, const mixture *m, lf_tracer *tracer)
+static void escape(const wave *at, lf_light_walk *walk, double depth)
 {
-    lf_vec3 on = draw_direction(m, at->w, tracer);
-    at->f = lf_mul(at->f, scatter(m, at->w, on, &at->pdf));
-    at->inverse /= (double)at->pdf;
-    at->w = on;
-    at->path.vertex[at->path.n - 1].w = on;
+    const lf_leaving sky = lf_leave_to_sky(at->space->scene, walk->w);
+    /* the phase function and its pdf are in f and in the walk's density */
+    const lf_vec3 f =
+        lf_scale(lf_mul(walk->f, sky.brings), walk->pdf / (walk->pdf + sky.light_pdf));
+    if (!(lf_max3(f) > 0.0f))
+        return;
+    lf_path_candidate *candidate = found(walk, f);
+    candidate->escape = 1;
+    candidate->value.depth += depth; /* which its weight has both in p-hat and in p */
 }
 
-void lf_light_path_walk(const lf_path_space *space, const lf_camera_ray *ray, double u,
-                        lf_tracer *tracer, lf_candidate_fn found, void *context)
+static void turn(lf_light_walk *walk, const lf_mixture *m, lf_tracer *tracer)
 {
-    const double scatters = -expm1(-ray->depth);
-    double goal = -log1p(-u * scatters), way;
-    walk at = {.p = ray->o, .w = ray->w, .f = {1.0f, 1.0f, 1.0f}, .inverse = scatters};
-    for (;; goal = (double)lf_rng_exponential(tracer)) {
-        lf_coarse_point next;
-        mixture m;
-        if (!lf_coarse_grid_at_depth(space->coarse, at.p, at.w, goal, &next, &way)) {
-            if (at.path.n == 0)
-                return; /* rounding, at the end of the media */
-            at.depth += way;
-            at.path.escape = 1;
-            offer(&at, lf_mul(at.f, escaped(space, at.w, at.pdf)), 0.0, found, context);
-            return;
-        }
-        float z = (float)next.t;
-        at.p = lf_madd(at.p, z, at.w);
-        if (at.path.n == space->max_depth)
-            return;
-        mix(space, at.p, tracer, &m);
-        if (m.n == 0)
-            return;
-        at.path.vertex[at.path.n].z = z - (at.path.n == 0 ? ray->from : 0.0f);
-        at.path.n++;
-        at.depth += goal;
-        at.inverse /= (double)next.sigma;
-        offer_light(space, &at, &m, tracer, found, context);
-        turn(&at, &m, tracer);
-        if (!(lf_max3(at.f) > 0.0f))
-            return;
+    lf_vec3 on = lf_mixture_draw(m, walk->w, tracer);
+    walk->f = lf_mul(walk->f, lf_mixture_scatter(m, walk->w, on, &walk->pdf));
+    walk->inverse /= (double)walk->pdf;
+    walk->w = on;
+    walk->path.vertex[walk->path.n - 1].w = on;
+}
+
+/* false: it ends. */
+static bool scatter(wave *at, lf_light_walk *walk, const lf_coarse_end *end)
+{
+    const float z = (float)end->point.t;
+    lf_mixture m;
+    if (!(end->point.sigma > 0.0f)) {
+        if (walk->path.n > 0) /* else: rounding, at the end of the media */
+            escape(at, walk, end->depth);
+        return false;
     }
+    walk->p = lf_madd(walk->p, z, walk->w);
+    if (walk->path.n == at->space->max_depth)
+        return false;
+    lf_mixture_at(at->tracer, walk->p, &m);
+    if (m.n == 0)
+        return false;
+    walk->path.vertex[walk->path.n].z = z - (walk->path.n == 0 ? walk->ray->from : 0.0f);
+    walk->path.n++;
+    walk->depth += end->depth;
+    walk->inverse /= (double)end->point.sigma;
+    find_light(at, walk, &m);
+    turn(walk, &m, at->tracer);
+    return lf_max3(walk->f) > 0.0f;
+}
+
+static void begin(wave *at, lf_light_walk *walk)
+{
+    const double scatters = -expm1(-walk->ray->depth);
+    walk->path.n = walk->n_candidates = 0;
+    walk->p = walk->ray->o;
+    walk->w = walk->ray->w;
+    walk->f = lf_v3(1.0f, 1.0f, 1.0f);
+    walk->inverse = scatters;
+    walk->depth = 0.0;
+    at->goals[at->n] = -log1p(-walk->u * scatters);
+    at->walks[at->n++] = walk;
+}
+
+static void find_collisions(wave *at)
+{
+    lf_coarse_ray rays[LF_MAX_WALKS];
+    for (int i = 0; i < at->n; i++)
+        rays[i] = (lf_coarse_ray){at->walks[i]->p, at->walks[i]->w, (double)INFINITY, at->goals[i]};
+    lf_coarse_grid_trace(at->space->coarse, at->kernel, at->n, rays, at->ends);
+}
+
+static void find_shadows(const wave *at)
+{
+    lf_coarse_end ends[LF_MAX_WALKS];
+    lf_coarse_grid_trace(at->space->coarse, at->kernel, at->n_shadows, at->shadows, ends);
+    for (int i = 0; i < at->n_shadows; i++) {
+        at->lit[i]->value.depth += ends[i].depth;
+        at->lit[i]->weight *= exp(-ends[i].depth);
+    }
+}
+
+void lf_light_path_walk(const lf_path_space *space, int n, lf_light_walk *walks, lf_tracer *tracer)
+{
+    wave at = {.space = space, .kernel = lf_depth_kernel_get(), .tracer = tracer};
+    for (int i = 0; i < n; i++)
+        begin(&at, &walks[i]);
+    while (at.n > 0) {
+        int left = 0;
+        find_collisions(&at);
+        at.n_shadows = 0;
+        for (int i = 0; i < at.n; i++) {
+            lf_light_walk *walk = at.walks[i];
+            tracer->rng = walk->random;
+            if (scatter(&at, walk, &at.ends[i])) {
+                at.goals[left] = (double)lf_rng_exponential(tracer);
+                at.walks[left++] = walk;
+            }
+            walk->random = tracer->rng;
+        }
+        find_shadows(&at);
+        at.n = left;
+    }
+}
+
+void lf_light_walk_path(const lf_light_walk *walk, const lf_path_candidate *candidate,
+                        lf_light_path *out)
+{
+    *out = walk->path;
+    out->n = candidate->n;
+    out->escape = candidate->escape;
+    memcpy(out->u, candidate->u, sizeof out->u);
 }

@@ -5,9 +5,7 @@
 #include "render/general/restir.h"
 
 #include "render/general/alike.h"
-#include "render/general/reuse.h"
-#include "render/rows/rig.h"
-#include "render/transport/sampler.h"
+#include "render/general/restir_state.h"
 
 enum { RESTIR, MVRESTIR, N_ENTRIES };
 
@@ -20,156 +18,25 @@ static const lf_integrator_entry entries[N_ENTRIES] = {
                   .shares = true,
                   .reuses = true}};
 
-/* What reservoirs are put together with. The first is the default, the paper's own. */
-static const struct {
-    const char *name;
-    bool spatial, temporal;
-} reuses[] = {{"both", true, true},
-              {"spatial", true, false},
-              {"temporal", false, true},
-              {"none", false, false}};
+/* The first is the default, the paper's own. */
+static const lf_restir_reuse reuses[] = {
+    {"both", LF_RESTIR_DRAWN, true, LF_RESTIR_WALKS},
+    {"spatial", LF_RESTIR_DRAWN, false, LF_RESTIR_WALKS},
+    {"temporal", LF_RESTIR_ALONE, true, LF_RESTIR_WALKS},
+    {"none", LF_RESTIR_ALONE, false, LF_RESTIR_WALKS},
+    {"vertices", LF_RESTIR_BLOCKS, false, LF_RESTIR_BLOCK_WALKS}};
 
 /* Memory of reservoirs, of all view pixels and both halves. */
 #define MAX_BYTES ((size_t)2 << 30)
 
-/* A view pixel of a row. */
-typedef struct pixel {
-    lf_camera_ray ray;
-    lf_path_sample sample;
-} pixel;
-
-/* What one half of a row was left with. */
-typedef struct left_over {
-    uint64_t random;
-    uint32_t visits, used; /* by how many; 0: nothing is there */
-    pixel *pixels;         /* [view][column] */
-} left_over;
-
-typedef struct worker {
-    lf_tracer tracer;
-    lf_film_sums sums;
-    int64_t base_paths, contributions;
-    pixel *pixels;          /* [view][column] of this visit */
-    lf_path_sample *spread; /* the same, put together with their neighbours */
-    int *visited;           /* [view * width] those that this visit takes */
-    int n_visited;
-} worker;
-
-typedef struct state {
-    lf_scene seen;
-    lf_rig rig;
-    lf_film *film;
-    lf_coarse_grid coarse;
-    lf_path_space space;
-    bool across; /* neighbours are of other views, and distances count from the window */
-    int reuse;
-    lf_reuse_weights weights;
-    lf_sampler_kind sampler;
-    int n_workers;
-    worker **workers;  /* [n_workers] each its own */
-    left_over *rows;   /* [height][2]; NULL unless there is temporal reuse */
-    pixel *all_pixels; /* [height][2][view][column], theirs */
-} state;
-
-/* ------------------------------------------------------------------------------------- pixels --
- */
-
-/* A ray of a view pixel, through a film point and a lens point of its own. */
-static void aim(const state *s, int row, int view, int column, lf_sampler *sampler,
-                lf_camera_ray *out)
-{
-    const lf_rig *rig = &s->rig;
-    float film[2], lens[2], chord;
-    lf_row_plane plane;
-    lf_sampler_2d(sampler, film);
-    lf_sampler_2d(sampler, lens);
-    lf_rig_row_plane(rig, (float)row + film[1], lens, &plane);
-    chord = (2.0f * lf_sampler_1d(sampler) - 1.0f) * plane.lens_chord;
-    float slope = lf_rig_slope(rig, view, (float)column + film[0]) - chord / rig->focus;
-    out->o = lf_rig_point(rig, rig->b[view] + chord, plane.ly, 0.0f);
-    out->w = lf_normalize(lf_rig_direction(rig, slope, plane.my, 1.0f));
-    out->sky = lf_rig_sky(&s->rig, &s->seen, out->w, plane.my);
-    out->from = s->across ? rig->distance / lf_dot(out->w, rig->forward) : 0.0f;
-    out->depth = lf_coarse_grid_depth(&s->coarse, out->o, out->w, (double)INFINITY);
-}
-
-/* A ray and the reservoir of its walks. */
-static void begin_pixel(const state *s, worker *w, int row, int at, uint64_t key, uint32_t index)
-{
-    uint64_t own = lf_hash64(key, (uint64_t)at + 16);
-    lf_sampler sampler;
-    lf_sampler_init(&sampler, s->sampler, own, index);
-    w->tracer.rng = lf_hash64(own, ~(uint64_t)index);
-    aim(s, row, at / s->rig.width, at % s->rig.width, &sampler, &w->pixels[at].ray);
-    lf_path_sample_draw(&s->space, &w->pixels[at].ray, LF_RESTIR_WALKS, &w->tracer,
-                        &w->pixels[at].sample);
-    w->base_paths += LF_RESTIR_WALKS;
-}
-
-/* -------------------------------------------------------------------------------------- reuse --
- */
-
-static lf_reuse_input input_of(const lf_path_sample *sample, const lf_camera_ray *ray)
-{
-    return (lf_reuse_input){sample, ray, sample->m};
-}
-
-/* With what an earlier visit has left in the pixel. */
-static void look_back(const state *s, worker *w, const left_over *before, int at)
-{
-    const pixel *old = &before->pixels[at];
-    pixel *own = &w->pixels[at];
-    lf_path_sample out;
-    if (!(old->sample.m > 0.0))
-        return;
-    lf_reuse_input inputs[2] = {input_of(&own->sample, &own->ray),
-                                input_of(&old->sample, &old->ray)};
-    inputs[1].m = fmin(inputs[1].m, LF_RESTIR_HISTORY * own->sample.m);
-    lf_path_sample_combine(&s->space, 2, inputs, s->weights, &w->tracer, &out);
-    own->sample = out;
-}
-
-/* A number within reach of 0, either way alike; never 0. */
-static int draw_step(worker *w, int reach)
-{
-    int step = (int)(lf_rng(&w->tracer) * 2.0f * (float)reach);
-    return step - reach + (step >= reach);
-}
-
-/* A pixel beside this one, -1: there is none. In another view: near where that has the same place
- * in the window. */
-static int draw_neighbour(const state *s, worker *w, int at)
-{
-    int view = at / s->rig.width, column = at % s->rig.width;
-    if (s->across) {
-        view += draw_step(w, LF_MVRESTIR_VIEWS);
-        column += (int)(lf_rng(&w->tracer) * (2 * LF_MVRESTIR_REACH + 1)) - LF_MVRESTIR_REACH;
-    } else {
-        column += draw_step(w, LF_RESTIR_REACH);
-    }
-    return view >= 0 && view < s->rig.n_views && column >= 0 && column < s->rig.width
-               ? view * s->rig.width + column
-               : -1;
-}
-
-/* With neighbours in the same visit. */
-static void look_beside(const state *s, worker *w, int at)
-{
-    lf_reuse_input inputs[1 + LF_RESTIR_NEIGHBOURS] = {
-        input_of(&w->pixels[at].sample, &w->pixels[at].ray)};
-    int n = 1;
-    for (int i = 0; i < LF_RESTIR_NEIGHBOURS; i++) {
-        int beside = draw_neighbour(s, w, at);
-        if (beside >= 0 && w->pixels[beside].sample.m > 0.0)
-            inputs[n++] = input_of(&w->pixels[beside].sample, &w->pixels[beside].ray);
-    }
-    lf_path_sample_combine(&s->space, n, inputs, s->weights, &w->tracer, &w->spread[at]);
-}
+/* Pixels that are shaded together. */
+enum { SHADED = 16 };
 
 /* What earlier visits of this half left, as far as they were this one's predecessors. */
-static left_over *left_of(const state *s, int row, int half, uint64_t random, uint32_t visits)
+static lf_restir_left *left_of(const lf_restir *s, int row, int half, uint64_t random,
+                               uint32_t visits)
 {
-    left_over *left = s->rows ? &s->rows[2 * row + half] : NULL;
+    lf_restir_left *left = s->rows ? &s->rows[2 * row + half] : NULL;
     if (left && !(left->used && left->random == random && left->visits == visits)) {
         for (int i = 0; i < s->rig.n_views * s->rig.width; i++)
             left->pixels[i].sample.m = 0.0;
@@ -183,8 +50,8 @@ static left_over *left_of(const state *s, int row, int half, uint64_t random, ui
 
 /* As of mvpt2022: each pixel with probability subsets / n_views, each once in any n_views passes.
  */
-static void choose(const state *s, worker *w, const lf_visit_order *order, uint64_t key,
-                   const lf_film_counts *before, int half)
+static void choose(const lf_restir *s, lf_restir_worker *w, const lf_visit_order *order,
+                   uint64_t key, const lf_film_counts *before, int half)
 {
     const int views = s->rig.n_views;
     const lf_visit_lattice lattice =
@@ -198,59 +65,82 @@ static void choose(const state *s, worker *w, const lf_visit_order *order, uint6
                 lf_visit_lattice_view(&lattice, column, j) * s->rig.width + column;
 }
 
-static void shade(const state *s, worker *w, int at)
+/* Exact depths of some pixels' paths, and of the whole rays of those that find a sky: all of them
+ * side by side. */
+static void find_depths(const lf_restir *s, lf_restir_worker *w, int n, const int *at,
+                        double *paths, double *whole)
 {
-    const lf_path_sample *sample = &w->pixels[at].sample;
-    const lf_camera_ray *ray = &w->pixels[at].ray;
-    lf_vec3 y = {0.0f, 0.0f, 0.0f};
-    if (sample->kept)
-        y = lf_scale(lf_light_path_radiance(&s->space, ray, &sample->path, &w->tracer),
-                     (float)sample->weight);
-    if (!isfinite(y.x + y.y + y.z)) {
-        w->tracer.nonfinite++;
-        y = lf_v3(0.0f, 0.0f, 0.0f);
+    lf_depth_ray rays[SHADED * (LF_MAX_PATH_VERTICES + 2)];
+    double depths[SHADED * (LF_MAX_PATH_VERTICES + 2)], *next = depths;
+    int n_rays = 0;
+    for (int i = 0; i < n; i++) {
+        const lf_restir_pixel *p = &w->pixels[at[i]];
+        if (p->sample.kept) {
+            lf_light_path_segments(&s->space, &p->ray, &p->sample.path, rays + n_rays);
+            n_rays += p->sample.path.n + 1;
+        }
+        if (lf_max3(p->ray.sky) > 0.0f)
+            rays[n_rays++] = (lf_depth_ray){p->ray.o, p->ray.w, (double)INFINITY};
     }
-    y = lf_add(y, lf_camera_ray_behind(ray, &w->tracer));
-    lf_film_scatter(&w->sums, (size_t)at, y.x, y.y, y.z);
-    w->contributions++;
+    lf_depths_along(&w->tracer, n_rays, rays, depths);
+    for (int i = 0; i < n; i++) {
+        const lf_restir_pixel *p = &w->pixels[at[i]];
+        paths[i] = 0.0;
+        for (int k = 0; p->sample.kept && k <= p->sample.path.n; k++)
+            paths[i] += *next++;
+        whole[i] = lf_max3(p->ray.sky) > 0.0f ? *next++ : 0.0;
+    }
+}
+
+static void shade(const lf_restir *s, lf_restir_worker *w, int n, const int *at)
+{
+    double paths[SHADED], whole[SHADED];
+    find_depths(s, w, n, at, paths, whole);
+    for (int i = 0; i < n; i++) {
+        const lf_restir_pixel *p = &w->pixels[at[i]];
+        lf_vec3 y = lf_path_sample_radiance(&p->sample, paths[i]);
+        if (!isfinite(y.x + y.y + y.z)) {
+            w->tracer.nonfinite++;
+            y = lf_v3(0.0f, 0.0f, 0.0f);
+        }
+        y = lf_madd(y, expf(-(float)whole[i]), p->ray.sky);
+        lf_film_scatter(&w->sums, (size_t)at[i], y.x, y.y, y.z);
+        w->contributions++;
+    }
 }
 
 /* Algorithm 1: false: cancelled. */
-static bool run_visit(const state *s, worker *w, const left_over *left, int row, uint64_t key,
-                      uint32_t index, const lf_cancel *cancel)
+static bool run_visit(const lf_restir *s, lf_restir_worker *w, const lf_restir_left *left, int row,
+                      uint64_t key, uint32_t index, const lf_cancel *cancel)
 {
-    for (int i = 0; i < w->n_visited; i++) {
+    const int at_once = LF_MAX_WALKS / s->reuse->walks;
+    for (int i = 0; i < w->n_visited; i += at_once) {
+        const int n = i + at_once < w->n_visited ? at_once : w->n_visited - i;
         if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
             return false;
-        begin_pixel(s, w, row, w->visited[i], key, index);
-        if (left && left->used)
-            look_back(s, w, left, w->visited[i]);
+        lf_restir_begin(s, w, row, n, w->visited + i, key, index);
+        for (int k = i; left && left->used && k < i + n; k++)
+            lf_restir_look_back(s, w, left, w->visited[k]);
     }
-    for (int i = 0; reuses[s->reuse].spatial && i < w->n_visited; i++) {
-        if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
-            return false;
-        look_beside(s, w, w->visited[i]);
-    }
-    for (int i = 0; i < w->n_visited; i++) {
-        if (reuses[s->reuse].spatial)
-            w->pixels[w->visited[i]].sample = w->spread[w->visited[i]];
-        shade(s, w, w->visited[i]);
-    }
+    if (!lf_restir_look_beside(s, w, lf_hash64(lf_hash64(key, 10), index), cancel))
+        return false;
+    for (int i = 0; i < w->n_visited; i += SHADED)
+        shade(s, w, i + SHADED < w->n_visited ? SHADED : w->n_visited - i, w->visited + i);
     return true;
 }
 
 static bool visit(void *the_state, const lf_visit_order *order, int row, int half, int worker_index,
                   const lf_cancel *cancel)
 {
-    const state *s = the_state;
-    worker *w = s->workers[worker_index];
+    const lf_restir *s = the_state;
+    lf_restir_worker *w = s->workers[worker_index];
     const lf_film_counts *before = &s->film->streams[order->stream].rows[row];
     const uint32_t index = before->visits[half];
     const uint64_t key = lf_hash64(lf_hash64(order->random, (uint64_t)row), (uint64_t)half);
     const double given = (double)order->subsets / order->column_step;
     if (order->subsets == 0)
         return true; /* every pixel has a sample of its own after n_views passes */
-    left_over *left = left_of(s, row, half, order->random, index);
+    lf_restir_left *left = left_of(s, row, half, order->random, index);
     lf_film_meet(s->film, row, true);
     lf_film_sums_begin(&w->sums);
     for (size_t i = 0; i < (size_t)s->rig.n_views * (size_t)s->rig.width; i++) {
@@ -305,15 +195,17 @@ static const char *unknown(const lf_scene *scene, const lf_render_settings *sett
 
 static void destroy(void *the_state)
 {
-    state *s = the_state;
+    lf_restir *s = the_state;
     for (int i = 0; s && s->workers && i < s->n_workers; i++) {
-        worker *w = s->workers[i];
+        lf_restir_worker *w = s->workers[i];
         if (!w)
             continue;
         lf_film_sums_finish(&w->sums);
+        lf_free(w->walks);
         lf_free(w->pixels);
         lf_free(w->spread);
         lf_free(w->visited);
+        lf_free(w->order);
         lf_free(w);
     }
     if (!s)
@@ -325,30 +217,32 @@ static void destroy(void *the_state)
     lf_free(s);
 }
 
-static lf_status make_workers(state *s, const lf_film_layout *layout)
+static lf_status make_workers(lf_restir *s, const lf_film_layout *layout)
 {
     size_t pixels = (size_t)layout->n_views * (size_t)layout->width;
     s->workers = lf_calloc((size_t)s->n_workers, sizeof *s->workers);
     for (int i = 0; s->workers && i < s->n_workers; i++) {
-        worker *w = s->workers[i] = lf_calloc(1, sizeof *w);
+        lf_restir_worker *w = s->workers[i] = lf_calloc(1, sizeof *w);
         if (!w || lf_film_sums_init(&w->sums, layout) != LF_OK)
             return LF_E_NOMEM;
         w->tracer.scene = &s->seen;
+        w->walks = lf_calloc(LF_MAX_WALKS, sizeof *w->walks);
         w->pixels = lf_calloc(pixels, sizeof *w->pixels);
         w->spread = lf_calloc(pixels, sizeof *w->spread);
         w->visited = lf_calloc(pixels, sizeof *w->visited);
-        if (!w->pixels || !w->spread || !w->visited)
+        w->order = lf_calloc(pixels, sizeof *w->order);
+        if (!w->walks || !w->pixels || !w->spread || !w->visited || !w->order)
             return LF_E_NOMEM;
     }
     return s->workers ? LF_OK : LF_E_NOMEM;
 }
 
-static lf_status make_history(state *s, const lf_film_layout *layout, lf_error *err)
+static lf_status make_history(lf_restir *s, const lf_film_layout *layout, lf_error *err)
 {
     size_t row = (size_t)layout->n_views * (size_t)layout->width, rows = 2 * (size_t)layout->height;
-    if (!reuses[s->reuse].temporal)
+    if (!s->reuse->temporal)
         return LF_OK;
-    if (row * sizeof(pixel) > MAX_BYTES / rows)
+    if (row * sizeof(lf_restir_pixel) > MAX_BYTES / rows)
         return lf_error_set(err, LF_E_ARG, "integrator",
                             "reservoirs of %d views of %dx%d would take more than 2 GiB: --reuse "
                             "spatial keeps none",
@@ -370,13 +264,19 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                             refused);
     if (!lf_reuse_name(settings->reuse) || !lf_reuse_weights_name(settings->weights))
         return lf_error_set(err, LF_E_ARG, "integrator", "no such reuse or weights");
-    state *s = lf_calloc(1, sizeof *s);
+    if (reuses[settings->reuse].beside == LF_RESTIR_BLOCKS &&
+        settings->weights != LF_REUSE_UNBIASED)
+        return lf_error_set(
+            err, LF_E_ARG, "integrator",
+            "--reuse %s has no biased weights: without its balance they have a pole",
+            reuses[settings->reuse].name);
+    lf_restir *s = lf_calloc(1, sizeof *s);
     if (!s)
         return LF_E_NOMEM;
     s->seen = *input->seen;
     s->film = input->film;
     s->across = index == MVRESTIR;
-    s->reuse = settings->reuse;
+    s->reuse = &reuses[settings->reuse];
     s->weights = (lf_reuse_weights)settings->weights;
     s->sampler = settings->sampler;
     s->n_workers = lf_pool_threads(input->pool);
@@ -408,9 +308,9 @@ static void begin(void *the_state, const lf_pass *pass)
 
 static void count(const void *the_state, lf_render_stats *out)
 {
-    const state *s = the_state;
+    const lf_restir *s = the_state;
     for (int i = 0; i < s->n_workers; i++) {
-        const worker *w = s->workers[i];
+        const lf_restir_worker *w = s->workers[i];
         lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
     }
     out->rays_traced = out->base_hidden = -1;

@@ -1,5 +1,5 @@
 /* The reference estimators restir and mvrestir (render/general/restir.h). Reservoirs in closed
- * form: weights of a toy, shares, the biased shortcut; its look-ups; its pictures by all kinds of
+ * form: weights of a toy, shares, the biased shortcut; its depths; its pictures by all kinds of
  * reuse are those of vpt tile by tile, and with the shortcut they are dark beside an edge by what
  * the theory says. Replicates are seeds. */
 #include "tests/testing.h"
@@ -7,6 +7,7 @@
 #include "render/general/coarse_grid.h"
 #include "render/general/depth.h"
 #include "render/general/reservoir.h"
+#include "render/general/reuse.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 
@@ -194,50 +195,6 @@ static void depths_are_those_of_the_media(void **state)
     lf_pool_destroy(pool);
 }
 
-/* Of the cells' own extinction, in many steps. */
-static double stepped(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, double end)
-{
-    enum { steps = 50000 };
-    double sum = 0;
-    for (int k = 0; k < steps; k++) {
-        const double t = (k + 0.5) / steps * end, x = (double)o.x + t * (double)w.x,
-                     y = (double)o.y + t * (double)w.y, z = (double)o.z + t * (double)w.z;
-        if (x >= 0 && y >= 0 && z >= 0 && x < grid->n[0] && y < grid->n[1] && z < grid->n[2])
-            sum += (double)grid->sigma[((int)z * grid->n[1] + (int)y) * grid->n[0] + (int)x] * end /
-                   steps;
-    }
-    return sum;
-}
-
-/* From outside and from within, along the axes and any way, also from faces between cells and where
- * they end, which belong to the cells above them; with their ends where they please. */
-static void cells_are_walked_from_face_to_face(void **state)
-{
-    (void)state;
-    float sigma[3 * 2 * 4];
-    const lf_coarse_grid grid = {.per_cell = {1, 1, 1}, .n = {3, 2, 4}, .sigma = sigma};
-    lf_tracer rng = {.rng = lf_test_seed() + 7};
-    for (int i = 0; i < 3 * 2 * 4; i++)
-        sigma[i] = 0.5f + lf_rng(&rng);
-    for (int i = 0; i < 400; i++) {
-        float o[3], w[3] = {0, 0, 0};
-        for (int k = 0; k < 3; k++)
-            o[k] = (float)grid.n[k] * lf_rng(&rng);
-        w[i % 3] = i % 2 ? 1.0f : -1.0f;
-        if (i >= 100)
-            o[i % 3] = i >= 200 ? floorf(o[i % 3]) : -5.0f * w[i % 3];
-        for (int k = 0; i >= 300 && k < 3; k++)
-            w[k] = lf_rng(&rng) - 0.5f;
-        const lf_vec3 from = {o[0], o[1], o[2]}, along = lf_normalize(lf_v3(w[0], w[1], w[2]));
-        const double end = i % 5 ? 12 : 0.3 + 4 * (double)lf_rng(&rng);
-        lf_assert_close(lf_coarse_grid_depth(&grid, from, along, end),
-                        stepped(&grid, from, along, end), 1e-3, 1e-3);
-        o[(i + 1) % 3] = (float)grid.n[(i + 1) % 3];
-        if (i < 300)
-            assert_true(!(lf_coarse_grid_depth(&grid, lf_v3(o[0], o[1], o[2]), along, end) > 0));
-    }
-}
-
 static void there_are_candidates_wherever_there_is_extinction(void **state)
 {
     (void)state;
@@ -267,8 +224,9 @@ static void there_are_candidates_wherever_there_is_extinction(void **state)
 
 static const struct {
     const char *integrator, *reuse;
-} kinds[] = {{"restir", "none"},      {"restir", "spatial"}, {"restir", "temporal"},
-             {"mvrestir", "spatial"}, {"restir", "both"},    {"mvrestir", "both"}};
+} kinds[] = {{"restir", "none"},      {"restir", "spatial"},   {"restir", "temporal"},
+             {"mvrestir", "spatial"}, {"restir", "both"},      {"mvrestir", "both"},
+             {"restir", "vertices"},  {"mvrestir", "vertices"}};
 #define N_KINDS (int)(sizeof kinds / sizeof kinds[0])
 
 /* Of all comparisons with vpt; a quarter of the program's false alarms. */
@@ -309,7 +267,7 @@ static void reservoirs_agree_with_vpt(void **state)
     for (int i = 0; i < N_KINDS; i++) {
         lf_blocks seen;
         int where = 0, found = 0;
-        bool both = i >= 4;
+        bool both = strcmp(kinds[i].reuse, "both") == 0;
         lf_renderer *r = renderer_of(fog, kinds[i].integrator, width, height, depth, kinds[i].reuse,
                                      "unbiased", NULL);
         pictures(r, both || i == 2 ? 12 : 6, 200 + (uint64_t)i, &seen);
@@ -335,13 +293,13 @@ static void pictures_do_not_depend_on_the_number_of_threads(void **state)
     (void)state;
     static const char *const names[] = {"restir", "mvrestir"};
     static const int threads[] = {1, 3};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 4; i++) {
         double *seen[2];
         for (int k = 0; k < 2; k++) {
             lf_pool *pool = NULL;
             lf_assert_ok(lf_pool_create(threads[k], &pool), NULL);
-            lf_renderer *r =
-                renderer_of(fog, names[i], width, height, depth, "both", "unbiased", pool);
+            lf_renderer *r = renderer_of(fog, names[i % 2], width, height, depth,
+                                         i < 2 ? "both" : "vertices", "unbiased", pool);
             lf_test_cycles(r, 4);
             seen[k] = lf_test_picture(r, LF_ESTIMATOR_MWIS);
             lf_renderer_destroy(r);
@@ -387,10 +345,10 @@ static double shortcut(int column)
     return sum;
 }
 
-static void box_columns(const char *weights, uint64_t salt, lf_moments out[wide])
+static void box_columns(const char *reuse, const char *weights, uint64_t salt, lf_moments out[wide])
 {
     lf_scene *scene = lf_test_scene(half_box);
-    lf_renderer *r = renderer_of(scene, "restir", wide, low, 1, "spatial", weights, NULL);
+    lf_renderer *r = renderer_of(scene, "restir", wide, low, 1, reuse, weights, NULL);
     for (int k = 0; k < 2 * replicates(); k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
         lf_test_cycles(r, 16);
@@ -417,25 +375,29 @@ static void the_shortcut_is_off_by_what_theory_says(void **state)
 {
     (void)state;
     static const int columns[] = {edge, edge + 2, edge + 5, edge + 12};
-    double level = lf_sidak(0.25 * LF_FALSE_ALARM, 2 * 4);
-    lf_moments biased[wide] = {{0}}, good[wide] = {{0}};
-    box_columns("biased", 400, biased);
-    box_columns("unbiased", 500, good);
+    double level = lf_sidak(0.25 * LF_FALSE_ALARM, 3 * 4);
+    lf_moments biased[wide] = {{0}}, good[wide] = {{0}}, blocks[wide] = {{0}};
+    box_columns("spatial", "biased", 400, biased);
+    box_columns("spatial", "unbiased", 500, good);
+    box_columns("vertices", "unbiased", 600, blocks);
     for (int i = 0; i < 4; i++) {
         int at = columns[i];
         double left = shortcut(at);
-        print_message("column %d: %.4f, seen %.4f +- %.4f; with weights %.4f +- %.4f\n", at - edge,
-                      left, biased[at].mean / BOX_RADIANCE,
+        print_message("column %d: %.4f, seen %.4f +- %.4f; with weights %.4f +- %.4f; in blocks "
+                      "%.4f +- %.4f\n",
+                      at - edge, left, biased[at].mean / BOX_RADIANCE,
                       lf_moments_error(&biased[at]) / BOX_RADIANCE, good[at].mean / BOX_RADIANCE,
-                      lf_moments_error(&good[at]) / BOX_RADIANCE);
+                      lf_moments_error(&good[at]) / BOX_RADIANCE, blocks[at].mean / BOX_RADIANCE,
+                      lf_moments_error(&blocks[at]) / BOX_RADIANCE);
         assert_true(lf_p_mean(&biased[at], left * BOX_RADIANCE) > level);
         assert_true(lf_p_mean(&good[at], BOX_RADIANCE) > level);
+        assert_true(lf_p_mean(&blocks[at], BOX_RADIANCE) > level);
         if (i == 0)
             assert_true(lf_p_mean(&biased[at], BOX_RADIANCE) < 1e-6 &&
                         lf_p_mean(&biased[at], (1 - 1.25 * (1 - left)) * BOX_RADIANCE) < 1e-6);
     }
     for (int at = 0; at < edge; at++)
-        assert_true(biased[at].mean == 0 && good[at].mean == 0);
+        assert_true(biased[at].mean == 0 && good[at].mean == 0 && blocks[at].mean == 0);
 }
 
 static void what_it_does_not_know_is_refused(void **state)
@@ -455,6 +417,12 @@ static void what_it_does_not_know_is_refused(void **state)
     settings.features = true;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     settings.features = false;
+    settings.reuse = index_of(lf_reuse_name, "vertices");
+    settings.weights = LF_REUSE_BIASED;
+    lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
+    assert_string_equal(err.what, "--reuse vertices has no biased weights: without its balance "
+                                  "they have a pole");
+    settings.weights = LF_REUSE_UNBIASED;
     settings.reuse = 0;
     settings.width = settings.height = 4096;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
@@ -473,7 +441,6 @@ int main(void)
         cmocka_unit_test(weights_of_a_toy_have_closed_means),
         cmocka_unit_test(shares_are_a_partition),
         cmocka_unit_test(depths_are_those_of_the_media),
-        cmocka_unit_test(cells_are_walked_from_face_to_face),
         cmocka_unit_test(there_are_candidates_wherever_there_is_extinction),
         cmocka_unit_test(reservoirs_agree_with_vpt),
         cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),
