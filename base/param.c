@@ -419,7 +419,7 @@ static void print_wrapped(const char *text)
 
 void lf_param_print_help(const lf_param *params, const char *names)
 {
-    char argument[64], help[400];
+    char argument[64], help[2000];
     for (const lf_param *row = params; !is_end(row); row = lf_param_next(row)) {
         if (!lf_param_among(row, names))
             continue;

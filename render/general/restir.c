@@ -189,7 +189,7 @@ static const char *unknown(const lf_scene *scene, const lf_render_settings *sett
         return "surfaces yet; the scene has some";
     const char *all = lf_reference_unknown(scene, settings);
     if (!all && lf_max_depth(scene, settings->max_depth) > LF_MAX_PATH_VERTICES)
-        return "paths of more than 16 vertices (--max-depth 16)";
+        return "paths of more than 16 vertices (--max-depth 16 or less)";
     return all;
 }
 

@@ -411,8 +411,8 @@ static void what_it_does_not_know_is_refused(void **state)
     assert_string_equal(err.what, "vpt knows no reuse of reservoirs");
     settings.integrator = "restir";
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(err.what,
-                        "restir renders no paths of more than 16 vertices (--max-depth 16)");
+    assert_string_equal(
+        err.what, "restir renders no paths of more than 16 vertices (--max-depth 16 or less)");
     settings.max_depth = 16;
     settings.features = true;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
