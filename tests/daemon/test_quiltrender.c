@@ -127,8 +127,7 @@ static void help_and_version_answer_on_stdout(void **state)
     qr_run(&o, "--help");
     assert_int_equal(o.code, 0);
     assert_non_null(strstr(o.out, "Usage: quiltrender SCENE -o OUT"));
-    assert_non_null(
-        strstr(o.out, "mvrestir: the same")); /* the longest help's end */
+    assert_non_null(strstr(o.out, "mvrestir: the same")); /* the longest help's end */
     assert_string_equal(o.err, "");
     qr_run(&o, "--version");
     assert_int_equal(o.code, 0);
