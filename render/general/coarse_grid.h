@@ -57,8 +57,8 @@ bool lf_coarse_grid_at_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, d
                              lf_coarse_point *out, double *out_depth);
 
 /* The same of n rays, side by side in lanes; in float within the grid, by a kernel of
- * depth_kernel.h: within 1e-5 of the two above (3e-5 where
- * a ray crosses a thousand cells), and of the same bits by all of them. */
+ * depth_kernel.h: within 2e-5 of the two above (3e-5 where a ray crosses a thousand cells), and of
+ * the same bits by all of them. */
 void lf_coarse_grid_trace(const lf_coarse_grid *grid, const lf_depth_kernel *kernel, int n,
                           const lf_coarse_ray *rays, lf_coarse_end *out);
 
