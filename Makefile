@@ -20,6 +20,7 @@
 # Lists that fragments append to (paths relative to the source tree unless said otherwise):
 #   <library>_srcs  sources of lib<library>.a       <program>_srcs   sources of a program's own
 #   isa_<file>      extra flags of one source file  opt_<room>       extra release flags of a room
+#   link_<program>  libraries that it alone needs
 #   scene_data      files in $(BUILDROOT) to be made with the programs (rules in the same fragment)
 .SUFFIXES:
 .DELETE_ON_ERROR:
@@ -125,7 +126,7 @@ link = $(call say,LD )$(CXX) $(lf_ldflags) $(LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
 define program
 $(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model,$(libraries))))
-	$$(call link,)
+	$$(call link,$$(link_$(1)))
 endef
 $(foreach p,$(programs),$(eval $(call program,$(p))))
 
@@ -133,7 +134,10 @@ $(foreach p,$(programs),$(eval $(call program,$(p))))
 test_srcs := $(call wild,tests/*/test_*.c)
 tests := $(patsubst %.c,$(O)/%,$(test_srcs))
 headers := $(foreach r,$(rooms) tests,$(call room_files,$(r),*.h))
-headers_alone := $(patsubst %,$(O)/alone/%.ok,$(headers))
+# Every header compiles alone. One that a source begins with has been shown to: the others are compiled by themselves.
+c_srcs = $(filter %.c,$(sort $(foreach l,$(libraries) $(test_libraries) $(programs),$($(l)_srcs)) $(test_srcs)))
+begun_with := $(if $(filter-out $(light),$(goals)),$(shell cd $(SRCDIR) && awk '/^\#/ { if ($$2 ~ /^"/) print $$2; nextfile }' $(c_srcs) | tr -d '"'))
+headers_alone := $(patsubst %,$(O)/alone/%.ok,$(filter-out $(begun_with),$(headers)))
 $(foreach l,$(test_libraries) bench,$(eval $(call library,$(l))))
 # a hundred programs, linked in a third of the time
 test_linker := $(if $(PORTABLE)$(findstring -fuse-ld,$(LDFLAGS)),,$(if $(shell command -v ld.gold),-fuse-ld=gold))
@@ -159,7 +163,6 @@ $(foreach f,$(fuzz_srcs),$(eval $(call fuzz_target,$(f))))
 # films know nothing of the rest of their room
 $(O)/tests/fuzz/fuzz_film: $(call objs,$(call room_files,render/film,*.c))
 
-# every header compiles alone
 $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 	@mkdir -p $(@D)
 	$(call say,HDR)printf '#include "%s"\nextern int lf_alone;\n' '$*.h' | $(CC) $(lf_cflags) $(CPPFLAGS) $(CFLAGS) -MMD -MP -MT $@ -MF $@.d -fsyntax-only -x c - && touch $@
@@ -261,7 +264,7 @@ help:
 # ---------------------------------------------------------------------------------------------------------- lint --
 lint_srcs = $(filter-out %.cc,$(foreach l,$(libraries),$($(l)_srcs)) $(foreach p,$(programs),$($(p)_srcs)))
 lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
-	@O='$(O)' SRCDIR='$(SRCDIR)' CFLAGS='$(filter-out -O% -g,$(lf_cflags))' AVX2='$(isa_kernel_avx2)' AVX512='$(isa_kernel_avx512)' \
+	@O='$(O)' SRCDIR='$(SRCDIR)' CFLAGS='$(filter-out -O% -g%,$(lf_cflags))' AVX2='$(isa_kernel_avx2)' AVX512='$(isa_kernel_avx512)' \
 	 $(SRCDIR)/.ci/lint $(lint_srcs)
 
 # ------------------------------------------------------------------------------------------------------- installing --

@@ -22,9 +22,10 @@ endif
 # no contraction: the same bits from every instruction set, and NaN and infinity as they are
 lf_float := -ffp-contract=off -fno-math-errno -fno-trapping-math
 
-variant_release := -O2 -g -D_FORTIFY_SOURCE=2 -fstack-protector-strong
+# -g1: lines and names of functions, which is all that a stack shows; variables (-g) take a third of the time of compiling.
+# BUILD=debug has them.
+variant_release := -O2 -g1 -D_FORTIFY_SOURCE=2 -fstack-protector-strong
 variant_debug := -Og -g
-# -g1: lines and names of functions, which is what stacks tell; a third of the time of compiling goes into the rest
 variant_asan := -O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 variant_tsan := -O1 -g1 -fno-omit-frame-pointer -fsanitize=thread
 # clang's: make fuzz
@@ -51,20 +52,23 @@ lf_ldflags = $(filter -fsanitize%,$(variant_$(BUILD))) -pthread -Wl,--as-needed 
 # one file an instruction set; other machines leave them out
 x86 := $(filter x86_64,$(ARCH))
 arm64 := $(filter aarch64,$(ARCH))
-isa_kernel_avx2 := -mavx2 -mf16c
-isa_kernel_avx512 := -mavx512f
-isa_suffix_avx2 := -mavx2
-isa_fan_avx2 := -mavx2
-isa_depth_avx2 := -mavx2
-isa_suffix_avx512 := -mavx512f -mprefer-vector-width=512
+# Below -O2 GCC leaves out vzeroupper, and whatever runs after such a function runs at half its speed, unless this asks for it.
+avx := $(if $(filter asan debug,$(BUILD)),-fexpensive-optimizations)
+isa_kernel_avx2 := -mavx2 -mf16c $(avx)
+isa_kernel_avx512 := -mavx512f $(avx)
+isa_suffix_avx2 := -mavx2 $(avx)
+isa_fan_avx2 := -mavx2 $(avx)
+isa_depth_avx2 := -mavx2 $(avx)
+isa_suffix_avx512 := -mavx512f -mprefer-vector-width=512 $(avx)
+# OpenVDB's templates, at half the time of -O3: reading a file takes as long, and yields the same bytes
+isa_vdb_read := -O1
 # The lanes of suffixes are one template that is compiled three times. With both sanitizers at -O2 each took 70 s and more: -O1 is
 # enough, and UndefinedBehaviorSanitizer looks at the C copy alone, to whose bits test_suffix and test_suffix_sky hold the others.
-# AddressSanitizer sees all. OpenVDB's templates at -O1 too.
+# AddressSanitizer sees all.
 ifeq ($(BUILD),asan)
 isa_suffix_c := -O1
 isa_suffix_avx2 += -O1 -fno-sanitize=undefined
 isa_suffix_avx512 += -O1 -fno-sanitize=undefined
-isa_vdb_read := -O1
 endif
 # no fuzz target renders
 ifeq ($(BUILD),fuzz)

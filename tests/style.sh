@@ -24,20 +24,15 @@ long_lines() { grep_code "$1" '^.{101,}'; }
 pointers_compared() { grep_code "$1" '[!=]= NULL\b|\bNULL [!=]=' | grep -v '^tests/arm64/cmocka.h:'; }
 # A block's first declarations and what follows them stand together.
 blanks_after_declarations() {
-    sources "$1" -name '*.c' | while read -r f; do
-        awk -v f="$f" '
-            /\{$/ { start = NR; plain = 1; next }
-            start && /^$/ { if (plain && NR > start + 1) print f ":" NR ": blank line after declarations"; start = 0; next }
+    sources "$1" -name '*.c' | (cd "$1" && xargs -r -d '\n' awk '
+            FNR == 1 { start = 0 }
+            /\{$/ { start = FNR; plain = 1; next }
+            start && /^$/ { if (plain && FNR > start + 1) print FILENAME ":" FNR ": blank line after declarations"; start = 0; next }
             start && (/^ +(return|goto|break|continue|case|else)\>/ ||
                 !/^ +((const|static|unsigned|struct|enum|volatile) +)*[A-Za-z_][A-Za-z0-9_]*( const)? +\**[A-Za-z_][A-Za-z0-9_]*(\[[^]]*\])?( = [^;]*|, [^;(]*)?;$/) { plain = 0 }
-            /^\}|^#|^(static const|typedef|struct|enum|const)/ { start = 0 }' "$1/$f"
-    done
+            /^\}|^#|^(static const|typedef|struct|enum|const)/ { start = 0 }')
 }
-missing_final_newline() {
-    code "$1" | while read -r f; do
-        [ -z "$(tail -c 1 "$1/$f")" ] || echo "$f"
-    done
-}
+missing_final_newline() { code "$1" | (cd "$1" && xargs -r -d '\n' grep -LzP '\n\z'); }
 unfinished_words() { grep_code "$1" '\b(TODO|FI''XME|XX''X)\b'; }
 fast_math_and_clones() {
     (cd "$1" && grep -nE -e '-ffast-''math|target_''clones' Makefile .ci/*.mk ./*/module.mk 2> /dev/null)
@@ -132,9 +127,10 @@ top_level() {
 }
 # Linux braces: a function's body stands between lines that hold one brace.
 long_functions() {
-    sources "$1" -name '*.c' -o -name '*.cc' | while read -r f; do
-        awk -v f="$f" '/^\{$/ { start = NR } /^\}$/ && start { if (NR - start + 1 > 80) print f ":" start ": " NR - start + 1 " lines"; start = 0 }' "$1/$f"
-    done
+    sources "$1" -name '*.c' -o -name '*.cc' | (cd "$1" && xargs -r -d '\n' awk '
+        FNR == 1 { start = 0 }
+        /^\{$/ { start = FNR }
+        /^\}$/ && start { if (FNR - start + 1 > 80) print FILENAME ":" start ": " FNR - start + 1 " lines"; start = 0 }')
 }
 # A file has at most 700 lines.
 long_files() {
@@ -157,13 +153,9 @@ stale_mutants() { SRCDIR=$1 O=$out "$src"/tests/mutants/run --stale; }
 empty_assertions() { grep_code "$1" 'assert_true\((1|true)\)|assert_int_equal\(([0-9]+), \2\)'; }
 # CI's lists name programs that are there.
 listed_tests_are_there() {
-    local programs
-    programs=$(cd "$1" && find tests -name 'test_*.c' -o -name '*.sh')
-    for list in statistics threads longest; do
-        [ ! -e "$1/.ci/$list" ] || while read -r name; do
-            grep -qF -- "$name" <<< "$programs" || echo ".ci/$list: $name"
-        done < "$1/.ci/$list"
-    done
+    (cd "$1" && find tests -name 'test_*.c' -o -name '*.sh' | awk '
+        FILENAME == "-" { programs = programs "\n" $0; next }
+        !index(programs, $0) { print FILENAME ": " $0 }' - .ci/statistics $(ls .ci/threads .ci/longest 2> /dev/null))
 }
 
 # A tree in which every rule is broken once.
@@ -226,6 +218,13 @@ isa_globals() {
             /^[0-9a-f]+ +g/ && ++n > 1 { print o, $NF, "(a second name)" }'
     done
 }
+# A file of AVX clears the upper halves of registers before it returns: code behind it would run at half its speed.
+without_vzeroupper() { # objects
+    local o
+    for o in "$@"; do
+        [ ! -e "$o" ] || objdump -d --no-show-raw-insn "$o" | grep -qm 1 vzeroupper || echo "$o"
+    done
+}
 # What reads files from outside is not in the programs that go on when it ends.
 reading_libraries() { # programs
     local p
@@ -239,6 +238,15 @@ if [ -n "$(reading_libraries quiltimport)" ] && [ -n "$(reading_libraries quilti
     report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltsim quiltbench)"
 else
     report reading_libraries "the rule does not see what quiltimport needs"
+fi
+if command -v "${CC:-gcc}" > /dev/null && [ "$(uname -m)" = x86_64 ]; then
+    printf '#include <immintrin.h>\nvoid f(float *p) { _mm256_storeu_ps(p, _mm256_add_ps(_mm256_loadu_ps(p), _mm256_loadu_ps(p))); }\n' > "$breaches/upper.c"
+    "${CC:-gcc}" -O2 -mavx2 -mno-vzeroupper -c -o "$breaches/upper.o" "$breaches/upper.c"
+    if [ -n "$(without_vzeroupper "$breaches/upper.o")" ]; then
+        report without_vzeroupper "$(without_vzeroupper "$out"/*/*/*_avx2.c.o "$out"/*/*/*_avx512.c.o)"
+    else
+        report without_vzeroupper "the rule does not notice a breach of it"
+    fi
 fi
 case ${BUILD:-release} in
 release | debug) report isa_globals "$(isa_globals)" ;;

@@ -66,8 +66,7 @@ enum {
     LF_LANE_PICTURE = 1,
     LF_LANE_DISK = 2,
     LF_LANE_SKY = LF_LANE_PICTURE | LF_LANE_DISK, /* one of them: the sky is not even */
-    LF_LANE_SURFACES = 4,
-    LF_LANE_KINDS = 8 /* of scenes */
+    LF_LANE_SURFACES = 4
 };
 
 typedef struct lf_lane_scene {

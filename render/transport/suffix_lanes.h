@@ -624,28 +624,28 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
     return lookups;
 }
 
-#define LF_TRACE(has)                                                                              \
-    static int64_t trace_##has(const lf_lane_scene *scene, const lf_lane_paths *paths,             \
-                               lf_lane_memory *memory)                                             \
+/* A copy for each kind of sky. Scenes with surfaces share one, which looks at what there is: they
+ * wait for rays. */
+#define LF_TRACE(name, has)                                                                        \
+    static int64_t trace_##name(const lf_lane_scene *scene, const lf_lane_paths *paths,            \
+                                lf_lane_memory *memory)                                            \
     {                                                                                              \
         return trace_with(scene, paths, memory, has);                                              \
     }
-_Static_assert(LF_LANE_KINDS == 8, "one for each kind of scene");
-LF_TRACE(0)
-LF_TRACE(1)
-LF_TRACE(2)
-LF_TRACE(3)
-LF_TRACE(4)
-LF_TRACE(5)
-LF_TRACE(6)
-LF_TRACE(7)
+LF_TRACE(even, 0)
+LF_TRACE(picture, LF_LANE_PICTURE)
+LF_TRACE(disk, LF_LANE_DISK)
+LF_TRACE(sky, LF_LANE_SKY)
+LF_TRACE(surfaces, scene->has)
 
 static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
 {
-    static int64_t (*const of[LF_LANE_KINDS])(const lf_lane_scene *, const lf_lane_paths *,
-                                              lf_lane_memory *) = {
-        trace_0, trace_1, trace_2, trace_3, trace_4, trace_5, trace_6, trace_7};
-    return of[scene->has](scene, paths, memory);
+    static int64_t (*const of[])(const lf_lane_scene *, const lf_lane_paths *,
+                                 lf_lane_memory *) = {[0] = trace_even,
+                                                      [LF_LANE_PICTURE] = trace_picture,
+                                                      [LF_LANE_DISK] = trace_disk,
+                                                      [LF_LANE_SKY] = trace_sky};
+    return (scene->has & LF_LANE_SURFACES ? trace_surfaces : of[scene->has])(scene, paths, memory);
 }
 
 /* -------------------------------------------------------------------------------------- points --
@@ -680,16 +680,8 @@ LF_INLINE int64_t light_with(const lf_lane_scene *scene, const lf_lane_points *p
 static int64_t light(const lf_lane_scene *scene, const lf_lane_points *points,
                      lf_lane_memory *memory)
 {
-    switch (scene->has & LF_LANE_SKY ? scene->has | LF_LANE_SKY : scene->has) {
-    case 0:
-        return light_with(scene, points, memory, 0);
-    case LF_LANE_SKY:
-        return light_with(scene, points, memory, LF_LANE_SKY);
-    case LF_LANE_SURFACES:
-        return light_with(scene, points, memory, LF_LANE_SURFACES);
-    default:
-        return light_with(scene, points, memory, LF_LANE_SKY | LF_LANE_SURFACES);
-    }
+    return scene->has ? light_with(scene, points, memory, scene->has)
+                      : light_with(scene, points, memory, 0);
 }
 
 #endif
