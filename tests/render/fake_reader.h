@@ -575,6 +575,39 @@ static inline void fake_note_pid(const lf_import_request *request)
     fclose(file);
 }
 
+/* A line for each reader that was begun: the file's name and the seconds that it was given. */
+static inline void fake_note_start(const lf_import_request *request)
+{
+    FILE *file = fake_beside(request, "starts", "a");
+    if (!file)
+        return;
+    fprintf(file, "%s %u\n", strrchr(request->path, '/') + 1, request->seconds);
+    fclose(file);
+}
+
+/* What the file "mode-NAME" says of the file NAME, else what "mode" says of all. */
+static inline bool fake_mode(const lf_import_request *request, char mode[128])
+{
+    char name[PATH_MAX + 8];
+    snprintf(name, sizeof name, "mode-%s", strrchr(request->path, '/') + 1);
+    FILE *file = fake_beside(request, name, "r");
+    if (!file)
+        file = fake_beside(request, "mode", "r");
+    bool told = file && fgets(mode, 128, file);
+    if (file)
+        fclose(file);
+    return told;
+}
+
+/* "nap-MODE": takes a second longer. */
+static inline const char *fake_nap(const char *mode)
+{
+    if (strncmp(mode, "nap-", 4) != 0)
+        return mode;
+    nanosleep(&(struct timespec){.tv_sec = 1, .tv_nsec = 100000000}, NULL);
+    return mode + 4;
+}
+
 static inline void fake_misbehave(const char *mode)
 {
     if (strcmp(mode, "abort") == 0)
@@ -650,20 +683,19 @@ static inline _Noreturn void fake_ask(const char *path, const char *name, uint32
     fake_last(LF_IMPORT_DONE, LF_OK, "", fake_parcel(""));
 }
 
-/* What the file "mode" says. */
 static inline int lf_fake_reader(void)
 {
-    char mode[128] = "";
+    char told[128] = "";
     lf_import_request request;
     int fd;
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK)
         return 3;
-    FILE *file = fake_beside(&request, "mode", "r");
-    if (!file || !fgets(mode, sizeof mode, file))
-        return 3;
-    fclose(file);
+    fake_note_start(&request);
     fake_note_pid(&request);
+    if (!fake_mode(&request, told))
+        return 3;
+    const char *mode = fake_nap(told);
     fake_misbehave(mode);
     if (strcmp(mode, "descriptors") == 0)
         fake_list_descriptors();
@@ -684,6 +716,30 @@ static inline int lf_fake_reader(void)
     if (strncmp(mode, "random", 6) == 0)
         fake_last(LF_IMPORT_DONE, LF_OK, "", fake_random_parcel((uint64_t)atoi(mode + 6)));
     fake_last(LF_IMPORT_DONE, LF_OK, "", fake_parcel(strcmp(mode, "parcel") == 0 ? "" : mode));
+}
+
+/* ------------------------------------------------------------------------------- whoever asks --
+ */
+
+/* From here on files are read by this program, as the file "mode" of the folder says; mode NULL: by
+ * quiltimport again. */
+static inline void fake_use(const char *folder, const char *mode)
+{
+    static char real[PATH_MAX];
+    char self[PATH_MAX] = "";
+    if (!real[0])
+        snprintf(real, sizeof real, "%s", getenv("QUILTIMPORT"));
+    setenv("QUILTIMPORT", mode ? folder : real, 1);
+    if (!mode)
+        return;
+    lf_test_write(folder, "mode", mode);
+    assert_true(readlink("/proc/self/exe", self, sizeof self - 1) > 0);
+    static const char *const names[] = {"quiltimport", "quiltimport-vdb", "quiltimport-picture"};
+    for (int i = 0; i < 3; i++) {
+        const char *name = lf_test_path(folder, names[i]);
+        (void)unlink(name);
+        assert_int_equal(symlink(self, name), 0);
+    }
 }
 
 #endif
