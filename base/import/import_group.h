@@ -40,7 +40,7 @@ double lf_import_begin_reading(void);
 void lf_import_end_reading(void);
 /* What is said of reading that lf_import_is_stopped ends, or that takes too long: LF_E_CANCELLED,
  * LF_E_TIMEOUT. */
-LF_NODISCARD lf_status lf_import_say_stopped(const char *where, lf_error *err);
-LF_NODISCARD lf_status lf_import_say_late(const char *where, lf_error *err);
+lf_status lf_import_say_stopped(const char *where, lf_error *err);
+lf_status lf_import_say_late(const char *where, lf_error *err);
 
 #endif

@@ -2,7 +2,10 @@
  * one limit of time holds for all. This program is its own reader, too (fake_reader.h). */
 #include "tests/testing.h"
 
+#include "base/import/import_group.h"
+#include "base/thread.h"
 #include "render/load/mesh_import.h"
+#include "render/scene/embree_commit.h"
 #include "render/scene/placed.h"
 #include "render/scene/scene.h"
 #include "tests/base/pictures.h"
@@ -217,6 +220,25 @@ static void a_sky_is_read_once(void **state)
     lf_test_folder_remove(folder);
 }
 
+/* Two grids of one file, carried by the same velocities. */
+static void velocities_are_read_once(void **state)
+{
+    char *folder = lf_test_folder();
+    lf_error err;
+    (void)state;
+    lf_test_write(folder, "f.vdb", "");
+    fake_use(folder, "grid-");
+    json_t *volumes =
+        json_pack("{s:{s:s, s:s, s:s}, s:{s:s, s:s, s:s}}", "a", "file", "f.vdb", "grid", "a",
+                  "velocity", "v", "b", "file", "f.vdb", "grid", "b", "velocity", "v");
+    lf_assert_ok(
+        load(folder, json_pack("{s:{s:i}, s:o}", "camera", "shutter", 1, "volumes", volumes), &err),
+        &err);
+    fake_use(folder, NULL);
+    assert_int_equal(count_starts(folder), 2 + 3);
+    lf_test_folder_remove(folder);
+}
+
 /* ------------------------------------------------------------------------------- limit of time --
  */
 
@@ -261,6 +283,109 @@ static void the_limit_is_that_of_all_files_together(void **state)
     lf_test_folder_remove(folder);
 }
 
+/* ------------------------------------------------------------------------------------- the end --
+ */
+
+typedef struct ending {
+    const char *folder;
+    lf_import_group group;
+} ending;
+
+static void *cancel_when_it_reads(void *context)
+{
+    ending *e = context;
+    while (count_starts(e->folder) == 0)
+        usleep(1000);
+    lf_import_group_cancel(&e->group);
+    return NULL;
+}
+
+static void a_group_that_is_cancelled_ends_alone(void **state)
+{
+    char *folder = lf_test_folder();
+    ending e = {.folder = folder};
+    lf_error err;
+    pthread_t thread;
+    (void)state;
+    fake_use(e.folder, "sleep");
+    lf_import_group *before = lf_import_group_begin(&e.group);
+    assert_null(before);
+    assert_int_equal(pthread_create(&thread, NULL, cancel_when_it_reads, &e), 0);
+    lf_assert_status(load(e.folder, scene_of_files(e.folder, 12), &err), LF_E_CANCELLED, &err);
+    assert_non_null(strstr(err.what, "stopped"));
+    pthread_join(thread, NULL);
+    assert_true(count_starts(e.folder) <= MOST_READERS);
+    /* nothing more is begun in it, but outside of it */
+    int n = count_starts(e.folder);
+    fake_use(e.folder, "parcel");
+    lf_assert_status(load(e.folder, scene_of_files(e.folder, 1), &err), LF_E_CANCELLED, &err);
+    assert_int_equal(count_starts(e.folder), n);
+    (void)lf_import_group_enter(before);
+    lf_assert_ok(load(e.folder, scene_of_files(e.folder, 1), &err), &err);
+    assert_int_equal(count_starts(e.folder), n + 1);
+    fake_use(e.folder, NULL);
+    lf_test_folder_remove(folder);
+}
+
+static void a_document_that_is_cancelled_is_not_read(void **state)
+{
+    lf_error err;
+    (void)state;
+    lf_import_group group, *before = lf_import_group_begin(&group);
+    lf_import_group_cancel(&group);
+    lf_assert_status(load(".", json_pack("{s:{}}", "volumes"), &err), LF_E_CANCELLED, &err);
+    (void)lf_import_group_enter(before);
+    assert_string_equal(err.what, "stopped");
+}
+
+/* A part has the time of the whole, and ends with it; the whole does not end with its part. */
+static void a_part_belongs_to_its_whole(void **state)
+{
+    (void)state;
+    lf_import_group whole, part;
+    assert_null(lf_import_group_begin(&whole));
+    assert_ptr_equal(lf_import_group_begin(&part), &whole);
+    assert_ptr_equal(lf_import_group_current(), &part);
+    lf_import_group_cancel(&part);
+    assert_true(lf_import_is_stopped());
+    assert_ptr_equal(lf_import_group_enter(&whole), &part);
+    assert_false(lf_import_is_stopped());
+    (void)lf_import_group_begin(&part);
+    assert_false(lf_import_is_stopped());
+    /* files that are read at once have to be over at the same time */
+    const double first = lf_import_begin_reading();
+    usleep(2000);
+    assert_true(lf_import_begin_reading() == first);
+    lf_import_end_reading();
+    lf_import_end_reading();
+    /* time in which nothing is read does not count, what was spent does */
+    usleep(2000);
+    const double now = lf_time_now(), second = lf_import_begin_reading();
+    assert_true(second >= now + LF_IMPORT_SECONDS - whole.spent && whole.spent >= 0.002);
+    assert_true(second > first);
+    lf_import_end_reading();
+    lf_import_group_cancel(&whole);
+    assert_true(lf_import_is_stopped());
+    (void)lf_import_group_enter(NULL);
+    assert_false(lf_import_is_stopped());
+}
+
+static void a_hierarchy_that_is_cancelled_is_not_built(void **state)
+{
+    (void)state;
+    lf_error err;
+    RTCDevice device = rtcNewDevice(NULL);
+    RTCScene scene = rtcNewScene(device);
+    lf_import_group group, *before = lf_import_group_begin(&group);
+    lf_assert_ok(lf_embree_commit(scene, device, &err), &err);
+    lf_import_group_cancel(&group);
+    lf_assert_status(lf_embree_commit(scene, device, &err), LF_E_CANCELLED, &err);
+    (void)lf_import_group_enter(before);
+    lf_assert_ok(lf_embree_commit(scene, device, &err), &err);
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+}
+
 int main(int argc, char **argv)
 {
     (void)argc;
@@ -274,8 +399,13 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_file_of_places_is_read_once),
         cmocka_unit_test(the_end_of_the_shutter_reads_what_moves),
         cmocka_unit_test(a_sky_is_read_once),
+        cmocka_unit_test(velocities_are_read_once),
         cmocka_unit_test(what_one_file_takes_the_next_has_not),
         cmocka_unit_test(the_limit_is_that_of_all_files_together),
+        cmocka_unit_test(a_group_that_is_cancelled_ends_alone),
+        cmocka_unit_test(a_document_that_is_cancelled_is_not_read),
+        cmocka_unit_test(a_part_belongs_to_its_whole),
+        cmocka_unit_test(a_hierarchy_that_is_cancelled_is_not_built),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }
