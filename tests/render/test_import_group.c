@@ -147,23 +147,24 @@ static void a_mesh_file_is_read_once(void **state)
     "  'm1': {'file': '%s', 'material': 'blue', 'instances': [{'translate': [0.5, 0, 0]}]},"       \
     "  'm2': {'file': '%s', 'transform': {'translate': [0, 1, 0]}},"                               \
     "  'm3': {'file': '%s', 'normals': 'smooth', 'transform': {'translate': [0, -1, 0]}},"         \
-    "  'm4': {'file': '%s', 'material': 'red', 'transform': {'scale': 0.5}}}}"
+    "  'm4': {'file': '%s', 'material': 'red', 'transform': {'scale': 0.5}},"                      \
+    "  'm5': {'file': '%s', 'instances': [{'translate': [2, 0, 0]}]}}}"
 
 static void meshes_that_share_a_reading_are_those_that_are_read_apart(void **state)
 {
     char *folder = lf_test_folder(), text[2048];
     static const char corner[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\n";
-    static const char *const names[] = {"a.obj", "b.obj", "c.obj", "d.obj", "e.obj"};
+    static const char *const names[] = {"a.obj", "b.obj", "c.obj", "d.obj", "e.obj", "f.obj"};
     double *picture[2];
     (void)state;
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < 6; i++)
         lf_test_write(folder, names[i], corner);
     for (int apart = 0; apart < 2; apart++) {
-        const char *of[5];
-        for (int i = 0; i < 5; i++)
+        const char *of[6];
+        for (int i = 0; i < 6; i++)
             of[i] = names[apart ? i : 0];
-        snprintf(text, sizeof text, APART, of[0], of[1], of[2], of[3], of[4]);
-        assert_int_equal(count_read(folder, text, ".obj"), apart ? 5 : 4);
+        snprintf(text, sizeof text, APART, of[0], of[1], of[2], of[3], of[4], of[5]);
+        assert_int_equal(count_read(folder, text, ".obj"), apart ? 6 : 5);
         picture[apart] = lf_test_picture_by(lf_test_scene_in(folder, text, NULL), 16, 16, 1);
     }
     assert_memory_equal(picture[0], picture[1], 2 * 16 * 16 * sizeof(double));
