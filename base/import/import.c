@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -12,6 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/import/import_group.h"
 #include "base/spawn.h"
 #include "base/thread.h"
 
@@ -193,18 +195,13 @@ static lf_status converse(child *reader, const char *where, lf_import_open_fn op
 }
 
 /* What is to be said of a reader that ended without a word. */
-static lf_status say_how_it_ended(const child *reader, int how, const lf_import_request *request,
-                                  const char *where, lf_error *err)
+static lf_status say_how_it_ended(const child *reader, int how, const char *where, lf_error *err)
 {
     int signal = WIFSIGNALED(how) ? WTERMSIG(how) : 0;
     if (reader->stopped)
-        return lf_error_set(err, LF_E_CANCELLED, where, "stopped");
+        return lf_import_say_stopped(where, err);
     if (reader->late || signal == SIGXCPU)
-        return lf_error_set(
-            err, LF_E_TIMEOUT, where,
-            "reading takes longer than %u s (--import-time); the file is damaged or "
-            "very large",
-            request->seconds);
+        return lf_import_say_late(where, err);
     if (signal != 0 && signal != SIGKILL)
         return lf_error_set(err, LF_E_FORMAT, where,
                             "the reader ended by signal %d; the file is damaged or not what it "
@@ -215,28 +212,40 @@ static lf_status say_how_it_ended(const child *reader, int how, const lf_import_
         "the reader ended without a word; the file is damaged or not what it claims");
 }
 
-lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
-                        lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
+static lf_status run(lf_import_request *request, int fd, const char *where, double deadline,
+                     lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
 {
-    child reader = {.pid = -1, .begun = lf_time_now(), .progress = {.path = where}};
+    child reader = {
+        .pid = -1, .begun = lf_time_now(), .deadline = deadline, .progress = {.path = where}};
+    const double left = deadline - reader.begun;
     struct stat info;
+    if (lf_import_is_stopped())
+        return lf_import_say_stopped(where, err);
+    if (!(left > 0))
+        return lf_import_say_late(where, err);
     reader.progress.bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
     request->version = LF_IMPORT_VERSION;
     request->asker = getpid();
     request->memory = lf_import_memory();
-    request->seconds = lf_import_seconds();
-    if (lf_import_is_stopped())
-        return lf_error_set(err, LF_E_CANCELLED, where, "stopped");
+    request->seconds = (uint32_t)ceil(left);
     lf_status status = begin_child(&reader, (lf_import_kind)request->kind, err);
     if (status != LF_OK)
         return status;
-    reader.deadline = reader.begun + request->seconds;
     status = LF_E_STATE;
     if (lf_import_send(reader.socket, request, sizeof *request, fd) == LF_OK)
         status = converse(&reader, where, open, context, out, err);
     int how = end_child(&reader);
     tell_watcher(&reader, true);
     if (status == LF_E_STATE)
-        status = say_how_it_ended(&reader, how, request, where, err);
+        status = say_how_it_ended(&reader, how, where, err);
+    return status;
+}
+
+lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
+                        lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
+{
+    double deadline = lf_import_begin_reading();
+    lf_status status = run(request, fd, where, deadline, open, context, out, err);
+    lf_import_end_reading();
     return status;
 }

@@ -27,12 +27,12 @@ extern "C" {
 
 #include "base/import/parcel.h"
 
-/* What reading one file may take where nobody says otherwise. */
+/* What reading may take where nobody says otherwise. */
 #define LF_IMPORT_SECONDS 120
 
-/* What reading one file may take from now on: bytes (0: half of the memory that there is, of the
- * machine or for the group that the process runs in) and seconds. Of the whole process. Thread:
- * any. */
+/* What reading may take from now on: bytes for one file (0: half of the memory that there is, of
+ * the machine or for the group that the process runs in) and seconds for all files of one scene
+ * (import_group.h). Of the whole process. Thread: any. */
 void lf_import_limit(uint64_t memory, int seconds);
 /* At the end of the program: reading that is in progress ends within a tenth of a second, and what
  * would begin does not: LF_E_CANCELLED. Signal handlers may call it. Thread: any. */
@@ -51,9 +51,11 @@ typedef void (*lf_import_watch_fn)(void *context, const lf_import_progress *prog
 /* Of the whole process, while nothing is being read; watch NULL: nobody looks. */
 void lf_import_watch(lf_import_watch_fn watch, void *context);
 
-/* The limits, and whether lf_import_stop was called: for what reads long files by itself. */
+/* The limits. */
 uint64_t lf_import_memory(void);
 unsigned lf_import_seconds(void);
+/* Whether lf_import_stop was called, or what this thread reads was cancelled (import_group.h): for
+ * loops that take long. */
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
@@ -72,7 +74,7 @@ typedef struct lf_import_request {
     uint32_t version, kind;
     int64_t asker;    /* its process */
     uint64_t memory;  /* bytes that the reader may have */
-    uint32_t seconds; /* of CPU time */
+    uint32_t seconds; /* of CPU time: what is left, at least 1 */
     /* of a mesh */
     uint32_t normals;   /* lf_normals (render/render.h) */
     uint32_t materials; /* 1: the file's own are wanted */
@@ -126,7 +128,7 @@ typedef lf_status (*lf_import_open_fn)(void *context, const char *name, bool nee
  * Errors: the reader's own (LF_E_FORMAT, LF_E_NOMEM, …; LF_E_ARG: the file has not got what
  * the request names); LF_E_FORMAT: it ended without a word
  * (also when the system ended it for want of memory, which is not told from that); LF_E_NOMEM,
- * LF_E_TIMEOUT: it reached a limit; LF_E_CANCELLED: lf_import_stop; LF_E_IO: there is
+ * LF_E_TIMEOUT: it reached a limit; LF_E_CANCELLED: lf_import_is_stopped; LF_E_IO: there is
  * no reader, or no process to be had. Thread: any, several at once. */
 LF_NODISCARD lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
                                      lf_import_open_fn open, void *context, lf_parcel *out,

@@ -1,4 +1,4 @@
-/* What reading one file may take, and that it is to end. */
+/* What reading may take. */
 #include <limits.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -13,23 +13,12 @@
 static struct {
     _Atomic uint64_t memory;
     _Atomic unsigned seconds;
-    atomic_bool stopped;
 } limits = {.seconds = LF_IMPORT_SECONDS};
 
 void lf_import_limit(uint64_t memory, int seconds)
 {
     atomic_store(&limits.memory, memory);
     atomic_store(&limits.seconds, (unsigned)seconds);
-}
-
-void lf_import_stop(void)
-{
-    atomic_store(&limits.stopped, true);
-}
-
-bool lf_import_is_stopped(void)
-{
-    return atomic_load(&limits.stopped);
 }
 
 /* memory.max of a control group: a number of bytes, or "max". */

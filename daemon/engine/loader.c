@@ -6,6 +6,8 @@
 #include <time.h>
 
 #include "base/alloc.h"
+#include "base/import/import.h"
+#include "base/import/import_group.h"
 #include "base/log.h"
 #include "base/thread.h"
 #include "daemon/engine/folder.h"
@@ -27,6 +29,8 @@ struct lf_loader {
     const lf_roots *roots;
     lf_worker *worker;
     atomic_bool ends;
+    lf_import_group group;   /* of the load in progress */
+    _Atomic int64_t current; /* its number */
     /* the worker's own */
     lf_content *content; /* what was committed last */
     bool starved;        /* what was committed before that was not shown */
@@ -98,6 +102,7 @@ static lf_status turn_pages(const lf_loader *loader, lf_load *load)
     if (path) {
         lf_free(load->file);
         load->file = path;
+        load->step = 0; /* it may be made again */
     }
     return status;
 }
@@ -230,10 +235,20 @@ static void tell_depth(const lf_content *content, const lf_content *before)
                lf_depth_words(&content->depth, content->settings.width, words, sizeof words));
 }
 
+static lf_status fail_cancelled(lf_load *load)
+{
+    return lf_error_set(&load->err, LF_E_CANCELLED, load->file ? load->file : "", "cancelled");
+}
+
 static void run_load(lf_loader *loader, lf_load *load)
 {
     lf_content *content = NULL;
     load->status = make_content(loader, load, &content);
+    if (lf_import_is_stopped()) {
+        lf_content_unref(content);
+        load->status = fail_cancelled(load);
+        return;
+    }
     if (load->status != LF_OK || !content)
         return;
     load->goes_on = is_shown_anew(loader, load, content);
@@ -308,16 +323,47 @@ static lf_task *middle_of(lf_task *first)
     return middle;
 }
 
-/* A load and those taken into it. Of several changes one that is no good spoils none of the
- * others: they are then done in halves, so that few are done again for it. */
+static bool any_is_cancelled(const lf_load *load)
+{
+    for (; load; load = next_of(load))
+        if (atomic_load(&load->job.cancelled))
+            return true;
+    return false;
+}
+
+/* What was cancelled may have ended just before: then it was not this, which is made again. */
+static void run_to_its_end(lf_loader *loader, lf_load *load)
+{
+    bool again = true;
+    atomic_store(&loader->current, load->job.id);
+    while (again) {
+        lf_import_group *before = lf_import_group_begin(&loader->group);
+        if (any_is_cancelled(load))
+            load->status = fail_cancelled(load);
+        else
+            run_load(loader, load);
+        (void)lf_import_group_enter(before);
+        again = load->status == LF_E_CANCELLED && atomic_load(&loader->group.cancelled) &&
+                !any_is_cancelled(load) && !atomic_load(&loader->ends);
+    }
+    atomic_store(&loader->current, 0);
+}
+
+/* Whether those taken into a load may come to something without it. */
+static bool spoils_others(const lf_load *load)
+{
+    return load->status == LF_E_CANCELLED || (load->status != LF_OK && load->kind != LF_LOAD_FILE);
+}
+
+/* A load and those taken into it. Of several changes one that is no good or cancelled spoils none
+ * of the others: they are then done in halves, so that few are done again for it. */
 static void run_together(lf_loader *loader, lf_load *load)
 {
     if (atomic_load(&loader->ends))
         drop_task(loader, &load->task);
     else
-        run_load(loader, load);
-    if (load->status == LF_OK || load->kind == LF_LOAD_FILE || !load->task.next ||
-        atomic_load(&loader->ends)) {
+        run_to_its_end(loader, load);
+    if (!load->task.next || !spoils_others(load) || atomic_load(&loader->ends)) {
         share_outcome(load);
         return;
     }
@@ -350,6 +396,8 @@ static void run_task(void *context, lf_task *task)
     if (load->kind == LF_LOAD_PATCH || load->kind == LF_LOAD_ORBIT)
         let_one_show(loader);
     take_others(loader, load);
+    for (lf_task *each = task; each; each = each->next)
+        atomic_store(&((lf_load *)(void *)each)->job.begun, true);
     run_together(loader, load);
 }
 
@@ -389,4 +437,18 @@ void lf_loader_queue(lf_loader *loader, lf_load *load)
 int lf_loader_pending(lf_loader *loader)
 {
     return lf_worker_pending(loader->worker);
+}
+
+/* Whichever of both threads is later sees what the other has noted: the worker looks at `cancelled`
+ * when it has noted `begun`, and made the group. */
+void lf_loader_cancel(lf_loader *loader, lf_load *load)
+{
+    atomic_store(&load->job.cancelled, true);
+    if (atomic_load(&load->job.begun))
+        lf_import_group_cancel(&loader->group);
+}
+
+int64_t lf_loader_current(lf_loader *loader)
+{
+    return atomic_load(&loader->current);
 }

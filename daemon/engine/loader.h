@@ -3,9 +3,12 @@
  * file: nobody sees what they would be in between. A picture that changes is given a moment to be
  * shown before the next change, and where one change has cost a picture its coarse frame the next
  * one lets it come: whoever moves a slider sees something move. The picture shown goes on being
- * rendered meanwhile; the event thread hears of the outcome through its inbox. */
+ * rendered meanwhile; the event thread hears of the outcome through its inbox. The files of a load
+ * are a group (base/import/import_group.h): they have one limit of time. */
 #ifndef LF_DAEMON_LOADER_H
 #define LF_DAEMON_LOADER_H
+
+#include <stdatomic.h>
 
 #include "daemon/engine/engine.h"
 #include "daemon/threads/inbox.h"
@@ -18,8 +21,18 @@ typedef enum lf_load_kind {
     LF_LOAD_APPLY, /* the same scene, with other options or another panel */
 } lf_load_kind;
 
+/* A load as something that can be cancelled. */
+typedef struct lf_load_job {
+    int64_t id;            /* the poster's number of it */
+    struct lf_load *later; /* the poster's: queued behind it, … */
+    int looks;             /* … and how often it was seen waiting or under way */
+    atomic_bool begun;     /* alone or with others */
+    atomic_bool cancelled; /* lf_loader_cancel */
+} lf_load_job;
+
 typedef struct lf_load {
     lf_task task; /* posted when it is done; the poster sets done */
+    lf_load_job job;
     lf_load_kind kind;
     /* FILE: so many files on from `file` in its folder (lf_folder_neighbour); 0 = itself */
     int step;
@@ -64,5 +77,11 @@ void lf_load_destroy(lf_load *load);
 void lf_loader_queue(lf_loader *loader, lf_load *load);
 /* Loads queued or in progress. */
 int lf_loader_pending(lf_loader *loader);
+/* Ends a load that was not posted back yet: LF_E_CANCELLED, soon where it is in progress, else when
+ * its turn has come. Others that are made together with it are made without it. One that is being
+ * committed already is not ended. */
+void lf_loader_cancel(lf_loader *loader, lf_load *load);
+/* job.id of the load in progress, of several that are made together of the first; 0: none is. */
+int64_t lf_loader_current(lf_loader *loader);
 
 #endif

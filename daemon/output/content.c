@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/import/import_group.h"
 #include "base/log.h"
 
 static lf_content *content_create(const char *file)
@@ -49,8 +50,10 @@ lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const l
     lf_content *content = content_create(file);
     if (!content)
         return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
+    lf_import_group group, *before = lf_import_group_begin(&group); /* of a folder's pictures */
     lf_status status =
         lf_quilt_read(file, roots, options->columns, options->rows, &content->quilt, err);
+    (void)lf_import_group_enter(before);
     if (status != LF_OK) {
         lf_content_unref(content);
         return status;

@@ -120,7 +120,7 @@ const lf_param lf_option_params[] = {
      .high = 65536, .help = "what reading one file may take (half of what there is)"},
     {.option = "import-time", .argument = "SECONDS", PLACE(import_time), .type = LF_PARAM_WHOLE,
      .low = 1, .high = 86400, .initial = LF_IMPORT_SECONDS,
-     .help = "the same of time"},
+     .help = "what reading all files of a scene may take"},
     {0},
 };
 /* clang-format on */

@@ -164,12 +164,12 @@ static void destroy(lf_server *server)
     lf_show_end(server->show);
     lf_server_release_loads(server);
     lf_loader_destroy(server->loader);
-    lf_server_drop_loading(server);
     lf_engine_destroy(server->engine);
     lf_states_destroy(server->saved.states);
     lf_server_fail_waits(server, &over, false);
     if (server->inbox.event_fd >= 0)
         lf_inbox_finish(&server->inbox, server);
+    lf_server_drop_loading(server);
     lf_clients_destroy(server->clients);
     lf_server_unlisten(server);
     lf_show_destroy(server->show);

@@ -6,7 +6,7 @@
  *   server_buttons.c  what its buttons do
  *   server_engine.c   what comes back from the engine and the loader; waits
  *   server_play.c     playing the frames of a scene
- *   server_loading.c  how far the reading of files is
+ *   server_loading.c  loads: how far the reading of files is, cancelling
  *   server_signals.c  signals, timers, systemd's ears
  *   server_watch.c    the scene file that changes on disk
  *   server_export.c   exports: what a call's words say
@@ -144,7 +144,7 @@ struct lf_server {
     lf_shown shown;
     lf_wait *waits;
     lf_job *jobs;
-    int64_t n_jobs;
+    int64_t n_jobs; /* numbers given so far, to exports and loads */
 };
 
 /* ---------------------------------------------------------------------------------- server.c -- */
@@ -210,8 +210,15 @@ json_t *lf_server_time_json(const lf_server *server);
 LF_NODISCARD lf_status lf_server_make_loading(lf_server *server);
 /* Accepts what was not made. */
 void lf_server_drop_loading(lf_server *server);
-/* A load was queued: clients hear how far it is until none is left. */
-void lf_server_loads(lf_server *server);
+/* A load is about to be queued: it gets a number, and clients hear how far it is until none is
+ * left. */
+void lf_server_loads(lf_server *server, lf_load *load);
+/* It has come back; accepts one that was never queued. */
+void lf_server_load_ended(lf_server *server, lf_load *load);
+/* The load in progress, as `status` shows it; null: none. */
+json_t *lf_server_load_json(lf_server *server);
+/* Ends the load of that number; false: there is none. */
+bool lf_server_cancel_load(lf_server *server, int64_t id);
 /* The file that is being read, as `status` and the notification `scene.load` show it; null: none.
  */
 json_t *lf_server_reading_json(lf_server *server);

@@ -289,7 +289,8 @@ static void load_succeeded(lf_server *server, lf_load *load)
 
 static void load_failed(lf_server *server, const lf_load *load)
 {
-    if (!load->deferred && !load->played && load->status != LF_E_CANCELLED) {
+    bool ended = load->status == LF_E_CANCELLED && !atomic_load(&load->job.cancelled);
+    if (!load->deferred && !load->played && !ended) {
         lf_log_error(&load->err);
         server->error = load->err;
     }
@@ -302,6 +303,7 @@ static void on_load_done(void *reader, lf_task *task)
 {
     lf_server *server = reader;
     lf_load *load = (lf_load *)(void *)task;
+    lf_server_load_ended(server, load);
     if (load->status == LF_OK)
         load_succeeded(server, load);
     else
@@ -331,8 +333,8 @@ static void queue_load(lf_server *server, lf_load *load)
     load->has_calibration = calibration;
     if (calibration)
         load->calibration = *calibration;
+    lf_server_loads(server, load);
     lf_loader_queue(server->loader, load);
-    lf_server_loads(server);
 }
 
 void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)

@@ -1,8 +1,10 @@
-/* How far the reading of files is. Whoever reads them tells on threads of its own. */
+/* Loads that wait or are under way: how far the reading of files is, which its readers tell on
+ * threads of their own, and how a load ends before its time: by job.cancel, or for a later one. */
 #include <string.h>
 
 #include "base/alloc.h"
 #include "base/import/import.h"
+#include "base/log.h"
 #include "base/thread.h"
 #include "daemon/server/server.h"
 
@@ -17,6 +19,8 @@ struct lf_loading {
     int n_read; /* files, since the daemon had nothing to load */
     /* the event thread's */
     sd_event_source *timer;
+    lf_load *first; /* those that the loader has, as they were queued */
+    lf_load *last;
 };
 
 static void on_reading(void *context, const lf_import_progress *progress)
@@ -48,6 +52,106 @@ json_t *lf_server_reading_json(lf_server *server)
     return reading;
 }
 
+/* ------------------------------------------------------------------------------ as it is told --
+ */
+
+static lf_load *find_load(const lf_server *server, int64_t id)
+{
+    lf_load *load = server->loading->first;
+    while (load && load->job.id != id)
+        load = load->job.later;
+    return load;
+}
+
+/* Of one that a button turns to, the loader finds out what it is. */
+static const char *file_of(const lf_load *load)
+{
+    return load->kind == LF_LOAD_FILE && !load->browsed ? load->file : NULL;
+}
+
+json_t *lf_server_load_json(lf_server *server)
+{
+    static const char *const kinds[] = {[LF_LOAD_FILE] = "file",
+                                        [LF_LOAD_PATCH] = "patch",
+                                        [LF_LOAD_ORBIT] = "orbit",
+                                        [LF_LOAD_FIT] = "fit",
+                                        [LF_LOAD_APPLY] = "settings"};
+    const lf_load *load = find_load(server, lf_loader_current(server->loader));
+    if (!load)
+        return json_null();
+    const char *file = file_of(load);
+    return json_pack("{s:I, s:s, s:o}", "job", (json_int_t)load->job.id, "kind", kinds[load->kind],
+                     "file", file ? lf_rpc_text(file) : json_null());
+}
+
+static void tell_reading(lf_server *server)
+{
+    json_t *reading = lf_server_reading_json(server);
+    int64_t job = lf_loader_current(server->loader);
+    if (json_is_object(reading) && job > 0) {
+        json_object_set_new(reading, "job", json_integer((json_int_t)job));
+        lf_server_notify(server, LF_EVENT_SCENE, "scene.load", reading);
+    } else {
+        json_decref(reading);
+    }
+}
+
+/* --------------------------------------------------------------------------- before its time -- */
+
+bool lf_server_cancel_load(lf_server *server, int64_t id)
+{
+    lf_load *load = find_load(server, id);
+    if (load)
+        lf_loader_cancel(server->loader, load);
+    return load;
+}
+
+/* Whoever asked has left. A half-closed connection stays for its answer. */
+static bool asker_is_gone(const lf_server *server, const lf_load *load)
+{
+    return load->deferred && !lf_clients_find(server->clients, lf_deferred_client(load->deferred));
+}
+
+/* Whether somebody wants that file instead of what is loaded. */
+static bool asks_for_file(const lf_load *load)
+{
+    return load->kind == LF_LOAD_FILE && (load->deferred || load->browsed);
+}
+
+static bool same_file(const lf_load *a, const lf_load *b)
+{
+    const char *file = file_of(a), *other = file_of(b);
+    return file && other && strcmp(file, other) == 0;
+}
+
+/* A load that takes long and that nobody waits for makes room. One that somebody asked for who has
+ * left makes room for any later one; what nobody asked for (the first scene, a file that changed, a
+ * frame that is played) for another file alone. Quick ones are made all the same. */
+static void make_room(lf_server *server)
+{
+    const lf_load *last = NULL, *last_file = NULL;
+    lf_load *load;
+    for (load = server->loading->first; load; load = load->job.later) {
+        if (asker_is_gone(server, load))
+            continue;
+        last = load;
+        last_file = asks_for_file(load) ? load : last_file;
+    }
+    bool before = last, before_file = last_file;
+    for (load = server->loading->first; load; load = load->job.later) {
+        before = before && load != last;
+        before_file = before_file && load != last_file;
+        bool unasked = !load->deferred && (load->kind == LF_LOAD_FILE || load->played);
+        bool replaced = (before && asker_is_gone(server, load) && !same_file(load, last)) ||
+                        (before_file && unasked && !same_file(load, last_file));
+        if (load->job.looks++ == 0 || !replaced || atomic_load(&load->job.cancelled))
+            continue;
+        lf_log(LF_LOG_INFO, "%s: its load ends for a later one",
+               file_of(load) ? file_of(load) : "a change of what is shown");
+        lf_loader_cancel(server->loader, load);
+    }
+}
+
 static int on_tell(sd_event_source *source, uint64_t usec, void *context)
 {
     lf_server *server = context;
@@ -58,18 +162,43 @@ static int on_tell(sd_event_source *source, uint64_t usec, void *context)
         pthread_mutex_unlock(&server->loading->lock);
         return 0;
     }
-    json_t *reading = lf_server_reading_json(server);
-    if (json_is_object(reading))
-        lf_server_notify(server, LF_EVENT_SCENE, "scene.load", reading);
-    else
-        json_decref(reading);
+    tell_reading(server);
+    make_room(server);
     (void)sd_event_source_set_time_relative(source, TELL_USEC);
     (void)sd_event_source_set_enabled(source, SD_EVENT_ONESHOT);
     return 0;
 }
 
-void lf_server_loads(lf_server *server)
+static void put_last(lf_loading *loading, lf_load *load)
 {
+    load->job.later = NULL;
+    if (loading->last)
+        loading->last->job.later = load;
+    else
+        loading->first = load;
+    loading->last = load;
+}
+
+/* Loads come back as they were queued: nearly always it is the first. */
+void lf_server_load_ended(lf_server *server, lf_load *load)
+{
+    lf_loading *loading = server->loading;
+    lf_load *before = NULL, **at = &loading->first;
+    while (*at && *at != load) {
+        before = *at;
+        at = &before->job.later;
+    }
+    if (!*at)
+        return;
+    *at = load->job.later;
+    if (loading->last == load)
+        loading->last = before;
+}
+
+void lf_server_loads(lf_server *server, lf_load *load)
+{
+    load->job.id = ++server->n_jobs;
+    put_last(server->loading, load);
     sd_event_source *timer = server->loading->timer;
     int enabled = SD_EVENT_OFF;
     (void)sd_event_source_get_enabled(timer, &enabled);

@@ -14,16 +14,23 @@
 /* Rows of a painted sky: 0.35 degrees each. */
 #define PAINTED_HEIGHT 512
 
-static lf_environment *find_shared(const lf_scene *previous, const char *key)
+static lf_environment *find_in(const lf_scene *scene, const char *key)
 {
-    for (int i = 0; previous && i < previous->n_lights; i++) {
-        lf_environment *environment = previous->lights[i].environment;
+    for (int i = 0; scene && i < scene->n_lights; i++) {
+        lf_environment *environment = scene->lights[i].environment;
         if (environment && strcmp(environment->key, key) == 0) {
             atomic_fetch_add_explicit(&environment->refs, 1, memory_order_relaxed);
             return environment;
         }
     }
     return NULL;
+}
+
+/* In this scene or the one before. */
+static lf_environment *find_shared(const lf_scene *scene, const lf_scene *previous, const char *key)
+{
+    lf_environment *found = find_in(scene, key);
+    return found ? found : find_in(previous, key);
 }
 
 static void copy_positive(const float *from, size_t n, float *to, const char *path)
@@ -89,14 +96,14 @@ static lf_status read_environment(int fd, const char *path, lf_environment **out
 }
 
 /* fd: the file, open; what path leads to by now may be another. */
-static lf_status share_or_read(int fd, const char *path, const lf_scene *previous,
-                               lf_environment **out, lf_error *err)
+static lf_status share_or_read(int fd, const char *path, const lf_scene *scene,
+                               const lf_scene *previous, lf_environment **out, lf_error *err)
 {
     lf_digest digest;
     char *key = lf_file_key(fd, path, "");
     if (!key)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    lf_environment *shared = find_shared(previous, key);
+    lf_environment *shared = find_shared(scene, previous, key);
     lf_status status = shared ? LF_OK : lf_file_digest(fd, path, &digest, err);
     if (!shared && status == LF_OK)
         status = read_environment(fd, path, out, err);
@@ -110,14 +117,15 @@ static lf_status share_or_read(int fd, const char *path, const lf_scene *previou
     return LF_OK;
 }
 
-lf_status lf_environment_load(const char *path, const lf_roots *roots, const lf_scene *previous,
-                              lf_environment **out_environment, lf_error *err)
+lf_status lf_environment_load(const char *path, const lf_roots *roots, const lf_scene *scene,
+                              const lf_scene *previous, lf_environment **out_environment,
+                              lf_error *err)
 {
     int fd;
     lf_status status = lf_file_open(path, roots, LF_IMAGE_MAX_BYTES, &fd, NULL, err);
     if (status != LF_OK)
         return status;
-    status = share_or_read(fd, path, previous, out_environment, err);
+    status = share_or_read(fd, path, scene, previous, out_environment, err);
     close(fd);
     return status;
 }
@@ -138,10 +146,10 @@ static char *painted_key(const lf_light_kind *kind, const lf_value values[])
 }
 
 lf_environment *lf_environment_paint(const lf_light_kind *kind, const lf_value values[],
-                                     const lf_scene *previous)
+                                     const lf_scene *scene, const lf_scene *previous)
 {
     char *key = painted_key(kind, values);
-    lf_environment *environment = key ? find_shared(previous, key) : NULL;
+    lf_environment *environment = key ? find_shared(scene, previous, key) : NULL;
     if (!key || environment) {
         lf_free(key);
         return environment;

@@ -10,6 +10,7 @@
 
 #include "base/alloc.h"
 #include "base/import/import.h"
+#include "base/import/import_group.h"
 #include "base/thread.h"
 
 /* Fits the processor's caches, so that what is hashed was just copied there. */
@@ -29,18 +30,15 @@ char *lf_file_key(int fd, const char *path, const char *suffix)
     return key;
 }
 
-static lf_status hash_file(int fd, const char *path, XXH3_state_t *state, void *chunk,
-                           lf_error *err)
+static lf_status hash_file(int fd, const char *path, double deadline, XXH3_state_t *state,
+                           void *chunk, lf_error *err)
 {
-    const double deadline = lf_time_now() + lf_import_seconds();
     off_t at = 0;
     for (;;) {
         if (lf_import_is_stopped())
-            return lf_error_set(err, LF_E_CANCELLED, path, "stopped");
+            return lf_import_say_stopped(path, err);
         if (lf_time_now() > deadline)
-            return lf_error_set(err, LF_E_TIMEOUT, path,
-                                "reading takes longer than %u s (--import-time)",
-                                lf_import_seconds());
+            return lf_import_say_late(path, err);
         ssize_t got = pread(fd, chunk, CHUNK_BYTES, at);
         if (got < 0 && errno == EINTR)
             continue;
@@ -57,9 +55,11 @@ lf_status lf_file_digest(int fd, const char *path, lf_digest *out, lf_error *err
 {
     XXH3_state_t *state = XXH3_createState();
     void *chunk = lf_calloc(1, CHUNK_BYTES);
+    const double deadline = lf_import_begin_reading();
     lf_status status = state && chunk && XXH3_128bits_reset(state) == XXH_OK
-                           ? hash_file(fd, path, state, chunk, err)
+                           ? hash_file(fd, path, deadline, state, chunk, err)
                            : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    lf_import_end_reading();
     if (status == LF_OK) {
         XXH128_hash_t hash = XXH3_128bits_digest(state);
         snprintf(out->text, sizeof out->text, "%016llx%016llx", (unsigned long long)hash.high64,

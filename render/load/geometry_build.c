@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/import/import_group.h"
 #include "render/load/geometry_textures.h"
+#include "render/scene/embree_commit.h"
 #include "render/scene/placed.h"
 #include "render/transport/surface.h"
 
@@ -386,12 +388,7 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
     if (geometry->large.n > 0 && !lf_large_attach(&geometry->large, geometry->device,
                                                   geometry->embree, (unsigned)geometry->n_meshes))
         return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take the large triangles");
-    rtcCommitScene(geometry->embree);
-    enum RTCError problem = rtcGetDeviceError(geometry->device);
-    if (problem != RTC_ERROR_NONE)
-        return lf_error_set(err, LF_E_NOMEM, "meshes",
-                            "Embree cannot build the hierarchy (error %d)", (int)problem);
-    return LF_OK;
+    return lf_embree_commit(geometry->embree, geometry->device, err);
 }
 
 lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origin[3], json_t *key,
@@ -422,7 +419,8 @@ lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origi
     for (int i = 0; i < n; i++) {
         lf_mesh_data_bounds(&data[i], bounds);
         geometry->n_meshes++;
-        if (take_mesh(geometry, &data[i], (unsigned)i, first_material) != LF_OK)
+        status = take_mesh(geometry, &data[i], (unsigned)i, first_material);
+        if (status != LF_OK)
             goto fail;
         geometry->motions[i] = motion_of(ends, i, data[i].span);
         geometry->lights[i] = data[i].lights;
@@ -432,14 +430,16 @@ lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origi
         first_material += data[i].n_materials;
     }
     memcpy(geometry->bounds, bounds, sizeof bounds);
-    if (take_lists(geometry, data, n) != LF_OK)
-        goto fail;
-    status = build_bvh(geometry, err);
+    status = take_lists(geometry, data, n);
+    if (status == LF_OK)
+        status = build_bvh(geometry, err);
     if (status != LF_OK)
         goto fail;
     *out_geometry = geometry;
     return LF_OK;
 fail:
+    if (status == LF_E_CANCELLED)
+        (void)lf_import_say_stopped("meshes", err);
     if (status == LF_E_NOMEM && !geometry->embree && geometry->device)
         lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
     lf_geometry_unref(geometry);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/import/import.h"
 #include "base/nearest.h"
 
 lf_node lf_node_child(const lf_node *parent, const char *key)
@@ -142,9 +143,17 @@ void lf_join_names(const char *const names[], char *out, size_t size)
     }
 }
 
+/* Documents may hold hundreds of thousands of objects and numbers. */
+static bool is_stopped(lf_reader *reader, const lf_node *node)
+{
+    if (reader->status == LF_OK && lf_import_is_stopped())
+        report(reader, node, LF_E_CANCELLED, "stopped");
+    return reader->status == LF_E_CANCELLED;
+}
+
 bool lf_read_object(lf_reader *reader, const lf_node *node, const char *const keys[])
 {
-    if (reader->status != LF_OK || !node->value)
+    if (reader->status != LF_OK || !node->value || is_stopped(reader, node))
         return false;
     if (!json_is_object(node->value)) {
         lf_read_fail(reader, node, "expected an object, found %s", type_name(node->value));
@@ -172,6 +181,8 @@ bool lf_read_object(lf_reader *reader, const lf_node *node, const char *const ke
 static bool number_in_range(lf_reader *reader, const lf_node *node, double lo, double hi,
                             double *out)
 {
+    if (is_stopped(reader, node))
+        return false;
     if (!json_is_number(node->value)) {
         lf_read_fail(reader, node, "expected a number, found %s", type_name(node->value));
         return false;

@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "base/import/import.h"
+#include "base/import/import_group.h"
 #include "render/load/file_identity.h"
 #include "render/load/mesh_take.h"
 
@@ -22,27 +23,53 @@ typedef struct asked {
     lf_error failed; /* the first file that could not be opened */
 } asked;
 
+const lf_mesh_file *lf_mesh_noted(const lf_mesh_data *data, const char *path)
+{
+    for (int i = 0; i < data->n_files; i++)
+        if (strcmp(data->files[i].path, path) == 0)
+            return &data->files[i];
+    return NULL;
+}
+
+static lf_status check_room(const lf_mesh_data *data, const char *path, lf_error *err)
+{
+    return data->n_files < LF_MESH_MAX_FILES
+               ? LF_OK
+               : lf_error_set(err, LF_E_NOMEM, path, "too many files behind one mesh (at most %d)",
+                              LF_MESH_MAX_FILES);
+}
+
+lf_status lf_mesh_note_same(lf_mesh_data *data, const lf_mesh_file *file, lf_error *err)
+{
+    if (lf_mesh_noted(data, file->path))
+        return LF_OK;
+    lf_status status = check_room(data, file->path, err);
+    if (status != LF_OK)
+        return status;
+    char *path = lf_strdup(file->path);
+    if (!path)
+        return lf_error_set(err, LF_E_NOMEM, file->path, "out of memory");
+    data->files[data->n_files] = *file;
+    data->files[data->n_files++].path = path;
+    return LF_OK;
+}
+
 lf_status lf_mesh_note_file(lf_mesh_data *data, const char *path, int fd, lf_error *err)
 {
     struct stat info;
-    lf_mesh_file *file = &data->files[data->n_files];
-    for (int i = 0; i < data->n_files; i++)
-        if (strcmp(data->files[i].path, path) == 0)
-            return LF_OK;
-    if (data->n_files == LF_MESH_MAX_FILES)
-        return lf_error_set(err, LF_E_NOMEM, path, "too many files behind one mesh (at most %d)",
-                            LF_MESH_MAX_FILES);
-    if (fstat(fd, &info) != 0)
-        return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
-    *file = (lf_mesh_file){.modified = info.st_mtim, .size = info.st_size, .inode = info.st_ino};
-    lf_status status = lf_file_digest(fd, path, &file->digest, err);
+    if (lf_mesh_noted(data, path))
+        return LF_OK;
+    lf_status status = check_room(data, path, err);
     if (status != LF_OK)
         return status;
-    file->path = lf_strdup(path);
-    if (!file->path)
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    data->n_files++;
-    return LF_OK;
+    if (fstat(fd, &info) != 0)
+        return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
+    lf_mesh_file file = {.path = (char *)(uintptr_t)path,
+                         .modified = info.st_mtim,
+                         .size = info.st_size,
+                         .inode = info.st_ino};
+    status = lf_file_digest(fd, path, &file.digest, err);
+    return status == LF_OK ? lf_mesh_note_same(data, &file, err) : status;
 }
 
 static lf_status open_asked(void *context, const char *name, bool needed, int *out_fd)
@@ -92,14 +119,38 @@ static void put_clip(const lf_clip *clip, lf_import_request *request)
     request->seconds_in = clip->seconds;
 }
 
-static lf_status import_from(const lf_mesh_desc *desc, const char *path, asked *state,
-                             lf_error *err)
+/* The words of a request that descriptions of meshes have a say in. */
+bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
+{
+    const lf_clip *c = &a->clip, *d = &b->clip;
+    return strcmp(a->file, b->file) == 0 && a->normals == b->normals &&
+           (a->material < 0) == (b->material < 0) && a->shines == b->shines &&
+           memcmp(&a->transform, &b->transform, sizeof a->transform) == 0 &&
+           strcmp(c->name ? c->name : "", d->name ? d->name : "") == 0 && c->number == d->number &&
+           c->chosen == d->chosen && c->once == d->once && c->seconds == d->seconds;
+}
+
+/* Why nothing came of reading where files are to blame that the reader asked for; NULL: they are
+ * not. */
+static const lf_error *problem_of_files(const asked *state, const char *path, lf_status status,
+                                        bool opened)
+{
+    /* a mesh is read without its libraries, but for want of a buffer it may be refused */
+    bool missed = (status == LF_E_FORMAT || status == LF_E_IO) && !lf_path_has_ending(path, ".obj");
+    missed = missed || (status == LF_E_IO && !opened);
+    if (state->refused.status != LF_OK)
+        return &state->refused;
+    return missed && state->failed.status != LF_OK ? &state->failed : NULL;
+}
+
+/* Has a file read: its parcel, and in state what became of the files that were asked for. */
+static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *state, lf_parcel *out,
+                           lf_error *err)
 {
     lf_import_request request = {.kind = LF_IMPORT_MESH,
                                  .normals = (uint32_t)desc->normals,
                                  .materials = desc->material < 0,
                                  .shines = desc->shines};
-    lf_parcel parcel = {0};
     int fd = -1;
     if (strlen(path) >= sizeof request.path)
         return lf_error_set(err, LF_E_FORMAT, path, "the path is too long");
@@ -107,45 +158,57 @@ static lf_status import_from(const lf_mesh_desc *desc, const char *path, asked *
     put_clip(&desc->clip, &request);
     memcpy(request.transform, desc->transform.m, sizeof request.transform);
     lf_status status = open_asked(state, path, true, &fd);
-    if (status == LF_OK) {
-        status = lf_import_run(&request, fd, path, open_asked, state, &parcel, err);
+    const bool opened = status == LF_OK;
+    if (opened) {
+        status = lf_import_run(&request, fd, path, open_asked, state, out, err);
         close(fd);
     }
-    /* a mesh is read without its libraries, but for want of a buffer it may be refused */
-    bool read = status == LF_OK,
-         missed = (status == LF_E_FORMAT || status == LF_E_IO) && !lf_path_has_ending(path, ".obj");
-    missed = missed || (status == LF_E_IO && fd < 0);
-    if (state->refused.status != LF_OK || (missed && state->failed.status != LF_OK)) {
-        const lf_error *problem = state->refused.status != LF_OK ? &state->refused : &state->failed;
-        lf_parcel_close(&parcel);
-        if (err)
-            *err = *problem;
-        return problem->status;
-    }
+    const lf_error *problem = problem_of_files(state, path, status, opened);
+    if (!problem)
+        return status;
+    if (err)
+        *err = *problem;
+    return problem->status;
+}
+
+/* One mesh of what was read; the first of all has its files noted already. */
+static lf_status take_mesh(const lf_mesh_desc *desc, const char *path, const lf_parcel *parcel,
+                           const asked *state, lf_mesh_data *out, lf_error *err)
+{
     lf_error wrong;
-    if (read)
-        status = lf_mesh_take(&parcel, request.materials, state->data, &wrong);
-    if (read && status != LF_OK)
-        status = lf_error_set(err, status, path, "%s", wrong.what);
-    if (status == LF_OK)
-        take_warnings(&parcel, path, &state->data->warnings);
+    lf_status status = lf_mesh_take(parcel, desc->material < 0, out, &wrong);
+    if (status != LF_OK)
+        return lf_error_set(err, status, path, "%s", wrong.what);
+    for (int i = 0; i < state->data->n_files && status == LF_OK; i++)
+        status = lf_mesh_note_same(out, &state->data->files[i], err);
+    take_warnings(parcel, path, &out->warnings);
+    if (state->failed.status != LF_OK && desc->material < 0)
+        lf_warnings_add(&out->warnings, path, "left out: %s: %s", state->failed.where,
+                        state->failed.what);
+    return status;
+}
+
+lf_status lf_mesh_import_alike(const lf_mesh_desc *desc, const char *folder, const lf_roots *roots,
+                               lf_mesh_data *const out[], int n, lf_error *err)
+{
+    asked state = {.roots = roots, .data = out[0]};
+    lf_parcel parcel = {0};
+    char *path = lf_path_join(folder, desc->file);
+    if (!path)
+        return lf_error_set(err, LF_E_NOMEM, desc->file, "out of memory");
+    lf_status status = read_mesh(desc, path, &state, &parcel, err);
+    for (int i = 0; i < n && status == LF_OK; i++)
+        status = lf_import_is_stopped() ? lf_import_say_stopped(path, err)
+                                        : take_mesh(desc, path, &parcel, &state, out[i], err);
     lf_parcel_close(&parcel);
+    lf_free(path);
     return status;
 }
 
 lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder, const lf_roots *roots,
                          lf_mesh_data *out, lf_error *err)
 {
-    asked state = {.roots = roots, .data = out};
-    char *path = lf_path_join(folder, desc->file);
-    if (!path)
-        return lf_error_set(err, LF_E_NOMEM, desc->file, "out of memory");
-    lf_status status = import_from(desc, path, &state, err);
-    if (status == LF_OK && state.failed.status != LF_OK && desc->material < 0)
-        lf_warnings_add(&out->warnings, path, "left out: %s: %s", state.failed.where,
-                        state.failed.what);
-    lf_free(path);
-    return status;
+    return lf_mesh_import_alike(desc, folder, roots, &out, 1, err);
 }
 
 lf_mesh_part lf_mesh_data_part(const lf_mesh_data *data, int number)

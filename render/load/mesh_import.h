@@ -75,9 +75,23 @@ typedef struct lf_mesh_data {
 LF_NODISCARD lf_status lf_mesh_import(const lf_mesh_desc *desc, const char *folder,
                                       const lf_roots *roots, lf_mesh_data *out, lf_error *err);
 
+/* Whether a reader is asked for the same by two meshes of files: with the same folder and roots,
+ * one reading is enough for both. */
+bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b);
+/* As lf_mesh_import for n meshes that all read like desc: the file is read once, and each of
+ * *out[n] gets a copy of its own. On failure some may be filled. */
+LF_NODISCARD lf_status lf_mesh_import_alike(const lf_mesh_desc *desc, const char *folder,
+                                            const lf_roots *roots, lf_mesh_data *const out[], int n,
+                                            lf_error *err);
+
 /* Notes a file that was opened for a mesh, once a path. LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_note_file(lf_mesh_data *data, const char *path, int fd,
                                          lf_error *err);
+/* Notes what was noted of a file for another mesh. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_mesh_note_same(lf_mesh_data *data, const lf_mesh_file *file,
+                                         lf_error *err);
+/* What was noted of a path; NULL: nothing. */
+const lf_mesh_file *lf_mesh_noted(const lf_mesh_data *data, const char *path);
 
 /* The mesh of desc->shape, as lf_mesh_import fills it. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out,

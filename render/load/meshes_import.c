@@ -3,20 +3,75 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/import/import_group.h"
 #include "base/thread.h"
 #include "render/load/places_import.h"
 
 enum { MOST_READERS = 4 }; /* at once: each may take the memory that --import-memory says */
 
-/* What one mesh after the other comes to, each on whatever thread is free. */
+/* Meshes that are read together: importing.order[first] and those behind it. */
+typedef struct reading {
+    int first, n;
+} reading;
+
+/* What one reading after the other comes to, each on whatever thread is free. */
 typedef struct importing {
     const lf_scene_desc *desc;
     const char *folder;
     const lf_roots *roots;
+    lf_import_group group; /* which the first that fails ends */
+    /* [n_meshes] */
+    const bool *wanted;
     lf_mesh_data *data;
     lf_status *status;
     lf_error *err;
+    /* what is read: first the meshes, then where they stand */
+    reading *readings;
+    int n_readings, n_files; /* all, and those that ask a reader */
+    int *order;              /* indices of meshes, rising in each reading */
+    lf_mesh_data **out;      /* their data */
+    bool *ordered;
 } importing;
+
+/* ---------------------------------------------------------------------------- what is read once --
+ */
+
+static bool meshes_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
+{
+    return !a->shape && !b->shape && lf_mesh_reads_alike(a, b);
+}
+
+static bool places_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
+{
+    return a->places.file && b->places.file && strcmp(a->places.file, b->places.file) == 0;
+}
+
+/* Which meshes are read together. One that is not alike to itself asks no reader. */
+static void find_readings(importing *all,
+                          bool (*alike)(const lf_mesh_desc *a, const lf_mesh_desc *b))
+{
+    const lf_mesh_desc *mesh = all->desc->meshes;
+    const int n = all->desc->n_meshes;
+    int at = 0;
+    all->n_readings = all->n_files = 0;
+    for (int i = 0; i < n; i++)
+        all->ordered[i] = !all->wanted[i];
+    for (int i = 0; i < n; i++) {
+        if (all->ordered[i])
+            continue;
+        reading *r = &all->readings[all->n_readings++];
+        *r = (reading){.first = at};
+        all->n_files += alike(&mesh[i], &mesh[i]);
+        for (int j = i; j < n; j++) {
+            if (all->ordered[j] || (j > i && !alike(&mesh[i], &mesh[j])))
+                continue;
+            all->ordered[j] = true;
+            all->order[at] = j;
+            all->out[at++] = &all->data[j];
+        }
+        r->n = at - r->first;
+    }
+}
 
 /* Whether a mesh is a light, as far as the words of its materials say. */
 static bool shines(const lf_mesh_desc *desc, const lf_mesh_data *data)
@@ -27,62 +82,139 @@ static bool shines(const lf_mesh_desc *desc, const lf_mesh_data *data)
     return found;
 }
 
-static void import_mesh(void *context, int i, int worker)
+static lf_status read_meshes(importing *all, const reading *r, int *out_wrong, lf_error *err)
 {
-    const importing *all = context;
-    const lf_mesh_desc *desc = &all->desc->meshes[i];
-    (void)worker;
-    all->data[i].name = desc->name;
-    all->status[i] =
-        desc->shape ? lf_mesh_shape_make(desc, &all->data[i], &all->err[i])
-                    : lf_mesh_import(desc, all->folder, all->roots, &all->data[i], &all->err[i]);
-    if (all->status[i] == LF_OK && lf_places_are_given(&desc->places))
-        all->status[i] = lf_places_import(desc, all->folder, all->roots,
-                                          shines(desc, &all->data[i]), &all->data[i], &all->err[i]);
+    *out_wrong = all->order[r->first];
+    const lf_mesh_desc *desc = &all->desc->meshes[*out_wrong];
+    lf_mesh_data *const *out = &all->out[r->first];
+    return desc->shape ? lf_mesh_shape_make(desc, out[0], err)
+                       : lf_mesh_import_alike(desc, all->folder, all->roots, out, r->n, err);
 }
 
-static int count_files(const lf_scene_desc *desc)
+static lf_status read_places(importing *all, const reading *r, int *out_wrong, lf_error *err)
 {
-    int n = 0;
-    for (int i = 0; i < desc->n_meshes; i++)
-        n += !desc->meshes[i].shape || desc->meshes[i].places.file;
-    return n;
+    lf_places_file file = {0};
+    lf_status status = LF_OK;
+    for (int i = r->first; i < r->first + r->n && status == LF_OK; i++) {
+        *out_wrong = all->order[i];
+        const lf_mesh_desc *desc = &all->desc->meshes[*out_wrong];
+        if (lf_places_are_given(&desc->places))
+            status = lf_places_import(desc, all->folder, all->roots, shines(desc, all->out[i]),
+                                      &file, all->out[i], err);
+    }
+    lf_places_file_close(&file);
+    return status;
+}
+
+/* --------------------------------------------------------------------------------- all of them --
+ */
+
+static void run_reading(importing *all, int item,
+                        lf_status (*read)(importing *all, const reading *r, int *out_wrong,
+                                          lf_error *err))
+{
+    lf_import_group *before = lf_import_group_enter(&all->group);
+    int wrong = all->order[all->readings[item].first];
+    lf_error err = {0};
+    lf_status status = lf_import_is_stopped()
+                           ? lf_import_say_stopped(all->desc->meshes[wrong].name, &err)
+                           : read(all, &all->readings[item], &wrong, &err);
+    if (status != LF_OK) {
+        lf_import_group_cancel(&all->group);
+        all->status[wrong] = status;
+        all->err[wrong] = err;
+    }
+    (void)lf_import_group_enter(before);
+}
+
+static void run_meshes(void *context, int item, int worker)
+{
+    (void)worker;
+    run_reading(context, item, read_meshes);
+}
+
+static void run_places(void *context, int item, int worker)
+{
+    (void)worker;
+    run_reading(context, item, read_places);
 }
 
 /* Files are read several at once, a process each. */
-static lf_status import_all(importing *all)
+static lf_status run_readings(importing *all, lf_pool_fn run)
 {
-    int n_files = count_files(all->desc);
     lf_pool *pool = NULL;
-    lf_status status = lf_pool_create(n_files < 1              ? 1
-                                      : n_files < MOST_READERS ? n_files
-                                                               : MOST_READERS,
-                                      &pool);
+    int threads = all->n_files < MOST_READERS ? all->n_files : MOST_READERS;
+    lf_status status = lf_pool_create(threads > 1 ? threads : 1, &pool);
     if (status == LF_OK)
-        status = lf_pool_run(pool, all->desc->n_meshes, import_mesh, all, NULL);
+        status = lf_pool_run(pool, all->n_readings, run, all, NULL);
     lf_pool_destroy(pool);
     return status;
 }
 
-/* One end of the shutter. */
-static lf_status import_end(const lf_scene_desc *desc, const char *folder, const lf_roots *roots,
-                            lf_mesh_data *data, int *out_wrong, lf_error *err)
+/* The first mesh that could not be read, not counting those that were ended for its sake. */
+static lf_status find_failure(const importing *all, int *out_wrong, lf_error *err)
 {
-    size_t n = (size_t)desc->n_meshes;
-    importing all = {
-        desc, folder, roots, data, lf_calloc(n, sizeof *all.status), lf_calloc(n, sizeof *all.err)};
-    lf_status status = all.status && all.err ? import_all(&all) : LF_E_NOMEM;
-    for (int i = 0; i < desc->n_meshes && status == LF_OK; i++) {
-        status = all.status[i];
-        if (status == LF_OK)
-            continue;
-        *out_wrong = i;
-        *err = all.err[i];
+    int wrong = -1;
+    for (int i = 0; i < all->desc->n_meshes; i++)
+        if (all->status[i] != LF_OK && (wrong < 0 || (all->status[wrong] == LF_E_CANCELLED &&
+                                                      all->status[i] != LF_E_CANCELLED)))
+            wrong = i;
+    if (wrong < 0)
+        return LF_OK;
+    *out_wrong = wrong;
+    *err = all->err[wrong];
+    return all->status[wrong];
+}
+
+static lf_status import_all(importing *all, int *out_wrong, lf_error *err)
+{
+    lf_import_group *before = lf_import_group_begin(&all->group);
+    find_readings(all, meshes_alike);
+    lf_status status = run_readings(all, run_meshes);
+    if (status == LF_OK)
+        status = find_failure(all, out_wrong, err);
+    if (status == LF_OK) {
+        find_readings(all, places_alike);
+        status = run_readings(all, run_places);
     }
-    lf_free(all.status);
-    lf_free(all.err);
+    if (status == LF_OK)
+        status = find_failure(all, out_wrong, err);
+    (void)lf_import_group_enter(before);
     return status;
 }
+
+/* One end of the shutter, of the meshes that are wanted. */
+static lf_status import_end(const lf_scene_desc *desc, const char *folder, const lf_roots *roots,
+                            const bool *wanted, lf_mesh_data *data, int *out_wrong, lf_error *err)
+{
+    size_t n = (size_t)desc->n_meshes;
+    importing all = {.desc = desc,
+                     .folder = folder,
+                     .roots = roots,
+                     .wanted = wanted,
+                     .data = data,
+                     .status = lf_calloc(n, sizeof *all.status),
+                     .err = lf_calloc(n, sizeof *all.err),
+                     .readings = lf_calloc(n, sizeof *all.readings),
+                     .order = lf_calloc(n, sizeof *all.order),
+                     .out = lf_calloc(n, sizeof(lf_mesh_data *)),
+                     .ordered = lf_calloc(n, sizeof *all.ordered)};
+    for (int i = 0; i < desc->n_meshes; i++)
+        data[i].name = desc->meshes[i].name;
+    lf_status status = all.status && all.err && all.readings && all.order && all.out && all.ordered
+                           ? import_all(&all, out_wrong, err)
+                           : LF_E_NOMEM;
+    lf_free(all.status);
+    lf_free(all.err);
+    lf_free(all.readings);
+    lf_free(all.order);
+    lf_free(all.out);
+    lf_free(all.ordered);
+    return status;
+}
+
+/* -------------------------------------------------------------------------------- the shutter --
+ */
 
 /* Whether a mesh is elsewhere when the shutter closes. */
 static bool would_move(const lf_mesh_desc *open, const lf_mesh_desc *close, double span)
@@ -150,23 +282,25 @@ static void take_close(lf_mesh_data *data, lf_mesh_data *at, const char *where)
     at->normals = at->tangents = NULL;
 }
 
-/* Where what moves goes until the shutter closes. */
+/* Where what moves goes until the shutter closes; moving: room for [n_meshes]. */
 static lf_status import_close(lf_ends ends, const lf_scene_file *file, const lf_roots *roots,
-                              lf_mesh_data *data, int *out_wrong, lf_error *err)
+                              bool *moving, lf_mesh_data *data, int *out_wrong, lf_error *err)
 {
     const int n = ends[0]->n_meshes;
     bool any = false;
     warn_of_places(ends, file->where, data);
-    for (int i = 0; i < n; i++)
-        any = any || moves(&ends[0]->meshes[i], &ends[1]->meshes[i], data[i].span);
+    for (int i = 0; i < n; i++) {
+        moving[i] = moves(&ends[0]->meshes[i], &ends[1]->meshes[i], data[i].span);
+        any = any || moving[i];
+    }
     if (!any)
         return LF_OK;
     lf_mesh_data *close = lf_calloc((size_t)n, sizeof *close);
     if (!close)
         return LF_E_NOMEM;
-    lf_status status = import_end(ends[1], file->folder, roots, close, out_wrong, err);
+    lf_status status = import_end(ends[1], file->folder, roots, moving, close, out_wrong, err);
     for (int i = 0; i < n; i++) {
-        if (status == LF_OK && moves(&ends[0]->meshes[i], &ends[1]->meshes[i], data[i].span))
+        if (status == LF_OK && moving[i])
             take_close(&data[i], &close[i], file->where);
         lf_mesh_data_finish(&close[i]);
     }
@@ -177,10 +311,16 @@ static lf_status import_close(lf_ends ends, const lf_scene_file *file, const lf_
 lf_status lf_meshes_import(lf_ends ends, const lf_scene_file *file, const lf_roots *roots,
                            lf_mesh_data *data, int *out_wrong, lf_error *err)
 {
-    if (ends[0]->n_meshes == 0)
+    const int n = ends[0]->n_meshes;
+    if (n == 0)
         return LF_OK;
-    lf_status status = import_end(ends[0], file->folder, roots, data, out_wrong, err);
+    bool *wanted = lf_calloc((size_t)n, sizeof *wanted);
+    if (!wanted)
+        return LF_E_NOMEM;
+    memset(wanted, true, (size_t)n * sizeof *wanted);
+    lf_status status = import_end(ends[0], file->folder, roots, wanted, data, out_wrong, err);
     if (status == LF_OK)
-        status = import_close(ends, file, roots, data, out_wrong, err);
+        status = import_close(ends, file, roots, wanted, data, out_wrong, err);
+    lf_free(wanted);
     return status;
 }

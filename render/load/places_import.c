@@ -55,11 +55,11 @@ lf_status lf_places_take(const lf_parcel *parcel, const char *path, lf_mesh_data
     return put(data, (const lf_affine *)(const void *)numbers, n / 12, path, err);
 }
 
-static lf_status import_file(const char *path, const lf_roots *roots, lf_mesh_data *data,
-                             lf_error *err)
+/* Reads a file of places, noting it in data. */
+static lf_status read_file(const char *path, const lf_roots *roots, lf_places_file *file,
+                           lf_mesh_data *data, lf_error *err)
 {
     lf_import_request request = {.kind = LF_IMPORT_PLACES};
-    lf_parcel parcel = {0};
     int fd = -1;
     if (strlen(path) >= sizeof request.path)
         return lf_error_set(err, LF_E_FORMAT, path, "the path is too long");
@@ -69,21 +69,37 @@ static lf_status import_file(const char *path, const lf_roots *roots, lf_mesh_da
         return status;
     status = lf_mesh_note_file(data, path, fd, err);
     if (status == LF_OK)
-        status = lf_import_run(&request, fd, path, NULL, NULL, &parcel, err);
-    if (status == LF_OK)
-        status = lf_places_take(&parcel, path, data, err);
-    lf_parcel_close(&parcel);
+        status = lf_import_run(&request, fd, path, NULL, NULL, &file->parcel, err);
     close(fd);
-    return status;
+    if (status != LF_OK)
+        return status;
+    file->noted = *lf_mesh_noted(data, path);
+    file->noted.path = lf_strdup(path);
+    return file->noted.path ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+}
+
+static lf_status import_file(const char *path, const lf_roots *roots, lf_places_file *file,
+                             lf_mesh_data *data, lf_error *err)
+{
+    lf_status status = file->noted.path ? lf_mesh_note_same(data, &file->noted, err)
+                                        : read_file(path, roots, file, data, err);
+    return status == LF_OK ? lf_places_take(&file->parcel, path, data, err) : status;
+}
+
+void lf_places_file_close(lf_places_file *file)
+{
+    lf_parcel_close(&file->parcel);
+    lf_free(file->noted.path);
+    *file = (lf_places_file){0};
 }
 
 lf_status lf_places_import(const lf_mesh_desc *desc, const char *folder, const lf_roots *roots,
-                           bool emits, lf_mesh_data *data, lf_error *err)
+                           bool emits, lf_places_file *file, lf_mesh_data *data, lf_error *err)
 {
     lf_status status = LF_OK;
     if (desc->places.file) {
         char *path = lf_path_join(folder, desc->places.file);
-        status = path ? import_file(path, roots, data, err) : LF_E_NOMEM;
+        status = path ? import_file(path, roots, file, data, err) : LF_E_NOMEM;
         lf_free(path);
     } else if (desc->places.n > 0) {
         status = put(data, desc->places.map, (size_t)desc->places.n, desc->name, err);

@@ -12,12 +12,22 @@
 LF_NODISCARD lf_status lf_places_take(const lf_parcel *parcel, const char *path, lf_mesh_data *data,
                                       lf_error *err);
 
+/* A file of places, read for the first mesh that stands there and kept for others. Zeroed: not
+ * read yet. */
+typedef struct lf_places_file {
+    lf_parcel parcel;
+    lf_mesh_file noted; /* its path is the struct's own; NULL: not read */
+} lf_places_file;
+
 /* Gives data, which is read, the places of desc, from the scene itself or from a file that
- * quiltimport reads (reader/places_read.h), noted in data->files. emits: some material of the mesh
- * shines: it is written out as copies then (mesh_repeat.h). Errors as of lf_mesh_import, and
- * LF_E_NOMEM for more copies than are possible; they name the mesh's file or its places'. */
+ * quiltimport reads (reader/places_read.h), noted in data->files. file is that of meshes whose
+ * places are in the same file, or zeroed; lf_places_file_close releases it in any case. emits: some
+ * material of the mesh shines: it is written out as copies then (mesh_repeat.h). Errors as of
+ * lf_mesh_import, and LF_E_NOMEM for more copies than are possible; they name the mesh's file or
+ * its places'. */
 LF_NODISCARD lf_status lf_places_import(const lf_mesh_desc *desc, const char *folder,
-                                        const lf_roots *roots, bool emits, lf_mesh_data *data,
-                                        lf_error *err);
+                                        const lf_roots *roots, bool emits, lf_places_file *file,
+                                        lf_mesh_data *data, lf_error *err);
+void lf_places_file_close(lf_places_file *file);
 
 #endif

@@ -4,6 +4,8 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/import/import.h"
+#include "base/import/import_group.h"
 #include "render/load/camera_frame.h"
 #include "render/load/environment_load.h"
 #include "render/load/file_identity.h"
@@ -45,6 +47,14 @@ static void fail_at(const commit *c, const char *section, const char *name, cons
     lf_node parent = lf_node_child(c->root, section), node = lf_node_child(&parent, name),
             leaf = lf_node_child(&node, member);
     lf_read_fail_with(c->reader, member[0] ? &leaf : &node, err);
+}
+
+/* Between what takes long: false when it is to end. */
+static bool goes_on(const commit *c)
+{
+    if (c->reader->status == LF_OK && lf_import_is_stopped())
+        c->reader->status = lf_import_say_stopped(c->reader->where, c->reader->err);
+    return c->reader->status == LF_OK;
 }
 
 static void out_of_memory(const commit *c)
@@ -356,8 +366,8 @@ static void place_meshes(commit *c)
 /* The picture of the sky that a light's file key names or its kind paints, if there is one. */
 static void load_environment(const commit *c, const lf_light_desc *desc, lf_light *light)
 {
-    if (desc->kind->paint &&
-        !(light->environment = lf_environment_paint(desc->kind, desc->values, c->previous)))
+    if (desc->kind->paint && !(light->environment = lf_environment_paint(desc->kind, desc->values,
+                                                                         c->scene, c->previous)))
         out_of_memory(c);
     for (int i = 0; desc->kind->keys[i].name; i++) {
         const char *file = desc->values[i].text;
@@ -367,8 +377,8 @@ static void load_environment(const commit *c, const lf_light_desc *desc, lf_ligh
         char *path = lf_path_join(c->scene->file.folder, file);
         if (!path)
             out_of_memory(c);
-        else if (lf_environment_load(path, c->roots, c->previous, &light->environment, &err) !=
-                 LF_OK)
+        else if (lf_environment_load(path, c->roots, c->scene, c->previous, &light->environment,
+                                     &err) != LF_OK)
             fail_at(c, "lights", desc->name, desc->kind->keys[i].name, &err);
         lf_free(path);
     }
@@ -435,7 +445,7 @@ static bool is_lamp(const lf_scene *scene, int mesh)
 static void find_overlaps(const commit *c)
 {
     lf_scene *scene = c->scene;
-    for (int i = 0; i < scene->n_lights; i++) {
+    for (int i = 0; i < scene->n_lights && goes_on(c); i++) {
         const lf_light *light = &scene->lights[i];
         int mesh = light->mesh,
             other = lf_light_has_faces(light) ? lf_mesh_light_overlaps(scene, light) : -1;
@@ -496,9 +506,9 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     scene->backdrop = desc->backdrop;
     scene->max_depth = desc->max_depth;
     load_volumes(&c);
-    if (reader->status == LF_OK)
+    if (goes_on(&c))
         load_meshes(&c);
-    if (reader->status != LF_OK)
+    if (!goes_on(&c))
         return;
     for (int i = 0; i < scene->n_volumes; i++) {
         lf_volume *fields = scene->volumes[i].albedo_fields;
@@ -512,7 +522,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     set_bounds(&c);
     lf_camera_frame(reader, root, desc, shutter, scene);
     load_lights(&c);
-    if (reader->status != LF_OK)
+    if (!goes_on(&c))
         return;
     scene->subject = lf_scene_subject(scene, desc, shutter);
     if (!scene->subject) {
@@ -521,8 +531,8 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     }
     lf_scene_look(scene);
     reader->status = lf_lights_commit(scene, reader->err);
-    if (reader->status != LF_OK)
-        return;
-    find_overlaps(&c);
-    collect_warnings(&c);
+    if (goes_on(&c))
+        find_overlaps(&c);
+    if (goes_on(&c))
+        collect_warnings(&c);
 }

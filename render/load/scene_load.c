@@ -3,6 +3,7 @@
 
 #include "base/alloc.h"
 #include "base/frame_name.h"
+#include "base/import/import_group.h"
 #include "render/load/bare_file.h"
 #include "render/load/keyframes.h"
 #include "render/load/scene_commit.h"
@@ -156,11 +157,9 @@ static lf_status load_bare(const char *path, const json_t *patch, const lf_roots
     return status;
 }
 
-lf_status lf_scene_load_patched(const char *path, const json_t *patch, const lf_roots *roots,
-                                const lf_scene *previous, lf_scene **out_scene, lf_error *err)
+static lf_status load_text(const char *path, const json_t *patch, const lf_roots *roots,
+                           const lf_scene *previous, lf_scene **out_scene, lf_error *err)
 {
-    if (lf_is_bare_file(path))
-        return load_bare(path, patch, roots, previous, out_scene, err);
     lf_scene_text text;
     lf_status status = lf_scene_text_read(path, roots, &text, err);
     char *folder = lf_path_folder(path);
@@ -175,6 +174,16 @@ lf_status lf_scene_load_patched(const char *path, const json_t *patch, const lf_
     return status;
 }
 
+lf_status lf_scene_load_patched(const char *path, const json_t *patch, const lf_roots *roots,
+                                const lf_scene *previous, lf_scene **out_scene, lf_error *err)
+{
+    lf_import_group group, *before = lf_import_group_begin(&group);
+    lf_status status = (lf_is_bare_file(path) ? load_bare : load_text)(path, patch, roots, previous,
+                                                                       out_scene, err);
+    (void)lf_import_group_enter(before);
+    return status;
+}
+
 lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene *previous,
                         lf_scene **out_scene, lf_error *err)
 {
@@ -186,5 +195,8 @@ lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *
                              lf_error *err)
 {
     const lf_json_source source = {where, NULL, 0, (json_t *)(uintptr_t)doc};
-    return build(&source, folder, roots, previous, out_scene, err);
+    lf_import_group group, *before = lf_import_group_begin(&group);
+    lf_status status = build(&source, folder, roots, previous, out_scene, err);
+    (void)lf_import_group_enter(before);
+    return status;
 }

@@ -113,6 +113,7 @@ static void drop_velocities(lf_grid_source *source)
         lf_grid_unref(source->velocity[i]);
         source->velocity[i] = NULL;
     }
+    lf_free(source->of);
     source->of = NULL;
 }
 
@@ -121,18 +122,27 @@ void lf_grid_source_finish(lf_grid_source *source)
     drop_velocities(source);
 }
 
-/* Reads a volume's velocities, once for all of its grids. */
+/* Reads a volume's velocities, once for all of its grids and for other volumes of the same file. */
 static lf_status need_velocities(lf_grid_source *source, const lf_volume_desc *volume,
                                  const request *r, lf_error *err)
 {
     const char *const names[3] = {volume->velocity.grid[0], volume->velocity.grid[1],
                                   volume->velocity.grid[2]};
-    if (source->of == volume)
+    char what[3 * LF_GRID_NAME_BYTES + 8];
+    snprintf(what, sizeof what, "%s\n%s\n%s", names[0], names[1], names[2]);
+    char *key = lf_file_key(r->fd, r->path, what);
+    if (!key)
+        return no_memory(r, err);
+    if (source->of && strcmp(source->of, key) == 0) {
+        lf_free(key);
         return LF_OK;
+    }
     drop_velocities(source);
     lf_status status = lf_vdb_import_velocity(r->fd, r->path, names, source->velocity, err);
     if (status == LF_OK)
-        source->of = volume;
+        source->of = key;
+    else
+        lf_free(key);
     return status;
 }
 

@@ -10,7 +10,7 @@ typedef struct lf_grid_source {
     const lf_scene_desc *desc;
     const lf_roots *roots;
     const lf_scene *scene, *previous; /* the one that is made; may be NULL */
-    const lf_volume_desc *of;         /* whose velocities these are; NULL: none were read yet */
+    char *of; /* which file's velocities these are, and which; NULL: none were read yet */
     lf_grid *velocity[3];
 } lf_grid_source;
 void lf_grid_source_finish(lf_grid_source *source);

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "base/alloc.h"
-#include "base/import/import.h"
+#include "base/import/import_group.h"
 #include "base/thread.h"
 #include "render/scene/grid.h"
 #include "render/scene/look_up.h"
@@ -22,6 +22,7 @@ typedef struct flowing {
     uint64_t *wanted;             /* … [z][y][x], bit k: step k has something there */
     int used_first[3], used_n[3]; /* those that they do come to */
     lf_grid_steps *out;
+    const lf_import_group *group; /* of whoever asked, not of the pool's threads */
 } flowing;
 
 /* -------------------------------------------------------------------------------- one voxel -- */
@@ -157,7 +158,7 @@ static void find_layer(void *context, int z, int worker)
     uint64_t *wanted = f->wanted + (size_t)z * (size_t)f->n[1] * (size_t)f->n[0];
     (void)worker;
     for (int y = 0; y < f->n[1]; y++)
-        for (int x = 0; x < f->n[0] && !lf_import_is_stopped(); x++) {
+        for (int x = 0; x < f->n[0] && !lf_import_group_is_stopped(f->group); x++) {
             const int b[3] = {f->first[0] + x, f->first[1] + y, f->first[2] + z};
             *wanted++ = steps_of(f, b);
         }
@@ -374,7 +375,7 @@ static void fill_layer(void *context, int z, int worker)
     size_t at = (size_t)z * (size_t)f->used_n[1] * (size_t)f->used_n[0];
     (void)worker;
     for (int y = 0; y < f->used_n[1]; y++)
-        for (int x = 0; x < f->used_n[0] && !lf_import_is_stopped(); x++, at++) {
+        for (int x = 0; x < f->used_n[0] && !lf_import_group_is_stopped(f->group); x++, at++) {
             const int b[3] = {f->used_first[0] + x, f->used_first[1] + y, f->used_first[2] + z};
             fill_brick(f, b, at);
         }
@@ -398,14 +399,17 @@ static lf_status run(flowing *f, lf_pool *pool, lf_error *err)
         status = lf_pool_run(pool, f->used_n[2], fill_layer, f, NULL);
     if (status == LF_OK)
         status = lf_pool_run(pool, f->flow->n, finish_step, f, NULL);
-    if (status == LF_OK && lf_import_is_stopped())
-        status = lf_error_set(err, LF_E_CANCELLED, "grid", "reading was ended");
+    if (status == LF_OK && lf_import_group_is_stopped(f->group))
+        status = lf_import_say_stopped("grid", err);
     return status;
 }
 
 lf_status lf_grid_flow(const lf_grid *grid, const lf_flow *flow, lf_grid_steps **out, lf_error *err)
 {
-    flowing f = {.grid = grid, .flow = flow, .out = lf_calloc(1, sizeof *f.out)};
+    flowing f = {.grid = grid,
+                 .flow = flow,
+                 .out = lf_calloc(1, sizeof *f.out),
+                 .group = lf_import_group_current()};
     lf_pool *pool = NULL;
     lf_affine from[3];
     lf_status status = LF_E_NOMEM;

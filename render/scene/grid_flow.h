@@ -24,8 +24,8 @@ typedef struct lf_flow {
 
 /* The grid after each of the times, with its key, digest and names of other grids. Runs on all
  * CPUs; the values are the same on any. LF_E_NOMEM: all steps together take more than
- * LF_GRID_MAX_BYTES, too; LF_E_FORMAT: a map that flattens space; LF_E_CANCELLED: lf_import_stop.
- * On LF_OK the caller owns a reference to *out. */
+ * LF_GRID_MAX_BYTES, too; LF_E_FORMAT: a map that flattens space; LF_E_CANCELLED:
+ * lf_import_is_stopped. On LF_OK the caller owns a reference to *out. */
 LF_NODISCARD lf_status lf_grid_flow(const lf_grid *grid, const lf_flow *flow, lf_grid_steps **out,
                                     lf_error *err);
 

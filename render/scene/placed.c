@@ -1,6 +1,7 @@
 #include "render/scene/placed.h"
 
 #include "base/alloc.h"
+#include "render/scene/embree_commit.h"
 #include "render/scene/vec_double.h"
 
 lf_affine lf_placed_map(const lf_placed *placed, uint32_t place)
@@ -136,8 +137,7 @@ static lf_status build_embree(lf_placed_part *part, const lf_mesh *mesh, RTCDevi
     rtcReleaseGeometry(shape);
     rtcSetSceneFlags(part->embree, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(part->embree, RTC_BUILD_QUALITY_HIGH);
-    rtcCommitScene(part->embree);
-    return rtcGetDeviceError(device) == RTC_ERROR_NONE ? LF_OK : LF_E_NOMEM;
+    return lf_embree_commit(part->embree, device, NULL);
 }
 
 lf_status lf_placed_build(lf_placed *placed, lf_mesh *mesh, RTCDevice device)

@@ -36,7 +36,7 @@ static inline lf_placed_part *lf_placed_part_at(const lf_placed *placed, uint32_
 }
 
 /* Of a mesh whose arrays are there, .n maps included, and of its parts .first and .n; sets
- * mesh->box. device: Embree's. LF_E_NOMEM; the mesh is then to be released with
+ * mesh->box. device: Embree's. LF_E_NOMEM, LF_E_CANCELLED; the mesh is then to be released with
  * lf_placed_destroy all the same. */
 LF_NODISCARD lf_status lf_placed_build(lf_placed *placed, lf_mesh *mesh, RTCDevice device);
 /* Accepts NULL. */

@@ -130,7 +130,7 @@ static void a_reader_has_the_time_that_the_daemon_was_told(void **state)
     /* whoever waits for the picture of a scene that is refused hears why, before or after */
     for (int i = 0; i < 2; i++)
         assert_message(failure_of(&c, "wait", json_pack("{s:s}", "for", "coarse"), -32002),
-                       "a.obj: reading takes longer than 1 s (--import-time)");
+                       "a.obj: reading takes longer than 1 s (--import-time");
     assert_string_equal(live_status_text(&c, "state"), "error");
     live_close(&c);
     live_finish(&l);

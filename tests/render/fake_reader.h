@@ -3,7 +3,7 @@
 #ifndef LF_TESTS_FAKE_READER_H
 #define LF_TESTS_FAKE_READER_H
 
-#include "tests/testing.h"
+#include "tests/render/fake_folder.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -557,24 +557,6 @@ static inline _Noreturn void fake_confined(const char *what)
 /* ---------------------------------------------------------------------------------- what it does
  * -- */
 
-/* A file beside the mesh's: readers have no environment to be told by. */
-static inline FILE *fake_beside(const lf_import_request *request, const char *name, const char *how)
-{
-    char path[PATH_MAX + 16];
-    snprintf(path, sizeof path, "%.*s%s", (int)(strrchr(request->path, '/') + 1 - request->path),
-             request->path, name);
-    return fopen(path, how);
-}
-
-static inline void fake_note_pid(const lf_import_request *request)
-{
-    FILE *file = fake_beside(request, "pid", "w");
-    if (!file)
-        return;
-    fprintf(file, "%d\n", (int)getpid());
-    fclose(file);
-}
-
 static inline void fake_misbehave(const char *mode)
 {
     if (strcmp(mode, "abort") == 0)
@@ -650,20 +632,19 @@ static inline _Noreturn void fake_ask(const char *path, const char *name, uint32
     fake_last(LF_IMPORT_DONE, LF_OK, "", fake_parcel(""));
 }
 
-/* What the file "mode" says. */
 static inline int lf_fake_reader(void)
 {
-    char mode[128] = "";
+    char told[128] = "";
     lf_import_request request;
     int fd;
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK)
         return 3;
-    FILE *file = fake_beside(&request, "mode", "r");
-    if (!file || !fgets(mode, sizeof mode, file))
-        return 3;
-    fclose(file);
+    fake_note_start(&request);
     fake_note_pid(&request);
+    if (!fake_mode(&request, told))
+        return 3;
+    const char *mode = fake_nap(told);
     fake_misbehave(mode);
     if (strcmp(mode, "descriptors") == 0)
         fake_list_descriptors();

@@ -1,0 +1,335 @@
+/* A load that takes too long: job.cancel ends it, and so does a later load when nobody waits for it
+ * any more. The picture stays, and what waits goes on. Readers are scripts in a folder that
+ * QUILTIMPORT names; none of those that stay ever ends by itself. */
+#include "tests/testing.h"
+
+#include "tests/daemon/live.h"
+
+#define FOR_EVER "80000" /* seconds of --import-time */
+
+/* Scenes whose mesh is read until the file "go" is there, and then cannot be. */
+static void prepare(live *l)
+{
+    char readers[PATH_MAX], script[2 * PATH_MAX];
+    static const char scene[] =
+        "{ \"quiltd\": 1, \"camera\": { \"target\": [0,0,0], \"position\": [0,0,5], \"views\": 4 },"
+        " \"meshes\": { \"m\": { \"file\": \"a.obj\" } } }";
+    live_prepare(l);
+    snprintf(readers, sizeof readers, "%s/readers", l->folder);
+    assert_int_equal(mkdir(readers, 0700), 0);
+    /* until it is let go, or the daemon has gone */
+    snprintf(script, sizeof script,
+             "#!/bin/sh\necho $$ >>%s/starts\n"
+             "while [ ! -e %s/go ] && kill -0 $PPID; do sleep 0.05; done\n",
+             l->folder, l->folder);
+    assert_int_equal(chmod(lf_test_write(readers, "quiltimport", script), 0700), 0);
+    lf_test_write(l->folder, "scene/slow.json", scene);
+    lf_test_write(l->folder, "scene/slower.json", scene);
+    lf_test_write(l->folder, "scene/other.json", live_scene_text);
+    lf_test_write(l->folder, "scene/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    setenv("QUILTIMPORT", readers, 1);
+}
+
+static int count_starts(const live *l)
+{
+    FILE *file = fopen(lf_test_path(l->folder, "starts"), "r");
+    char line[64];
+    int n = 0;
+    while (file && fgets(line, sizeof line, file))
+        n++;
+    if (file)
+        fclose(file);
+    return n;
+}
+
+static void await_starts(const live *l, int n)
+{
+    for (int i = 0; i < LIVE_PATIENCE_S * 50; i++, live_nap(20))
+        if (count_starts(l) >= n)
+            return;
+    fail_msg("reader %d does not begin", n);
+}
+
+/* Sends a call and does not wait for its answer. */
+static void ask(live_client *c, const char *method, json_t *params)
+{
+    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++c->ids, "method",
+                                method, "params", params);
+    char *text = json_dumps(request, JSON_COMPACT);
+    live_send(c, text, strlen(text));
+    live_send(c, "\n", 1);
+    json_decref(request);
+    free(text);
+}
+
+static void ask_for_file(live_client *c, const char *file)
+{
+    ask(c, "scene.load", json_pack("{s:s}", "file", file));
+}
+
+/* The answer to what was asked for last. */
+static json_t *answer_of(live_client *c)
+{
+    for (;;) {
+        json_t *message = live_receive(c);
+        if (!message)
+            fail_msg("the daemon closed the connection");
+        if (json_integer_value(json_object_get(message, "id")) == c->ids)
+            return message;
+        json_decref(message);
+    }
+}
+
+static void assert_fails(json_t *answer, const char *text)
+{
+    const char *message =
+        json_string_value(json_object_get(json_object_get(answer, "error"), "message"));
+    if (!message || !strstr(message, text))
+        fail_msg("\"%s\" does not say \"%s\"", message ? message : "", text);
+    json_decref(answer);
+}
+
+static void assert_succeeds(json_t *answer)
+{
+    if (!json_object_get(answer, "result"))
+        fail_msg("%s", json_dumps(answer, JSON_COMPACT));
+    json_decref(answer);
+}
+
+/* A number of what is being loaded; 0: nothing is. */
+static json_int_t loading_job(live_client *c)
+{
+    json_t *answer = live_call(c, "status", NULL);
+    json_t *load = json_object_get(json_object_get(answer, "result"), "load");
+    json_int_t job = json_integer_value(json_object_get(load, "job"));
+    json_decref(answer);
+    return job;
+}
+
+static void cancel_loading(live_client *c)
+{
+    json_int_t job = loading_job(c);
+    assert_true(job > 0);
+    assert_int_equal(live_code(c, "job.cancel", json_pack("{s:I}", "job", job)), 0);
+}
+
+static void job_cancel_ends_a_load(void **state)
+{
+    (void)state;
+    live l;
+    live_client asker, other;
+    prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    live_connect(&l, &asker);
+    live_connect(&l, &other);
+    live_wait(&other, "coarse");
+    assert_int_equal(loading_job(&other), 0);
+    ask_for_file(&asker, "slow.json");
+    await_starts(&l, 1);
+    json_t *answer = live_call(&other, "status", NULL),
+           *load = json_object_get(json_object_get(answer, "result"), "load");
+    assert_true(json_is_object(load));
+    assert_string_equal(json_string_value(json_object_get(load, "kind")), "file");
+    assert_string_equal(strrchr(json_string_value(json_object_get(load, "file")), '/'),
+                        "/slow.json");
+    json_decref(answer);
+    cancel_loading(&other);
+    assert_fails(answer_of(&asker), "cancelled");
+    assert_true(live_number(&other, "status", NULL, "generation") == 1);
+    assert_string_equal(strrchr(live_status_text(&other, "scene"), '/'), "/fog.json");
+    assert_int_equal(loading_job(&other), 0);
+    /* the next one goes well */
+    assert_succeeds(live_call(&asker, "scene.load", json_pack("{s:s}", "file", "other.json")));
+    assert_true(live_number(&other, "status", NULL, "generation") == 2);
+    live_close(&asker);
+    live_close(&other);
+    live_finish(&l);
+}
+
+/* Exports and loads: a number is that of one thing. */
+static void a_number_is_that_of_one_job(void **state)
+{
+    (void)state;
+    live l;
+    live_client asker, other;
+    prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    live_connect(&l, &asker);
+    live_connect(&l, &other);
+    live_wait(&other, "coarse");
+    assert_int_equal(live_code(&other, "render.set", json_pack("{s:b}", "paused", 1)), 0);
+    ask_for_file(&asker, "slow.json");
+    await_starts(&l, 1);
+    json_int_t job = loading_job(&other),
+               waits = (json_int_t)live_number(&other, "export",
+                                               json_pack("{s:s, s:s, s:s}", "kind", "quilt", "file",
+                                                         "x.png", "wait", "converged"),
+                                               "job");
+    assert_true(job > 0 && waits > 0 && waits != job);
+    assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", waits)), 0);
+    assert_true(loading_job(&other) == job);
+    cancel_loading(&other);
+    assert_fails(answer_of(&asker), "cancelled");
+    assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", job)), -32602);
+    live_close(&asker);
+    live_close(&other);
+    live_finish(&l);
+}
+
+/* Of changes that are made together, only the one that was cancelled is not made. */
+static void changes_beside_a_cancelled_one_are_made(void **state)
+{
+    (void)state;
+    live l;
+    live_client first, slow, quick, other;
+    prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    live_connect(&l, &first);
+    live_connect(&l, &slow);
+    live_connect(&l, &quick);
+    live_connect(&l, &other);
+    live_wait(&other, "coarse");
+    ask_for_file(&first, "slow.json");
+    await_starts(&l, 1);
+    ask(&slow, "scene.patch",
+        json_pack("{s:{s:{s:{s:s}}}}", "patch", "meshes", "m", "file", "a.obj"));
+    while (live_number(&other, "status", NULL, "loading") < 2)
+        live_nap(10);
+    ask(&quick, "camera.set", json_pack("{s:i}", "views", 3));
+    while (live_number(&other, "status", NULL, "loading") < 3)
+        live_nap(10);
+    cancel_loading(&other);
+    assert_fails(answer_of(&first), "cancelled");
+    await_starts(&l, 2);
+    cancel_loading(&other);
+    assert_fails(answer_of(&slow), "cancelled");
+    assert_succeeds(answer_of(&quick));
+    assert_true(live_number(&other, "status", NULL, "views") == 3);
+    live_close(&first);
+    live_close(&slow);
+    live_close(&quick);
+    live_close(&other);
+    live_finish(&l);
+}
+
+static void a_load_that_nobody_waits_for_is_replaced_by_any_later_one(void **state)
+{
+    (void)state;
+    live l;
+    live_client gone, other;
+    prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    live_connect(&l, &gone);
+    live_connect(&l, &other);
+    live_wait(&other, "coarse");
+    /* one under way, one behind it */
+    ask_for_file(&gone, "slow.json");
+    ask_for_file(&gone, "slower.json");
+    await_starts(&l, 1);
+    live_close(&gone);
+    assert_succeeds(live_call(&other, "camera.orbit", json_pack("{s:i}", "yaw", 3)));
+    assert_true(live_number(&other, "status", NULL, "generation") == 2);
+    assert_true(live_logged(&l, "slow.json: its load ends for a later one"));
+    assert_true(live_logged(&l, "slower.json: its load ends for a later one"));
+    live_close(&other);
+    live_finish(&l);
+}
+
+/* ... also when who asked goes only then. */
+static void a_load_is_replaced_when_who_asked_goes(void **state)
+{
+    (void)state;
+    live l;
+    live_client gone, other, third;
+    prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    live_connect(&l, &gone);
+    live_connect(&l, &other);
+    live_connect(&l, &third);
+    live_wait(&other, "coarse");
+    ask_for_file(&gone, "slow.json");
+    await_starts(&l, 1);
+    ask(&other, "camera.orbit", json_pack("{s:i}", "yaw", 3));
+    while (live_number(&third, "status", NULL, "loading") < 2)
+        live_nap(10);
+    live_close(&gone);
+    assert_succeeds(answer_of(&other));
+    live_close(&other);
+    live_close(&third);
+    live_finish(&l);
+}
+
+/* A connection whose other side only has nothing more to say still waits for its answer. */
+static void a_half_closed_asker_gets_its_answer(void **state)
+{
+    (void)state;
+    live l;
+    live_client half, other, third;
+    prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    live_connect(&l, &half);
+    live_connect(&l, &other);
+    live_connect(&l, &third);
+    live_wait(&other, "coarse");
+    assert_int_equal(live_code(&third, "subscribe", json_pack("{s:[s]}", "events", "scene")), 0);
+    ask_for_file(&half, "slow.json");
+    assert_int_equal(shutdown(half.fd, SHUT_WR), 0);
+    await_starts(&l, 1);
+    ask(&other, "camera.orbit", json_pack("{s:i}", "yaw", 3));
+    /* each time that this is told it is also looked for who waits no more */
+    for (int i = 0; i < 6; i++) {
+        json_t *told = live_receive(&third);
+        assert_string_equal(json_string_value(json_object_get(told, "method")), "scene.load");
+        assert_true(json_integer_value(json_object_get(json_object_get(told, "params"), "job")) >
+                    0);
+        json_decref(told);
+    }
+    lf_test_write(l.folder, "go", "");
+    assert_fails(answer_of(&half), "the reader ended without a word");
+    assert_succeeds(answer_of(&other));
+    live_close(&half);
+    live_close(&other);
+    live_close(&third);
+    live_finish(&l);
+}
+
+/* What nobody asked for makes room for a file, but not for a move of what is shown before it. */
+static void the_first_scene_is_replaced_by_another_file_alone(void **state)
+{
+    (void)state;
+    live l;
+    live_client moves, other, third;
+    prepare(&l);
+    live_start(&l, lf_test_path(l.folder, "scene/slow.json"), "--device", "none", "--import-time",
+               FOR_EVER, NULL);
+    live_connect(&l, &moves);
+    live_connect(&l, &other);
+    live_connect(&l, &third);
+    assert_int_equal(live_code(&third, "subscribe", json_pack("{s:[s]}", "events", "scene")), 0);
+    await_starts(&l, 1);
+    ask(&moves, "camera.orbit", json_pack("{s:i}", "yaw", 3));
+    for (int i = 0; i < 6; i++)
+        json_decref(live_receive(&third));
+    assert_int_equal(count_starts(&l), 1);
+    assert_true(live_number(&other, "status", NULL, "loading") == 2);
+    assert_succeeds(live_call(&other, "scene.load", json_pack("{s:s}", "file", "other.json")));
+    assert_fails(answer_of(&moves), "no scene is shown");
+    live_close(&moves);
+    live_close(&other);
+    live_close(&third);
+    live_finish(&l);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(job_cancel_ends_a_load),
+        cmocka_unit_test(a_number_is_that_of_one_job),
+        cmocka_unit_test(changes_beside_a_cancelled_one_are_made),
+        cmocka_unit_test(a_load_that_nobody_waits_for_is_replaced_by_any_later_one),
+        cmocka_unit_test(a_load_is_replaced_when_who_asked_goes),
+        cmocka_unit_test(a_half_closed_asker_gets_its_answer),
+        cmocka_unit_test(the_first_scene_is_replaced_by_another_file_alone),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
