@@ -289,6 +289,9 @@ LF_NODISCARD lf_status lf_server_cancel_job(lf_server *server, int64_t id, lf_er
 void lf_server_start_jobs(lf_server *server);
 /* Cancels all; true when none is left. */
 bool lf_server_end_jobs(lf_server *server);
+/* An lf_gone_fn with the server as context: ends the exports of that client which still wait, or
+ * are written to its descriptors; those that were detached go on. */
+void lf_server_end_jobs_of(void *context, uint64_t client);
 json_t *lf_server_jobs_json(const lf_server *server);
 
 /* ---------------------------------------------------------------------------- server_state.c -- */
