@@ -326,7 +326,8 @@ void lf_deferred_fail(lf_server *server, lf_deferred *deferred, const lf_error *
 
 /* A path parameter of a client: must lie beneath the roots (LF_E_PATH, whether it exists or not),
  * and exist there (LF_E_IO); relative ones are relative to the folder of the scene the daemon was
- * started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_NOMEM. */
+ * started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_ARG (empty), LF_E_NOMEM.
+ */
 LF_NODISCARD lf_status lf_server_read_path(const lf_server *server, const char *path,
                                            char **out_path, lf_error *err);
 /* A file to write: its folder must exist beneath --export-dir, and is held. As lf_held_name_open.

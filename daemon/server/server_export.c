@@ -97,9 +97,12 @@ static lf_status take_file(lf_job *job, const char *file, lf_error *err)
     if (!job->kind && !ends_with(file, STATE_ENDING))
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/file",
                                "a state's name must end in " STATE_ENDING);
+    lf_status status = job->kind ? LF_OK : lf_check_stem(file, STATE_ENDING, err);
+    if (status != LF_OK)
+        return status;
     if (job->n_fds == 0) {
         lf_held_name held;
-        lf_status status = lf_server_write_path(job->server, file, &held, err);
+        status = lf_server_write_path(job->server, file, &held, err);
         if (status != LF_OK)
             return status;
         job->file = held.path;
@@ -113,8 +116,7 @@ static lf_status take_file(lf_job *job, const char *file, lf_error *err)
         return LF_OK;
     char *path = NULL;
     const lf_content *content = job->server->content;
-    lf_status status =
-        lf_output_path(job->kind, job->file, content ? &content->layout : NULL, &path, err);
+    status = lf_output_path(job->kind, job->file, content ? &content->layout : NULL, &path, err);
     if (job->n_fds == 0)
         job->name = path;
     else

@@ -128,7 +128,7 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
 static void make_absolute(json_t *params, const char *key)
 {
     const char *path = json_string_value(json_object_get(params, key));
-    char *here = path && path[0] != '/' ? getcwd(NULL, 0) : NULL;
+    char *here = path && path[0] != '\0' && path[0] != '/' ? getcwd(NULL, 0) : NULL;
     char *joined = here ? lf_path_join(here, path) : NULL;
     if (joined)
         json_object_set_new(params, key, json_string(joined));
