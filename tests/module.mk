@@ -49,6 +49,9 @@ wrap_test_faults := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hi
 # a display that hangs in place of libusb's
 wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
 
+# states that cannot be read now
+wrap_test_states := -Wl,--wrap=lf_renderer_restore
+
 # a slow disk, saves that come soon
 wrap_test_save := -Wl,--wrap=fsync,--wrap=sd_event_add_time_relative
 
