@@ -27,7 +27,7 @@ test_faults_render := $(patsubst %,render/rows/%.c,exits glow_visit mvpt visit)
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
 # a reader of the test's own, which gives up the same rights
-$(O)/tests/render/test_import: $(O)/base/reader/confine.c.o
+$(O)/tests/render/test_import $(O)/tests/render/test_import_shares: $(O)/base/reader/confine.c.o
 
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/import/import_share.h"
+#include "base/log.h"
 #include "base/spawn.h"
 #include "base/thread.h"
 
@@ -150,6 +153,31 @@ static lf_status answer_open(child *reader, const lf_import_reply *ask, lf_impor
     return status;
 }
 
+static atomic_int landlock;
+
+lf_landlock lf_import_landlock(void)
+{
+    return (lf_landlock)atomic_load(&landlock);
+}
+
+const char *lf_landlock_name(lf_landlock which)
+{
+    static const char *const names[] = {"unknown", "on", "off", "refused"};
+    return names[which];
+}
+
+/* What a reader says of it, which may be anything. */
+static void note_landlock(uint32_t said)
+{
+    static atomic_flag told = ATOMIC_FLAG_INIT;
+    if (said == LF_LANDLOCK_UNKNOWN || said >= LF_N_LANDLOCK)
+        return;
+    atomic_store(&landlock, (int)said);
+    if (said == LF_LANDLOCK_REFUSED && !atomic_flag_test_and_set(&told))
+        lf_log(LF_LOG_WARNING, "readers of files go without Landlock: the kernel has it, but it is "
+                               "refused here (a filter of system calls?); seccomp holds them");
+}
+
 /* Its failure in our words; what it says of itself is a text and a status, whatever it holds. */
 static lf_status failure(const lf_import_reply *reply, const char *where, lf_error *err)
 {
@@ -176,6 +204,8 @@ static lf_status converse(child *reader, const char *where, lf_import_open_fn op
         reply.text[sizeof reply.text - 1] = '\0';
         lf_status status = LF_OK;
         bool asks = reply.step == LF_IMPORT_OPEN || reply.step == LF_IMPORT_TRY;
+        if (!asks)
+            note_landlock(reply.landlock);
         if (asks)
             status = answer_open(reader, &reply, open, context);
         else if (reply.step == LF_IMPORT_FAILED)
@@ -215,15 +245,21 @@ static lf_status say_how_it_ended(const child *reader, int how, const lf_import_
         "the reader ended without a word; the file is damaged or not what it claims");
 }
 
-lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
-                        lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
+/* Whether more memory may do: it ran out, or the reader ended without a word. */
+static bool is_starved(const child *reader, lf_status status)
+{
+    return status == LF_E_NOMEM || (status == LF_E_STATE && !reader->late && !reader->stopped);
+}
+
+/* *out_starved: it may be read with more memory. */
+static lf_status run(lf_import_request *request, int fd, const char *where, lf_import_open_fn open,
+                     void *context, bool *out_starved, lf_parcel *out, lf_error *err)
 {
     child reader = {.pid = -1, .begun = lf_time_now(), .progress = {.path = where}};
     struct stat info;
     reader.progress.bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
     request->version = LF_IMPORT_VERSION;
     request->asker = getpid();
-    request->memory = lf_import_memory();
     request->seconds = lf_import_seconds();
     if (lf_import_is_stopped())
         return lf_error_set(err, LF_E_CANCELLED, where, "stopped");
@@ -235,8 +271,23 @@ lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
     if (lf_import_send(reader.socket, request, sizeof *request, fd) == LF_OK)
         status = converse(&reader, where, open, context, out, err);
     int how = end_child(&reader);
+    *out_starved = is_starved(&reader, status);
     tell_watcher(&reader, true);
     if (status == LF_E_STATE)
         status = say_how_it_ended(&reader, how, request, where, err);
     return status;
+}
+
+lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
+                        lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
+{
+    for (bool alone = false;; alone = true) {
+        const lf_import_share share = lf_import_share_begin(alone);
+        bool starved = false;
+        request->memory = share.memory;
+        lf_status status = run(request, fd, where, open, context, &starved, out, err);
+        lf_import_share_end();
+        if (!starved || share.is_whole || lseek(fd, 0, SEEK_SET) != 0)
+            return status;
+    }
 }

@@ -3,10 +3,11 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/import/import.h"
 #include "base/thread.h"
 #include "render/load/places_import.h"
 
-enum { MOST_READERS = 4 }; /* at once: each may take the memory that --import-memory says */
+enum { MOST_READERS = 4 }; /* at once: together they have the memory that --import-memory says */
 
 /* What one mesh after the other comes to, each on whatever thread is free. */
 typedef struct importing {
@@ -54,12 +55,12 @@ static lf_status import_all(importing *all)
 {
     int n_files = count_files(all->desc);
     lf_pool *pool = NULL;
-    lf_status status = lf_pool_create(n_files < 1              ? 1
-                                      : n_files < MOST_READERS ? n_files
-                                                               : MOST_READERS,
-                                      &pool);
+    const int n = n_files < 1 ? 1 : n_files < MOST_READERS ? n_files : MOST_READERS;
+    lf_status status = lf_pool_create(n, &pool);
+    lf_import_expect(n - 1);
     if (status == LF_OK)
         status = lf_pool_run(pool, all->desc->n_meshes, import_mesh, all, NULL);
+    lf_import_expect(1 - n);
     lf_pool_destroy(pool);
     return status;
 }
