@@ -52,6 +52,9 @@ wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
 # states that cannot be read now
 wrap_test_states := -Wl,--wrap=lf_renderer_restore
 
+# waiting that takes no time
+wrap_test_video_stopped := -Wl,--wrap=poll,--wrap=nanosleep
+
 # a slow disk, saves that come soon
 wrap_test_save := -Wl,--wrap=fsync,--wrap=sd_event_add_time_relative
 
