@@ -245,21 +245,24 @@ static lf_status say_how_it_ended(const child *reader, int how, const lf_import_
         "the reader ended without a word; the file is damaged or not what it claims");
 }
 
-/* Whether more memory may do: it ran out, or the reader ended without a word. */
-static bool is_starved(const child *reader, lf_status status)
+/* Whether more memory may do: it ran out, or the reader ended without a word, in time. */
+static bool is_starved(const child *reader, int how, lf_status status)
 {
-    return status == LF_E_NOMEM || (status == LF_E_STATE && !reader->late && !reader->stopped);
+    const bool late = reader->late || (WIFSIGNALED(how) && WTERMSIG(how) == SIGXCPU);
+    return status == LF_E_NOMEM || (status == LF_E_STATE && !late && !reader->stopped);
 }
 
-/* *out_starved: it may be read with more memory. */
+/* With a share of the memory; *out_again: it is to be read with more. */
 static lf_status run(lf_import_request *request, int fd, const char *where, lf_import_open_fn open,
-                     void *context, bool *out_starved, lf_parcel *out, lf_error *err)
+                     void *context, const lf_import_share *share, bool *out_again, lf_parcel *out,
+                     lf_error *err)
 {
     child reader = {.pid = -1, .begun = lf_time_now(), .progress = {.path = where}};
     struct stat info;
     reader.progress.bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
     request->version = LF_IMPORT_VERSION;
     request->asker = getpid();
+    request->memory = share->memory;
     request->seconds = lf_import_seconds();
     if (lf_import_is_stopped())
         return lf_error_set(err, LF_E_CANCELLED, where, "stopped");
@@ -271,8 +274,9 @@ static lf_status run(lf_import_request *request, int fd, const char *where, lf_i
     if (lf_import_send(reader.socket, request, sizeof *request, fd) == LF_OK)
         status = converse(&reader, where, open, context, out, err);
     int how = end_child(&reader);
-    *out_starved = is_starved(&reader, status);
-    tell_watcher(&reader, true);
+    *out_again =
+        !share->is_whole && is_starved(&reader, how, status) && lseek(fd, 0, SEEK_SET) == 0;
+    tell_watcher(&reader, !*out_again);
     if (status == LF_E_STATE)
         status = say_how_it_ended(&reader, how, request, where, err);
     return status;
@@ -281,13 +285,13 @@ static lf_status run(lf_import_request *request, int fd, const char *where, lf_i
 lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
                         lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
 {
-    for (bool alone = false;; alone = true) {
-        const lf_import_share share = lf_import_share_begin(alone);
-        bool starved = false;
-        request->memory = share.memory;
-        lf_status status = run(request, fd, where, open, context, &starved, out, err);
+    bool again = false;
+    lf_status status;
+    do {
+        const lf_import_share share = lf_import_share_begin(again);
+        again = false;
+        status = run(request, fd, where, open, context, &share, &again, out, err);
         lf_import_share_end();
-        if (!starved || share.is_whole || lseek(fd, 0, SEEK_SET) != 0)
-            return status;
-    }
+    } while (again);
+    return status;
 }

@@ -150,9 +150,16 @@ static const char *told(const char *folder)
     return text;
 }
 
+static void count_ends(void *context, const lf_import_progress *progress)
+{
+    *(int *)context += progress->ended ? 1 : 0;
+}
+
 static void a_file_has_its_part_first_and_then_the_whole_alone(void **state)
 {
     const char *folder = *state;
+    int ends = 0;
+    lf_import_watch(count_ends, &ends);
     lf_import_limit((uint64_t)1024 * MIB, 120);
     assert_string_equal(said_by(folder, "1000"), "enough"); /* alone from the beginning */
     assert_string_equal(told(folder), "1024 ");
@@ -170,6 +177,8 @@ static void a_file_has_its_part_first_and_then_the_whole_alone(void **state)
     assert_string_equal(told(folder), "1024 ");
     lf_import_expect(-7);
     lf_import_limit(0, 120);
+    lf_import_watch(NULL, NULL);
+    assert_int_equal(ends, 6); /* of each file one, however often it was read */
 }
 
 static void what_has_the_whole_is_alone(void **state)
