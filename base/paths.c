@@ -185,17 +185,67 @@ static const char *root_of(const lf_roots *roots, const char *path)
     return NULL;
 }
 
+/* Whether it lies beneath a root, or above one: that such a folder is there is no secret. */
+static bool is_known(const lf_roots *roots, const char *path)
+{
+    char real[PATH_MAX];
+    if (!realpath(path, real))
+        return false;
+    for (int i = 0; i < roots->n_roots; i++)
+        if (behind(roots->root[i], real) || behind(real, roots->root[i]))
+            return true;
+    return false;
+}
+
+/* Adds the part[n] to the name `to`; with ".." the part before is taken back where it is of a
+ * folder that is not known. false: too long. */
+static bool add_part(const lf_roots *roots, char to[static PATH_MAX], const char *part, size_t n)
+{
+    size_t used = strlen(to);
+    char *last = strrchr(to, '/');
+    bool up = n == 2 && memcmp(part, "..", 2) == 0;
+    if (up && last && last[1] != '\0' && strcmp(last, "/..") != 0 && !is_known(roots, to)) {
+        *last = '\0';
+        return true;
+    }
+    if (used + n + 2 > PATH_MAX)
+        return false;
+    snprintf(to + used, PATH_MAX - used, "/%.*s", (int)n, part);
+    return true;
+}
+
+/* Folders outside of the roots are not asked for what lies above them: "FOLDER/.." is nothing
+ * there, whether FOLDER exists or not. Otherwise a name that comes back to the roots would tell. */
+static bool leave_out_detours(const lf_roots *roots, const char *path, char out[static PATH_MAX])
+{
+    if (path[0] == '/')
+        out[0] = '\0';
+    else
+        snprintf(out, PATH_MAX, ".");
+    for (const char *part = path; part[0] != '\0';) {
+        part += strspn(part, "/");
+        size_t n = strcspn(part, "/");
+        bool nothing = n == 0 || (n == 1 && part[0] == '.');
+        if (!nothing && !add_part(roots, out, part, n))
+            return false;
+        part += n;
+    }
+    if (out[0] == '\0')
+        snprintf(out, PATH_MAX, "/");
+    return true;
+}
+
 /* Whether what does not exist (or cannot be opened) would lie beneath the roots: the nearest folder
- * above it that exists decides. Otherwise the difference of two errors would tell a client which
- * files exist outside. */
+ * above it that exists decides; a link that leads nowhere may lead outside. Otherwise the
+ * difference of two errors would tell a client which files exist outside. */
 static bool would_lie_beneath(const lf_roots *roots, const char *path)
 {
     char above[PATH_MAX], real[PATH_MAX];
-    size_t n = strlen(path);
-    if (n >= sizeof above)
-        return false;
-    memcpy(above, path, n + 1);
+    struct stat st;
+    snprintf(above, sizeof above, "%s", path);
     for (;;) {
+        if (lstat(above, &st) == 0 && S_ISLNK(st.st_mode))
+            return false;
         char *slash = strrchr(above, '/');
         if (!slash)
             return realpath(".", real) && root_of(roots, real);
@@ -207,24 +257,39 @@ static bool would_lie_beneath(const lf_roots *roots, const char *path)
     }
 }
 
+/* Where path leads now. LF_E_PATH: outside of the roots, or it would be if it were there; LF_E_IO
+ * and errno: it is not there. */
+static lf_status find(const lf_roots *roots, const char *path, char real[static PATH_MAX])
+{
+    char plain[PATH_MAX];
+    if (roots->n_roots == 0)
+        return realpath(path, real) ? LF_OK : LF_E_IO;
+    if (strlen(path) >= PATH_MAX)
+        return LF_E_PATH;
+    snprintf(plain, sizeof plain, "%s", path);
+    if (strstr(path, "..") && !leave_out_detours(roots, path, plain))
+        return LF_E_PATH;
+    if (realpath(plain, real))
+        return root_of(roots, real) ? LF_OK : LF_E_PATH;
+    int why = errno;
+    bool beneath = would_lie_beneath(roots, plain);
+    errno = why;
+    return beneath ? LF_E_IO : LF_E_PATH;
+}
+
 static lf_status outside(lf_error *err, const char *path)
 {
     return lf_error_set(err, LF_E_PATH, path,
                         "lies outside the folders that may be read; --allow-path DIR adds one");
 }
 
-/* Where path leads now. */
 static lf_status resolve(const lf_roots *roots, const char *path, char real[static PATH_MAX],
                          lf_error *err)
 {
-    if (!realpath(path, real)) {
-        int why = errno;
-        if (roots->n_roots > 0 && !would_lie_beneath(roots, path))
-            return outside(err, path);
-        errno = why;
+    lf_status status = find(roots, path, real);
+    if (status == LF_E_IO)
         return fail_errno(err, path, "cannot open");
-    }
-    return roots->n_roots == 0 || root_of(roots, real) ? LF_OK : outside(err, path);
+    return status == LF_OK ? LF_OK : outside(err, path);
 }
 
 lf_status lf_roots_resolve(const lf_roots *roots, const char *path, char **out_path, lf_error *err)
@@ -300,17 +365,18 @@ lf_status lf_roots_open_folder(const lf_roots *roots, const char *path, int *out
 
 /* ----------------------------------------------------------------------------------- writing -- */
 
-/* The folder of the absolute `name`, whose last part begins at `last`: canonical. */
-static bool resolve_folder(const char *name, const char *last, char real[static PATH_MAX])
+/* The folder of the absolute `name`, whose last part begins at `last`: canonical. As find. */
+static lf_status find_folder(const char *root, const char *name, const char *last,
+                             char real[static PATH_MAX])
 {
-    char folder[PATH_MAX];
+    char above[PATH_MAX], copy[PATH_MAX];
     size_t n = (size_t)(last - name) - 1;
-    if (n >= sizeof folder) {
-        errno = ENAMETOOLONG;
-        return false;
-    }
-    snprintf(folder, sizeof folder, "%.*s", n > 0 ? (int)n : 1, name);
-    return realpath(folder, real);
+    if (n >= sizeof above)
+        return LF_E_PATH;
+    snprintf(copy, sizeof copy, "%s", root);
+    const lf_roots roots = {1, {copy}};
+    snprintf(above, sizeof above, "%.*s", n > 0 ? (int)n : 1, name);
+    return find(&roots, above, real);
 }
 
 static bool is_link(int folder_fd, const char *name)
@@ -319,21 +385,44 @@ static bool is_link(int folder_fd, const char *name)
     return fstatat(folder_fd, name, &st, AT_SYMLINK_NOFOLLOW) == 0 && S_ISLNK(st.st_mode);
 }
 
-/* Opens the canonical folder when `last` is a name for a file or folder in it, beneath root; -1 and
- * errno: EXDEV when it is none, or the folder is another by now. */
-static int hold_folder(const char *root, const char *folder, const char *last)
+/* Opens the folder when `last` is a name for a file or folder in it; real: canonical. LF_E_PATH: it
+ * is none, or the folder does not lie beneath root, or is another by now; LF_E_IO and errno. */
+static lf_status hold_folder(const char *root, const char *name, const char *last,
+                             char real[static PATH_MAX], int *out_fd)
 {
-    bool allowed = is_part(last, strlen(last)) && behind(root, folder);
-    int fd = allowed ? open_behind(root, folder, O_PATH | O_DIRECTORY) : -1;
-    if (!allowed || (fd < 0 && was_swapped(errno)))
-        errno = EXDEV;
-    return fd;
+    lf_status status =
+        is_part(last, strlen(last)) ? find_folder(root, name, last, real) : LF_E_PATH;
+    if (status != LF_OK)
+        return status;
+    *out_fd = open_behind(root, real, O_PATH | O_DIRECTORY);
+    if (*out_fd >= 0)
+        return LF_OK;
+    return was_swapped(errno) ? LF_E_PATH : LF_E_IO;
 }
 
-static lf_status folder_errno(lf_error *err, const char *path)
+/* Control characters of ASCII and C1, and Unicode's ends of lines and paragraphs. */
+static bool is_control(const unsigned char *c)
 {
-    return lf_error_set(err, LF_E_PATH, path, "its folder cannot be opened: %s",
-                        lf_errno_text(errno));
+    return c[0] < ' ' || c[0] == 0x7f || (c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0) ||
+           (c[0] == 0xe2 && c[1] == 0x80 && (c[2] == 0xa8 || c[2] == 0xa9));
+}
+
+lf_status lf_check_name(const char *path, lf_error *err)
+{
+    for (const unsigned char *c = (const unsigned char *)path; *c; c++)
+        if (is_control(c))
+            return lf_error_set(err, LF_E_ARG, path,
+                                "a name to be written holds no control characters or line ends");
+    return LF_OK;
+}
+
+lf_status lf_check_stem(const char *path, const char *ending, lf_error *err)
+{
+    const char *slash = strrchr(path, '/'), *last = slash ? slash + 1 : path;
+    const size_t n = strlen(last), m = strlen(ending);
+    if (n <= m || strspn(last, ".") >= n - m)
+        return lf_error_set(err, LF_E_ARG, path, "there is no name before the ending %s", ending);
+    return lf_check_name(path, err);
 }
 
 /* folder "/" name, with the slash that a folder of views ends in. */
@@ -360,24 +449,22 @@ lf_status lf_held_name_open(const char *root, const char *option, const char *pa
                             lf_held_name *out, lf_error *err)
 {
     char real[PATH_MAX];
+    lf_status plain = lf_check_name(path, err);
+    if (plain != LF_OK)
+        return plain;
     char *name = path[0] == '/' ? lf_strdup(path) : join(root, path, "");
     if (!name)
         return no_memory(err, path);
     const char *slash = cut_slashes(name) ? "/" : "", *last = strrchr(name, '/') + 1;
     lf_held_name held = {.folder_fd = -1};
-    lf_status status = LF_OK;
-    if (!resolve_folder(name, last, real)) {
-        status = folder_errno(err, path);
-    } else {
-        held.folder_fd = hold_folder(root, real, last);
-        if (held.folder_fd < 0 && errno == EXDEV)
-            status =
-                lf_error_set(err, LF_E_PATH, path, "does not lie beneath the %s %s", option, root);
-        else if (held.folder_fd < 0)
-            status = folder_errno(err, path);
-        else if (is_link(held.folder_fd, last))
-            status = lf_error_set(err, LF_E_PATH, path, "is a symbolic link");
-    }
+    lf_status status = hold_folder(root, name, last, real, &held.folder_fd);
+    if (status == LF_E_IO)
+        status = lf_error_set(err, LF_E_PATH, path, "its folder cannot be opened: %s",
+                              lf_errno_text(errno));
+    else if (status != LF_OK)
+        status = lf_error_set(err, LF_E_PATH, path, "does not lie beneath the %s %s", option, root);
+    else if (is_link(held.folder_fd, last))
+        status = lf_error_set(err, LF_E_PATH, path, "is a symbolic link");
     if (status == LF_OK)
         held.path = join(real, last, slash);
     if (status == LF_OK && !held.path)

@@ -5,6 +5,9 @@
  * The kernel holds that (openat2 with RESOLVE_BENEATH); where it cannot (before Linux 5.6, or a
  * sandbox that forbids the call), each folder of the name is opened by itself, without following.
  *
+ * What lies outside gives one and the same error, whether it exists or not: "FOLDER/.." is left out
+ * of a name where FOLDER is outside, before it is asked for.
+ *
  * Programs that run with the caller's own rights have no roots, which allows all. Any thread. */
 #ifndef LF_BASE_PATHS_H
 #define LF_BASE_PATHS_H
@@ -46,9 +49,17 @@ typedef struct lf_held_name {
     char *path;    /* canonical, to be told; a final "/" is kept */
 } lf_held_name;
 
+/* Whether a file or folder may be made under this name: LF_E_ARG where it holds a control character
+ * or a line end. */
+LF_NODISCARD lf_status lf_check_name(const char *path, lf_error *err);
+/* The same of a file whose name ends so (".png"): LF_E_ARG also where that, or dots before it, is
+ * all. */
+LF_NODISCARD lf_status lf_check_stem(const char *path, const char *ending, lf_error *err);
+
 /* Holds the name `path` beneath the canonical folder `root`, relative to it or absolute. Its folder
  * must be there, it itself need not be, and may be no link. option: what the user knows root by.
- * LF_E_PATH, LF_E_NOMEM; release with lf_held_name_finish. */
+ * LF_E_PATH: not beneath it, and the same whether it is there or not; LF_E_ARG as lf_check_name;
+ * LF_E_NOMEM. Release with lf_held_name_finish. */
 LF_NODISCARD lf_status lf_held_name_open(const char *root, const char *option, const char *path,
                                          lf_held_name *out, lf_error *err);
 /* Accepts finished ones, and those with folder_fd -1 and nothing else. */

@@ -48,6 +48,15 @@ lasting() {
 }
 report "the service's limits fit" "$(lasting)"
 
+# What readers of files call to hold themselves to less lies in no group of calls that the unit has.
+lockable() {
+    local call
+    for call in setrlimit prlimit64 seccomp capset landlock_create_ruleset landlock_restrict_self; do
+        grep -q "^SystemCallFilter=.*\<$call\>" "$prefix/lib/systemd/system/quiltd.service" || echo "SystemCallFilter= lacks $call"
+    done
+}
+report "the service lets readers give up rights" "$(lockable)"
+
 startable() {
     local p words
     for p in quiltd quiltctl quiltrender quiltsim quiltbench; do

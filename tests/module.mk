@@ -27,7 +27,7 @@ test_faults_render := $(patsubst %,render/rows/%.c,exits glow_visit mvpt visit)
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
 # a reader of the test's own, which gives up the same rights
-$(O)/tests/render/test_import $(O)/tests/render/test_import_group: $(O)/base/reader/confine.c.o
+$(addprefix $(O)/tests/render/,test_import test_import_group test_import_shares): $(O)/base/reader/confine.c.o
 
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
@@ -48,6 +48,12 @@ wrap_test_faults := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hi
 
 # a display that hangs in place of libusb's
 wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
+
+# states that cannot be read now
+wrap_test_states := -Wl,--wrap=lf_renderer_restore
+
+# waiting that takes no time
+wrap_test_video_stopped := -Wl,--wrap=poll,--wrap=nanosleep
 
 # a slow disk, saves that come soon
 wrap_test_save := -Wl,--wrap=fsync,--wrap=sd_event_add_time_relative

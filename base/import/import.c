@@ -5,6 +5,7 @@
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,8 @@
 #include <unistd.h>
 
 #include "base/import/import_group.h"
+#include "base/import/import_share.h"
+#include "base/log.h"
 #include "base/spawn.h"
 #include "base/thread.h"
 
@@ -152,6 +155,31 @@ static lf_status answer_open(child *reader, const lf_import_reply *ask, lf_impor
     return status;
 }
 
+static atomic_int landlock;
+
+lf_landlock lf_import_landlock(void)
+{
+    return (lf_landlock)atomic_load(&landlock);
+}
+
+const char *lf_landlock_name(lf_landlock which)
+{
+    static const char *const names[] = {"unknown", "on", "off", "refused"};
+    return names[which];
+}
+
+/* What a reader says of it, which may be anything. */
+static void note_landlock(uint32_t said)
+{
+    static atomic_flag told = ATOMIC_FLAG_INIT;
+    if (said == LF_LANDLOCK_UNKNOWN || said >= LF_N_LANDLOCK)
+        return;
+    atomic_store(&landlock, (int)said);
+    if (said == LF_LANDLOCK_REFUSED && !atomic_flag_test_and_set(&told))
+        lf_log(LF_LOG_WARNING, "readers of files go without Landlock: the kernel has it, but it is "
+                               "refused here (a filter of system calls?); seccomp holds them");
+}
+
 /* Its failure in our words; what it says of itself is a text and a status, whatever it holds. */
 static lf_status failure(const lf_import_reply *reply, const char *where, lf_error *err)
 {
@@ -178,6 +206,8 @@ static lf_status converse(child *reader, const char *where, lf_import_open_fn op
         reply.text[sizeof reply.text - 1] = '\0';
         lf_status status = LF_OK;
         bool asks = reply.step == LF_IMPORT_OPEN || reply.step == LF_IMPORT_TRY;
+        if (!asks)
+            note_landlock(reply.landlock);
         if (asks)
             status = answer_open(reader, &reply, open, context);
         else if (reply.step == LF_IMPORT_FAILED)
@@ -212,8 +242,17 @@ static lf_status say_how_it_ended(const child *reader, int how, const char *wher
         "the reader ended without a word; the file is damaged or not what it claims");
 }
 
+/* Whether more memory may do: it ran out, or the reader ended without a word, in time. */
+static bool is_starved(const child *reader, int how, lf_status status)
+{
+    const bool late = reader->late || (WIFSIGNALED(how) && WTERMSIG(how) == SIGXCPU);
+    return status == LF_E_NOMEM || (status == LF_E_STATE && !late && !reader->stopped);
+}
+
+/* With a share of the memory; *out_again: it is to be read with more. */
 static lf_status run(lf_import_request *request, int fd, const char *where, double deadline,
-                     lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
+                     lf_import_open_fn open, void *context, const lf_import_share *share,
+                     bool *out_again, lf_parcel *out, lf_error *err)
 {
     child reader = {
         .pid = -1, .begun = lf_time_now(), .deadline = deadline, .progress = {.path = where}};
@@ -226,7 +265,7 @@ static lf_status run(lf_import_request *request, int fd, const char *where, doub
     reader.progress.bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
     request->version = LF_IMPORT_VERSION;
     request->asker = getpid();
-    request->memory = lf_import_memory();
+    request->memory = share->memory;
     request->seconds = (uint32_t)ceil(left);
     lf_status status = begin_child(&reader, (lf_import_kind)request->kind, err);
     if (status != LF_OK)
@@ -235,7 +274,9 @@ static lf_status run(lf_import_request *request, int fd, const char *where, doub
     if (lf_import_send(reader.socket, request, sizeof *request, fd) == LF_OK)
         status = converse(&reader, where, open, context, out, err);
     int how = end_child(&reader);
-    tell_watcher(&reader, true);
+    *out_again =
+        !share->is_whole && is_starved(&reader, how, status) && lseek(fd, 0, SEEK_SET) == 0;
+    tell_watcher(&reader, !*out_again);
     if (status == LF_E_STATE)
         status = say_how_it_ended(&reader, how, where, err);
     return status;
@@ -244,8 +285,15 @@ static lf_status run(lf_import_request *request, int fd, const char *where, doub
 lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
                         lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
 {
-    double deadline = lf_import_begin_reading();
-    lf_status status = run(request, fd, where, deadline, open, context, out, err);
+    const double deadline = lf_import_begin_reading();
+    bool again = false;
+    lf_status status;
+    do {
+        const lf_import_share share = lf_import_share_begin(again);
+        again = false;
+        status = run(request, fd, where, deadline, open, context, &share, &again, out, err);
+        lf_import_share_end();
+    } while (again);
     lf_import_end_reading();
     return status;
 }

@@ -30,10 +30,14 @@ extern "C" {
 /* What reading may take where nobody says otherwise. */
 #define LF_IMPORT_SECONDS 120
 
-/* What reading may take from now on: bytes for one file (0: half of the memory that there is, of
- * the machine or for the group that the process runs in) and seconds for all files of one scene
- * (import_group.h). Of the whole process. Thread: any. */
+/* What reading may take from now on: bytes for all files that are read at once (0: half of the
+ * memory that there is, of the machine or for the group that the process runs in) and seconds for
+ * all files of one scene (import_group.h). Of the whole process. Thread: any. */
 void lf_import_limit(uint64_t memory, int seconds);
+/* So many more files will be read at once from now on, besides the one that may be anyway (below 0:
+ * so many fewer): each gets its part of the memory first, and the whole, alone, where it needs
+ * more. Thread: any. */
+void lf_import_expect(int more);
 /* At the end of the program: reading that is in progress ends within a tenth of a second, and what
  * would begin does not: LF_E_CANCELLED. Signal handlers may call it. Thread: any. */
 void lf_import_stop(void);
@@ -52,14 +56,15 @@ typedef void (*lf_import_watch_fn)(void *context, const lf_import_progress *prog
 void lf_import_watch(lf_import_watch_fn watch, void *context);
 
 /* The limits. */
-uint64_t lf_import_memory(void);
+uint64_t lf_import_memory(void); /* of all files that are read at once */
 unsigned lf_import_seconds(void);
 /* Whether lf_import_stop was called, or what this thread reads was cancelled (import_group.h): for
  * loops that take long. */
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
-#define LF_IMPORT_VERSION UINT32_C(6)
+#define LF_IMPORT_VERSION UINT32_C(7)
+#define LF_IMPORT_LEAST_MEMORY ((uint64_t)192 << 20) /* of a reader: OpenVDB starts with 128 MB */
 #define LF_IMPORT_MAX_NAME 256
 #define LF_IMPORT_MAX_FILES 64 /* that a reader has open at once */
 
@@ -93,6 +98,19 @@ typedef struct lf_import_request {
     char path[PATH_MAX]; /* what the file is called, and names in it are relative to */
 } lf_import_request;
 
+/* Whether the kernel's Landlock keeps readers from all files, besides seccomp. */
+typedef enum lf_landlock {
+    LF_LANDLOCK_UNKNOWN, /* nothing was read yet */
+    LF_LANDLOCK_ON,
+    LF_LANDLOCK_OFF,     /* the kernel does not have it */
+    LF_LANDLOCK_REFUSED, /* it has, and something forbids to use it */
+    LF_N_LANDLOCK
+} lf_landlock;
+/* Of the reader that ended last, as it says; and its name. The log has a line when it was refused,
+ * once. Thread: any. */
+lf_landlock lf_import_landlock(void);
+const char *lf_landlock_name(lf_landlock landlock);
+
 typedef enum lf_import_step {
     LF_IMPORT_OPEN,
     LF_IMPORT_TRY, /* the same of a file that can be done without: the reader tells of it */
@@ -103,6 +121,7 @@ typedef enum lf_import_step {
 typedef struct lf_import_reply {
     uint32_t step;
     int32_t status;      /* FAILED: lf_status */
+    uint32_t landlock;   /* DONE, FAILED: lf_landlock */
     char text[PATH_MAX]; /* OPEN, TRY: a name; FAILED: what is wrong */
 } lf_import_reply;
 

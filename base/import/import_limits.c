@@ -8,8 +8,6 @@
 
 #include "base/import/import.h"
 
-#define LEAST_MEMORY ((uint64_t)128 << 20) /* OpenVDB starts with nearly as much */
-
 static struct {
     _Atomic uint64_t memory;
     _Atomic unsigned seconds;
@@ -64,7 +62,7 @@ uint64_t lf_import_memory(void)
                  groups = groups_memory();
         memory = (groups < machine ? groups : machine) / 2;
     }
-    return memory > LEAST_MEMORY ? memory : LEAST_MEMORY;
+    return memory > LF_IMPORT_LEAST_MEMORY ? memory : LF_IMPORT_LEAST_MEMORY;
 }
 
 unsigned lf_import_seconds(void)

@@ -5,6 +5,7 @@
  * dup, on the list, gives as well. */
 #include <errno.h>
 #include <fcntl.h>
+#include <linux/capability.h>
 #include <linux/landlock.h>
 #include <seccomp.h>
 #include <signal.h>
@@ -210,30 +211,56 @@ static void limit(int what, uint64_t value)
 /* A second lock on what the filter forbids already, where the kernel has one (the kernel's
  * userspace-api/landlock, version 1): nothing of the
  * file system can be opened, made or run by this thread, and by those that it makes. */
-static void lock_files(void)
+static lf_landlock lock_files(void)
 {
     const struct landlock_ruleset_attr all = {.handled_access_fs =
                                                   ((uint64_t)LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1};
     int rules = (int)syscall(SYS_landlock_create_ruleset, &all, sizeof all, 0);
     if (rules < 0)
-        return;
-    (void)syscall(SYS_landlock_restrict_self, rules, 0);
+        return errno == ENOSYS || errno == EOPNOTSUPP ? LF_LANDLOCK_OFF : LF_LANDLOCK_REFUSED;
+    const bool locked = syscall(SYS_landlock_restrict_self, rules, 0) == 0;
     close(rules);
+    return locked ? LF_LANDLOCK_ON : LF_LANDLOCK_REFUSED;
 }
 
-lf_status lf_confine(uint64_t memory, unsigned seconds, lf_error *err)
+/* Root has them all. The bounding set only whoever may set capabilities can lower; without any, and
+ * with no_new_privs, it gives nothing. Where a sandbox forbids capset none have to be there. */
+static bool drop_capabilities(void)
+{
+    struct __user_cap_header_struct header = {.version = _LINUX_CAPABILITY_VERSION_3};
+    struct __user_cap_data_struct sets[_LINUX_CAPABILITY_U32S_3] = {{0, 0, 0}};
+    for (int i = 0; prctl(PR_CAPBSET_DROP, i, 0, 0, 0) == 0; i++) {
+    }
+    (void)prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
+    if (syscall(SYS_capset, &header, sets) == 0)
+        return true;
+    const bool known = syscall(SYS_capget, &header, sets) == 0;
+    return known && sets[0].permitted == 0 && sets[1].permitted == 0;
+}
+
+/* The memory file and the memory besides it are limits of their own: they share. */
+static void limit_all(uint64_t memory, unsigned seconds)
 {
     limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_FSIZE, memory);
+    limit(RLIMIT_FSIZE, memory / 3);
     limit(RLIMIT_NOFILE, LF_IMPORT_MAX_FILES + 16);
     (void)setrlimit(RLIMIT_CPU, &(struct rlimit){seconds, seconds + 5});
+    if (!SANITIZED)
+        limit(RLIMIT_AS, memory - memory / 3);
+}
+
+lf_status lf_confine(uint64_t memory, unsigned seconds, lf_landlock *out_landlock, lf_error *err)
+{
+    limit_all(memory, seconds);
+    if (!drop_capabilities())
+        return lf_error_set(err, LF_E_IO, LF_HERE, "the reader cannot give up its capabilities");
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
         return lf_error_set(err, LF_E_IO, LF_HERE, "no_new_privs: %s", strerror(errno));
     (void)signal(SIGXFSZ, SIG_IGN); /* a full file is an error like a full disk */
+    *out_landlock = LF_LANDLOCK_OFF;
     if (SANITIZED)
         return LF_OK;
-    limit(RLIMIT_AS, memory);
-    lock_files();
+    *out_landlock = lock_files();
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
     int failed = filter ? fill_filter(filter) : -ENOMEM;
     if (filter)

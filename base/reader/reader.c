@@ -47,7 +47,7 @@ static void go_first(void)
 }
 
 static lf_status serve(const lf_import_reader *reader, const lf_import_request *request, int fd,
-                       lf_parcel_writer *parcel, lf_error *err)
+                       lf_parcel_writer *parcel, lf_landlock *out_landlock, lf_error *err)
 {
     if (request->version != LF_IMPORT_VERSION)
         return lf_error_set(err, LF_E_IO, LF_HERE, "quiltimport is of another version");
@@ -56,7 +56,7 @@ static lf_status serve(const lf_import_reader *reader, const lf_import_request *
     go_first();
     lf_status status = lf_parcel_begin(parcel, err); /* the one file that it may fill */
     if (status == LF_OK)
-        status = lf_confine(request->memory, request->seconds, err);
+        status = lf_confine(request->memory, request->seconds, out_landlock, err);
     if (status == LF_OK)
         status = reader->read(request, fd, parcel, err);
     return status;
@@ -76,7 +76,9 @@ int lf_reader_main(const lf_import_reader *reader)
     }
     if (request.asker != getppid()) /* it went before we could follow it */
         return 2;
-    lf_status status = serve(reader, &request, fd, &parcel, &err);
+    lf_landlock landlock = LF_LANDLOCK_UNKNOWN;
+    lf_status status = serve(reader, &request, fd, &parcel, &landlock, &err);
+    reply.landlock = landlock;
     if (status == LF_OK)
         status = lf_parcel_seal(&parcel, &sealed, &err);
     if (status != LF_OK) {

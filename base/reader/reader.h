@@ -32,10 +32,13 @@ LF_NODISCARD lf_status lf_ask_for_file(const char *name, int *out_fd);
  * of it but by the reader's warnings. */
 LF_NODISCARD lf_status lf_try_for_file(const char *name, int *out_fd);
 
-/* Gives up the right to all but reading, writing and sending what is open already, and to more than
- * `memory` bytes and `seconds` of CPU time: for good. LF_E_IO: the system cannot hold us to that.
+/* Gives up the right to all but reading, writing and sending what is open already, all
+ * capabilities, and more than `memory` bytes, of which a third may be of a file, and `seconds` of
+ * CPU time: for good. *out_landlock: whether that helps. LF_E_IO: the system cannot hold us to
+ * that.
  */
-LF_NODISCARD lf_status lf_confine(uint64_t memory, unsigned seconds, lf_error *err);
+LF_NODISCARD lf_status lf_confine(uint64_t memory, unsigned seconds, lf_landlock *out_landlock,
+                                  lf_error *err);
 
 #ifdef __cplusplus
 }

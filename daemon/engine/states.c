@@ -27,6 +27,7 @@ struct lf_states {
     char *folder;
     pthread_mutex_t lock;
     char used[NAME_SIZE]; /* under lock; "" = none yet */
+    bool spared;          /* under lock: what lies there under that name is not written over */
 };
 
 /* A state in the folder. */
@@ -94,10 +95,21 @@ static bool same_part(const char *a, const char *b, int at)
     return memcmp(a + at, b + at, 2 * (size_t)LF_STATE_HASH) == 0;
 }
 
-static void use(lf_states *states, const char *name)
+/* Whether what is kept under it may be written over. */
+static bool use(lf_states *states, const char *name)
 {
     pthread_mutex_lock(&states->lock);
+    states->spared = states->spared && strcmp(states->used, name) == 0;
     memcpy(states->used, name, NAME_SIZE);
+    bool spared = states->spared;
+    pthread_mutex_unlock(&states->lock);
+    return !spared;
+}
+
+static void spare(lf_states *states, bool spared)
+{
+    pthread_mutex_lock(&states->lock);
+    states->spared = spared;
     pthread_mutex_unlock(&states->lock);
 }
 
@@ -297,14 +309,45 @@ static void tell_newest(const lf_states *states, const char *wanted, const lf_st
     lf_free(all);
 }
 
-/* Of this picture, and yet of no use: damaged, or there is no memory for it now. What is saved from
- * here on is not written over it. */
-static void put_aside(const char *path, const lf_error *err)
+/* A name beside path that is free: NAME.aside, NAME.aside.2, … */
+static bool find_aside(const char *path, char out[static PATH_MAX])
+{
+    struct stat st;
+    for (int i = 1; i <= LF_STATES_ASIDE; i++) {
+        int n = i == 1 ? snprintf(out, PATH_MAX, "%s.aside", path)
+                       : snprintf(out, PATH_MAX, "%s.aside.%d", path, i);
+        if (n < PATH_MAX && lstat(out, &st) != 0 && errno == ENOENT)
+            return true;
+    }
+    return false;
+}
+
+static bool put_aside(const char *path)
 {
     char aside[PATH_MAX];
+    if (!find_aside(path, aside)) {
+        lf_log(LF_LOG_WARNING, "%s: %d states are put aside beside it already; remove some", path,
+               LF_STATES_ASIDE);
+        return false;
+    }
+    if (rename(path, aside) != 0) {
+        lf_log(LF_LOG_WARNING, "%s: cannot be renamed: %s", path, lf_errno_text(errno));
+        return false;
+    }
+    lf_log(LF_LOG_INFO, "it is kept as %s", aside);
+    return true;
+}
+
+/* Of this picture, and yet of no use: damaged, which is put aside, or not to be read now, for want
+ * of memory or of a disk that works. What is saved from here on is not written over it. */
+static void keep_useless(lf_states *states, const char *path, const lf_error *err)
+{
     tell_left_aside(path, err);
-    if (snprintf(aside, sizeof aside, "%s.aside", path) < PATH_MAX && rename(path, aside) == 0)
-        lf_log(LF_LOG_INFO, "it is kept as %s", aside);
+    bool is_damaged = err->status == LF_E_FORMAT || err->status == LF_E_STATE;
+    if (is_damaged && put_aside(path))
+        return;
+    spare(states, true);
+    lf_log(LF_LOG_WARNING, "%s: it stays as it is, and this picture is not saved meanwhile", path);
 }
 
 bool lf_states_restore(lf_states *states, lf_renderer *renderer, bool tells)
@@ -315,13 +358,14 @@ bool lf_states_restore(lf_states *states, lf_renderer *renderer, bool tells)
     if (lf_renderer_state_id(renderer, &id) != LF_OK)
         return false;
     name_of(&id, name);
-    use(states, name);
+    (void)use(states, name);
+    spare(states, false);
     char *path = lf_path_join(states->folder, name);
     bool is_there = path && access(path, F_OK) == 0, fits = false;
     if (is_there) {
         fits = go_on_with(renderer, path, &err) == LF_OK;
         if (!fits)
-            put_aside(path, &err);
+            keep_useless(states, path, &err);
     } else if (tells) {
         fits = go_on_with_old(states, renderer, path, &id);
         if (!fits)
@@ -342,7 +386,10 @@ lf_status lf_states_begin(lf_states *states, const lf_renderer *renderer, lf_out
     if (status != LF_OK)
         return lf_error_set(err, status, states->folder, "out of memory");
     name_of(&id, name);
-    use(states, name);
+    if (!use(states, name))
+        return lf_error_set(err, LF_E_STATE, states->folder,
+                            "the state of this picture that lies there cannot be read now, and is "
+                            "not written over");
     char *path = lf_path_join(states->folder, name);
     status = path ? lf_outfile_open(file, path, true, err)
                   : lf_error_set(err, LF_E_NOMEM, states->folder, "out of memory");

@@ -18,6 +18,7 @@
 
 #define LF_STATES_MOST 8
 #define LF_STATES_BYTES ((uint64_t)8 << 30)
+#define LF_STATES_ASIDE 8 /* of one name that are put aside */
 
 typedef struct lf_states lf_states;
 
@@ -28,11 +29,13 @@ LF_NODISCARD lf_status lf_states_create(const char *folder, lf_states **out_stat
 void lf_states_destroy(lf_states *states);
 
 /* The renderer's picture is the one in use from now on; where its state is kept the renderer goes
- * on from it: true. One that cannot be read is left aside with a word. tells: also says in what the
- * newest one that lies there differs, where there is none of this picture. */
+ * on from it: true. One that is damaged is put aside with a word, as NAME.aside, NAME.aside.2, …;
+ * one that cannot be read now, or where LF_STATES_ASIDE are put aside already, stays, and no state
+ * of this picture is begun until it could be restored. tells: also says in what the newest one that
+ * lies there differs, where there is none of this picture. */
 bool lf_states_restore(lf_states *states, lf_renderer *renderer, bool tells);
 /* Begins to write the state of the renderer's picture, which is the one in use from now on. Errors
- * as of lf_outfile_open. */
+ * as of lf_outfile_open; LF_E_STATE: the one that lies there is not to be written over. */
 LF_NODISCARD lf_status lf_states_begin(lf_states *states, const lf_renderer *renderer,
                                        lf_outfile *file, lf_error *err);
 /* Removes what is too much. */

@@ -29,12 +29,18 @@ lf_status lf_output_kind_from_name(const char *name, const lf_output_kind **out,
     return lf_error_set(err, LF_E_ARG, "kind", "unknown name \"%s\" (there are: %s)", name, known);
 }
 
+/* NULL: it has none. */
+static const char *ending_of(const lf_output_kind *kind, const char *path)
+{
+    int i = 0;
+    while (kind->endings[i] && !lf_path_has_ending(path, kind->endings[i]))
+        i++;
+    return kind->endings[i];
+}
+
 bool lf_output_fits(const lf_output_kind *kind, const char *path)
 {
-    bool fits = false;
-    for (int i = 0; kind->endings[i]; i++)
-        fits = fits || lf_path_has_ending(path, kind->endings[i]);
-    return fits;
+    return ending_of(kind, path);
 }
 
 char *lf_output_endings(const lf_output_kind *kind, char *buf, size_t size)
@@ -51,9 +57,14 @@ lf_status lf_output_path(const lf_output_kind *kind, const char *path, const lf_
                          char **out_path, lf_error *err)
 {
     char endings[64];
-    if (!lf_output_fits(kind, path))
+    const char *ending = ending_of(kind, path);
+    if (!ending)
         return lf_error_set(err, LF_E_ARG, path, "%s ends in %s", kind->what,
                             lf_output_endings(kind, endings, sizeof endings));
+    lf_status status =
+        strcmp(ending, "/") == 0 ? lf_check_name(path, err) : lf_check_stem(path, ending, err);
+    if (status != LF_OK)
+        return status;
     if (kind->complete)
         return kind->complete(path, layout, out_path, err);
     *out_path = lf_strdup(path);

@@ -14,12 +14,14 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/log.h"
 #include "base/spawn.h"
 #include "daemon/output/output_internal.h"
 
 #define PROGRAM "ffmpeg"
 #define FILE_FD 3 /* of ffmpeg: what it writes into */
 #define LOOK_MS 50
+#define NAP_MS 5
 #define MOST_OF_H264 4096
 
 /* ----------------------------------------------------------------------------------- options -- */
@@ -91,6 +93,8 @@ struct lf_video {
     int pipe;  /* its standard input */
     int said;  /* its standard error, a file in memory */
     uint8_t *row;
+    int stopped_ms; /* for which it was waited for in vain, of a stop */
+    bool told;      /* that it is stopped */
 };
 
 /* Out of the way of the descriptors that ffmpeg is to have. */
@@ -213,6 +217,29 @@ static lf_status cancelled(const lf_video *video, lf_error *err)
     return lf_error_set(err, LF_E_CANCELLED, video->file.path, "cancelled");
 }
 
+/* After so long in which it took nothing and did not end. However slow a machine is, nothing
+ * happens in a program that a signal has stopped; what counts is our own waiting, in which we were
+ * not stopped ourselves. */
+static lf_status check_stopped(lf_video *video, int waited_ms, lf_error *err)
+{
+    siginfo_t info = {0};
+    if (waitid(P_PID, (id_t)video->pid, &info, WSTOPPED | WNOHANG | WNOWAIT) != 0 ||
+        info.si_pid != video->pid) {
+        video->stopped_ms = 0;
+        return LF_OK;
+    }
+    if (!video->told)
+        lf_log(LF_LOG_WARNING, PROGRAM " is stopped (signal %d); waiting for it to go on",
+               info.si_status);
+    video->told = true;
+    video->stopped_ms += waited_ms;
+    return video->stopped_ms < LF_VIDEO_STOPPED_S * 1000
+               ? LF_OK
+               : lf_error_set(err, LF_E_TIMEOUT, PROGRAM,
+                              "has been stopped (signal %d) for %d s: the video is given up",
+                              info.si_status, LF_VIDEO_STOPPED_S);
+}
+
 /* It has ended: well, or with the first line of what it said. */
 static lf_status judge(const lf_video *video, int ending, lf_error *err)
 {
@@ -240,7 +267,10 @@ static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
             return lf_error_set(err, LF_E_IO, PROGRAM, "is lost: %s", lf_errno_text(errno));
         if (is_cancelled(video))
             return cancelled(video, err);
-        nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
+        nanosleep(&(struct timespec){.tv_nsec = NAP_MS * 1000000}, NULL);
+        lf_status status = check_stopped(video, NAP_MS, err);
+        if (status != LF_OK)
+            return status;
     }
     video->pid = 0;
     return LF_OK;
@@ -275,7 +305,10 @@ static lf_status push(lf_video *video, const uint8_t *data, size_t n, lf_error *
             n -= (size_t)done;
         } else if (done < 0 && errno == EAGAIN) {
             struct pollfd ready = {video->pipe, POLLOUT, 0};
-            (void)poll(&ready, 1, LOOK_MS);
+            lf_status status =
+                poll(&ready, 1, LOOK_MS) == 0 ? check_stopped(video, LOOK_MS, err) : LF_OK;
+            if (status != LF_OK)
+                return status;
         } else if (done < 0 && errno != EINTR) {
             return explain(video, err);
         }

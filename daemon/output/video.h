@@ -32,6 +32,9 @@ lf_layout lf_video_view_layout(const lf_layout *quilt);
 LF_NODISCARD lf_status lf_video_check(const lf_video_options *options, const lf_layout *layout,
                                       const char *path, const char **out_warning, lf_error *err);
 
+/* So long a video waits for an ffmpeg that a signal has stopped (SIGSTOP), seconds. */
+#define LF_VIDEO_STOPPED_S 60
+
 typedef struct lf_video lf_video;
 
 /* Starts ffmpeg for a video of such quilts in path, what is there is replaced. cancel is looked at
@@ -42,7 +45,8 @@ LF_NODISCARD lf_status lf_video_create(const char *path, const lf_layout *layout
                                        lf_video **out_video, lf_error *err);
 /* Adds a frame: source as lf_output_write would put it into a PNG of request->layout, with
  * request's exposure, tonemap and pool. LF_E_IO: ffmpeg has failed, and what it said;
- * LF_E_CANCELLED; LF_E_NOMEM. */
+ * LF_E_TIMEOUT: it is stopped, which the log says once, and does not go on; LF_E_CANCELLED;
+ * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_video_add(lf_video *video, const lf_output_request *request,
                                     const lf_output_source *source, lf_error *err);
 /* Adds all views, one after the other: of a video whose layout is one tile of one view. Errors as

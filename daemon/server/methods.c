@@ -192,6 +192,8 @@ static lf_status resolve(const lf_server *server, const char *name, char **out_p
 lf_status lf_server_read_path(const lf_server *server, const char *path, char **out_path,
                               lf_error *err)
 {
+    if (path[0] == '\0')
+        return lf_error_set(err, LF_E_ARG, path, "a file's name is empty");
     char *name = absolute(server, path);
     if (!name)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");

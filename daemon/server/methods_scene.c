@@ -25,7 +25,7 @@ void lf_method_scene_load(lf_call *call)
     lf_status status = lf_server_read_path(
         call->server, json_string_value(json_object_get(call->params, "file")), &file, &err);
     if (status != LF_OK) {
-        lf_fail(call, &err, true);
+        lf_fail(call, &err, status != LF_E_ARG);
         return;
     }
     lf_load *load = lf_load_create(LF_LOAD_FILE);

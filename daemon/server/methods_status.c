@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/import/import.h"
 #include "daemon/server/methods.h"
 
 void lf_method_hello(lf_call *call)
@@ -112,15 +113,16 @@ void lf_method_status(lf_call *call)
     add_content(server, status);
     add_engine(server, status);
     json_t *more = json_pack(
-        "{s:{s:I, s:s, s:s}, s:o, s:I, s:I, s:I, s:i, s:o, s:o, s:i, s:o, s:f}", "shown",
+        "{s:{s:I, s:s, s:s}, s:o, s:I, s:I, s:I, s:i, s:o, s:o, s:s, s:i, s:o, s:f}", "shown",
         "generation", (json_int_t)server->shown.generation, "level",
         lf_level_name(server->shown.level), "picture",
         server->shown.reconstructed ? "reconstructed" : "unfiltered", "device",
         lf_server_device_json(server), "updates", (json_int_t)counters.updates, "bytes",
         (json_int_t)counters.bytes, "device_errors", (json_int_t)counters.errors, "loading",
         lf_loader_pending(server->loader), "load", lf_server_load_json(server), "reading",
-        lf_server_reading_json(server), "clients", lf_clients_count(server->clients), "jobs",
-        lf_server_jobs_json(server), "uptime", lf_time_now() - server->life.started);
+        lf_server_reading_json(server), "landlock", lf_landlock_name(lf_import_landlock()),
+        "clients", lf_clients_count(server->clients), "jobs", lf_server_jobs_json(server), "uptime",
+        lf_time_now() - server->life.started);
     json_object_update(status, more);
     json_decref(more);
     if (server->error.status != LF_OK) {

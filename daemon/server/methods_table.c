@@ -18,7 +18,8 @@
 
 #define EXPORT_KEYS                                                                                \
     "\"kind\":" STRING ",\"file\":" STRING                                                         \
-    ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"") ",\"overwrite\":" BOOLEAN           \
+    ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"") ",\"detach\":" BOOLEAN              \
+    ",\"overwrite\":" BOOLEAN                                                                      \
     ",\"reconstruct\":" ENUM("\"auto\",\"off\",\"on\"")                                            \
     ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"
 

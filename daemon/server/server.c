@@ -312,9 +312,11 @@ static lf_status open_socket(lf_server *server, lf_error *err)
     if (status == LF_OK &&
         lf_clients_create(server->event, fd, lf_server_line, server, &server->clients) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, "socket", "out of memory");
-    if (status == LF_OK)
+    if (status == LF_OK) {
+        lf_clients_on_gone(server->clients, lf_server_end_jobs_of);
         lf_log(LF_LOG_INFO, "listening on %s",
                server->socket_path ? server->socket_path : "the socket from systemd");
+    }
     return status;
 }
 

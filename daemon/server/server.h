@@ -296,6 +296,9 @@ LF_NODISCARD lf_status lf_server_cancel_job(lf_server *server, int64_t id, lf_er
 void lf_server_start_jobs(lf_server *server);
 /* Cancels all; true when none is left. */
 bool lf_server_end_jobs(lf_server *server);
+/* An lf_gone_fn with the server as context: ends the exports of that client which still wait, or
+ * are written to its descriptors; those that were detached go on. */
+void lf_server_end_jobs_of(void *context, uint64_t client);
 json_t *lf_server_jobs_json(const lf_server *server);
 
 /* ---------------------------------------------------------------------------- server_state.c -- */
@@ -330,7 +333,8 @@ void lf_deferred_fail(lf_server *server, lf_deferred *deferred, const lf_error *
 
 /* A path parameter of a client: must lie beneath the roots (LF_E_PATH, whether it exists or not),
  * and exist there (LF_E_IO); relative ones are relative to the folder of the scene the daemon was
- * started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_NOMEM. */
+ * started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_ARG (empty), LF_E_NOMEM.
+ */
 LF_NODISCARD lf_status lf_server_read_path(const lf_server *server, const char *path,
                                            char **out_path, lf_error *err);
 /* A file to write: its folder must exist beneath --export-dir, and is held. As lf_held_name_open.

@@ -7,6 +7,11 @@
 #include "daemon/server/server_job.h"
 
 #define MAX_JOBS 8
+/* Of those that wait: of all, so that others are never kept out by them; without their clients; and
+ * of one client. */
+#define MOST_WAITING 6
+#define MOST_DETACHED 4
+#define MOST_OF_CLIENT 2
 #define STATE_ENDING ".lfstate"
 
 static const char *string_of(const json_t *params, const char *key)
@@ -92,9 +97,12 @@ static lf_status take_file(lf_job *job, const char *file, lf_error *err)
     if (!job->kind && !ends_with(file, STATE_ENDING))
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/file",
                                "a state's name must end in " STATE_ENDING);
+    lf_status status = job->kind ? LF_OK : lf_check_stem(file, STATE_ENDING, err);
+    if (status != LF_OK)
+        return status;
     if (job->n_fds == 0) {
         lf_held_name held;
-        lf_status status = lf_server_write_path(job->server, file, &held, err);
+        status = lf_server_write_path(job->server, file, &held, err);
         if (status != LF_OK)
             return status;
         job->file = held.path;
@@ -108,8 +116,7 @@ static lf_status take_file(lf_job *job, const char *file, lf_error *err)
         return LF_OK;
     char *path = NULL;
     const lf_content *content = job->server->content;
-    lf_status status =
-        lf_output_path(job->kind, job->file, content ? &content->layout : NULL, &path, err);
+    status = lf_output_path(job->kind, job->file, content ? &content->layout : NULL, &path, err);
     if (job->n_fds == 0)
         job->name = path;
     else
@@ -143,6 +150,7 @@ static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
     const char *kind = string_of(params, "kind");
     const bool is_state = strcmp(kind, "state") == 0;
     job->overwrite = json_is_true(json_object_get(params, "overwrite"));
+    job->asker.detached = json_is_true(json_object_get(params, "detach"));
     job->wait = wait_of(params, is_state);
     job->generation = server->generation;
     job->reconstruct = reconstruct_of(params);
@@ -175,6 +183,43 @@ static int count_jobs(const lf_server *server)
     return n;
 }
 
+/* A job that will wait is one of a few: of its client, of those that are detached, and of all. */
+static lf_status check_waiting(const lf_job *job, lf_error *err)
+{
+    int waiting = 0, detached = 0, of_client = 0;
+    for (const lf_job *other = job->server->jobs; other; other = other->next) {
+        if (other->started)
+            continue;
+        waiting++;
+        detached += other->asker.detached ? 1 : 0;
+        of_client += other->asker.client == job->asker.client ? 1 : 0;
+    }
+    if (job_may_start(job))
+        return LF_OK;
+    if (of_client >= MOST_OF_CLIENT)
+        return lf_error_set(err, LF_E_BUSY, "export",
+                            "%d exports of this client are waiting already (job.cancel ends one)",
+                            MOST_OF_CLIENT);
+    if (job->asker.detached && detached >= MOST_DETACHED)
+        return lf_error_set(err, LF_E_BUSY, "export",
+                            "%d detached exports are waiting already (job.cancel ends one)",
+                            MOST_DETACHED);
+    if (waiting >= MOST_WAITING)
+        return lf_error_set(err, LF_E_BUSY, "export", "%d exports are waiting already",
+                            MOST_WAITING);
+    return LF_OK;
+}
+
+/* A connection that is half-closed stays until its jobs have ended; a detached one needs none. */
+static lf_status hold_client(lf_job *job, lf_client *client, lf_error *err)
+{
+    job->asker.holds = !job->asker.detached && lf_client_hold(client, &job->asker.bytes);
+    return job->asker.holds || job->asker.detached
+               ? LF_OK
+               : lf_error_set(err, LF_E_BUSY, "export",
+                              "too many calls of this client are waiting for an answer");
+}
+
 void lf_server_export(lf_call *call)
 {
     lf_server *server = call->server;
@@ -186,8 +231,12 @@ void lf_server_export(lf_call *call)
         lf_fail(call, &err, false);
         return;
     }
-    job->client = lf_client_serial(call->client);
+    job->asker.client = lf_client_serial(call->client);
     lf_status status = take_words(job, call, &err);
+    if (status == LF_OK)
+        status = check_waiting(job, &err);
+    if (status == LF_OK)
+        status = hold_client(job, call->client, &err);
     if (status != LF_OK) {
         job_free(job);
         lf_client_drop_fds(call->client);

@@ -206,7 +206,7 @@ static void *job_main(void *context)
 {
     lf_job *job = context;
     bool has_fds = job->n_fds > 0;
-    if (job->client == 0) {
+    if (job->asker.client == 0) {
         job->status = lf_engine_keep(job->server->engine, &job->err);
     } else if (!job->kind) {
         job->status = write_state(job);
@@ -245,7 +245,8 @@ static json_t *job_json(const lf_job *job, const char *state)
 static void tell(const lf_job *job, json_t *params)
 {
     lf_server *server = job->server;
-    lf_client *client = job->client != 0 ? lf_clients_find(server->clients, job->client) : NULL;
+    lf_client *client =
+        job->asker.client != 0 ? lf_clients_find(server->clients, job->asker.client) : NULL;
     if (client && (*lf_client_flags(client) & LF_EVENT_EXPORT) == 0)
         lf_client_send(client, lf_rpc_notification("export", json_incref(params)));
     lf_server_notify(server, LF_EVENT_EXPORT, "export", params);
@@ -259,6 +260,14 @@ static void unlink_job(lf_job *job)
     *at = job->next;
 }
 
+static void release_client(lf_job *job)
+{
+    lf_client *client =
+        job->asker.holds ? lf_clients_find(job->server->clients, job->asker.client) : NULL;
+    if (client)
+        lf_client_release(client, job->asker.bytes);
+}
+
 /* The job's end, whichever way it came. */
 static void end_job(lf_job *job)
 {
@@ -269,7 +278,7 @@ static void end_job(lf_job *job)
         job->name = job->final;
         job->final = NULL;
     }
-    if (job->client != 0) {
+    if (job->asker.client != 0) {
         const char *state = job->status == LF_OK            ? "done"
                             : job->status == LF_E_CANCELLED ? "cancelled"
                                                             : "failed";
@@ -280,6 +289,7 @@ static void end_job(lf_job *job)
             json_decref(answer);
         }
         tell(job, params);
+        release_client(job);
     } else {
         lf_server_state_saved(server, job->status);
         if (job->status != LF_OK && job->status != LF_E_CANCELLED && job->status != LF_E_STATE)
@@ -314,7 +324,7 @@ void job_start(lf_job *job)
 {
     job->started = true;
     job->task.done = on_job_done;
-    if (job->client != 0) {
+    if (job->asker.client != 0) {
         (void)sd_event_add_time_relative(job->server->event, &job->timer, CLOCK_MONOTONIC,
                                          PROGRESS_USEC, 0, on_progress_timer, job);
         tell(job, job_json(job, "running"));
@@ -325,12 +335,12 @@ void job_start(lf_job *job)
     }
 }
 
-static bool may_start(const lf_server *server, const lf_job *job)
+bool job_may_start(const lf_job *job)
 {
     lf_engine_status now;
     if (job_is_drawn(job))
         return true;
-    lf_engine_get_status(server->engine, &now);
+    lf_engine_get_status(job->server->engine, &now);
     /* A scene that moves meanwhile is waited for again. */
     return now.generation >= job->generation && now.level >= job->wait;
 }
@@ -339,7 +349,7 @@ void lf_server_start_jobs(lf_server *server)
 {
     for (lf_job *job = server->jobs, *next; job; job = next) {
         next = job->next;
-        if (!job->started && may_start(server, job))
+        if (!job->started && job_may_start(job))
             job_start(job);
     }
 }
@@ -356,13 +366,29 @@ static void cancel(lf_job *job)
 lf_status lf_server_cancel_job(lf_server *server, int64_t id, lf_error *err)
 {
     for (lf_job *job = server->jobs; job; job = job->next) {
-        if (job->id == id && job->client != 0) {
+        if (job->id == id && job->asker.client != 0) {
             cancel(job);
             return LF_OK;
         }
     }
     return lf_error_set_at(err, LF_E_ARG, "job.cancel", 0, "/job", "there is no job %lld",
                            (long long)id);
+}
+
+/* What is written by name has begun, and ends soon: the client may have left because it knows. */
+static bool ends_with_client(const lf_job *job)
+{
+    return !job->asker.detached && (!job->started || job->folder_fd < 0);
+}
+
+void lf_server_end_jobs_of(void *context, uint64_t client)
+{
+    lf_server *server = context;
+    for (lf_job *job = server->jobs, *next; job; job = next) {
+        next = job->next;
+        if (job->asker.client == client && ends_with_client(job))
+            cancel(job);
+    }
 }
 
 bool lf_server_end_jobs(lf_server *server)
@@ -382,7 +408,7 @@ json_t *lf_server_jobs_json(const lf_server *server)
 {
     json_t *list = json_array();
     for (const lf_job *job = server->jobs; job; job = job->next)
-        if (job->client != 0)
+        if (job->asker.client != 0)
             json_array_append_new(list, job_json(job, job->started ? "running" : "waiting"));
     return list;
 }

@@ -8,13 +8,20 @@
 
 #include "daemon/server/server.h"
 
+/* Who asked for a job; hears of it without subscribing. */
+typedef struct lf_asker {
+    uint64_t client; /* 0 = the daemon itself, into --state */
+    bool detached;   /* the job outlives that client */
+    bool holds;      /* the client's connection, which stays half-closed as long */
+    size_t bytes;    /* of the client's lines that are held with it */
+} lf_asker;
+
 struct lf_job {
     lf_task task;
     lf_job *next;
     lf_server *server;
     int64_t id;
-    uint64_t client; /* who asked; hears of it without subscribing. 0 = the daemon itself, into
-                        --state */
+    lf_asker asker;
     const lf_output_kind *kind; /* NULL: "state" */
     char *file;                 /* as asked for, canonical */
     char *name;                 /* on the disk, by the picture there was; NULL: file is */
@@ -56,5 +63,7 @@ void job_free(lf_job *job);
 void job_list(lf_job *job);
 /* Starts its thread; the job ends by itself. */
 void job_start(lf_job *job);
+/* Whether the picture is as good as the job waits for. */
+bool job_may_start(const lf_job *job);
 
 #endif

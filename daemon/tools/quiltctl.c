@@ -128,7 +128,7 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
 static void make_absolute(json_t *params, const char *key)
 {
     const char *path = json_string_value(json_object_get(params, key));
-    char *here = path && path[0] != '/' ? getcwd(NULL, 0) : NULL;
+    char *here = path && path[0] != '\0' && path[0] != '/' ? getcwd(NULL, 0) : NULL;
     char *joined = here ? lf_path_join(here, path) : NULL;
     if (joined)
         json_object_set_new(params, key, json_string(joined));
@@ -149,6 +149,12 @@ static void make_spec_absolute(json_t *params)
     free(here);
 }
 
+/* The daemon writes such an export by its name, since nobody waits here for its end. */
+static bool is_detached(const json_t *params)
+{
+    return json_is_true(json_object_get(params, "detach"));
+}
+
 /* Reads the words by the method's schema. first: how many are positional (export's kind and file).
  */
 static lf_status read_words(const arguments *a, const json_t *schema, json_t *params, lf_error *err)
@@ -165,7 +171,8 @@ static lf_status read_words(const arguments *a, const json_t *schema, json_t *pa
         if (status != LF_OK)
             return status;
     }
-    make_absolute(params, "file");
+    if (!is_detached(params)) /* else relative to the daemon's --export-dir */
+        make_absolute(params, "file");
     make_absolute(params, "icc");
     make_spec_absolute(params);
     return lf_schema_check(schema, params, a->method, err);
@@ -207,7 +214,7 @@ static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_er
         json_decref(params);
         return status;
     }
-    if (strcmp(a->method, "export") == 0)
+    if (strcmp(a->method, "export") == 0 && !is_detached(params))
         return lf_ctl_export(ctl, params, out_result, err);
     return lf_ctl_call(ctl, a->method, params, NULL, 0, out_result, NULL, err);
 }

@@ -46,6 +46,7 @@ struct lf_clients {
     int listen_fd;
     sd_event_source *listen_io, *pause;
     lf_line_fn on_line;
+    lf_gone_fn on_gone; /* NULL: nobody asks */
     void *context;
     lf_client *first;
     int count;
@@ -94,11 +95,13 @@ static void drop(lf_client *client)
 
 static void free_client(lf_client *client)
 {
-    lf_client **at = &client->owner->first;
+    lf_clients *owner = client->owner;
+    const uint64_t serial = client->serial;
+    lf_client **at = &owner->first;
     while (*at != client)
         at = &(*at)->next;
     *at = client->next;
-    client->owner->count--;
+    owner->count--;
     sd_event_source_disable_unref(client->io);
     close(client->fd);
     lf_client_drop_fds(client);
@@ -106,6 +109,8 @@ static void free_client(lf_client *client)
     buffer_finish(&client->out);
     buffer_finish(&client->frame);
     lf_free(client);
+    if (owner->on_gone)
+        owner->on_gone(owner->context, serial);
 }
 
 /* Frees a client whose time has come, unless its lines are being worked on further up the stack. */
@@ -403,6 +408,11 @@ lf_status lf_clients_create(sd_event *event, int listen_fd, lf_line_fn on_line, 
     clients->context = context;
     *out = clients;
     return LF_OK;
+}
+
+void lf_clients_on_gone(lf_clients *clients, lf_gone_fn fn)
+{
+    clients->on_gone = fn;
 }
 
 void lf_clients_close_listener(lf_clients *clients)

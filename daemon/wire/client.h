@@ -25,9 +25,14 @@ typedef struct lf_client lf_client;
  * freed before it returns. */
 typedef void (*lf_line_fn)(void *context, lf_client *client, const char *line, size_t n);
 
+/* The client of this serial number is gone: nothing can be sent to it any more. */
+typedef void (*lf_gone_fn)(void *context, uint64_t serial);
+
 /* Takes listen_fd over. */
 LF_NODISCARD lf_status lf_clients_create(sd_event *event, int listen_fd, lf_line_fn on_line,
                                          void *context, lf_clients **out);
+/* Calls fn, with the context of on_line, for each client that goes from now on. */
+void lf_clients_on_gone(lf_clients *clients, lf_gone_fn fn);
 /* Closes everything, after trying once more to send what is queued. Accepts NULL. */
 void lf_clients_destroy(lf_clients *clients);
 /* Accepts nobody new. */

@@ -3,11 +3,12 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/import/import.h"
 #include "base/import/import_group.h"
 #include "base/thread.h"
 #include "render/load/places_import.h"
 
-enum { MOST_READERS = 4 }; /* at once: each may take the memory that --import-memory says */
+enum { MOST_READERS = 4 }; /* at once: together they have the memory that --import-memory says */
 
 /* Meshes that are read together: importing.order[first] and those behind it. */
 typedef struct reading {
@@ -143,10 +144,12 @@ static void run_places(void *context, int item, int worker)
 static lf_status run_readings(importing *all, lf_pool_fn run)
 {
     lf_pool *pool = NULL;
-    int threads = all->n_files < MOST_READERS ? all->n_files : MOST_READERS;
-    lf_status status = lf_pool_create(threads > 1 ? threads : 1, &pool);
+    const int n = all->n_files < 1 ? 1 : all->n_files < MOST_READERS ? all->n_files : MOST_READERS;
+    lf_status status = lf_pool_create(n, &pool);
+    lf_import_expect(n - 1);
     if (status == LF_OK)
         status = lf_pool_run(pool, all->n_readings, run, all, NULL);
+    lf_import_expect(1 - n);
     lf_pool_destroy(pool);
     return status;
 }

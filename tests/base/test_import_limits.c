@@ -39,24 +39,25 @@ static void a_reader_may_have_half_of_what_its_group_may(void **state)
 {
     (void)state;
     const uint64_t half = (uint64_t)sysconf(_SC_PHYS_PAGES) * (uint64_t)sysconf(_SC_PAGESIZE) / 2;
-    const uint64_t expected = half > UINT64_C(134217728) ? half : UINT64_C(134217728);
+    const uint64_t expected = half > LF_IMPORT_LEAST_MEMORY ? half : LF_IMPORT_LEAST_MEMORY;
     assert_int_equal(memory_in(NULL, NULL, NULL), expected);
     assert_int_equal(memory_in("0::/a/b\n", "max\n", "max\n"), expected);
-    assert_int_equal(memory_in("0::/a/b\n", "max\n", "400000000\n"), 200000000);
-    assert_int_equal(memory_in("0::/a/b\n", "300000000\n", "400000000\n"), 150000000);
-    assert_int_equal(memory_in("0::/a/b\n", "500000000\n", "400000000\n"), 200000000);
-    assert_int_equal(memory_in("0::/a/b\n", "500000000\n", NULL), 250000000);
-    assert_int_equal(memory_in("0::/a\n", "500000000\n", "400000000\n"), 250000000);
-    assert_int_equal(memory_in("3:memory:/a\n0::/a\n", "500000000\n", NULL), 250000000);
-    assert_int_equal(memory_in("3:memory:/a\n", "500000000\n", NULL), expected);
-    assert_int_equal(memory_in("0::/a\n", "1000\n", NULL), 134217728); /* the least there is */
+    assert_int_equal(memory_in("0::/a/b\n", "max\n", "800000000\n"), 400000000);
+    assert_int_equal(memory_in("0::/a/b\n", "600000000\n", "800000000\n"), 300000000);
+    assert_int_equal(memory_in("0::/a/b\n", "1000000000\n", "800000000\n"), 400000000);
+    assert_int_equal(memory_in("0::/a/b\n", "1000000000\n", NULL), 500000000);
+    assert_int_equal(memory_in("0::/a\n", "1000000000\n", "800000000\n"), 500000000);
+    assert_int_equal(memory_in("3:memory:/a\n0::/a\n", "1000000000\n", NULL), 500000000);
+    assert_int_equal(memory_in("3:memory:/a\n", "1000000000\n", NULL), expected);
+    assert_int_equal(memory_in("0::/a\n", "1000\n", NULL),
+                     LF_IMPORT_LEAST_MEMORY); /* the least there is */
     limit_of_root = "160000000000\n";
-    assert_int_equal(memory_in("0::/a/b\n", "500000000\n", NULL), 250000000);
-    limit_of_root = "300000000\n";
-    assert_int_equal(memory_in("0::/a/b\n", "500000000\n", NULL), 150000000);
-    assert_int_equal(memory_in("0::/\n", NULL, NULL), 150000000);
+    assert_int_equal(memory_in("0::/a/b\n", "1000000000\n", NULL), 500000000);
+    limit_of_root = "600000000\n";
+    assert_int_equal(memory_in("0::/a/b\n", "1000000000\n", NULL), 300000000);
+    assert_int_equal(memory_in("0::/\n", NULL, NULL), 300000000);
     lf_import_limit(UINT64_C(700000000), 5);
-    assert_int_equal(memory_in("0::/a\n", "300000000\n", NULL), 700000000);
+    assert_int_equal(memory_in("0::/a\n", "600000000\n", NULL), 700000000);
     assert_int_equal(lf_import_seconds(), 5);
 }
 

@@ -262,8 +262,144 @@ static void a_name_is_resolved_where_it_may_be_read(void **state)
     lf_roots_finish(&roots);
 }
 
+/* Pairs of names outside of in/, the first of something that is there and the second not. */
+static const char *const outside[][2] = {
+    {"out/file", "out/absent"},
+    {"out/file/x", "absent/x"},
+    {"out/sub/x", "out/absent/x"},
+    {"in/link/file", "in/nowhere/file"},
+    {"in/link", "in/nowhere"},
+    {"in/../out/file", "in/../absent/file"},
+    {"out/../out/sub/x", "absent/../absent/x"},
+    {"out/.././out//sub/x", "absent/.././absent//x"},
+};
+
+/* Names that lead through what is outside and come back. */
+static const char *const back[][2] = {
+    {"out/../in/file", "absent/../in/file"},
+    {"out/sub/../../in/file", "out/absent/../../in/file"},
+    {"out/file/../../in/file", "absent/absent/../../in/file"},
+    {"out/../in/absent", "absent/../in/absent"},
+    {"in/../out/../in/sub/file", "in/../absent/../in/sub/file"},
+};
+
+static void make_outside(const char *folder)
+{
+    make_tree(folder);
+    assert_int_equal(mkdir(lf_test_path(folder, "out/sub"), 0700), 0);
+    assert_int_equal(symlink("../absent", lf_test_path(folder, "in/nowhere")), 0);
+}
+
+typedef lf_status (*try_fn)(const char *folder, const char *name, lf_error *err);
+
+static lf_status try_resolve(const char *folder, const char *name, lf_error *err)
+{
+    lf_roots roots;
+    char *path = NULL;
+    assert_true(make_roots(folder, &roots));
+    lf_status status = lf_roots_resolve(&roots, lf_test_path(folder, name), &path, err);
+    lf_free(path);
+    lf_roots_finish(&roots);
+    return status;
+}
+
+static lf_status try_open(const char *folder, const char *name, lf_error *err)
+{
+    lf_roots roots;
+    int fd;
+    assert_true(make_roots(folder, &roots));
+    lf_status status = lf_roots_open(&roots, lf_test_path(folder, name), &fd, err);
+    if (status == LF_OK)
+        close(fd);
+    lf_roots_finish(&roots);
+    return status;
+}
+
+static lf_status try_open_folder(const char *folder, const char *name, lf_error *err)
+{
+    lf_roots roots;
+    int fd;
+    assert_true(make_roots(folder, &roots));
+    lf_status status = lf_roots_open_folder(&roots, lf_test_path(folder, name), &fd, err);
+    if (status == LF_OK)
+        close(fd);
+    lf_roots_finish(&roots);
+    return status;
+}
+
+static lf_status try_hold(const char *folder, const char *name, lf_error *err)
+{
+    char root[PATH_MAX];
+    lf_held_name held = {.folder_fd = -1};
+    assert_non_null(realpath(lf_test_path(folder, "in"), root));
+    lf_status status =
+        lf_held_name_open(root, "--export-dir", lf_test_path(folder, name), &held, err);
+    lf_held_name_finish(&held);
+    return status;
+}
+
+/* The same status and the same words for both; not LF_OK where they are outside. */
+static void assert_alike(const char *folder, try_fn attempt, const char *const pair[2],
+                         bool is_outside)
+{
+    lf_error there = {0}, absent = {0};
+    lf_status one = attempt(folder, pair[0], &there), other = attempt(folder, pair[1], &absent);
+    if (one != other || (one != LF_OK && strcmp(there.what, absent.what) != 0) ||
+        (is_outside && one != LF_E_PATH))
+        fail_msg("%s: %d %s; %s: %d %s", pair[0], (int)one, there.what, pair[1], (int)other,
+                 absent.what);
+}
+
+static void what_is_outside_is_told_the_same_whether_it_exists_or_not(void **state)
+{
+    const char *folder = *state;
+    static const try_fn attempts[] = {try_resolve, try_open, try_open_folder, try_hold};
+    make_outside(folder);
+    for (size_t i = 0; i < sizeof attempts / sizeof *attempts; i++) {
+        for (size_t k = 0; k < sizeof outside / sizeof *outside; k++) {
+            /* in/link itself is a name in a folder that may be written to */
+            bool named = attempts[i] == try_hold && strcmp(outside[k][0], "in/link") == 0;
+            assert_alike(folder, attempts[i], outside[k], !named);
+        }
+        for (size_t k = 0; k < sizeof back / sizeof *back; k++)
+            assert_alike(folder, attempts[i], back[k], false);
+    }
+    /* what is inside is told as it is */
+    lf_error err;
+    assert_int_equal(try_open(folder, "in/absent", &err), LF_E_IO);
+    assert_int_equal(try_open(folder, "in/sub/../file", &err), LF_OK);
+    assert_int_equal(try_open(folder, "in/inside/../file", &err), LF_OK);
+    assert_int_equal(try_open(folder, "root/sub/../file", &err), LF_OK);
+    assert_int_equal(try_open(folder, "out/../in/file", &err), LF_OK);
+}
+
 /* ------------------------------------------------------------------------------------ writing --
  */
+
+static void a_name_to_be_written_is_one_line_with_something_before_its_ending(void **state)
+{
+    static const char *const odd[] = {"x\ny.png",          "x\ry.png", "\x1b[2Jx.png",
+                                      "x\x7f.png",         "a\tb.png", "x\xc2\x85y.png",
+                                      "x\xe2\x80\xa8y.png"};
+    static const char *const bare[] = {".png", "in/.png", "..png", "/tmp/...png"};
+    static const char *const fine[] = {"x.png", ".x.png", "a b.png", "\xc3\xa9\xe2\x80\x94.png",
+                                       "in/.a/x.png"};
+    lf_error err;
+    char root[PATH_MAX];
+    lf_held_name held = {.folder_fd = -1};
+    make_tree(*state);
+    assert_non_null(realpath(lf_test_path(*state, "in"), root));
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+        lf_assert_status(lf_check_name(odd[i], &err), LF_E_ARG, NULL);
+        lf_assert_status(lf_check_stem(odd[i], ".png", &err), LF_E_ARG, NULL);
+        lf_assert_status(lf_held_name_open(root, "--export-dir", odd[i], &held, &err), LF_E_ARG,
+                         NULL);
+    }
+    for (size_t i = 0; i < sizeof bare / sizeof *bare; i++)
+        lf_assert_status(lf_check_stem(bare[i], ".png", &err), LF_E_ARG, NULL);
+    for (size_t i = 0; i < sizeof fine / sizeof *fine; i++)
+        lf_assert_ok(lf_check_stem(fine[i], ".png", &err), &err);
+}
 
 static const char *writes_are_as_told(const char *folder)
 {
@@ -510,6 +646,11 @@ int main(void)
                                         remove_folder),
         cmocka_unit_test_setup_teardown(a_name_is_resolved_where_it_may_be_read, make_folder,
                                         remove_folder),
+        cmocka_unit_test_setup_teardown(what_is_outside_is_told_the_same_whether_it_exists_or_not,
+                                        make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(
+            a_name_to_be_written_is_one_line_with_something_before_its_ending, make_folder,
+            remove_folder),
         cmocka_unit_test_setup_teardown(writing_stays_beneath_its_folder, make_folder,
                                         remove_folder),
         cmocka_unit_test_setup_teardown(a_name_that_may_not_be_written_is_told_why, make_folder,

@@ -152,6 +152,88 @@ static void exports_are_written_beneath_the_export_dir_only(void **state)
     live_finish(&l);
 }
 
+static void names_that_are_none_are_refused(void **state)
+{
+    (void)state;
+    static const char *const names[][2] = {
+        {"quilt", ".png"},         {"panel", ".png"},          {"panel", "d/.png"},
+        {"panel", "..png"},        {"state", ".lfstate"},      {"panel", "x\ny.png"},
+        {"state", "\x1b.lfstate"}, {"views", "v\x7f/"},        {"quilt", "x\xe2\x80\xa8.png"},
+        {"chart", ".tif"},         {"quilt", "x\xc2\x85.png"},
+    };
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    assert_int_equal(mkdir(lf_test_path(l.exports, "d"), 0700), 0);
+    const char *end;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (export_to(&c, names[i][0], names[i][1], false, &end) != -32602)
+            fail_msg("\"%s\" is %s", names[i][1], end);
+    assert_int_equal(export_to(&c, "panel", ".hidden.png", false, &end), 0);
+    assert_string_equal(end, "done");
+    char spec[PATH_MAX];
+    snprintf(spec, sizeof spec, "sim:%s/a\nb", l.exports);
+    assert_int_equal(live_code(&c, "device.set", json_pack("{s:s}", "spec", spec)), -32602);
+    assert_int_not_equal(access(spec + strlen("sim:"), F_OK), 0);
+    live_close(&c);
+    live_finish(&l);
+}
+
+/* A refusal's words, of a name for each method; without the name. */
+static void why_refused(live_client *c, const char *method, json_t *params, char *why, size_t size)
+{
+    json_t *answer = live_call(c, method, params);
+    const json_t *error = json_object_get(answer, "error");
+    const char *message = json_string_value(json_object_get(error, "message"));
+    assert_int_equal(json_integer_value(json_object_get(error, "code")), -32001);
+    snprintf(why, size, "%s", strchr(message, ' '));
+    json_decref(answer);
+}
+
+static void what_is_outside_is_told_the_same_whether_it_exists(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    char why[2][512], name[PATH_MAX];
+    static const char *const folders[] = {"sim", "absent"}; /* both outside of exports/ */
+    for (int i = 0; i < 2; i++) {
+        snprintf(name, sizeof name, "%s/%s/x.png", l.folder, folders[i]);
+        why_refused(&c, "export", export_params("panel", name, false), why[i], sizeof *why);
+    }
+    assert_string_equal(why[0], why[1]);
+    for (int i = 0; i < 2; i++) {
+        snprintf(name, sizeof name, "sim:%s/%s/panel", l.folder, folders[i]);
+        why_refused(&c, "device.set", json_pack("{s:s}", "spec", name), why[i], sizeof *why);
+    }
+    assert_string_equal(why[0], why[1]);
+    for (int i = 0; i < 2; i++) {
+        snprintf(name, sizeof name, "%s/%s/x.icc", l.folder, folders[i]);
+        json_t *params = export_params("print", "t.tif", false);
+        json_object_set_new(params, "icc", json_string(name));
+        why_refused(&c, "export", params, why[i], sizeof *why);
+    }
+    assert_string_equal(why[0], why[1]);
+    /* through a folder outside and back: no difference either */
+    for (int i = 0; i < 2; i++) {
+        const char *end;
+        snprintf(name, sizeof name, "%s/%s/../exports/back%d.png", l.folder, folders[i], i);
+        assert_int_equal(export_to(&c, "panel", name, false, &end), 0);
+        assert_string_equal(end, "done");
+        snprintf(name, sizeof name, "%s/%s/../scene/fog.json", l.folder, folders[i]);
+        assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", name)), 0);
+    }
+    live_close(&c);
+    live_finish(&l);
+}
+
 /* A line with a descriptor. */
 static void send_with(const live_client *c, const char *line, int fd)
 {
@@ -510,6 +592,8 @@ int main(void)
         cmocka_unit_test(an_export_that_fails_tells_the_name_asked_for),
         cmocka_unit_test(a_print_and_a_chart_tell_what_they_need),
         cmocka_unit_test(exports_are_written_beneath_the_export_dir_only),
+        cmocka_unit_test(names_that_are_none_are_refused),
+        cmocka_unit_test(what_is_outside_is_told_the_same_whether_it_exists),
         cmocka_unit_test(answers_name_the_file_that_is_meant),
         cmocka_unit_test(an_export_of_a_coarse_picture_is_filled_as_the_screen_is),
         cmocka_unit_test(an_export_that_waits_can_be_cancelled),

@@ -39,6 +39,28 @@ static void assert_message(json_t *answer, const char *text)
     json_decref(answer);
 }
 
+/* By the real reader; what the kernel has test_import_shares.c knows. */
+static void status_tells_whether_landlock_holds_readers(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    live_prepare(&l);
+    lf_test_write(l.folder, "scene/mesh.json", mesh_scene_text);
+    lf_test_write(l.folder, "scene/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    live_start(&l, l.scene, "--device", "none", NULL);
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    assert_string_equal(live_status_text(&c, "landlock"), "unknown");
+    assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", "mesh.json")), 0);
+    const char *told = live_status_text(&c, "landlock");
+    const bool refused = strcmp(told, "refused") == 0;
+    assert_true(refused || strcmp(told, "on") == 0 || strcmp(told, "off") == 0);
+    assert_int_equal(live_logged(&l, "without Landlock"), refused);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void a_reader_that_crashes_leaves_the_picture(void **state)
 {
     (void)state;
@@ -170,6 +192,7 @@ static void a_wait_ends_when_its_time_is_over(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(status_tells_whether_landlock_holds_readers),
         cmocka_unit_test(a_reader_that_crashes_leaves_the_picture),
         cmocka_unit_test(a_reader_that_hangs_delays_neither_commands_nor_the_end),
         cmocka_unit_test(whoever_listens_hears_how_far_reading_is),

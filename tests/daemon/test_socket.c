@@ -286,6 +286,8 @@ static void reads_stay_beneath_the_scene_and_the_allowed_paths(void **state)
     assert_int_equal(symlink(other, inside), 0);
     assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", inside)), -32001);
     assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", "none.json")), -32002);
+    /* no name is no folder either */
+    assert_int_equal(live_code(&c, "scene.load", json_pack("{s:s}", "file", "")), -32602);
     /* Through the scene too: a file it names. */
     snprintf(inside, sizeof inside, "%s/scene/sky.exr", l.folder);
     assert_int_equal(symlink("/etc/passwd", inside), 0);

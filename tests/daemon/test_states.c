@@ -23,6 +23,17 @@ static const char scene_text[] =
     "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9,\"g\":0.3}},"
     "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
 
+static lf_status restore_fails; /* LF_OK: it does not */
+
+lf_status __real_lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err);
+lf_status __wrap_lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err);
+
+lf_status __wrap_lf_renderer_restore(lf_renderer *renderer, int fd, lf_error *err)
+{
+    return restore_fails == LF_OK ? __real_lf_renderer_restore(renderer, fd, err)
+                                  : lf_error_set(err, restore_fails, "state", "not now");
+}
+
 /* ------------------------------------------------------------------------------- the picture -- */
 
 typedef struct picture {
@@ -93,6 +104,12 @@ static void save(lf_states *states, const picture *p)
     lf_assert_ok(lf_states_begin(states, p->renderer, &file, &err), &err);
     lf_assert_ok(lf_renderer_save(p->renderer, &file, NULL, &err), &err);
     lf_assert_ok(lf_outfile_commit(&file, true, &err), &err);
+}
+
+static void assert_not_saved(lf_states *states, const picture *p)
+{
+    lf_outfile file = {.fd = -1};
+    lf_assert_status(lf_states_begin(states, p->renderer, &file, NULL), LF_E_STATE, NULL);
 }
 
 /* How far the picture had come in the folder; 0 = it has no state there. */
@@ -193,13 +210,76 @@ static void what_is_damaged_is_left_aside(void **state)
     assert_true(kept(folder, NULL, 24, 1) == 0);
     save(states, &p);
     assert_true(kept(folder, NULL, 24, 1) == 3);
-    /* nor is it written over: what was no use for want of memory is some another day */
+    /* nor is it written over */
     struct stat st;
     char aside[NAME_MAX + 16];
     snprintf(aside, sizeof aside, "%s.aside", name);
     assert_int_equal(stat(lf_test_path(folder, aside), &st), 0);
     assert_int_equal(st.st_size, 5000);
     end(&p);
+    lf_states_destroy(states);
+}
+
+static void all_that_are_damaged_are_kept_up_to_a_number(void **state)
+{
+    const char *folder = *state;
+    char name[NAME_MAX + 1], aside[NAME_MAX + 16];
+    struct stat st;
+    lf_states *states = states_in(folder);
+    const picture p = begun(NULL, 24, 1);
+    render(&p, 3);
+    save(states, &p);
+    assert_int_equal(count(folder, ".lfstate", name), 1);
+    for (int i = 1; i <= LF_STATES_ASIDE + 1; i++) {
+        assert_int_equal(truncate(lf_test_path(folder, name), 5000 + i), 0);
+        assert_true(kept(folder, NULL, 24, 1) == 0);
+        if (i <= LF_STATES_ASIDE)
+            save(states, &p);
+    }
+    for (int i = 1; i <= LF_STATES_ASIDE; i++) {
+        snprintf(aside, sizeof aside, i == 1 ? "%s.aside" : "%s.aside.%d", name, i);
+        assert_int_equal(stat(lf_test_path(folder, aside), &st), 0);
+        assert_int_equal(st.st_size, 5000 + i);
+    }
+    assert_int_equal(count(folder, ".aside", NULL), LF_STATES_ASIDE);
+    /* the last one stays, and is not written over */
+    assert_int_equal(stat(lf_test_path(folder, name), &st), 0);
+    assert_int_equal(st.st_size, 5000 + LF_STATES_ASIDE + 1);
+    assert_false(lf_states_restore(states, p.renderer, true));
+    assert_not_saved(states, &p);
+    assert_int_equal(unlink(lf_test_path(folder, aside)), 0);
+    assert_false(lf_states_restore(states, p.renderer, true));
+    save(states, &p);
+    assert_true(kept(folder, NULL, 24, 1) == 3);
+    end(&p);
+    lf_states_destroy(states);
+}
+
+/* There is no memory for it, or its disk fails. */
+static void what_cannot_be_read_now_stays_and_is_gone_on_with_later(void **state)
+{
+    static const lf_status why[] = {LF_E_NOMEM, LF_E_IO};
+    const char *folder = *state;
+    lf_states *states = states_in(folder);
+    const picture p = begun(NULL, 24, 1), other = begun(NULL, 30, 1);
+    render(&p, 3);
+    render(&other, 2);
+    save(states, &p);
+    for (int i = 0; i < 2; i++) {
+        restore_fails = why[i];
+        assert_false(lf_states_restore(states, p.renderer, true));
+        restore_fails = LF_OK;
+        assert_int_equal(count(folder, ".aside", NULL), 0);
+        assert_not_saved(states, &p);
+        /* another picture is saved, and this one again when it could be read */
+        assert_true(lf_states_restore(states, other.renderer, true) == (i > 0));
+        save(states, &other);
+        assert_true(lf_states_restore(states, p.renderer, true));
+        assert_true(passes_of(&p) == 3);
+        save(states, &p);
+    }
+    end(&p);
+    end(&other);
     lf_states_destroy(states);
 }
 
@@ -408,6 +488,8 @@ int main(int argc, char *argv[])
         lf_test_in_folder(every_picture_has_a_state_of_its_own),
         lf_test_in_folder(a_state_of_before_gets_its_name_where_it_fits),
         lf_test_in_folder(what_is_damaged_is_left_aside),
+        lf_test_in_folder(all_that_are_damaged_are_kept_up_to_a_number),
+        lf_test_in_folder(what_cannot_be_read_now_stays_and_is_gone_on_with_later),
         lf_test_in_folder(the_least_recently_used_go_but_never_the_one_in_use),
         lf_test_in_folder(together_they_take_no_more_than_the_limit),
         lf_test_in_folder(other_files_are_never_touched),

@@ -5,6 +5,8 @@
 
 #include "tests/testing.h"
 
+#include <time.h>
+
 #include "base/import/import.h"
 
 /* A file beside the mesh's: readers have no environment to be told by. */

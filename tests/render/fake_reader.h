@@ -513,7 +513,8 @@ static inline _Noreturn void fake_confined(const char *what)
 {
     int ran = 0, fd = -1, own = memfd_create("own", 0);
     pthread_t thread;
-    if (lf_confine((uint64_t)256 << 20, 60, NULL) != LF_OK)
+    lf_landlock landlock;
+    if (lf_confine((uint64_t)256 << 20, 60, &landlock, NULL) != LF_OK)
         fake_say("not confined");
     errno = 0;
     if (strcmp(what, "socket") == 0)

@@ -27,6 +27,15 @@ comes_back() {
     kill -SEGV "$before"
     within 120 another_pid "$before" || systemctl status --no-pager quiltd
 }
+# A mesh is read by a process of its own, which says whether the kernel's Landlock holds it; Debian's has it.
+readers_are_locked() {
+    printf '%s\n' ply 'format ascii 1.0' 'element vertex 3' 'property float x' 'property float y' 'property float z' \
+        'element face 1' 'property list uchar int vertex_indices' end_header '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' > /usr/share/quiltd/scenes/locked.ply
+    timeout 120 quiltctl scene.load file=/usr/share/quiltd/scenes/locked.ply > load.log 2>&1 || cat load.log
+    quiltctl status > status.log 2>&1
+    grep -q '^landlock  *on$' status.log || { grep '^landlock' status.log; cat /sys/kernel/security/lsm; }
+    ! journalctl --no-pager -u quiltd | grep 'without Landlock'
+}
 answers() { timeout 60 quiltctl status > status.log 2>&1 || cat status.log; }
 niceness() { sed 's/.*) //' "$1/stat" | cut -d' ' -f17; } # /proc folder
 renders_behind() { # the rest of the daemon
@@ -110,6 +119,7 @@ options
 fact "active without a device" becomes_active
 fact "as its own user" runs_as quiltd
 fact "it answers" answers
+fact "its readers are held by Landlock" readers_are_locked
 fact "rendering goes behind the rest of it" renders_behind
 fact "the service is hardened" hardened
 fact "active again after a crash" comes_back
