@@ -21,6 +21,7 @@
 #include "render/scene/vec_double.h"
 #include "render/transport/flame.h"
 #include "render/transport/light_kind.h"
+#include "render/transport/light_overlap.h"
 #include "render/transport/phase.h"
 #include "render/transport/surface.h"
 
@@ -438,7 +439,7 @@ static void find_overlaps(const commit *c)
     for (int i = 0; i < scene->n_lights; i++) {
         const lf_light *light = &scene->lights[i];
         int mesh = light->mesh,
-            other = lf_light_has_faces(light) ? lf_mesh_light_overlaps(scene, light) : -1;
+            other = lf_light_has_faces(light) ? lf_mesh_light_overlap(scene, light).mesh : -1;
         if (other < 0)
             continue;
         scene->has_overlaps = true;
