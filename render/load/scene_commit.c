@@ -257,8 +257,8 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
 static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
 {
     lf_error err = {0};
-    if (lf_mesh_drop_doubles(data, c->desc->n_meshes, c->scene->origin, c->scene->file.where) !=
-        LF_OK) {
+    if (lf_mesh_drop_doubles(data, c->desc->n_meshes, c->scene->origin, c->scene->file.where,
+                             NULL) != LF_OK) {
         out_of_memory(c);
         return;
     }
