@@ -16,7 +16,8 @@ typedef struct search {
     /* [mask + 1] hash table of triangles that stay: upper half of the hash, number + 1; 0 = free */
     uint64_t *slots;
     uint64_t mask;
-    bool *doubled; /* [triangles] */
+    bool *doubled;    /* [triangles] */
+    int64_t compared; /* pairs of triangles */
 } search;
 
 /* In steps of the grid, in rising order, and without -0. */
@@ -77,34 +78,38 @@ static corners corners_of(const search *s, uint32_t triangle)
     return out;
 }
 
-static uint64_t hash(const corners *c)
+/* seed: of meshes that are compared */
+static uint64_t hash(const corners *c, uint64_t seed)
 {
-    uint64_t bits[9], h = 0;
+    uint64_t bits[9], h = seed;
     memcpy(bits, c->p, sizeof bits);
     for (int i = 0; i < 9; i++)
         h = (h ^ h >> 32 ^ bits[i]) * 0x9e3779b97f4a7c15u;
     return lf_hash64(h, 0);
 }
 
-/* What stands in many places is beside nothing but its own, and its parts are not asked. */
-static bool are_together(const search *s, uint32_t a, uint32_t b)
+/* What stands in many places is beside nothing but its own: 0 for all meshes that are beside each
+ * other. */
+static uint64_t company_of(const search *s, int mesh)
 {
-    int one = mesh_of(s, a), other = mesh_of(s, b);
-    return one == other ? s->data[one].n_parts == 0
-                        : s->data[one].n_places == 0 && s->data[other].n_places == 0;
+    return s->data[mesh].n_places > 0 ? (uint64_t)mesh + 1 : 0;
 }
 
-/* The triangle that stands in this one's place, or UINT32_MAX: from now on this one does. */
+/* The triangle that stands in this one's place, or UINT32_MAX: from now on this one does. No two
+ * that are kept have the same corners and company, so that a search does not grow with what is in
+ * one place. */
 static uint32_t find_or_keep(search *s, uint32_t triangle)
 {
+    uint64_t company = company_of(s, mesh_of(s, triangle));
     corners own = corners_of(s, triangle);
-    uint64_t h = hash(&own), at = h & s->mask, tag = h >> 32 << 32;
+    uint64_t h = hash(&own, company), at = h & s->mask, tag = h >> 32 << 32;
     for (; s->slots[at] != 0; at = (at + 1) & s->mask) {
         uint32_t other = (uint32_t)s->slots[at] - 1;
         if ((s->slots[at] & ~(uint64_t)UINT32_MAX) != tag)
             continue;
         corners there = corners_of(s, other);
-        if (memcmp(&own, &there, sizeof own) == 0 && are_together(s, triangle, other))
+        s->compared++;
+        if (memcmp(&own, &there, sizeof own) == 0 && company_of(s, mesh_of(s, other)) == company)
             return other;
     }
     s->slots[at] = tag | (triangle + 1);
@@ -116,7 +121,8 @@ static void mark(search *s, const char *where)
 {
     for (int i = 0; i < s->n; i++) {
         uint32_t count = 0, other = UINT32_MAX;
-        for (uint32_t t = s->first[i]; t < s->first[i + 1]; t++) {
+        /* Parts, each in a space of its own, are not asked. */
+        for (uint32_t t = s->first[i]; t < s->first[i + 1] && s->data[i].n_parts == 0; t++) {
             uint32_t found = find_or_keep(s, t);
             s->doubled[t] = found != UINT32_MAX;
             count += s->doubled[t];
@@ -156,7 +162,8 @@ static double steps_per_unit(const lf_mesh_data *data, int n, const double origi
     return largest > 0.0 ? exp2(40.0 - ceil(log2(largest))) : 1.0;
 }
 
-lf_status lf_mesh_drop_doubles(lf_mesh_data *data, int n, const double origin[3], const char *where)
+lf_status lf_mesh_drop_doubles(lf_mesh_data *data, int n, const double origin[3], const char *where,
+                               int64_t *out_compared)
 {
     search s = {.data = data,
                 .n = n,
@@ -178,5 +185,7 @@ lf_status lf_mesh_drop_doubles(lf_mesh_data *data, int n, const double origin[3]
     lf_free(s.first);
     lf_free(s.slots);
     lf_free(s.doubled);
+    if (out_compared)
+        *out_compared = s.compared;
     return ok ? LF_OK : LF_E_NOMEM;
 }

@@ -23,6 +23,7 @@
 #include "render/scene/vec_double.h"
 #include "render/transport/flame.h"
 #include "render/transport/light_kind.h"
+#include "render/transport/light_overlap.h"
 #include "render/transport/phase.h"
 #include "render/transport/surface.h"
 
@@ -266,8 +267,8 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
 static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
 {
     lf_error err = {0};
-    if (lf_mesh_drop_doubles(data, c->desc->n_meshes, c->scene->origin, c->scene->file.where) !=
-        LF_OK) {
+    if (lf_mesh_drop_doubles(data, c->desc->n_meshes, c->scene->origin, c->scene->file.where,
+                             NULL) != LF_OK) {
         out_of_memory(c);
         return;
     }
@@ -448,7 +449,7 @@ static void find_overlaps(const commit *c)
     for (int i = 0; i < scene->n_lights && goes_on(c); i++) {
         const lf_light *light = &scene->lights[i];
         int mesh = light->mesh,
-            other = lf_light_has_faces(light) ? lf_mesh_light_overlaps(scene, light) : -1;
+            other = lf_light_has_faces(light) ? lf_mesh_light_overlap(scene, light).mesh : -1;
         if (other < 0)
             continue;
         scene->has_overlaps = true;

@@ -60,8 +60,5 @@ bool lf_scene_has_light_sampling(const lf_scene *scene);
  * select probabilities (by power estimate; constant skies 0); called at commit. */
 LF_NODISCARD lf_status lf_environment_commit(lf_environment *environment);
 LF_NODISCARD lf_status lf_lights_commit(lf_scene *scene, lf_error *err);
-/* The mesh of which a face shares its place with a part of a mesh light (by looking at up to 4096
- * points), or -1. Once the lights are committed. */
-int lf_mesh_light_overlaps(const lf_scene *scene, const lf_light *light);
 
 #endif

@@ -349,6 +349,7 @@ typedef struct lf_walk {
     float corner[3]; /* the ray's start as seen from the present brick's corner */
     size_t first;    /* of the present brick's values */
     float max;       /* its largest value */
+    int left;        /* tentative collisions that may still come */
 } lf_walk;
 
 static void enter(lf_walk *k)
@@ -366,6 +367,7 @@ static void walk_begin(lf_walk *k, const lf_volume *volume, const lf_local_ray *
     k->t0 = r->t0;
     k->end = r->t1;
     k->brick = 0;
+    k->left = LF_MOST_TENTATIVE;
     size_t stride = 1;
     for (int i = 0; i < 3; i++) {
         /* below 0 by rounding alone */
@@ -449,7 +451,7 @@ static float collide_grid(lf_tracer *tracer, const lf_volume *volume, const lf_l
     float t = k.t0, depth = lf_rng_exponential(tracer);
     while (tentative(&k, volume->sigma_scale, &depth, &t)) {
         tracer->lookups++;
-        if (lf_rng(tracer) * k.max < look_up(&k, r, t))
+        if (lf_rng(tracer) * k.max < look_up(&k, r, t) || --k.left == 0)
             return t;
         depth = lf_rng_exponential(tracer);
     }
@@ -519,7 +521,7 @@ static float collide_grid_channels(lf_tracer *tracer, const lf_volume *volume,
         for (int i = 0; i < 3; i++)
             c->density[i] *= collides ? colour[i] * share : lf_max(1.0f - colour[i] * share, 0.0f);
         keep_in_range(c);
-        if (collides)
+        if (collides || --k.left == 0)
             return t;
         depth = lf_rng_exponential(tracer);
     }
@@ -579,7 +581,7 @@ static float transmit_grid(lf_tracer *tracer, const lf_volume *volume, const lf_
     float t = k.t0, depth = lf_rng_exponential(tracer);
     while (tentative(&k, volume->sigma_scale, &depth, &t)) {
         tracer->lookups++;
-        transmittance *= lf_max(0.0f, 1.0f - look_up(&k, r, t) / k.max);
+        transmittance *= --k.left > 0 ? lf_max(0.0f, 1.0f - look_up(&k, r, t) / k.max) : 0.0f;
         if (transmittance < 0.1f) {
             if (lf_rng(tracer) >= 0.5f)
                 return 0.0f;
@@ -621,8 +623,8 @@ static lf_vec3 transmit_grid_channels(lf_tracer *tracer, const lf_volume *volume
         left = lf_mul(left, lf_v3(lf_max(0.0f, 1.0f - colour.x * share),
                                   lf_max(0.0f, 1.0f - colour.y * share),
                                   lf_max(0.0f, 1.0f - colour.z * share)));
-        if (lf_max3(left) < 0.1f) {
-            if (lf_rng(tracer) >= 0.5f)
+        if (--k.left == 0 || lf_max3(left) < 0.1f) {
+            if (k.left == 0 || lf_rng(tracer) >= 0.5f)
                 return lf_v3(0.0f, 0.0f, 0.0f);
             left = lf_scale(left, 2.0f);
         }

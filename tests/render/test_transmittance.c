@@ -155,12 +155,51 @@ static void shapes_take_exp_of_minus_their_depth_exactly(void **state)
     }
 }
 
+/* So dense that steps are below the rounding of t, at a voxel that is empty but for its neighbours
+ * in the brick. */
+static void a_ray_that_stands_still_ends(void **state)
+{
+    (void)state;
+    lf_grid *grid = make_grid();
+    lf_volume volume = make_volume(LF_VOLUME_GRID, grid, false, 1e12);
+    lf_scene scene = {.n_volumes = 1, .volumes = &volume};
+    /* From within the empty voxels, x in 17 … 24, towards full ones. */
+    const lf_vec3 o = {20.5f, 13.0f, -1000.0f}, z = {0.0f, 0.0f, 1.0f},
+                  colour = {1.0f, 0.5f, 0.25f};
+    const float half_way = 1013.0f;
+    int64_t most = 0;
+    for (int chromatic = 0; chromatic < 2; chromatic++) {
+        lf_tracer tracer = {.scene = &scene, .rng = lf_hash64(lf_test_seed(), 7)};
+        lf_vec3 channels, one = {1.0f, 1.0f, 1.0f};
+        int whose;
+        volume.colour = chromatic ? colour : lf_v3(0.0f, 0.0f, 0.0f);
+        for (int i = 0; i < 4; i++) {
+            tracer.lookups = 0;
+            if (chromatic)
+                lf_track_channels(&tracer, o, z, half_way, one, &whose, &channels);
+            else
+                lf_track_collision(&tracer, o, z, half_way, &whose);
+            most = tracer.lookups > most ? tracer.lookups : most;
+            assert_in_range(tracer.lookups, 0, LF_MOST_TENTATIVE);
+            tracer.lookups = 0;
+            if (chromatic)
+                assert_float_equal(lf_track_transmittances(&tracer, o, z, half_way).x, 0.0, 0.0);
+            else
+                assert_float_equal(lf_track_transmittance(&tracer, o, z, half_way), 0.0, 0.0);
+            assert_in_range(tracer.lookups, 0, LF_MOST_TENTATIVE + 64);
+        }
+    }
+    assert_int_equal(most, LF_MOST_TENTATIVE); /* it has stood still */
+    lf_grid_unref(grid);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ratio_tracking_through_many_bricks_is_exp_of_minus_the_depth),
         cmocka_unit_test(a_grid_behind_18_mean_free_paths_of_fog_keeps_its_own_transmittance),
         cmocka_unit_test(shapes_take_exp_of_minus_their_depth_exactly),
+        cmocka_unit_test(a_ray_that_stands_still_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
