@@ -5,6 +5,7 @@
 
 #include "render/scene/geometry.h"
 #include "render/scene/look_up.h"
+#include "render/scene/ray.h"
 #include "render/transport/flame.h"
 #include "render/transport/placed_hit.h"
 
@@ -192,7 +193,8 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
     do {
         tracer->rays++;
         rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene->embree, &context, &rh);
+        if (lf_ray_is_sound(&rh.ray))
+            rtcIntersect1(scene->embree, &context, &rh);
         if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
             return false;
         find_hit(scene, &rh, o, w, hit);
@@ -211,7 +213,8 @@ bool lf_trace_next(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t
     struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, t_min, nextafterf(t_max, INFINITY))};
     tracer->rays++;
     rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(tracer->scene->embree, &context, &rh);
+    if (lf_ray_is_sound(&rh.ray))
+        rtcIntersect1(tracer->scene->embree, &context, &rh);
     if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         return false;
     find_hit(tracer->scene, &rh, o, w, hit);
@@ -276,6 +279,8 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
     rtcInitIntersectContext(&context);
     struct RTCRay ray = ray_of(tracer, o, w, 0.0f, t_max);
     tracer->rays++;
+    if (!lf_ray_is_sound(&ray))
+        return true;
     rtcOccluded1(tracer->scene->embree, &context, &ray);
     return ray.tfar < 0.0f;
 }
