@@ -146,7 +146,7 @@ static bool is_there(lf_tracer *tracer, const lf_hit *hit, lf_vec3 w, struct RTC
     float cover = lf_hit_stops(hit, w, averaged_at(tracer, hit->t));
     if (cover >= 1.0f || lf_rng(tracer) < cover)
         return true;
-    ray->tnear = nextafterf(hit->t, INFINITY);
+    ray->tnear = lf_behind(hit->t);
     ray->tfar = t_max;
     return false;
 }
@@ -178,24 +178,27 @@ static struct RTCRay ray_of(const lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float
                            .mask = ~0u};
 }
 
+/* Whether a ray meets something, which its hit then is. */
+static bool meets(lf_tracer *tracer, struct RTCRayHit *rh)
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    tracer->rays++;
+    rh->hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    if (lf_ray_is_sound(&rh->ray))
+        rtcIntersect1(tracer->scene->embree, &context, rh);
+    return rh->hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
 /* t_min < t < t_max */
 static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
 {
     const lf_scene *scene = tracer->scene;
     if (!scene->embree)
         return false;
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    struct RTCRayHit rh;
-    rh.ray = ray_of(tracer, o, w, t_min, t_max);
-    rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rh.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, t_min, t_max)};
     do {
-        tracer->rays++;
-        rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        if (lf_ray_is_sound(&rh.ray))
-            rtcIntersect1(scene->embree, &context, &rh);
-        if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        if (!meets(tracer, &rh))
             return false;
         find_hit(scene, &rh, o, w, hit);
     } while (scene->looks.veiled && !is_there(tracer, hit, w, &rh.ray, t_max));
@@ -208,14 +211,8 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
 
 bool lf_trace_next(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
     struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, t_min, nextafterf(t_max, INFINITY))};
-    tracer->rays++;
-    rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    if (lf_ray_is_sound(&rh.ray))
-        rtcIntersect1(tracer->scene->embree, &context, &rh);
-    if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    if (!meets(tracer, &rh))
         return false;
     find_hit(tracer->scene, &rh, o, w, hit);
     return true;
@@ -226,7 +223,7 @@ bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t
     while (lf_trace_next(tracer, o, w, t_min, t_max, hit)) {
         if (hit->material->glass.is_pane && !hit->mesh->hidden)
             return true;
-        t_min = nextafterf(hit->t, INFINITY);
+        t_min = lf_behind(hit->t);
     }
     return false;
 }
@@ -239,7 +236,7 @@ static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, boo
     while (passed > 0.0f && lf_trace_next(tracer, o, w, t, last, &hit)) {
         if (!(seen && hit.mesh->hidden))
             passed *= 1.0f - lf_hit_stops(&hit, w, averaged_at(tracer, hit.t));
-        t = nextafterf(hit.t, INFINITY);
+        t = lf_behind(hit.t);
     }
     return passed;
 }
@@ -253,7 +250,7 @@ bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit 
 {
     bool found = trace(tracer, o, w, 0.0f, t_max, hit);
     while (found && hit->mesh->hidden)
-        found = trace(tracer, o, w, nextafterf(hit->t, INFINITY), t_max, hit);
+        found = trace(tracer, o, w, lf_behind(hit->t), t_max, hit);
     return found;
 }
 
