@@ -154,6 +154,17 @@ static lf_status allocate(lf_gltf_build *build, size_t *out_room, lf_error *err)
     return data->parts && data->places && data->part_of ? LF_OK : no_memory(err);
 }
 
+static lf_status tell_left(lf_mesh_data *data, size_t n_left, lf_error *err)
+{
+    static const char why[] = "they flatten space, or have coordinates beyond";
+    if (data->n_places == 0)
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "no instance is left of %zu: %s %g", n_left,
+                            why, LF_MAX_REACH);
+    lf_warnings_add(&data->warnings, LF_HERE, "%zu of %zu instances are left out: %s %g", n_left,
+                    n_left + (size_t)data->n_places, why, LF_MAX_REACH);
+    return LF_OK;
+}
+
 lf_status lf_gltf_put_places(lf_gltf_build *build, const lf_mesh_part *parts, lf_error *err)
 {
     lf_mesh_data *data = build->data;
@@ -171,14 +182,9 @@ lf_status lf_gltf_put_places(lf_gltf_build *build, const lf_mesh_part *parts, lf
         lf_mesh_data_own_bounds(data, &parts[node->mesh], p.own);
         status = lf_gltf_visit(build, put_place, &p, err);
     }
-    if (p.n_left > 0)
-        lf_warnings_add(&data->warnings, LF_HERE,
-                        "%zu of %zu instances are left out: they flatten space, or have "
-                        "coordinates beyond %g",
-                        p.n_left, p.n_left + (size_t)data->n_places, LF_MAX_REACH);
     build->only = 0;
     if (data->n_places == 0) /* nothing can be seen */
         data->n_triangles = 0;
     lf_free(seen);
-    return status;
+    return status == LF_OK && p.n_left > 0 ? tell_left(data, p.n_left, err) : status;
 }
