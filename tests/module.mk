@@ -11,6 +11,7 @@ test_libs_daemon := faulty spoiled pictures $(libraries)
 
 fuzz_libs_scene := render base
 fuzz_libs_parcel := render base
+fuzz_libs_render := render base
 fuzz_libs_rpc := $(filter-out tools model,$(libraries))
 fuzz_libs_quilt_name := quilt base
 fuzz_libs_icc := quilt base

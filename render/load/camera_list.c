@@ -13,8 +13,8 @@ const char *lf_camera_fault(const double position[3], const double target[3], co
     lf_sub_double(target, position, view);
     const double distance = lf_length_double(view);
     *out_key = "position";
-    if (!(distance > 0))
-        return "the camera stands on its target";
+    if (!(distance >= LF_MIN_DISTANCE))
+        return "the camera stands on its target, or less than 1e-9 from it";
     lf_cross_double(view, up, cross);
     *out_key = "up";
     return lf_length_double(cross) > 1e-6 * distance * lf_length_double(up)

@@ -93,7 +93,8 @@ LF_NODISCARD lf_status lf_mesh_note_same(lf_mesh_data *data, const lf_mesh_file 
 /* What was noted of a path; NULL: nothing. */
 const lf_mesh_file *lf_mesh_noted(const lf_mesh_data *data, const char *path);
 
-/* The mesh of desc->shape, as lf_mesh_import fills it. LF_E_NOMEM. */
+/* The mesh of desc->shape, as lf_mesh_import fills it. LF_E_NOMEM; LF_E_FORMAT: it goes beyond
+ * LF_MAX_REACH. */
 LF_NODISCARD lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out,
                                           lf_error *err);
 

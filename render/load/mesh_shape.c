@@ -132,6 +132,21 @@ static lf_status grey_material(lf_mesh_data *out, lf_error *err)
     return LF_OK;
 }
 
+static lf_status check_reach(const lf_mesh_data *data, const char *name, lf_error *err)
+{
+    double most = 0.0;
+    for (int i = 0; i < 3 * data->n_vertices; i++) {
+        if (!isfinite(data->positions[i]))
+            return lf_error_set(err, LF_E_FORMAT, name,
+                                "it is too small for where it stands: its corners are one point");
+        most = fmax(most, fabs(data->positions[i]));
+    }
+    if (most <= LF_MAX_REACH)
+        return LF_OK;
+    return lf_error_set(err, LF_E_FORMAT, name,
+                        "it has coordinates up to %g; at most %g is possible", most, LF_MAX_REACH);
+}
+
 lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out, lf_error *err)
 {
     lf_status status = allocate_patches(out, desc->shape, err);
@@ -146,5 +161,5 @@ lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out, lf_err
         place(out, &desc->transform);
     if (status == LF_OK && desc->area > 0)
         scale_to_area(out, &desc->transform, desc->area);
-    return status;
+    return status == LF_OK ? check_reach(out, desc->name, err) : status;
 }

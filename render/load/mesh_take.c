@@ -452,7 +452,8 @@ static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error
     bool fit = parts_fit(out);
     for (size_t i = 0; i < n_places; i++)
         fit = fit && out->part_of[i] < (uint32_t)out->n_parts;
-    return fit ? LF_OK
+    return fit && lf_places_check(out, "", NULL) == LF_OK
+               ? LF_OK
                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
 }
 

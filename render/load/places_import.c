@@ -6,6 +6,74 @@
 #include "base/alloc.h"
 #include "render/load/mesh_repeat.h"
 
+/* ----------------------------------------------------------------------------------- checking --
+ */
+
+/* As lf_placed keeps it. */
+static bool is_flat(const lf_affine *place)
+{
+    lf_affine kept, inverse;
+    for (int i = 0; i < 12; i++)
+        kept.m[i / 4][i % 4] = (double)(float)place->m[i / 4][i % 4];
+    return !lf_affine_invert(&kept, &inverse);
+}
+
+static void map_box(const lf_affine *map, const double own[2][3], double out[2][3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[0][i] = out[1][i] = map->m[i][3];
+        for (int j = 0; j < 3; j++) {
+            const double a = map->m[i][j] * own[0][j], b = map->m[i][j] * own[1][j];
+            out[0][i] += fmin(a, b);
+            out[1][i] += fmax(a, b);
+        }
+    }
+}
+
+bool lf_place_is_sound(const lf_affine *place, const double own[2][3])
+{
+    double box[2][3];
+    map_box(place, own, box);
+    return lf_is_within_reach((const double(*)[3])box) && !is_flat(place);
+}
+
+static lf_status refuse(const lf_affine *place, const double own[2][3], int number,
+                        const char *where, lf_error *err)
+{
+    if (is_flat(place))
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "instance %d, counted from 0, flattens space: it has no inverse, or "
+                            "one with numbers beyond %g",
+                            number, LF_MAX_INVERSE);
+    double box[2][3], most = 0.0;
+    map_box(place, own, box);
+    for (int i = 0; i < 6; i++)
+        most = fmax(most, fabs(box[i / 3][i % 3]));
+    return lf_error_set(err, LF_E_FORMAT, where,
+                        "instance %d, counted from 0, has coordinates up to %g; at most %g is "
+                        "possible",
+                        number, most, LF_MAX_REACH);
+}
+
+lf_status lf_places_check(const lf_mesh_data *data, const char *where, lf_error *err)
+{
+    double own[2][3];
+    int last = -1;
+    for (int i = 0; i < data->n_places && data->n_triangles > 0; i++) {
+        const int number = data->n_parts > 0 ? (int)data->part_of[i] : 0;
+        const lf_mesh_part part = lf_mesh_data_part(data, number);
+        if (number != last)
+            lf_mesh_data_own_bounds(data, &part, own);
+        last = number;
+        if (!lf_place_is_sound(&data->places[i], (const double(*)[3])own))
+            return refuse(&data->places[i], (const double(*)[3])own, i, where, err);
+    }
+    return LF_OK;
+}
+
+/* ------------------------------------------------------------------------------------ placing --
+ */
+
 /* Each of n places, behind those that the mesh's file has: all of a part together. */
 static lf_status put(lf_mesh_data *data, const lf_affine *place, size_t n, const char *where,
                      lf_error *err)
@@ -44,11 +112,9 @@ lf_status lf_places_take(const lf_parcel *parcel, const char *path, lf_mesh_data
     if (!numbers || n % 12 != 0 || n / 12 > LF_MAX_PLACES)
         return lf_error_set(err, LF_E_FORMAT, path, "the reader's answer has no places");
     for (size_t i = 0; i < n / 12; i++) {
-        lf_affine map, inverse;
-        memcpy(map.m, numbers + 12 * i, sizeof map.m);
-        bool sound = lf_affine_invert(&map, &inverse);
+        bool sound = true;
         for (int j = 0; j < 12; j++)
-            sound = sound && fabs(map.m[j / 4][j % 4]) <= LF_MAX_COORDINATE;
+            sound = sound && fabs(numbers[12 * i + (size_t)j]) <= LF_MAX_COORDINATE;
         if (!sound)
             return lf_error_set(err, LF_E_FORMAT, path, "the reader's answer has no such place");
     }
@@ -104,6 +170,8 @@ lf_status lf_places_import(const lf_mesh_desc *desc, const char *folder, const l
     } else if (desc->places.n > 0) {
         status = put(data, desc->places.map, (size_t)desc->places.n, desc->name, err);
     }
+    if (status == LF_OK)
+        status = lf_places_check(data, desc->places.file ? desc->places.file : desc->name, err);
     if (status != LF_OK || data->n_places == 0 || !emits)
         return status;
     const int places = data->n_places, triangles = data->n_triangles;

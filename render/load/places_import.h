@@ -7,6 +7,14 @@
 /* Of one mesh, with every place: what Embree and sections can hold. */
 #define LF_MAX_PLACES 20000000
 
+/* Whether what lies in a box of its own may stand at a place: the map, which is kept in single
+ * precision, does not flatten space, and the box is there within LF_MAX_REACH. */
+bool lf_place_is_sound(const lf_affine *place, const double own[2][3]);
+
+/* Whether all that data holds, which is read, may stand where it does: LF_E_FORMAT, where names it
+ * in the error. */
+LF_NODISCARD lf_status lf_places_check(const lf_mesh_data *data, const char *where, lf_error *err);
+
 /* The places of a parcel, which is checked as if an enemy had written it, behind those that data
  * has. path names it in errors: LF_E_FORMAT, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_places_take(const lf_parcel *parcel, const char *path, lf_mesh_data *data,

@@ -186,6 +186,26 @@ static void load_volumes(commit *c)
     lf_grid_source_finish(&c->grids);
 }
 
+static void check_volume(const commit *c, const lf_volume *volume, int i)
+{
+    lf_error err = {0};
+    if (c->reader->status == LF_OK && lf_volume_check(volume, c->shutter, i, &err) != LF_OK)
+        fail_at(c, "volumes", c->desc->volumes[i].name, "", &err);
+}
+
+/* Before anything is placed by where they are. */
+static void check_volumes(const commit *c)
+{
+    for (int i = 0; i < c->scene->n_volumes; i++) {
+        const lf_volume *fields = c->scene->volumes[i].albedo_fields;
+        check_volume(c, &c->scene->volumes[i], i);
+        for (int channel = 0; fields && channel < 3; channel++)
+            check_volume(c, &fields[channel], i);
+    }
+    for (int i = 0; i < c->scene->flames.n; i++)
+        check_volume(c, &c->scene->flames.field[i], c->scene->flames.light[i].volume);
+}
+
 /* Of number i of the descs. */
 static void place_volume(const commit *c, lf_volume *volume, int i)
 {
@@ -218,7 +238,7 @@ static void import_meshes(const commit *c, lf_mesh_data *data)
     }
     const lf_mesh_desc *mesh = &c->desc->meshes[wrong];
     err.status = status == LF_E_ARG ? LF_E_FORMAT : status;
-    fail_at(c, "meshes", mesh->name,
+    fail_at(c, mesh->lamp ? "lights" : "meshes", mesh->name,
             mesh->shape          ? ""
             : status == LF_E_ARG ? "animation"
                                  : "file",
@@ -507,6 +527,8 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     scene->backdrop = desc->backdrop;
     scene->max_depth = desc->max_depth;
     load_volumes(&c);
+    if (reader->status == LF_OK)
+        check_volumes(&c);
     if (goes_on(&c))
         load_meshes(&c);
     if (!goes_on(&c))

@@ -34,6 +34,8 @@ static lf_affine parse_placed(lf_reader *reader, const lf_node *node, double sce
     double scale = parse_units(reader, node, scene_mm) / scene_mm;
     for (int i = 0; i < 9; i++)
         a.m[i / 3][i % 3] *= scale;
+    if (scale != 1.0)
+        lf_refuse_flat(reader, node, &a);
     return a;
 }
 

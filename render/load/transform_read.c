@@ -93,18 +93,21 @@ static lf_affine parse_map(lf_reader *reader, const lf_node *node)
                                                   : parse_steps(reader, node);
 }
 
-static void refuse_flat(lf_reader *reader, const lf_node *node, const lf_affine *a)
+void lf_refuse_flat(lf_reader *reader, const lf_node *node, const lf_affine *a)
 {
     lf_affine inverse;
     if (reader->status == LF_OK && !lf_affine_invert(a, &inverse))
-        lf_read_fail(reader, node, "the transform flattens space: it cannot be inverted");
+        lf_read_fail(reader, node,
+                     "the transform flattens space: it has no inverse, or one with numbers beyond "
+                     "%g",
+                     LF_MAX_INVERSE);
 }
 
 lf_affine lf_read_transform(lf_reader *reader, const lf_node *node)
 {
     lf_node transform = lf_node_child(node, "transform");
     lf_affine a = parse_map(reader, &transform);
-    refuse_flat(reader, &transform, &a);
+    lf_refuse_flat(reader, &transform, &a);
     return a;
 }
 
@@ -153,7 +156,7 @@ static void read_list(lf_reader *reader, const lf_node *list, lf_places_desc *ou
         lf_node item = lf_node_item(list, i);
         out->map[i] =
             json_is_array(item.value) ? parse_rows(reader, &item) : parse_map(reader, &item);
-        refuse_flat(reader, &item, &out->map[i]);
+        lf_refuse_flat(reader, &item, &out->map[i]);
     }
     out->n = (int)n;
 }

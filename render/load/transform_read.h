@@ -5,6 +5,9 @@
 
 #include "render/load/scene_parse.h"
 
+/* Fails at node unless a map has an inverse (affine.h). */
+void lf_refuse_flat(lf_reader *reader, const lf_node *node, const lf_affine *a);
+
 /* Of node's "transform"; the identity where it has none. */
 lf_affine lf_read_transform(lf_reader *reader, const lf_node *node);
 

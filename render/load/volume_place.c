@@ -101,6 +101,22 @@ void lf_volume_extend(const lf_volume *volume, const lf_shutter *shutter, int i,
     }
 }
 
+lf_status lf_volume_check(const lf_volume *volume, const lf_shutter *shutter, int i, lf_error *err)
+{
+    double bounds[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}},
+           most = 0.0;
+    for (int end = 0; end < 2; end++) {
+        lf_affine map = volume_to_world(volume, &shutter->desc[end]->volumes[i]);
+        extend_by_volume(volume, &map, bounds);
+    }
+    if (lf_is_within_reach((const double(*)[3])bounds))
+        return LF_OK;
+    for (int k = 0; k < 6; k++)
+        most = fmax(most, fabs(bounds[k / 3][k % 3]));
+    return lf_error_set(err, LF_E_FORMAT, shutter->desc[0]->volumes[i].name,
+                        "it has coordinates up to %g; at most %g is possible", most, LF_MAX_REACH);
+}
+
 lf_status lf_volume_place(lf_volume *volume, const lf_shutter *shutter, int i,
                           const double origin[3], lf_error *err)
 {

@@ -9,6 +9,11 @@
 void lf_volume_extend(const lf_volume *volume, const lf_shutter *shutter, int i,
                       double bounds[2][3]);
 
+/* Whether all of it, there or not, lies within LF_MAX_REACH while the shutter is open: LF_E_FORMAT.
+ */
+LF_NODISCARD lf_status lf_volume_check(const lf_volume *volume, const lf_shutter *shutter, int i,
+                                       lf_error *err);
+
 /* Puts it where it is when the shutter opens, and works out its way, its box and what slices
  * resolve of it. LF_E_FORMAT (maps that flatten space), LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_volume_place(lf_volume *volume, const lf_shutter *shutter, int i,

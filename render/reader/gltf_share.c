@@ -112,19 +112,26 @@ bool lf_gltf_is_shared(lf_gltf_build *build)
 /* -------------------------------------------------------------------------------------- places --
  */
 
+typedef struct placing {
+    size_t room, n_left; /* for places; those that are left out */
+    double own[2][3];    /* the box of the mesh that is placed */
+} placing;
+
 /* Calls come for each primitive; the first stands for its mesh. */
 static lf_status put_place(lf_gltf_build *build, const lf_gltf_place *place, void *context,
                            lf_error *err)
 {
-    const size_t *room = context;
+    placing *p = context;
     lf_mesh_data *data = build->data;
-    lf_affine inverse;
-    bool sound = lf_affine_invert(place->to_world, &inverse);
+    bool sound = lf_place_is_sound(place->to_world, (const double(*)[3])p->own);
     for (int i = 0; i < 12; i++)
         sound = sound && fabs(place->to_world->m[i / 4][i % 4]) <= LF_MAX_COORDINATE;
-    if (place->primitive != place->mesh->primitives || !sound)
+    if (place->primitive != place->mesh->primitives)
         return LF_OK;
-    if ((size_t)data->n_places == *room)
+    p->n_left += !sound;
+    if (!sound)
+        return LF_OK;
+    if ((size_t)data->n_places == p->room)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d instances", LF_MAX_PLACES);
     data->places[data->n_places] = *place->to_world;
     data->part_of[data->n_places++] = (uint32_t)data->n_parts - 1;
@@ -147,11 +154,22 @@ static lf_status allocate(lf_gltf_build *build, size_t *out_room, lf_error *err)
     return data->parts && data->places && data->part_of ? LF_OK : no_memory(err);
 }
 
+static lf_status tell_left(lf_mesh_data *data, size_t n_left, lf_error *err)
+{
+    static const char why[] = "they flatten space, or have coordinates beyond";
+    if (data->n_places == 0)
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "no instance is left of %zu: %s %g", n_left,
+                            why, LF_MAX_REACH);
+    lf_warnings_add(&data->warnings, LF_HERE, "%zu of %zu instances are left out: %s %g", n_left,
+                    n_left + (size_t)data->n_places, why, LF_MAX_REACH);
+    return LF_OK;
+}
+
 lf_status lf_gltf_put_places(lf_gltf_build *build, const lf_mesh_part *parts, lf_error *err)
 {
     lf_mesh_data *data = build->data;
-    size_t room = 0;
-    lf_status status = allocate(build, &room, err);
+    placing p = {0};
+    lf_status status = allocate(build, &p.room, err);
     /* part by part, in the order of their triangles: whoever looks at them has one box at a time */
     bool *seen = lf_calloc(count_meshes(build), sizeof *seen);
     status = status == LF_OK && !seen ? no_memory(err) : status;
@@ -161,11 +179,12 @@ lf_status lf_gltf_put_places(lf_gltf_build *build, const lf_mesh_part *parts, lf
             continue;
         build->only = node->mesh + 1;
         data->parts[data->n_parts++] = parts[node->mesh];
-        status = lf_gltf_visit(build, put_place, &room, err);
+        lf_mesh_data_own_bounds(data, &parts[node->mesh], p.own);
+        status = lf_gltf_visit(build, put_place, &p, err);
     }
     build->only = 0;
     if (data->n_places == 0) /* nothing can be seen */
         data->n_triangles = 0;
     lf_free(seen);
-    return status;
+    return status == LF_OK && p.n_left > 0 ? tell_left(data, p.n_left, err) : status;
 }

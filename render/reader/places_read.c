@@ -66,9 +66,10 @@ static lf_status take(lf_place_list *out, const double *v, int columns, const ch
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     if (!map_of(v, columns, &out->map[out->n]))
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "%s %lld is no place: expected finite numbers up to %g, no scale of 0, "
-                            "no quaternion of 0, 0 0 0 1 as the fourth row of a matrix",
-                            what, (long long)number, LF_MAX_COORDINATE);
+                            "%s %lld is no place: expected finite numbers up to %g, none that "
+                            "flatten space (a scale of 0, or below %g), no quaternion of 0, 0 0 0 "
+                            "1 as the fourth row of a matrix",
+                            what, (long long)number, LF_MAX_COORDINATE, 1.0 / LF_MAX_INVERSE);
     out->n++;
     return LF_OK;
 }

@@ -615,6 +615,10 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
                        const lf_suffix *given)
 {
     float sum = fan(visit, view, column, pivot);
+    if (!(sum > 0.0f && sum < INFINITY)) { /* a camera touches the pivot */
+        visit->worker->tracer.nonfinite++;
+        return;
+    }
     if (!correct(visit, pivot))
         return;
     if (pivot->is_pane) {

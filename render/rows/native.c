@@ -82,7 +82,7 @@ void lf_natives_of_panes(lf_visit *visit, int view, int column, const lf_pivot *
         lf_delta lobe[LF_MAX_DELTAS];
         const lf_material *m = event->hit.material;
         float cosine = -lf_dot(event->hit.ns, event->w);
-        t = nextafterf(event->hit.t, INFINITY);
+        t = lf_behind(event->hit.t);
         event->p = event->hit.p;
         pivot.x = lf_dot(d, visit->rig->right);
         pivot.z = lf_dot(d, visit->rig->forward);

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "render/scene/limits.h"
 #include "render/scene/vec_double.h"
 
 lf_status lf_rig_check_size(const lf_render_settings *s, lf_error *err)
@@ -61,9 +62,9 @@ static lf_status axes(lf_rig *rig, const lf_camera *c, double *out_distance, lf_
     double forward[3], right[3], up[3];
     lf_sub_double(c->target, c->position, forward);
     double distance = lf_length_double(forward);
-    if (!(distance > 0.0) || !isfinite(distance))
+    if (!(distance >= LF_MIN_DISTANCE) || !isfinite(distance))
         return lf_error_set(err, LF_E_ARG, "camera",
-                            "position and target must not be the same point");
+                            "position and target must be at least %g apart", LF_MIN_DISTANCE);
     lf_cross_double(forward, c->up, right);
     double r = lf_length_double(right);
     if (!(r > 1e-12 * distance * lf_length_double(c->up)))

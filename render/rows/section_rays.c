@@ -12,7 +12,7 @@ static bool next(const lf_section_rays *rays, lf_vec3 o, lf_vec3 w, float t, flo
     while (!wanted && lf_trace_next(rays->tracer, o, w, t, t_max, hit)) {
         wanted = !hit->mesh->hidden && (rays->what == LF_CUT_ALL ||
                                         lf_is_veil(hit->material) == (rays->what == LF_CUT_VEILS));
-        t = nextafterf(hit->t, INFINITY);
+        t = lf_behind(hit->t);
     }
     return wanted;
 }
@@ -38,7 +38,7 @@ void lf_section_hide_by_rays(const lf_section *section, const lf_rig *rig, lf_ve
         float t = 0.0f;
         while (scale[k] > 0.0f && next(rays, o, w, t, 1.0f - 1e-6f, &hit)) {
             scale[k] *= rays->what == LF_CUT_VEILS ? 1.0f - stopped(rig, &hit, w) : 0.0f;
-            t = nextafterf(hit.t, INFINITY);
+            t = lf_behind(hit.t);
         }
     }
 }
@@ -96,7 +96,7 @@ void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, floa
                next(&section->rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
             through[k] *= 1.0f - stopped(rig, &hit, w);
             mirrors[k] |= lf_has_mirror(hit.material);
-            t = nextafterf(hit.t, INFINITY);
+            t = lf_behind(hit.t);
         }
     }
 }

@@ -3,8 +3,7 @@
 #ifndef LF_RENDER_AFFINE_H
 #define LF_RENDER_AFFINE_H
 
-#include <math.h>
-#include <stdbool.h>
+#include "render/scene/limits.h"
 
 typedef struct lf_affine {
     double m[3][4];
@@ -62,8 +61,8 @@ static inline void lf_affine_normals(const lf_affine *a, double out[3][3])
         out[i / 3][i % 3] = -out[i / 3][i % 3];
 }
 
-/* false when a cannot be turned round: its determinant is 0, not finite, or lost in rounding
- * against its columns. */
+/* false when a flattens space: its determinant is 0, not finite, or lost in rounding against its
+ * columns, or its inverse has an entry beyond LF_MAX_INVERSE (its last column aside). */
 static inline bool lf_affine_invert(const lf_affine *a, lf_affine *out)
 {
     double scale = 1.0;
@@ -75,8 +74,11 @@ static inline bool lf_affine_invert(const lf_affine *a, lf_affine *out)
     double cofactors[3][3];
     lf_affine_cofactors(a, cofactors);
     for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++)
+        for (int j = 0; j < 3; j++) {
             out->m[i][j] = cofactors[j][i] / det;
+            if (!(fabs(out->m[i][j]) <= LF_MAX_INVERSE))
+                return false;
+        }
         out->m[i][3] =
             -(out->m[i][0] * a->m[0][3] + out->m[i][1] * a->m[1][3] + out->m[i][2] * a->m[2][3]);
     }

@@ -5,8 +5,8 @@
 #define LF_RENDER_KEY_H
 
 #include "base/param.h"
+#include "render/scene/limits.h"
 
-#define LF_MAX_COORDINATE 1e9
 #define LF_MAX_RADIANCE 1e9
 #define LF_MAX_KELVIN 1e6 /* per unit of a grid's value */
 #define LF_MAX_KEYS 20    /* of a kind */

@@ -30,10 +30,10 @@ static float size_of(const lf_mesh *mesh, int triangle, float *out_area)
 
 /* How far beside a triangle Embree may still find it, before or behind: measured over random
  * triangles and rays, of all slants down to 1e-5, up to 3e-7 of a triangle's size, and for slivers,
- * whose normal is rounded, 4e-8 over the ratio of area and size. */
+ * whose normal is rounded, 4e-8 over the ratio of area and size: never farther than its size. */
 static float error_of(float size, float area)
 {
-    return area > 0.0f ? size * (5e-7f + 1e-7f * size * (size / area)) : 0.0f;
+    return area > 0.0f ? size * lf_min(5e-7f + 1e-7f * size * (size / area), 1.0f) : 0.0f;
 }
 
 /* What a mesh resolves: the power of two at or below the width (twice the area over the size) of

@@ -2,6 +2,7 @@
 
 #include "base/alloc.h"
 #include "render/scene/embree_commit.h"
+#include "render/scene/ray.h"
 #include "render/scene/vec_double.h"
 
 lf_affine lf_placed_map(const lf_placed *placed, uint32_t place)
@@ -183,11 +184,16 @@ static void bounds(const struct RTCBoundsFunctionArguments *args)
                                          .upper_z = box->max.z};
 }
 
-/* The ray in the space of a place, from where it comes near to the mesh on: *out_begin of its way.
- * That depends on the line alone, so that a ray which goes on behind a hit is rounded as before.
- * false: it does not come near. */
-static bool bring(const lf_placed *placed, uint32_t place, const struct RTCRay *ray,
-                  struct RTCRay *out, double *out_begin)
+/* A ray in the space of a place: t of the way outside is begin + t / speed. */
+typedef struct brought {
+    struct RTCRayHit own;
+    double begin, speed;
+} brought;
+
+/* The ray in the space of a place, from where it comes near to the mesh on. That depends on the
+ * line alone, so that a ray which goes on behind a hit is rounded as before. Whatever the map is,
+ * Embree takes it (limits.h). false: it does not come near. */
+static bool bring(const lf_placed *placed, uint32_t place, const struct RTCRay *ray, brought *out)
 {
     const double from[3] = {(double)ray->org_x, (double)ray->org_y, (double)ray->org_z},
                  along[3] = {(double)ray->dir_x, (double)ray->dir_y, (double)ray->dir_z};
@@ -207,19 +213,25 @@ static bool bring(const lf_placed *placed, uint32_t place, const struct RTCRay *
            apart = lf_dot_double(o, o) - ow * ow / ww, half2 = radius * radius - apart;
     if (!(half2 >= -1e-6 * radius * radius))
         return false;
-    double begin =
-        fmax((-ow - 1.001 * sqrt(fmax(half2, 0.0) * ww)) / ww - 1e-3 * radius / sqrt(ww), 0.0);
-    *out = *ray;
-    out->org_x = (float)(o[0] + begin * w[0]);
-    out->org_y = (float)(o[1] + begin * w[1]);
-    out->org_z = (float)(o[2] + begin * w[2]);
-    out->dir_x = (float)w[0];
-    out->dir_y = (float)w[1];
-    out->dir_z = (float)w[2];
-    out->tnear = (float)fmax((double)ray->tnear - begin, 0.0);
-    out->tfar = (float)((double)ray->tfar - begin);
-    *out_begin = begin;
-    return out->tfar > out->tnear;
+    const double half = 1.001 * sqrt(fmax(half2, 0.0) * ww), beside = 1e-3 * radius / sqrt(ww);
+    if (!((-ow + half) / ww + beside >= 0.0)) /* the mesh lies behind */
+        return false;
+    out->begin = fmax((-ow - half) / ww - beside, 0.0);
+    out->speed =
+        ww > LF_MAX_STRETCH * LF_MAX_STRETCH || ww < 1.0 / (LF_MAX_STRETCH * LF_MAX_STRETCH)
+            ? sqrt(ww)
+            : 1.0;
+    struct RTCRay *own = &out->own.ray;
+    *own = *ray;
+    own->org_x = (float)(o[0] + out->begin * w[0]);
+    own->org_y = (float)(o[1] + out->begin * w[1]);
+    own->org_z = (float)(o[2] + out->begin * w[2]);
+    own->dir_x = (float)(w[0] / out->speed);
+    own->dir_y = (float)(w[1] / out->speed);
+    own->dir_z = (float)(w[2] / out->speed);
+    own->tnear = (float)fmax(((double)ray->tnear - out->begin) * out->speed, 0.0);
+    own->tfar = (float)(((double)ray->tfar - out->begin) * out->speed);
+    return own->tfar > own->tnear && lf_ray_is_sound(own);
 }
 
 /* Rays come one at a time (track.c). */
@@ -227,36 +239,36 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
 {
     const lf_mesh *mesh = args->geometryUserPtr;
     const lf_placed *placed = mesh->placed;
-    struct RTCRayHit *rh = (struct RTCRayHit *)(void *)args->rayhit, own;
+    struct RTCRayHit *rh = (struct RTCRayHit *)(void *)args->rayhit;
     const uint32_t place = placed->boxes.order[args->primID];
-    double begin;
-    if (!bring(placed, place, &rh->ray, &own.ray, &begin))
+    brought at;
+    if (!bring(placed, place, &rh->ray, &at))
         return;
-    own.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    own.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    at.own.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    at.own.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     const lf_placed_part *part = lf_placed_part_at(placed, place);
-    rtcIntersect1(part->embree, args->context, &own);
-    if (own.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    rtcIntersect1(part->embree, args->context, &at.own);
+    if (at.own.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         return;
     /* never before where it was asked to begin: rays go on behind what they have met */
-    rh->ray.tfar = lf_max((float)(begin + (double)own.ray.tfar), rh->ray.tnear);
-    rh->hit.u = own.hit.u;
-    rh->hit.v = own.hit.v;
+    rh->ray.tfar = lf_max((float)(at.begin + (double)at.own.ray.tfar / at.speed), rh->ray.tnear);
+    rh->hit.u = at.own.hit.u;
+    rh->hit.v = at.own.hit.v;
     rh->hit.geomID = args->geomID;
-    rh->hit.primID = part->first + own.hit.primID;
+    rh->hit.primID = part->first + at.own.hit.primID;
     rh->hit.instID[0] = place;
 }
 
 static void occluded(const struct RTCOccludedFunctionNArguments *args)
 {
     const lf_placed *placed = ((const lf_mesh *)args->geometryUserPtr)->placed;
-    struct RTCRay *ray = (struct RTCRay *)(void *)args->ray, own;
+    struct RTCRay *ray = (struct RTCRay *)(void *)args->ray;
     const uint32_t place = placed->boxes.order[args->primID];
-    double begin;
-    if (!bring(placed, place, ray, &own, &begin))
+    brought at;
+    if (!bring(placed, place, ray, &at))
         return;
-    rtcOccluded1(lf_placed_part_at(placed, place)->embree, args->context, &own);
-    if (own.tfar < 0.0f)
+    rtcOccluded1(lf_placed_part_at(placed, place)->embree, args->context, &at.own.ray);
+    if (at.own.ray.tfar < 0.0f)
         ray->tfar = -INFINITY;
 }
 

@@ -16,9 +16,10 @@ bool lf_volume_way_is_sound(const lf_volume_way *way)
                  ends[2] = {lf_affine_determinant(&way->open), lf_affine_determinant(&way->close)};
     bool sound = true;
     for (int i = 0; i <= STEPS; i++) {
-        lf_affine map = map_at(way, (double)i / STEPS);
-        sound = sound && copysign(1.0, ends[0]) * lf_affine_determinant(&map) >=
-                             least * fmin(fabs(ends[0]), fabs(ends[1]));
+        lf_affine map = map_at(way, (double)i / STEPS), inverse;
+        sound = sound && lf_affine_invert(&map, &inverse) &&
+                copysign(1.0, ends[0]) * lf_affine_determinant(&map) >=
+                    least * fmin(fabs(ends[0]), fabs(ends[1]));
     }
     return sound;
 }

@@ -5,6 +5,7 @@
 
 #include "render/scene/geometry.h"
 #include "render/scene/look_up.h"
+#include "render/scene/ray.h"
 #include "render/transport/flame.h"
 #include "render/transport/placed_hit.h"
 
@@ -49,53 +50,6 @@ static void describe(const lf_scene *scene, unsigned mesh_number, unsigned trian
     hit->v = v;
     hit->varies = false;
     hit->material = &scene->materials[lf_mesh_material(mesh, triangle)];
-}
-
-static lf_vec3 normal_at(const lf_mesh *mesh, uint32_t vertex)
-{
-    const float *n = mesh->normals + 3 * (size_t)vertex;
-    return lf_v3(n[0], n[1], n[2]);
-}
-
-void lf_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_t triangle)
-{
-    const lf_mesh *of = &scene->meshes[mesh];
-    const uint32_t *tri = of->triangles + 3 * (size_t)triangle;
-    lf_vec3 a = lf_mesh_vertex(of, tri[0]), ab = lf_sub(lf_mesh_vertex(of, tri[1]), a),
-            ac = lf_sub(lf_mesh_vertex(of, tri[2]), a), n = lf_cross(ab, ac);
-    float area = lf_length(n), inverse = area > 0.0f ? 1.0f / area : 0.0f;
-    *face = (lf_face){.mesh = of, .triangle = triangle, .a = a, .n = lf_scale(n, inverse)};
-    face->material = &scene->materials[lf_mesh_material(of, triangle)];
-    face->to_uv[0] = lf_scale(lf_cross(ac, face->n), inverse);
-    face->to_uv[1] = lf_scale(lf_cross(face->n, ab), inverse);
-    if (!of->normals)
-        return;
-    face->smooth[0] = normal_at(of, tri[0]);
-    face->smooth[1] = lf_sub(normal_at(of, tri[1]), face->smooth[0]);
-    face->smooth[2] = lf_sub(normal_at(of, tri[2]), face->smooth[0]);
-}
-
-void lf_face_hit(const lf_face *face, lf_vec3 p, lf_vec3 w, lf_hit *hit)
-{
-    lf_vec3 d = lf_sub(p, face->a);
-    hit->p = p;
-    hit->mesh = face->mesh;
-    hit->material = face->material;
-    hit->triangle = face->triangle;
-    hit->place = face->place;
-    hit->u = lf_min(lf_max(lf_dot(face->to_uv[0], d), 0.0f), 1.0f);
-    hit->v = lf_min(lf_max(lf_dot(face->to_uv[1], d), 0.0f), 1.0f - hit->u);
-    hit->front = !(lf_dot(face->n, w) > 0.0f);
-    hit->ng = hit->front ? face->n : lf_scale(face->n, -1.0f);
-    hit->ns = hit->ng;
-    hit->varies = false;
-    if (!face->mesh->normals)
-        return;
-    lf_vec3 ns =
-        lf_madd(lf_madd(face->smooth[0], hit->u, face->smooth[1]), hit->v, face->smooth[2]);
-    float length = lf_length(ns);
-    if (length > 1e-6f)
-        hit->ns = lf_scale(ns, (lf_dot(ns, hit->ng) < 0.0f ? -1.0f : 1.0f) / length);
 }
 
 /* Barycentric coordinates are good to 1e-7 of a triangle's size; on the large ones that is too
@@ -145,7 +99,7 @@ static bool is_there(lf_tracer *tracer, const lf_hit *hit, lf_vec3 w, struct RTC
     float cover = lf_hit_stops(hit, w, averaged_at(tracer, hit->t));
     if (cover >= 1.0f || lf_rng(tracer) < cover)
         return true;
-    ray->tnear = nextafterf(hit->t, INFINITY);
+    ray->tnear = lf_behind(hit->t);
     ray->tfar = t_max;
     return false;
 }
@@ -177,23 +131,27 @@ static struct RTCRay ray_of(const lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float
                            .mask = ~0u};
 }
 
+/* Whether a ray meets something, which its hit then is. */
+static bool meets(lf_tracer *tracer, struct RTCRayHit *rh)
+{
+    struct RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    tracer->rays++;
+    rh->hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    if (lf_ray_is_sound(&rh->ray))
+        rtcIntersect1(tracer->scene->embree, &context, rh);
+    return rh->hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
 /* t_min < t < t_max */
 static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
 {
     const lf_scene *scene = tracer->scene;
     if (!scene->embree)
         return false;
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    struct RTCRayHit rh;
-    rh.ray = ray_of(tracer, o, w, t_min, t_max);
-    rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rh.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, t_min, t_max)};
     do {
-        tracer->rays++;
-        rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene->embree, &context, &rh);
-        if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        if (!meets(tracer, &rh))
             return false;
         find_hit(scene, &rh, o, w, hit);
     } while (scene->looks.veiled && !is_there(tracer, hit, w, &rh.ray, t_max));
@@ -206,13 +164,8 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
 
 bool lf_trace_next(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
     struct RTCRayHit rh = {.ray = ray_of(tracer, o, w, t_min, nextafterf(t_max, INFINITY))};
-    tracer->rays++;
-    rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(tracer->scene->embree, &context, &rh);
-    if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    if (!meets(tracer, &rh))
         return false;
     find_hit(tracer->scene, &rh, o, w, hit);
     return true;
@@ -223,7 +176,7 @@ bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t
     while (lf_trace_next(tracer, o, w, t_min, t_max, hit)) {
         if (hit->material->glass.is_pane && !hit->mesh->hidden)
             return true;
-        t_min = nextafterf(hit->t, INFINITY);
+        t_min = lf_behind(hit->t);
     }
     return false;
 }
@@ -236,7 +189,7 @@ static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, boo
     while (passed > 0.0f && lf_trace_next(tracer, o, w, t, last, &hit)) {
         if (!(seen && hit.mesh->hidden))
             passed *= 1.0f - lf_hit_stops(&hit, w, averaged_at(tracer, hit.t));
-        t = nextafterf(hit.t, INFINITY);
+        t = lf_behind(hit.t);
     }
     return passed;
 }
@@ -250,7 +203,7 @@ bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit 
 {
     bool found = trace(tracer, o, w, 0.0f, t_max, hit);
     while (found && hit->mesh->hidden)
-        found = trace(tracer, o, w, nextafterf(hit->t, INFINITY), t_max, hit);
+        found = trace(tracer, o, w, lf_behind(hit->t), t_max, hit);
     return found;
 }
 
@@ -276,6 +229,8 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
     rtcInitIntersectContext(&context);
     struct RTCRay ray = ray_of(tracer, o, w, 0.0f, t_max);
     tracer->rays++;
+    if (!lf_ray_is_sound(&ray))
+        return true;
     rtcOccluded1(tracer->scene->embree, &context, &ray);
     return ray.tfar < 0.0f;
 }

@@ -62,6 +62,12 @@ static inline float lf_rng_exponential(lf_tracer *t)
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
 /* The same for rays of the camera, which pass through meshes that are hidden from it. */
 bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
+/* Where a ray goes on behind what it has met at t: far enough that Embree, whose threads flush what
+ * is smaller to 0, does not find the same again, for ever. */
+static inline float lf_behind(float t)
+{
+    return lf_max(nextafterf(t, INFINITY), 1e-30f);
+}
 /* The nearest surface of any kind with t_min < t <= t_max, met for sure; what varies along it is
  * not looked up. */
 bool lf_trace_next(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit);

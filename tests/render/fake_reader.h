@@ -288,9 +288,9 @@ static inline void fake_lie_of_cameras(const char *lie, lf_parcel_camera *camera
 }
 
 /* What begins with "part", but for "part none". */
-static const char *const fake_lies_of_parts[] = {"part nan",    "part flat",  "part far",
-                                                 "part other",  "part short", "part many",
-                                                 "part beside", "part lost"};
+static const char *const fake_lies_of_parts[] = {
+    "part nan",  "part flat",   "part far",  "part other", "part short",
+    "part many", "part beside", "part lost", "part thin",  "part wide"};
 
 /* One part, all of the mesh, in one place, where a lie is about parts. */
 static inline bool fake_put_parts(const char *lie, const fake_mesh *m, lf_parcel_writer *writer)
@@ -305,8 +305,12 @@ static inline bool fake_put_parts(const char *lie, const fake_mesh *m, lf_parcel
         place[3] = (double)NAN;
     if (strcmp(lie, "part flat") == 0)
         place[5] = 0;
+    if (strcmp(lie, "part thin") == 0)
+        place[5] = 1e-20;
     if (strcmp(lie, "part far") == 0)
         place[11] = 2e9;
+    if (strcmp(lie, "part wide") == 0)
+        place[0] = place[3] = 1e9;
     if (strcmp(lie, "part other") == 0)
         part_of[0] = 1;
     if (strcmp(lie, "part short") == 0)

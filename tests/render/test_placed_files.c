@@ -111,6 +111,9 @@ static void what_is_no_place_is_refused(void **state)
     lf_test_write(folder, "ragged.csv", "1,2,3\n1,2,3,4\n");
     lf_test_write(folder, "empty.csv", "x,y,z\n");
     lf_test_write(folder, "flat.csv", "1,2,3,0\n");
+    lf_test_write(folder, "thin.csv", "1,0,0,0,0,1,0,0,0,0,1,0\n1,0,0,0,0,1,0,0,0,0,1e-20,0\n");
+    lf_test_write(folder, "far.csv", "1,2,3,5\n1,2,3,2e9\n");
+    lf_test_write(folder, "wide.csv", "1,2,3,5\n9e8,2,3,9e8\n");
     put_npy(folder, "short.npy", "<f4", "(3, 3)", row, sizeof row);
     put_npy(folder, "still.npy", "<f4", "(1, 8)", row, sizeof row);
     put_npy(folder, "nan.npy", "<f4", "(1, 3)", wrong, sizeof wrong);
@@ -125,6 +128,10 @@ static void what_is_no_place_is_refused(void **state)
     assert_refused(folder, "\"ragged.csv\"", "line 2 has");
     assert_refused(folder, "\"empty.csv\"", "no place in this file");
     assert_refused(folder, "\"flat.csv\"", "line 1 is no place");
+    assert_refused(folder, "\"thin.csv\"", "line 2 is no place");
+    assert_refused(folder, "\"far.csv\"", "line 2 is no place");
+    assert_refused(folder, "\"wide.csv\"",
+                   "instance 1, counted from 0, has coordinates up to 1.8e+09");
     assert_refused(folder, "\"short.npy\"", "another place");
     assert_refused(folder, "\"still.npy\"", "place 0 is no place");
     assert_refused(folder, "\"nan.npy\"", "place 0 is no place");
@@ -173,8 +180,9 @@ static void put_bin(const char *folder)
     assert_int_equal(fclose(f), 0);
 }
 
-/* Balls in all places, or one; and the square. glow: of the ball's material. */
-static void put_gltf(const char *folder, const char *name, bool all, double glow)
+/* Balls in all places, or one; and the square. glow: of the ball's material. thin: what every
+ * second ball is scaled by along one axis. */
+static void put_gltf(const char *folder, const char *name, bool all, double glow, double thin)
 {
     static char text[1 << 16];
     double m[n_places][12];
@@ -203,7 +211,8 @@ static void put_gltf(const char *folder, const char *name, bool all, double glow
         at += snprintf(at, (size_t)(end - at), ",{\"mesh\":0");
         for (int i = 0; i < 16 && all; i++)
             at += snprintf(at, (size_t)(end - at), "%s%.17g", i == 0 ? ",\"matrix\":[" : ",",
-                           i % 4 < 3 ? m[k][i % 4 * 4 + i / 4] : (double)(i == 15));
+                           i % 4 < 3 ? m[k][i % 4 * 4 + i / 4] * (i / 4 == 2 && k % 2 ? thin : 1.0)
+                                     : (double)(i == 15));
         at += snprintf(at, (size_t)(end - at), all ? "]}" : "}");
     }
     snprintf(at, (size_t)(end - at), "]}");
@@ -297,9 +306,9 @@ static void nodes_that_share_a_mesh_become_places(void **state)
                           m[k][i], i == 11 ? "]" : "");
     sprintf(at, "]");
     put_bin(folder);
-    put_gltf(folder, "nodes.gltf", true, 0.0);
-    put_gltf(folder, "one.gltf", false, 0.0);
-    put_gltf(folder, "glow.gltf", true, 0.5);
+    put_gltf(folder, "nodes.gltf", true, 0.0, 1.0);
+    put_gltf(folder, "one.gltf", false, 0.0, 1.0);
+    put_gltf(folder, "glow.gltf", true, 0.5, 1.0);
     lf_scene *nodes = gltf_scene(folder, "nodes.gltf", ""), *given, *glow;
     static char text[1 << 15];
     snprintf(text, sizeof text, "{ 'quiltd': 1, 'meshes': { 'a': { 'file': 'one.gltf'%s } } }",
@@ -319,6 +328,21 @@ static void nodes_that_share_a_mesh_become_places(void **state)
     assert_null(glow->meshes[0].placed);
     assert_true(glow->meshes[0].n_triangles > n_places * (faces - 4 * belts));
     lf_scene_unref(glow);
+}
+
+static void nodes_that_flatten_space_are_left_out_and_told(void **state)
+{
+    const char *folder = *state;
+    put_bin(folder);
+    put_gltf(folder, "thin.gltf", true, 0.0, 1e-20);
+    lf_scene *scene = gltf_scene(folder, "thin.gltf", "");
+    const char *word = NULL;
+    for (int i = 0; !word && lf_scene_warning(scene, i); i++)
+        word = strstr(lf_scene_warning(scene, i), "12 of 25 instances are left out");
+    assert_non_null(word);
+    assert_int_equal(scene->meshes[0].placed->n, 1 + n_places / 2);
+    assert_rows_find_as_rays(scene);
+    lf_scene_unref(scene);
 }
 
 /* ------------------------------------------------------------------------------------ memory -- */
@@ -370,6 +394,7 @@ int main(void)
         lf_test_in_folder(an_included_scene_names_its_own),
         lf_test_in_folder(what_is_no_place_is_refused),
         lf_test_in_folder(nodes_that_share_a_mesh_become_places),
+        lf_test_in_folder(nodes_that_flatten_space_are_left_out_and_told),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }
