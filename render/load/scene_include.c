@@ -7,7 +7,6 @@
 #include "base/file.h"
 #include "render/render.h"
 
-#define MAX_SCENE_BYTES ((uint64_t)16 << 20)
 #define MAX_PATH 4095
 
 /* ------------------------------------------------------------------------------------- a file --
@@ -34,7 +33,7 @@ lf_status lf_scene_text_read(const char *path, const lf_roots *roots, lf_scene_t
     *out = (lf_scene_text){.path = lf_strdup(path)};
     if (!out->path)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    lf_status status = lf_file_read(path, roots, MAX_SCENE_BYTES, &out->text, &size, err);
+    lf_status status = lf_file_read(path, roots, LF_SCENE_MAX_BYTES, &out->text, &size, err);
     if (status != LF_OK)
         return status;
     size_t mark =
@@ -150,7 +149,7 @@ static void include_file(const including *all, lf_reader *reader, const lf_node 
         lf_scene_text *file = &out->file[out->n++];
         status = lf_scene_text_read(path, all->roots, file, &err);
         chain here = {canonical, above};
-        if (status == LF_OK && bytes_of(out) > MAX_SCENE_BYTES)
+        if (status == LF_OK && bytes_of(out) > LF_SCENE_MAX_BYTES)
             status = lf_error_set(&err, LF_E_NOMEM, path, "what is included has more than 16 MiB");
         if (status == LF_OK && !json_is_object(file->source.doc))
             status = lf_error_set(&err, LF_E_FORMAT, path, "a scene is a JSON object");

@@ -438,6 +438,7 @@ typedef struct lf_scene_file {
     json_t *included; /* names of files that were merged into it (scene_include.h) */
     /* the scene's json as it is in its frame: without keys (keyframes.h) */
     json_t *still;
+    size_t bytes; /* of the document (lf_json_least_bytes) */
     int frame;
     double rate;           /* frames a second */
     bool has_frames;       /* they differ */
