@@ -165,13 +165,15 @@ json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch);
 LF_NODISCARD bool lf_json_merge_into(json_t *target, const json_t *patch);
 
 lf_scene *lf_scene_ref(lf_scene *scene);
-/* Accepts NULL. */
+/* Accepts NULL. The last one takes long where the scene is large. */
 void lf_scene_unref(lf_scene *scene);
 
 /* The files that were included, by the names they were opened under; NULL behind the last. */
 const char *lf_scene_included(const lf_scene *scene, int index);
 /* Borrowed, valid as long as the scene. The document is the merged one: it includes nothing. */
 const json_t *lf_scene_json(const lf_scene *scene);
+/* The fewest bytes in which its document could be written. */
+size_t lf_scene_json_bytes(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);
 const lf_camera *lf_scene_camera(const lf_scene *scene);
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);

@@ -5,7 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
-#include "render/render.h"
+#include "render/scene/scene.h"
 
 #define MAX_PATH 4095
 
@@ -46,10 +46,13 @@ lf_status lf_scene_text_read(const char *path, const lf_roots *roots, lf_scene_t
 
 void lf_scene_text_finish(lf_scene_text *text)
 {
+    bool large = text->source.size >= LF_SCENE_LARGE_BYTES;
     json_decref(text->source.doc);
     lf_free(text->text);
     lf_free(text->path);
     *text = (lf_scene_text){0};
+    if (large) /* a document that was refused is gone with it */
+        lf_trim();
 }
 
 /* ----------------------------------------------------------------------------- what it names -- */

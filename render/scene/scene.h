@@ -432,6 +432,10 @@ typedef struct lf_glows {
 
 /* ------------------------------------------------------------------------------------- scene -- */
 
+/* A document of so many bytes or more takes a hundred megabytes when it is gone, unless they are
+ * given back. */
+#define LF_SCENE_LARGE_BYTES ((size_t)1 << 20)
+
 /* Where it was read. */
 typedef struct lf_scene_file {
     char *folder, *where;
