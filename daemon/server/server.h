@@ -191,6 +191,8 @@ json_t *lf_server_device_json(const lf_server *server);
 
 /* Lines from here on are parsed on a thread: a mebibyte of JSON takes tens of milliseconds. */
 #define LF_LONG_LINE ((size_t)16384)
+/* What such lines were parsed into is given back to the system: it is twenty times as large. */
+#define LF_HUGE_LINE ((size_t)262144)
 
 /* LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_server_make_work(lf_server *server);

@@ -314,19 +314,22 @@ static void load_failed(lf_server *server, const lf_load *load)
     lf_deferred_fail(server, load->deferred, &load->err, !of_call);
 }
 
-static void destroy_large(void *load)
+static void destroy_load(void *load)
 {
-    bool refused = ((lf_load *)load)->status != LF_OK;
     lf_load_destroy(load);
-    if (refused) /* nothing else gives back what it has taken */
-        lf_trim();
+}
+
+static void destroy_huge_load(void *load)
+{
+    lf_load_destroy(load);
+    lf_trim();
 }
 
 static void on_load_done(void *reader, lf_task *task)
 {
     lf_server *server = reader;
     lf_load *load = (lf_load *)(void *)task;
-    bool large = load->deferred && lf_deferred_bytes(load->deferred) >= LF_LONG_LINE;
+    size_t bytes = load->deferred ? lf_deferred_bytes(load->deferred) : 0;
     if (load->status == LF_OK)
         load_succeeded(server, load);
     else
@@ -339,8 +342,8 @@ static void on_load_done(void *reader, lf_task *task)
         lf_server_browsed(server, load->file);
     if (load->reset && !lf_server_is_stopping(server))
         lf_server_was_reset(server);
-    if (large)
-        lf_server_release(server, destroy_large, load);
+    if (bytes >= LF_LONG_LINE)
+        lf_server_release(server, bytes >= LF_HUGE_LINE ? destroy_huge_load : destroy_load, load);
     else
         lf_load_destroy(load);
     end_vain_waits(server);

@@ -77,9 +77,12 @@ typedef struct long_line {
 static void free_line(void *thing)
 {
     long_line *line = thing;
+    bool huge = line->n >= LF_HUGE_LINE;
     lf_rpc_request_finish(&line->request);
     json_decref(line->answer);
     lf_free(line);
+    if (huge)
+        lf_trim();
 }
 
 static void run_line(void *context, lf_task *task)

@@ -16,9 +16,11 @@
  * Then it is the turn of whatever else there is to do. */
 #define LINES_A_TURN 16
 #define BYTES_A_TURN ((size_t)65536)
-/* Calls of one client whose lines may always be held, and the lines of all clients. */
-#define MODEST_BYTES ((size_t)65536)
+/* What calls without an answer have in all, of all clients, and what each client may always have. */
+#define MAX_CALLS_OF_ALL 4096
 #define MAX_HELD_OF_ALL ((size_t)16 << 20)
+#define MODEST_CALLS 64
+#define MODEST_BYTES ((size_t)65536)
 /* How long accepting pauses when descriptors ran out. */
 #define ACCEPT_PAUSE_USEC 200000
 
@@ -59,7 +61,8 @@ struct lf_clients {
     void *context;
     lf_client *first;
     int count;
-    size_t held; /* bytes of the lines of calls, of all clients */
+    int calls;   /* of all clients, as theirs */
+    size_t held;
     uint64_t serials, lines;
 };
 
@@ -110,6 +113,7 @@ static void free_client(lf_client *client)
         at = &(*at)->next;
     *at = client->next;
     client->owner->count--;
+    client->owner->calls -= client->calls;
     client->owner->held -= client->held;
     sd_event_source_disable_unref(client->io);
     sd_event_source_disable_unref(client->turn);
@@ -556,13 +560,17 @@ void lf_client_resume(lf_client *client)
 
 bool lf_client_hold(lf_client *client, size_t *out_bytes)
 {
-    const size_t own = client->held + client->line, all = client->owner->held + client->line;
-    if (client->calls >= LF_MAX_CLIENT_CALLS || (client->calls > 0 && own > LF_MAX_HELD_BYTES) ||
-        (own > MODEST_BYTES && all > MAX_HELD_OF_ALL))
+    lf_clients *clients = client->owner;
+    const size_t own = client->held + client->line, all = clients->held + client->line;
+    bool few = client->calls < MODEST_CALLS || clients->calls < MAX_CALLS_OF_ALL,
+         small = own <= MODEST_BYTES || all <= MAX_HELD_OF_ALL;
+    if (client->calls >= LF_MAX_CLIENT_CALLS || !few || !small ||
+        (client->calls > 0 && own > LF_MAX_HELD_BYTES))
         return false;
     client->calls++;
     client->held += client->line;
-    client->owner->held += client->line;
+    clients->calls++;
+    clients->held += client->line;
     *out_bytes = client->line;
     return true;
 }
@@ -571,6 +579,7 @@ void lf_client_release(lf_client *client, size_t bytes)
 {
     client->calls--;
     client->held -= bytes;
+    client->owner->calls--;
     client->owner->held -= bytes;
     leave(client);
 }
