@@ -201,6 +201,7 @@ void lf_server_end_work(lf_server *server);
 /* Frees a thing (NULL: nothing) on a thread, which takes its time. */
 void lf_server_release(lf_server *server, void (*destroy)(void *thing), void *thing);
 void lf_server_release_content(lf_server *server, lf_content *content);
+/* A value that may be large; its memory is given back to the system. */
 void lf_server_release_json(lf_server *server, json_t *value);
 /* Parses a client's line on a thread and then does what it asks for; until then the client's next
  * lines wait. false: out of memory. */

@@ -55,6 +55,7 @@ void lf_server_release_content(lf_server *server, lf_content *content)
 static void free_json(void *value)
 {
     json_decref(value);
+    lf_trim();
 }
 
 void lf_server_release_json(lf_server *server, json_t *value)
