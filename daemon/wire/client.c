@@ -16,7 +16,8 @@
  * Then it is the turn of whatever else there is to do. */
 #define LINES_A_TURN 16
 #define BYTES_A_TURN ((size_t)65536)
-/* What calls without an answer have in all, of all clients, and what each client may always have. */
+/* Calls without an answer and the bytes of their lines: of all clients, and what each may always
+ * have. */
 #define MAX_CALLS_OF_ALL 4096
 #define MAX_HELD_OF_ALL ((size_t)16 << 20)
 #define MODEST_CALLS 64
@@ -61,7 +62,7 @@ struct lf_clients {
     void *context;
     lf_client *first;
     int count;
-    int calls;   /* of all clients, as theirs */
+    int calls; /* of all clients, as theirs */
     size_t held;
     uint64_t serials, lines;
 };
