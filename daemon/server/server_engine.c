@@ -1,3 +1,4 @@
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -119,11 +120,38 @@ static void answer_waits(lf_server *server)
         (void)sd_event_source_set_enabled(server->waits.more, SD_EVENT_ONESHOT);
 }
 
+/* At most so many; true when none is left. */
+static bool fail_waits(lf_server *server, const lf_error *err, bool scene, int most)
+{
+    for (int n = 0; server->waits.first && n < most; n++) {
+        lf_wait *wait = server->waits.first;
+        server->waits.first = wait->next;
+        lf_deferred_fail(server, wait->deferred, err, scene);
+        forget_wait(wait);
+    }
+    return !server->waits.first;
+}
+
+void lf_server_fail_waits(lf_server *server, const lf_error *err, bool scene)
+{
+    (void)fail_waits(server, err, scene, INT_MAX);
+}
+
+/* There is no picture, and none is being made. */
+static void end_vain_waits(lf_server *server)
+{
+    bool vain = !server->content && server->error.status != LF_OK && !server->life.held &&
+                lf_loader_pending(server->loader) == 0;
+    if (vain && !fail_waits(server, &server->error, true, WAITS_A_TURN))
+        (void)sd_event_source_set_enabled(server->waits.more, SD_EVENT_ONESHOT);
+}
+
 static int on_more_waits(sd_event_source *source, uint64_t usec, void *context)
 {
     (void)source;
     (void)usec;
     answer_waits(context);
+    end_vain_waits(context);
     return 0;
 }
 
@@ -135,24 +163,6 @@ lf_status lf_server_make_waits(lf_server *server)
                    sd_event_source_set_enabled(server->waits.more, SD_EVENT_OFF) >= 0
                ? LF_OK
                : LF_E_NOMEM;
-}
-
-void lf_server_fail_waits(lf_server *server, const lf_error *err, bool scene)
-{
-    while (server->waits.first) {
-        lf_wait *wait = server->waits.first;
-        server->waits.first = wait->next;
-        lf_deferred_fail(server, wait->deferred, err, scene);
-        forget_wait(wait);
-    }
-}
-
-/* There is no picture, and none is being made. */
-static void end_vain_waits(lf_server *server)
-{
-    if (!server->content && server->error.status != LF_OK && !server->life.held &&
-        lf_loader_pending(server->loader) == 0)
-        lf_server_fail_waits(server, &server->error, true);
 }
 
 static int on_wait_over(sd_event_source *source, uint64_t usec, void *context)
@@ -180,8 +190,8 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
                     double seconds)
 {
     lf_error err;
-    int n = 0;
-    for (const lf_wait *other = server->waits.first; other; other = other->next)
+    int n = 0, all = 0;
+    for (const lf_wait *other = server->waits.first; other; other = other->next, all++)
         n += lf_deferred_client(other->deferred) == lf_deferred_client(deferred) ? 1 : 0;
     if (n >= MAX_WAITS) {
         (void)lf_error_set(&err, LF_E_BUSY, "wait", "this client waits %d times already", n);
@@ -207,7 +217,8 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
         return;
     }
     server->waits.first = wait;
-    if (is_over(server, wait))
+    /* more than clients may have: some have left */
+    if (all >= MAX_WAITS * LF_MAX_CLIENTS || is_over(server, wait))
         answer_waits(server);
     end_vain_waits(server);
 }
