@@ -70,7 +70,7 @@ isa_suffix_c := -O1
 isa_suffix_avx2 += -O1 -fno-sanitize=undefined
 isa_suffix_avx512 += -O1 -fno-sanitize=undefined
 endif
-# no fuzz target renders
+# fuzz_render renders: the lanes of suffixes would take minutes to compile with sanitizers, and are not looked at by them
 ifeq ($(BUILD),fuzz)
 isa_suffix_c := -O0 -fno-sanitize=all
 isa_suffix_avx2 += -O0 -fno-sanitize=all

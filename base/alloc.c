@@ -1,5 +1,6 @@
 #include "base/alloc.h"
 
+#include <malloc.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,6 +36,13 @@ char *lf_strdup(const char *s)
 void lf_free(void *p)
 {
     free(p);
+}
+
+void lf_trim(void)
+{
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }
 
 uint64_t lf_alloc_count(void)

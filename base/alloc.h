@@ -17,6 +17,10 @@ char *lf_strdup(const char *s) __attribute__((warn_unused_result));
 /* Accepts NULL. */
 void lf_free(void *p);
 
+/* Gives memory that was released back to the system, which keeps it else. Takes as long as there
+ * are pieces of it: where somebody waits, another thread does it. */
+void lf_trim(void);
+
 /* Allocations made through lf_calloc and lf_strdup by this process so far. */
 uint64_t lf_alloc_count(void);
 

@@ -149,25 +149,31 @@ LF_NODISCARD lf_status lf_scene_load_patched(const char *path, const json_t *pat
                                              lf_scene **out_scene, lf_error *err);
 
 /* The same from a document in memory; folder is what relative paths are relative to. where names it
- * in errors. doc is borrowed (copied); it may include files, relative to folder. */
+ * in errors. The scene keeps a reference to doc, and shares its values: nobody may change them from
+ * now on. It may include files, relative to folder. A document of more than 16 MiB (in the shortest
+ * way to write it), also of one that includes others or was patched, is LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *where,
                                           const lf_roots *roots, const lf_scene *previous,
                                           lf_scene **out_scene, lf_error *err);
 
-/* JSON Merge Patch (RFC 7396) of doc; a new reference, NULL = out of memory. */
+/* JSON Merge Patch (RFC 7396) of doc; a new reference, NULL = out of memory. The result shares with
+ * doc and patch what it takes from them: nobody may change their values from now on. */
 json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch);
-/* The same of an object in place, which is the caller's own. false: out of memory, the object is
+/* The same of an object in place, which is the caller's own (members that others hold, too, are
+ * copied before they change). It shares values with the patch. false: out of memory, the object is
  * half patched. */
 LF_NODISCARD bool lf_json_merge_into(json_t *target, const json_t *patch);
 
 lf_scene *lf_scene_ref(lf_scene *scene);
-/* Accepts NULL. */
+/* Accepts NULL. The last one takes long where the scene is large. */
 void lf_scene_unref(lf_scene *scene);
 
 /* The files that were included, by the names they were opened under; NULL behind the last. */
 const char *lf_scene_included(const lf_scene *scene, int index);
 /* Borrowed, valid as long as the scene. The document is the merged one: it includes nothing. */
 const json_t *lf_scene_json(const lf_scene *scene);
+/* The fewest bytes in which its document could be written. */
+size_t lf_scene_json_bytes(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);
 const lf_camera *lf_scene_camera(const lf_scene *scene);
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);

@@ -76,7 +76,7 @@ daemon/threads:
 daemon/output:
 daemon/engine: daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
-daemon/server: daemon/engine daemon/show daemon/wire
+daemon/server: daemon/engine daemon/show daemon/threads daemon/wire
 daemon/tools: daemon/output daemon/wire daemon/server
 base:
 base/import: base

@@ -251,6 +251,7 @@ static void run_load(lf_loader *loader, lf_load *load)
     }
     if (load->status != LF_OK || !content)
         return;
+    lf_content_write_document(content);
     load->goes_on = is_shown_anew(loader, load, content);
     if (load->goes_on)
         load->status = lf_engine_show_as(loader->engine, content, &load->generation, &load->err);

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -63,6 +64,24 @@ lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const l
     return LF_OK;
 }
 
+void lf_content_write_document(lf_content *content)
+{
+    if (!content->scene || lf_scene_json_bytes(content->scene) >= LF_CONTENT_MAX_DOCUMENT)
+        return;
+    char *text = malloc(LF_CONTENT_MAX_DOCUMENT);
+    if (!text)
+        return;
+    size_t n =
+        json_dumpb(lf_scene_json(content->scene), text, LF_CONTENT_MAX_DOCUMENT - 1, JSON_COMPACT);
+    if (n == 0 || n >= LF_CONTENT_MAX_DOCUMENT) {
+        free(text);
+        return;
+    }
+    text[n] = '\0';
+    char *fitted = realloc(text, n + 1);
+    content->document = fitted ? fitted : text;
+}
+
 char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size)
 {
     double before = -depth->nearest_step, behind = depth->farthest_step;
@@ -110,5 +129,6 @@ void lf_content_unref(lf_content *content)
     else
         lf_quilt_finish(&content->quilt);
     lf_free(content->file);
+    free(content->document);
     lf_free(content);
 }

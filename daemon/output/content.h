@@ -16,6 +16,9 @@ typedef struct lf_content {
     lf_film_settings film;
     bool has_depth; /* scene only: the next is known */
     lf_depth depth;
+    /* The scene's document as JSON on one line (lf_content_write_document); NULL: none was made, or
+     * it would be LF_CONTENT_MAX_DOCUMENT or longer. */
+    char *document;
 } lf_content;
 
 /* From a scene (a reference is taken) or from a quilt picture (read here). calibration may be NULL.
@@ -28,6 +31,10 @@ LF_NODISCARD lf_status lf_content_from_scene(lf_scene *scene, const char *file,
 LF_NODISCARD lf_status lf_content_from_quilt(const char *file, const lf_roots *roots,
                                              const lf_options *options, lf_content **out_content,
                                              lf_error *err);
+/* Makes its document, before others see the content: whoever is asked for it then only copies a
+ * text that is not too long to be sent. Takes time with the size of what is not. */
+void lf_content_write_document(lf_content *content);
+#define LF_CONTENT_MAX_DOCUMENT ((size_t)1 << 20)
 /* Logs what the scene warns of, but for what `before` (may be NULL) has warned of already. */
 void lf_log_warnings(const lf_scene *scene, const lf_scene *before);
 

@@ -1,5 +1,7 @@
 #include "daemon/server/methods.h"
 
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -31,6 +33,39 @@ void lf_reply(lf_call *call, json_t *result)
     }
 }
 
+/* The result is the last member of the answer: what is added to it stands before two brackets. */
+static char *answer_with(const lf_call *call, json_t *result, const char *key, const char *text)
+{
+    json_t *message = lf_rpc_result(call->id, result);
+    char *head = message ? json_dumps(message, JSON_COMPACT) : NULL, *whole = NULL;
+    if (head && asprintf(&whole, "%.*s,\"%s\":%s}}", (int)strlen(head) - 2, head, key, text) < 0)
+        whole = NULL;
+    free(head);
+    json_decref(message);
+    return whole;
+}
+
+void lf_reply_with(lf_call *call, json_t *result, const char *key, const char *text)
+{
+    call->answered = true;
+    if (!call->id) {
+        json_decref(result);
+        return;
+    }
+    char *answer = answer_with(call, result, key, text);
+    size_t n = answer ? strlen(answer) : 0;
+    lf_error err;
+    if (!answer) {
+        lf_reply(call, NULL);
+    } else if (n >= LF_RPC_MAX_LINE) {
+        (void)lf_error_set(&err, LF_E_NOMEM, call->method, "the answer is longer than 1 MiB");
+        lf_fail(call, &err, false);
+    } else {
+        lf_client_send_text(call->client, answer, n);
+    }
+    free(answer);
+}
+
 void lf_fail(lf_call *call, const lf_error *err, bool scene)
 {
     call->answered = true;
@@ -58,6 +93,11 @@ lf_deferred *lf_defer(lf_call *call)
                               .bytes = bytes};
     call->answered = true;
     return deferred;
+}
+
+size_t lf_deferred_bytes(const lf_deferred *deferred)
+{
+    return deferred->bytes;
 }
 
 uint64_t lf_deferred_client(const lf_deferred *deferred)
@@ -123,7 +163,7 @@ static void refuse_method(lf_client *client, const lf_rpc_request *request)
         lf_client_send(client, lf_rpc_error(request->id, LF_RPC_METHOD_NOT_FOUND, err.what, NULL));
 }
 
-static void run_request(lf_server *server, lf_client *client, lf_rpc_request *request)
+void lf_server_request(lf_server *server, lf_client *client, const lf_rpc_request *request)
 {
     lf_call call = {.server = server,
                     .client = client,
@@ -152,11 +192,16 @@ void lf_server_line(void *context, lf_client *client, const char *line, size_t n
     lf_server *server = context;
     lf_rpc_request request;
     json_t *answer;
+    if (n >= LF_LONG_LINE) {
+        if (!lf_server_parse_later(server, client, line, n))
+            lf_client_send(client, lf_rpc_error(NULL, LF_RPC_INTERNAL, "out of memory", NULL));
+        return;
+    }
     if (!lf_rpc_parse(line, n, &request, &answer)) {
         lf_client_send(client, answer);
         return;
     }
-    run_request(server, client, &request);
+    lf_server_request(server, client, &request);
     lf_rpc_request_finish(&request);
 }
 

@@ -48,16 +48,22 @@ static json_t *bounds_json(const lf_scene *scene)
 void lf_method_scene_get(lf_call *call)
 {
     const lf_content *content = call->server->content;
+    lf_error err;
     if (!content) {
-        lf_error err;
         (void)lf_error_set(&err, LF_E_STATE, call->method, "nothing is shown");
         lf_fail(call, &err, false);
         return;
     }
-    json_t *scene = content->scene ? json_deep_copy(lf_scene_json(content->scene)) : json_null();
-    lf_reply(call, json_pack("{s:o, s:I, s:o, s:o}", "file", lf_rpc_text(content->file),
-                             "generation", (json_int_t)call->server->generation, "scene", scene,
-                             "bounds", bounds_json(content->scene)));
+    if (content->scene && !content->document) {
+        (void)lf_error_set(&err, LF_E_NOMEM, call->method,
+                           "the scene's document is longer than 1 MiB: it is not sent");
+        lf_fail(call, &err, false);
+        return;
+    }
+    json_t *result =
+        json_pack("{s:o, s:I, s:o}", "file", lf_rpc_text(content->file), "generation",
+                  (json_int_t)call->server->generation, "bounds", bounds_json(content->scene));
+    lf_reply_with(call, result, "scene", content->document ? content->document : "null");
 }
 
 static void queue_patch(lf_call *call, json_t *patch)
@@ -72,12 +78,12 @@ static void queue_patch(lf_call *call, json_t *patch)
 
 void lf_method_scene_patch(lf_call *call)
 {
-    queue_patch(call, json_deep_copy(json_object_get(call->params, "patch")));
+    queue_patch(call, json_incref(json_object_get(call->params, "patch")));
 }
 
 void lf_method_camera_set(lf_call *call)
 {
-    queue_patch(call, json_pack("{s:o}", "camera", json_deep_copy(call->params)));
+    queue_patch(call, json_pack("{s:O}", "camera", call->params));
 }
 
 static double number_of(const json_t *params, const char *key, double absent)

@@ -18,6 +18,7 @@
 #include "base/import/import.h"
 #include "base/log.h"
 #include "base/wakeup.h"
+#include "daemon/threads/turns.h"
 
 /* On the way down: how long loads, jobs and the cancelled batch are waited for, and how long the
  * panel may take for the last frames. Together less than the 2 s promised. */
@@ -34,7 +35,7 @@
 #define MOST_SECONDS 60
 #define DEFAULT_TARGET_ERROR 1e-4
 /* Answers to a storm come by the thousand: whoever asks meanwhile does not wait for all of them. */
-#define TASKS_A_TURN 64
+#define TASKS_A_TURN 16
 /* The scene does not wait for a panel longer than this. */
 #define BEGIN_USEC 10000000
 
@@ -166,6 +167,7 @@ static void destroy(lf_server *server)
     lf_loader_destroy(server->loader);
     lf_engine_destroy(server->engine);
     lf_states_destroy(server->saved.states);
+    lf_server_end_work(server);
     lf_server_fail_waits(server, &over, false);
     if (server->inbox.event_fd >= 0)
         lf_inbox_finish(&server->inbox, server);
@@ -179,6 +181,7 @@ static void destroy(lf_server *server)
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
     sd_event_source_disable_unref(server->saved.timer);
+    sd_event_source_disable_unref(server->waits.more);
     sd_event_unref(server->event);
     lf_content_unref(server->content);
     lf_roots_finish(&server->roots);
@@ -292,6 +295,8 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         return status;
     lf_engine_keep_states(server->engine, server->saved.states);
     status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
+    status = status == LF_OK ? lf_server_make_waits(server) : status;
+    status = status == LF_OK ? lf_server_make_work(server) : status;
     status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_play(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
@@ -412,7 +417,7 @@ int lf_server_run(const lf_server_config *config)
     status = status == LF_OK ? open_first(server, &err) : status;
     int code = LF_EXIT_FAILED;
     if (status == LF_OK) {
-        code = sd_event_loop(server->event);
+        code = lf_turns_run(server->event, &server->life.longest_turn);
         code = code < 0 ? LF_EXIT_FAILED : code;
         server->life.exit_code = code;
         finish(server);

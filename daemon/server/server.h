@@ -12,6 +12,7 @@
  *   server_export.c   exports: what a call's words say
  *   server_job.c      exports: threads, progress, cancelling
  *   server_state.c    --state: when it is saved
+ *   server_work.c     what takes too long for this thread: long lines parsed, large things freed
  *   methods*.c        the table of methods
  *
  * Everything here is called on the event thread. */
@@ -72,8 +73,15 @@ typedef struct lf_wait {
     lf_level level;
     double seconds;         /* at most */
     sd_event_source *timer; /* NULL: for ever */
+    bool over;              /* to be answered, as soon as there is time */
     lf_server *server;
 } lf_wait;
+
+/* Those that wait for a frame, the newest first: server_engine.c. */
+typedef struct lf_waits {
+    lf_wait *first;
+    sd_event_source *more; /* on while some may be over that a turn did not come to */
+} lf_waits;
 
 typedef struct lf_job lf_job;
 
@@ -81,6 +89,7 @@ typedef struct lf_button_work lf_button_work; /* server_buttons.c's */
 typedef struct lf_watch lf_watch;             /* server_watch.c's */
 typedef struct lf_loading lf_loading;         /* server_loading.c's */
 typedef struct lf_play lf_play;               /* server_play.c's */
+typedef struct lf_work lf_work;               /* server_work.c's */
 
 typedef enum lf_life_phase {
     LF_PHASE_OPENING, /* the scene waits for the first device */
@@ -97,6 +106,9 @@ typedef struct lf_life {
     sd_event_source *begin_timer, *stop_timer;
     bool ready_sent; /* systemd was told */
     int reloads;     /* for systemd that have not ended */
+    lf_task *held;   /* loads that came before the scene of the command line */
+    /* seconds of this thread's CPU time, of the longest turn of the event loop (turns.h) */
+    double longest_turn;
 } lf_life;
 
 /* The states, and what the newest holds: server_state.c. */
@@ -127,7 +139,7 @@ struct lf_server {
     lf_response response; /* as changed by device.set */
     lf_engine *engine;
     lf_loader *loader;
-    lf_task *held; /* loads that came before the scene of the command line */
+    lf_work *work;
     lf_clients *clients;
     char *socket_path;     /* to unlink at the end; NULL = systemd's */
     int lock_fd, state_fd; /* locked: the socket's, and the folder of --state */
@@ -142,7 +154,7 @@ struct lf_server {
     lf_error error;        /* of the last attempt to load the scene; status LF_OK = none */
     lf_engine_status last; /* as last seen */
     lf_shown shown;
-    lf_wait *waits;
+    lf_waits waits;
     lf_job *jobs;
     int64_t n_jobs; /* numbers given so far, to exports and loads */
 };
@@ -174,6 +186,27 @@ bool lf_default_socket(int index, char *out, size_t size);
 LF_NODISCARD lf_status lf_server_make_show(lf_server *server);
 /* The device as status, device.set and the event `device` show it. */
 json_t *lf_server_device_json(const lf_server *server);
+
+/* ----------------------------------------------------------------------------- server_work.c -- */
+
+/* Lines from here on are parsed on a thread: a mebibyte of JSON takes tens of milliseconds. */
+#define LF_LONG_LINE ((size_t)16384)
+/* What such lines were parsed into is given back to the system: it is twenty times as large. */
+#define LF_HUGE_LINE ((size_t)262144)
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_work(lf_server *server);
+/* Ends the threads; what is released from then on is freed at once. Accepts what was not made. */
+void lf_server_end_work(lf_server *server);
+/* Frees a thing (NULL: nothing) on a thread, which takes its time. */
+void lf_server_release(lf_server *server, void (*destroy)(void *thing), void *thing);
+void lf_server_release_content(lf_server *server, lf_content *content);
+/* A value that may be large; its memory is given back to the system. */
+void lf_server_release_json(lf_server *server, json_t *value);
+/* Parses a client's line on a thread and then does what it asks for; until then the client's next
+ * lines wait. false: out of memory. */
+LF_NODISCARD bool lf_server_parse_later(lf_server *server, lf_client *client, const char *text,
+                                        size_t n);
 
 /* ----------------------------------------------------------------------------- server_play.c -- */
 
@@ -257,6 +290,8 @@ void lf_server_reload(lf_server *server);
  */
 void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation, lf_level level,
                     double seconds);
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_waits(lf_server *server);
 /* Ends all waits with an error. */
 void lf_server_fail_waits(lf_server *server, const lf_error *err, bool scene);
 /* "rendering", "converged", "paused", "idle", "error". */
@@ -318,15 +353,22 @@ void lf_server_state_restored(lf_server *server, int64_t generation, double pass
 
 /* --------------------------------------------------------------------------------- methods.c -- */
 
+/* Does what a request of a client asks for, which is borrowed. */
+void lf_server_request(lf_server *server, lf_client *client, const lf_rpc_request *request);
 /* An lf_line_fn with the server as context. */
 void lf_server_line(void *context, lf_client *client, const char *line, size_t n);
 /* Answers. result is taken over (NULL = out of memory). */
 void lf_reply(lf_call *call, json_t *result);
+/* The same of a result that has a member and gets another one, key, which is a JSON text already.
+ */
+void lf_reply_with(lf_call *call, json_t *result, const char *key, const char *text);
 void lf_fail(lf_call *call, const lf_error *err, bool scene);
 /* Puts the answer off; NULL (and answered) when the client has too many calls open. */
 lf_deferred *lf_defer(lf_call *call);
 /* The serial number of the client whose call it is. */
 uint64_t lf_deferred_client(const lf_deferred *deferred);
+/* Bytes of the line that it came in. */
+size_t lf_deferred_bytes(const lf_deferred *deferred);
 /* Answers now; frees the call; nothing when it is NULL or the client has gone. */
 void lf_deferred_reply(lf_server *server, lf_deferred *deferred, json_t *result);
 void lf_deferred_fail(lf_server *server, lf_deferred *deferred, const lf_error *err, bool scene);

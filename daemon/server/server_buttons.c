@@ -15,7 +15,7 @@ typedef enum reset_state {
 } reset_state;
 
 struct lf_button_work {
-    json_t *file_camera; /* the camera block as the scene's file has it */
+    json_t *file_camera; /* the camera block as the scene's file has it: shared with the scene */
     char *browsed;       /* where next and previous have come to; NULL = what is shown */
     bool browsing;       /* a scene that they asked for is being loaded */
     int turns;           /* presses since that was begun (previous: negative) */
@@ -82,9 +82,9 @@ void lf_server_file_shown(lf_server *server, bool browsed)
 {
     lf_button_work *work = server->button_work;
     const lf_scene *scene = server->content->scene;
-    json_decref(work->file_camera);
-    const json_t *camera = scene ? json_object_get(lf_scene_json(scene), "camera") : NULL;
-    work->file_camera = camera ? json_deep_copy(camera) : json_object();
+    lf_server_release_json(server, work->file_camera);
+    json_t *camera = scene ? json_object_get(lf_scene_json(scene), "camera") : NULL;
+    work->file_camera = camera ? json_incref(camera) : json_object();
     if (!browsed) {
         lf_free(work->browsed);
         work->browsed = NULL;
@@ -112,7 +112,7 @@ static void toggle_pause(lf_server *server)
 /* The file's own camera block, and null for the keys that it does not have. */
 static json_t *camera_patch(const lf_server *server)
 {
-    json_t *camera = json_deep_copy(server->button_work->file_camera);
+    json_t *camera = json_copy(server->button_work->file_camera);
     const json_t *now = json_object_get(lf_scene_json(server->content->scene), "camera");
     const char *key;
     json_t *value;

@@ -1,3 +1,4 @@
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,6 +9,8 @@
 
 /* Of one client, at a time. */
 #define MAX_WAITS 64
+/* Answered at a time. */
+#define WAITS_A_TURN 64
 
 const char *lf_level_name(lf_level level)
 {
@@ -44,42 +47,25 @@ typedef struct broadcast {
     size_t n;
 } broadcast;
 
-static void send_frame(void *context, lf_client *client)
+static void send_to(void *context, lf_client *client)
 {
     const broadcast *b = context;
-    if ((*lf_client_flags(client) & b->event) != 0)
+    if ((*lf_client_flags(client) & b->event) == 0)
+        return;
+    if (b->event == LF_EVENT_FRAME)
         lf_client_send_frame(client, b->text, b->n);
-}
-
-typedef struct notification {
-    unsigned event;
-    json_t *message;
-} notification;
-
-static void send_message(void *context, lf_client *client)
-{
-    const notification *n = context;
-    if ((*lf_client_flags(client) & n->event) != 0)
-        lf_client_send(client, json_incref(n->message));
+    else
+        lf_client_send_text(client, b->text, b->n);
 }
 
 void lf_server_notify(lf_server *server, unsigned event, const char *method, json_t *params)
 {
     json_t *message = lf_rpc_notification(method, params);
-    if (!message || !server->clients) {
-        json_decref(message);
-        return;
-    }
-    if (event == LF_EVENT_FRAME) {
-        char *text = json_dumps(message, JSON_COMPACT);
-        broadcast b = {.event = event, .text = text, .n = text ? strlen(text) : 0};
-        if (text)
-            lf_clients_each(server->clients, send_frame, &b);
-        free(text);
-    } else {
-        lf_clients_each(server->clients, send_message,
-                        &(notification){.event = event, .message = message});
-    }
+    char *text = message && server->clients ? json_dumps(message, JSON_COMPACT) : NULL;
+    if (text)
+        lf_clients_each(server->clients, send_to,
+                        &(broadcast){.event = event, .text = text, .n = strlen(text)});
+    free(text);
     json_decref(message);
 }
 
@@ -105,46 +91,85 @@ static void forget_wait(lf_wait *wait)
     lf_free(wait);
 }
 
-/* Those of clients that have left end too. */
+static bool has_left(const lf_server *server, const lf_wait *wait)
+{
+    return !server->clients ||
+           !lf_clients_find(server->clients, lf_deferred_client(wait->deferred));
+}
+
+/* Those of clients that have left end too. Thousands may be over at once: they are answered in
+ * several turns. */
 static void answer_waits(lf_server *server)
 {
-    for (lf_wait **at = &server->waits; *at;) {
+    int answered = 0;
+    bool rest = false;
+    for (lf_wait **at = &server->waits.first; *at;) {
         lf_wait *wait = *at;
-        bool left = !server->clients ||
-                    !lf_clients_find(server->clients, lf_deferred_client(wait->deferred));
-        if (!left && !is_over(server, wait)) {
+        wait->over = wait->over || is_over(server, wait) || has_left(server, wait);
+        if (!wait->over || answered == WAITS_A_TURN) {
+            rest = rest || wait->over;
             at = &wait->next;
             continue;
         }
         *at = wait->next;
         lf_deferred_reply(server, wait->deferred, shown_json(server));
         forget_wait(wait);
+        answered++;
     }
+    if (rest)
+        (void)sd_event_source_set_enabled(server->waits.more, SD_EVENT_ONESHOT);
+}
+
+/* At most so many; true when none is left. */
+static bool fail_waits(lf_server *server, const lf_error *err, bool scene, int most)
+{
+    for (int n = 0; server->waits.first && n < most; n++) {
+        lf_wait *wait = server->waits.first;
+        server->waits.first = wait->next;
+        lf_deferred_fail(server, wait->deferred, err, scene);
+        forget_wait(wait);
+    }
+    return !server->waits.first;
 }
 
 void lf_server_fail_waits(lf_server *server, const lf_error *err, bool scene)
 {
-    while (server->waits) {
-        lf_wait *wait = server->waits;
-        server->waits = wait->next;
-        lf_deferred_fail(server, wait->deferred, err, scene);
-        forget_wait(wait);
-    }
+    (void)fail_waits(server, err, scene, INT_MAX);
 }
 
 /* There is no picture, and none is being made. */
 static void end_vain_waits(lf_server *server)
 {
-    if (!server->content && server->error.status != LF_OK && !server->held &&
-        lf_loader_pending(server->loader) == 0)
-        lf_server_fail_waits(server, &server->error, true);
+    bool vain = !server->content && server->error.status != LF_OK && !server->life.held &&
+                lf_loader_pending(server->loader) == 0;
+    if (vain && !fail_waits(server, &server->error, true, WAITS_A_TURN))
+        (void)sd_event_source_set_enabled(server->waits.more, SD_EVENT_ONESHOT);
+}
+
+static int on_more_waits(sd_event_source *source, uint64_t usec, void *context)
+{
+    (void)source;
+    (void)usec;
+    answer_waits(context);
+    end_vain_waits(context);
+    return 0;
+}
+
+lf_status lf_server_make_waits(lf_server *server)
+{
+    /* with the time 0 a timer is due at once, and yet behind what was there before */
+    return sd_event_add_time(server->event, &server->waits.more, CLOCK_MONOTONIC, 0, 1,
+                             on_more_waits, server) >= 0 &&
+                   sd_event_source_set_enabled(server->waits.more, SD_EVENT_OFF) >= 0
+               ? LF_OK
+               : LF_E_NOMEM;
 }
 
 static int on_wait_over(sd_event_source *source, uint64_t usec, void *context)
 {
     lf_wait *wait = context;
     lf_server *server = wait->server;
-    lf_wait **at = &server->waits;
+    lf_wait **at = &server->waits.first;
     lf_error err;
     (void)source;
     (void)usec;
@@ -165,8 +190,8 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
                     double seconds)
 {
     lf_error err;
-    int n = 0;
-    for (const lf_wait *other = server->waits; other; other = other->next)
+    int n = 0, all = 0;
+    for (const lf_wait *other = server->waits.first; other; other = other->next, all++)
         n += lf_deferred_client(other->deferred) == lf_deferred_client(deferred) ? 1 : 0;
     if (n >= MAX_WAITS) {
         (void)lf_error_set(&err, LF_E_BUSY, "wait", "this client waits %d times already", n);
@@ -178,7 +203,7 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
         lf_deferred_reply(server, deferred, NULL);
         return;
     }
-    *wait = (lf_wait){.next = server->waits,
+    *wait = (lf_wait){.next = server->waits.first,
                       .deferred = deferred,
                       .generation = generation,
                       .level = level,
@@ -191,8 +216,10 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
         lf_deferred_reply(server, deferred, NULL);
         return;
     }
-    server->waits = wait;
-    answer_waits(server);
+    server->waits.first = wait;
+    /* more than clients may have: some have left */
+    if (all >= MAX_WAITS * LF_MAX_CLIENTS || is_over(server, wait))
+        answer_waits(server);
     end_vain_waits(server);
 }
 
@@ -262,7 +289,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
 {
     if (load->committed) {
         bool same = server->content && strcmp(server->content->file, load->content->file) == 0;
-        lf_content_unref(server->content);
+        lf_server_release_content(server, server->content);
         server->content = load->content;
         load->content = NULL;
         server->generation = load->generation;
@@ -299,10 +326,22 @@ static void load_failed(lf_server *server, const lf_load *load)
     lf_deferred_fail(server, load->deferred, &load->err, !of_call);
 }
 
+static void destroy_load(void *load)
+{
+    lf_load_destroy(load);
+}
+
+static void destroy_huge_load(void *load)
+{
+    lf_load_destroy(load);
+    lf_trim();
+}
+
 static void on_load_done(void *reader, lf_task *task)
 {
     lf_server *server = reader;
     lf_load *load = (lf_load *)(void *)task;
+    size_t bytes = load->deferred ? lf_deferred_bytes(load->deferred) : 0;
     lf_server_load_ended(server, load);
     if (load->status == LF_OK)
         load_succeeded(server, load);
@@ -316,7 +355,10 @@ static void on_load_done(void *reader, lf_task *task)
         lf_server_browsed(server, load->file);
     if (load->reset && !lf_server_is_stopping(server))
         lf_server_was_reset(server);
-    lf_load_destroy(load);
+    if (bytes >= LF_LONG_LINE)
+        lf_server_release(server, bytes >= LF_HUGE_LINE ? destroy_huge_load : destroy_load, load);
+    else
+        lf_load_destroy(load);
     end_vain_waits(server);
     if (lf_server_is_stopping(server)) {
         lf_server_shutdown(server);
@@ -346,7 +388,7 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
         queue_load(server, load);
         return;
     }
-    lf_task **at = &server->held;
+    lf_task **at = &server->life.held;
     while (*at)
         at = &(*at)->next;
     load->task.next = NULL;
@@ -355,9 +397,9 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)
 
 void lf_server_release_loads(lf_server *server)
 {
-    while (server->held) {
-        lf_load *load = (lf_load *)(void *)server->held;
-        server->held = server->held->next;
+    while (server->life.held) {
+        lf_load *load = (lf_load *)(void *)server->life.held;
+        server->life.held = server->life.held->next;
         if (!lf_server_is_stopping(server)) {
             queue_load(server, load);
             continue;

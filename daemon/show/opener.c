@@ -19,6 +19,7 @@ void lf_opener_request_destroy(lf_opener_request *request)
 {
     lf_device_destroy(request->device);
     lf_buttons_destroy(request->buttons);
+    lf_free(request->devices);
     lf_free(request);
 }
 
@@ -81,6 +82,16 @@ static lf_status open_device(lf_opener_request *request)
                : lf_device_open(request->spec, given, &request->device, &request->err);
 }
 
+/* Only now does a request need room for them: thousands may wait. */
+static lf_status list_devices(lf_opener_request *request)
+{
+    request->devices = lf_calloc(LF_LISTED_DEVICES, sizeof *request->devices);
+    if (!request->devices)
+        return lf_error_set(&request->err, LF_E_NOMEM, "device.list", "out of memory");
+    request->n_devices = lf_device_list(request->devices, LF_LISTED_DEVICES);
+    return LF_OK;
+}
+
 static void run_task(void *context, lf_task *task)
 {
     lf_opener_request *request = (lf_opener_request *)(void *)task;
@@ -99,7 +110,7 @@ static void run_task(void *context, lf_task *task)
         request->denied = lf_find_denies(&request->display, &request->used);
         break;
     case LF_OPENER_LIST:
-        request->n_devices = lf_device_list(request->devices, LF_LISTED_DEVICES);
+        request->status = list_devices(request);
         break;
     }
 }

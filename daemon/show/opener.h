@@ -60,7 +60,7 @@ typedef struct lf_opener_request {
     lf_device *device;
     lf_buttons *buttons; /* BUTTONS and CLOSE: likewise; LF_E_NODEV: that panel has none */
     int n_devices;       /* LIST */
-    lf_device_info devices[LF_LISTED_DEVICES];
+    lf_device_info *devices; /* [n_devices], owned */
 } lf_opener_request;
 
 /* A zeroed request; NULL = out of memory. */

@@ -12,6 +12,16 @@
 
 #define READ_CHUNK 65536
 #define MAX_QUEUE ((size_t)1 << 20)
+/* Of a client, at a time: its lines that are handled, and the bytes of them and of what is sent.
+ * Then it is the turn of whatever else there is to do. */
+#define LINES_A_TURN 16
+#define BYTES_A_TURN ((size_t)65536)
+/* Calls without an answer and the bytes of their lines: of all clients, and what each may always
+ * have. */
+#define MAX_CALLS_OF_ALL 4096
+#define MAX_HELD_OF_ALL ((size_t)16 << 20)
+#define MODEST_CALLS 64
+#define MODEST_BYTES ((size_t)65536)
 /* How long accepting pauses when descriptors ran out. */
 #define ACCEPT_PAUSE_USEC 200000
 
@@ -26,6 +36,7 @@ struct lf_client {
     uint64_t serial;
     int fd;
     sd_event_source *io;
+    sd_event_source *turn; /* on while lines wait for the next turn */
     buffer in, out;
     size_t scanned; /* bytes of `in` known to hold no newline */
     size_t sent;    /* bytes of `out` already sent */
@@ -34,8 +45,10 @@ struct lf_client {
     bool at_end;    /* the other side has nothing more to say */
     bool dropped;   /* to be freed when its turn is over */
     bool busy;      /* its lines are being worked on */
+    bool paused;    /* its next lines wait until the owner has come to an end with one */
     int calls;
     size_t line, held; /* bytes: of the line being handled, of those of calls */
+    size_t turn_bytes; /* handled and sent in this turn */
     unsigned flags;
     int fds[LF_MAX_CLIENT_FDS];
     int n_fds;
@@ -50,7 +63,9 @@ struct lf_clients {
     void *context;
     lf_client *first;
     int count;
-    uint64_t serials;
+    int calls; /* of all clients, as theirs */
+    size_t held;
+    uint64_t serials, lines;
 };
 
 /* ----------------------------------------------------------------------------------- buffers -- */
@@ -102,7 +117,10 @@ static void free_client(lf_client *client)
         at = &(*at)->next;
     *at = client->next;
     owner->count--;
+    owner->calls -= client->calls;
+    owner->held -= client->held;
     sd_event_source_disable_unref(client->io);
+    sd_event_source_disable_unref(client->turn);
     close(client->fd);
     lf_client_drop_fds(client);
     buffer_finish(&client->in);
@@ -113,20 +131,40 @@ static void free_client(lf_client *client)
         owner->on_gone(owner->context, serial);
 }
 
+/* Whether a whole line is there that was not handled. */
+static bool has_line(const lf_client *client)
+{
+    return client->scanned < client->in.used;
+}
+
+/* What it is woken by: nothing more is read while lines wait. */
+static void arm(lf_client *client)
+{
+    bool waiting = client->out.used > client->sent, rests = client->paused || has_line(client),
+         next = has_line(client) && !client->paused;
+    uint32_t events =
+        (rests || client->at_end ? 0 : (uint32_t)EPOLLIN) | (waiting ? (uint32_t)EPOLLOUT : 0);
+    sd_event_source_set_io_events(client->io, events);
+    /* a connection that was closed would wake us all the time */
+    sd_event_source_set_enabled(client->io, rests && !waiting ? SD_EVENT_OFF : SD_EVENT_ON);
+    sd_event_source_set_enabled(client->turn, next ? SD_EVENT_ONESHOT : SD_EVENT_OFF);
+}
+
+static bool is_done(const lf_client *client)
+{
+    return client->at_end && client->calls == 0 && client->out.used == client->sent &&
+           client->frame.used == 0 && !client->paused && !has_line(client);
+}
+
 /* Frees a client whose time has come, unless its lines are being worked on further up the stack. */
 static void settle(lf_client *client)
 {
     if (client->busy)
         return;
-    bool done = client->at_end && client->calls == 0 && client->out.used == client->sent &&
-                client->frame.used == 0;
-    if (client->dropped || done) {
+    if (client->dropped || is_done(client))
         free_client(client);
-        return;
-    }
-    bool waiting = client->out.used > client->sent;
-    uint32_t events = (client->at_end ? 0 : (uint32_t)EPOLLIN) | (waiting ? (uint32_t)EPOLLOUT : 0);
-    sd_event_source_set_io_events(client->io, events);
+    else
+        arm(client);
 }
 
 static void flush(lf_client *client)
@@ -175,6 +213,7 @@ static void send_bytes(lf_client *client, const char *line, size_t n)
         drop(client);
         return;
     }
+    client->turn_bytes += n + 1;
     flush(client);
 }
 
@@ -182,11 +221,18 @@ static void send_bytes(lf_client *client, const char *line, size_t n)
  * the event loop. */
 static void leave(lf_client *client)
 {
-    if (client->dropped && !client->busy)
-        shutdown(client->fd, SHUT_RDWR);
-    uint32_t events = (client->at_end && !client->dropped ? 0 : (uint32_t)EPOLLIN) |
-                      (client->out.used > client->sent || client->at_end ? (uint32_t)EPOLLOUT : 0);
-    sd_event_source_set_io_events(client->io, events);
+    if (client->busy)
+        return;
+    if (client->dropped || is_done(client))
+        sd_event_source_set_enabled(client->turn, SD_EVENT_ONESHOT);
+    else
+        arm(client);
+}
+
+void lf_client_send_text(lf_client *client, const char *text, size_t n)
+{
+    send_bytes(client, text, n);
+    leave(client);
 }
 
 void lf_client_send(lf_client *client, json_t *message)
@@ -225,49 +271,75 @@ static void refuse_long_line(lf_client *client)
 {
     lf_client_send(client,
                    lf_rpc_error(NULL, LF_RPC_INVALID_REQUEST, "a line is longer than 1 MiB", NULL));
-    client->skipping = true;
-    buffer_reset(&client->in);
-    client->scanned = 0;
 }
 
-/* Hands over every whole line of the input. */
+static void take_line(lf_client *client, const char *line, size_t n)
+{
+    if (client->skipping) {
+        client->skipping = false;
+    } else if (n > LF_RPC_MAX_LINE) {
+        refuse_long_line(client);
+    } else if (n > 0) {
+        client->line = n;
+        client->owner->lines++;
+        client->owner->on_line(client->owner->context, client, line, n);
+    }
+}
+
+/* Forgets the first bytes of the input. */
+static void discard(lf_client *client, size_t n)
+{
+    if (n == 0)
+        return;
+    client->in.used -= n;
+    if (client->in.used > 0)
+        memmove(client->in.data, client->in.data + n, client->in.used);
+    else
+        buffer_reset(&client->in);
+}
+
+/* The input is the beginning of a line, or nothing. */
+static void keep_beginning(lf_client *client)
+{
+    client->scanned = client->in.used;
+    if (client->in.used == 0 && !client->paused)
+        lf_client_drop_fds(client); /* they came with lines that did not want them */
+    if (!client->skipping && client->in.used > LF_RPC_MAX_LINE) {
+        refuse_long_line(client);
+        client->skipping = true;
+    }
+    if (client->skipping) {
+        buffer_reset(&client->in);
+        client->scanned = 0;
+    }
+}
+
+/* Hands over whole lines of the input, as many as a turn has. */
 static void take_lines(lf_client *client)
 {
     size_t begin = 0;
-    while (!client->dropped) {
+    int n_lines = 0;
+    bool rest = true;
+    client->turn_bytes = 0;
+    while (!client->dropped && !client->paused && n_lines < LINES_A_TURN &&
+           client->turn_bytes < BYTES_A_TURN) {
         size_t from = client->scanned > begin ? client->scanned : begin;
         char *end = from < client->in.used
                         ? memchr(client->in.data + from, '\n', client->in.used - from)
                         : NULL;
+        rest = end;
         if (!end)
             break;
         size_t n = (size_t)(end - (client->in.data + begin));
         client->scanned = 0;
-        if (client->skipping) {
-            client->skipping = false;
-        } else if (n > LF_RPC_MAX_LINE) {
-            lf_client_send(client, lf_rpc_error(NULL, LF_RPC_INVALID_REQUEST,
-                                                "a line is longer than 1 MiB", NULL));
-        } else if (n > 0) {
-            client->line = n;
-            client->owner->on_line(client->owner->context, client, client->in.data + begin, n);
-        }
+        client->turn_bytes += n + 1;
+        n_lines++;
+        take_line(client, client->in.data + begin, n);
         begin += n + 1;
     }
-    client->in.used -= begin;
-    if (client->in.used > 0)
-        memmove(client->in.data, client->in.data + begin, client->in.used);
-    else
-        buffer_reset(&client->in);
-    client->scanned = client->in.used;
-    if (client->in.used == 0)
-        lf_client_drop_fds(client); /* they came with lines that did not want them */
-    if (client->skipping) {
-        buffer_reset(&client->in);
-        client->scanned = 0;
-    } else if (client->in.used > LF_RPC_MAX_LINE) {
-        refuse_long_line(client);
-    }
+    discard(client, begin);
+    if (!rest || client->in.used == 0)
+        keep_beginning(client);
 }
 
 static void keep_fds(lf_client *client, struct msghdr *message)
@@ -342,22 +414,45 @@ static int on_client(sd_event_source *source, int fd, uint32_t events, void *con
     return 0;
 }
 
+/* The next turn of a client whose lines were more than one turn has. */
+static int on_turn(sd_event_source *source, uint64_t usec, void *context)
+{
+    lf_client *client = context;
+    (void)source;
+    (void)usec;
+    client->busy = true;
+    take_lines(client);
+    client->busy = false;
+    settle(client);
+    return 0;
+}
+
 /* --------------------------------------------------------------------------------- listening -- */
+
+/* Made with the time 0, a timer is due at once, and yet behind what was there before. */
+static bool listen_to(lf_client *client, sd_event *event)
+{
+    return sd_event_add_io(event, &client->io, client->fd, EPOLLIN, on_client, client) >= 0 &&
+           sd_event_add_time(event, &client->turn, CLOCK_MONOTONIC, 0, 1, on_turn, client) >= 0 &&
+           sd_event_source_set_enabled(client->turn, SD_EVENT_OFF) >= 0;
+}
 
 static void add_client(lf_clients *clients, int fd)
 {
     lf_client *client = clients->count < LF_MAX_CLIENTS ? lf_calloc(1, sizeof *client) : NULL;
-    if (!client ||
-        sd_event_add_io(clients->event, &client->io, fd, EPOLLIN, on_client, client) < 0) {
+    if (client)
+        client->fd = fd;
+    if (!client || !listen_to(client, clients->event)) {
         static const char refusal[] = "{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":-32000,"
                                       "\"message\":\"too many clients\"}}\n";
         (void)!send(fd, refusal, sizeof refusal - 1, MSG_DONTWAIT | MSG_NOSIGNAL);
+        if (client)
+            sd_event_source_disable_unref(client->io);
         close(fd);
         lf_free(client);
         return;
     }
     client->owner = clients;
-    client->fd = fd;
     client->serial = ++clients->serials;
     client->next = clients->first;
     clients->first = client;
@@ -443,6 +538,11 @@ int lf_clients_count(const lf_clients *clients)
     return clients->count;
 }
 
+uint64_t lf_clients_lines(const lf_clients *clients)
+{
+    return clients->lines;
+}
+
 lf_client *lf_clients_find(lf_clients *clients, uint64_t serial)
 {
     lf_client *client = clients->first;
@@ -456,13 +556,32 @@ uint64_t lf_client_serial(const lf_client *client)
     return client->serial;
 }
 
+void lf_client_pause(lf_client *client)
+{
+    client->paused = true;
+}
+
+void lf_client_resume(lf_client *client)
+{
+    client->paused = false;
+    if (client->in.used == 0)
+        lf_client_drop_fds(client); /* the line did not want them */
+    leave(client);
+}
+
 bool lf_client_hold(lf_client *client, size_t *out_bytes)
 {
-    if (client->calls >= LF_MAX_CLIENT_CALLS ||
-        (client->calls > 0 && client->held + client->line > LF_MAX_HELD_BYTES))
+    lf_clients *clients = client->owner;
+    const size_t own = client->held + client->line, all = clients->held + client->line;
+    bool few = client->calls < MODEST_CALLS || clients->calls < MAX_CALLS_OF_ALL,
+         small = own <= MODEST_BYTES || all <= MAX_HELD_OF_ALL;
+    if (client->calls >= LF_MAX_CLIENT_CALLS || !few || !small ||
+        (client->calls > 0 && own > LF_MAX_HELD_BYTES))
         return false;
     client->calls++;
     client->held += client->line;
+    clients->calls++;
+    clients->held += client->line;
     *out_bytes = client->line;
     return true;
 }
@@ -471,6 +590,8 @@ void lf_client_release(lf_client *client, size_t bytes)
 {
     client->calls--;
     client->held -= bytes;
+    client->owner->calls--;
+    client->owner->held -= bytes;
     leave(client);
 }
 

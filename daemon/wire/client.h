@@ -1,6 +1,9 @@
 /* client: the listening socket and the connections to it. Lines in, messages out; what a line means
  * is not known here.
  *
+ * A client has its turn: so many lines, of so many bytes with what they are answered (16 and 64
+ * KiB; the last of them may be longer). The next ones wait until all others that are ready have had
+ * theirs; nothing more is read meanwhile.
  * A line over LF_RPC_MAX_LINE gets one error and is skipped to its end. At most 1 MiB waits for a
  * slow client: a `frame` notification replaces the one still waiting, and a client that lets the
  * rest pile up is dropped. Descriptors that come with a line wait for the request that takes them.
@@ -38,6 +41,8 @@ void lf_clients_destroy(lf_clients *clients);
 /* Accepts nobody new. */
 void lf_clients_close_listener(lf_clients *clients);
 int lf_clients_count(const lf_clients *clients);
+/* Lines that were handed over so far. */
+uint64_t lf_clients_lines(const lf_clients *clients);
 
 /* The client that has this serial number, or NULL when it is gone. */
 lf_client *lf_clients_find(lf_clients *clients, uint64_t serial);
@@ -45,11 +50,19 @@ uint64_t lf_client_serial(const lf_client *client);
 
 /* Sends a message (taken over; NULL: out of memory when it was made, the client is dropped). */
 void lf_client_send(lf_client *client, json_t *message);
+/* The same of text[n], one line of JSON without its newline, shorter than 1 MiB. */
+void lf_client_send_text(lf_client *client, const char *text, size_t n);
 /* Sends line[n] (no newline) as a frame notification: replaces one that is still waiting. */
 void lf_client_send_frame(lf_client *client, const char *line, size_t n);
 
+/* From within lf_line_fn: no other line of the client is handed over until it is resumed, from
+ * outside of it. The line is then still the one being handled. */
+void lf_client_pause(lf_client *client);
+void lf_client_resume(lf_client *client);
+
 /* Calls that will be answered later: a half-closed connection stays for them. *out_bytes: the
- * line's that is being handled, to be given back. False: too many, or too large together. */
+ * line's that is being handled, to be given back. False: too many, or too large together, also with
+ * those of other clients. */
 bool lf_client_hold(lf_client *client, size_t *out_bytes);
 void lf_client_release(lf_client *client, size_t bytes);
 

@@ -10,6 +10,8 @@
 
 /* Longest line either side may send, newline not counted. */
 #define LF_RPC_MAX_LINE ((size_t)1 << 20)
+/* Longest id that is a string, in bytes. */
+#define LF_RPC_MAX_ID ((size_t)1024)
 #define LF_RPC_PROTOCOL 1
 
 /* The standard's codes and ours. */

@@ -18,6 +18,8 @@ static bool parse_members(lf_rpc_request *out, json_t **out_answer)
     if (id && !json_is_string(id) && !json_is_number(id) && !json_is_null(id))
         return refuse(out_answer, NULL, LF_RPC_INVALID_REQUEST,
                       "id must be a string, a number or null");
+    if (json_string_length(id) > LF_RPC_MAX_ID)
+        return refuse(out_answer, NULL, LF_RPC_INVALID_REQUEST, "id is longer than 1024 bytes");
     const char *version = json_string_value(json_object_get(message, "jsonrpc"));
     if (!version || strcmp(version, "2.0") != 0)
         return refuse(out_answer, id, LF_RPC_INVALID_REQUEST, "\"jsonrpc\" must be \"2.0\"");

@@ -44,7 +44,7 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
     int number = 0;
     json_object_foreach(json_object_get(doc, "meshes"), name, mesh)
     {
-        json_t *copy = json_deep_copy(mesh);
+        json_t *copy = json_copy(mesh);
         json_t *clip = json_object_get(json_object_get(mesh, "animation"), "clip");
         const lf_mesh_desc *said = &desc->meshes[number++];
         /* which decides about copies, of what may stand in many places */

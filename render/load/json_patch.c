@@ -1,13 +1,28 @@
-/* JSON Merge Patch, RFC 7396 section 2. */
+/* JSON Merge Patch, RFC 7396 section 2. What a patch leaves alone is shared with what there was. */
 #include <stdint.h>
 
 #include "render/render.h"
 
+static json_t *shared(const json_t *value)
+{
+    return json_incref((json_t *)(uintptr_t)value);
+}
+
+/* A new reference to an object that is nobody else's: member itself, which only its owner holds, or
+ * a copy of its first level; an empty one where it is no object. */
+static json_t *own_object(json_t *member)
+{
+    if (!json_is_object(member))
+        return json_object();
+    return __atomic_load_n(&member->refcount, __ATOMIC_ACQUIRE) == 1 ? json_incref(member)
+                                                                     : json_copy(member);
+}
+
 static json_t *merged(json_t *member, const json_t *value)
 {
     if (!json_is_object(value))
-        return json_deep_copy(value);
-    json_t *target = json_is_object(member) ? json_incref(member) : json_object();
+        return shared(value);
+    json_t *target = own_object(member);
     if (target && lf_json_merge_into(target, value))
         return target;
     json_decref(target);
@@ -33,8 +48,11 @@ bool lf_json_merge_into(json_t *target, const json_t *patch)
 
 json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch)
 {
-    json_t *copy = json_deep_copy(json_is_object(patch) && json_is_object(doc) ? doc : NULL);
-    json_t *target = merged(copy, patch);
-    json_decref(copy);
-    return target;
+    if (!json_is_object(patch))
+        return shared(patch);
+    json_t *target = json_is_object(doc) ? json_copy((json_t *)(uintptr_t)doc) : json_object();
+    if (target && lf_json_merge_into(target, patch))
+        return target;
+    json_decref(target);
+    return NULL;
 }

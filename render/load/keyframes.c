@@ -1,6 +1,7 @@
 #include "render/load/keyframes.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "render/load/frame_file.h"
@@ -135,30 +136,40 @@ static bool is_fixed(const char *member)
     return false;
 }
 
-/* Puts what stands in a member of node (names: they are things by their names) into copy, and in
- * their members. */
-static void walk(walker *w, const lf_node *node, bool names, json_t *copy)
+/* Puts now (a new reference) under key into a copy of doc, which is made for the first of them and
+ * shares all other values. */
+static void put(const walker *w, const json_t *doc, json_t **copy, const char *key, json_t *now)
 {
+    if (!*copy)
+        *copy = json_copy((json_t *)(uintptr_t)doc);
+    if (json_object_set_new(*copy, key, now) != 0)
+        no_memory(w);
+}
+
+/* What stands at node (names: its members are things by their names), in the walker's frame: a new
+ * reference, to the value itself where nothing has keys. */
+static json_t *in_frame(walker *w, const lf_node *node, bool names)
+{
+    json_t *copy = NULL, *value;
     const char *key;
-    json_t *value;
     json_object_foreach(node->value, key, value)
     {
         const lf_node child = lf_node_child(node, key);
         if (w->reader->status != LF_OK || !json_is_object(value) || (!names && is_fixed(key)))
             continue;
-        if (!has_keys(value)) {
-            walk(w, &child, false, json_object_get(copy, key));
-            continue;
-        }
-        w->keyed = true;
-        json_t *now = copy ? value_at(w, &child) : NULL;
-        if (copy && json_object_set_new(copy, key, now) != 0)
-            no_memory(w);
+        w->keyed = w->keyed || has_keys(value);
+        json_t *now = has_keys(value) ? value_at(w, &child) : in_frame(w, &child, false);
+        if (now == value)
+            json_decref(now);
+        else
+            put(w, node->value, &copy, key, now);
     }
+    return copy ? copy : json_incref(node->value);
 }
 
-/* copy NULL: only looks whether something has keys. */
-static void walk_scene(walker *w, const lf_node *root, json_t *copy)
+/* The document in the walker's frame: a new reference, to the same document where nothing has keys;
+ * NULL: reader->status says why. */
+static json_t *scene_in_frame(walker *w, const lf_node *root)
 {
     static const struct {
         const char *name;
@@ -166,17 +177,28 @@ static void walk_scene(walker *w, const lf_node *root, json_t *copy)
     } sections[] = {{"camera", false}, {"film", false},     {"volumes", true},
                     {"meshes", true},  {"materials", true}, {"lights", true}};
     const lf_node backdrop = lf_node_child(root, "backdrop");
+    json_t *copy = NULL;
     for (size_t i = 0; i < sizeof sections / sizeof *sections; i++) {
         const lf_node section = lf_node_child(root, sections[i].name);
-        walk(w, &section, sections[i].names, json_object_get(copy, sections[i].name));
+        json_t *now = section.value ? in_frame(w, &section, sections[i].names) : NULL;
+        if (now == section.value)
+            json_decref(now);
+        else
+            put(w, root->value, &copy, sections[i].name, now);
     }
-    if (!has_keys(backdrop.value)) {
-        walk(w, &backdrop, false, json_object_get(copy, "backdrop"));
-        return;
+    bool keyed = has_keys(backdrop.value);
+    w->keyed = w->keyed || keyed;
+    if (json_is_object(backdrop.value)) {
+        json_t *now = keyed ? value_at(w, &backdrop) : in_frame(w, &backdrop, false);
+        if (now == backdrop.value)
+            json_decref(now);
+        else
+            put(w, root->value, &copy, "backdrop", now);
     }
-    w->keyed = true;
-    if (copy && json_object_set_new(copy, "backdrop", value_at(w, &backdrop)) != 0)
-        no_memory(w);
+    if (w->reader->status == LF_OK)
+        return copy ? copy : json_incref(root->value);
+    json_decref(copy);
+    return NULL;
 }
 
 /* The frame that a document says. */
@@ -189,31 +211,20 @@ static double frame_of(const lf_node *root)
 json_t *lf_keyframes_beside(lf_reader *reader, const lf_node *root, double frames)
 {
     walker w = {reader, frame_of(root) + frames, false};
-    json_t *copy = json_deep_copy(root->value);
-    if (!copy)
-        return no_memory(&w);
-    walk_scene(&w, root, copy);
-    if (reader->status == LF_OK)
-        return copy;
-    json_decref(copy);
-    return NULL;
+    return scene_in_frame(&w, root);
 }
 
 json_t *lf_keyframes_still(lf_reader *reader, const lf_node *root, int frame, bool *out_keyed)
 {
     walker w = {reader, frame >= 0 ? frame : frame_of(root), false};
-    walk_scene(&w, root, NULL);
+    json_t *still = scene_in_frame(&w, root), *copy = still;
     *out_keyed = w.keyed;
-    if (!w.keyed && frame < 0)
-        return json_incref(root->value);
-    json_t *copy = json_deep_copy(root->value);
-    if (!copy)
-        return no_memory(&w);
-    walk_scene(&w, root, copy);
-    if (frame >= 0 && json_object_set_new(copy, "frame", json_integer(frame)) != 0)
-        no_memory(&w);
-    if (reader->status == LF_OK)
+    if (!still || frame < 0)
+        return still;
+    copy = json_copy(still);
+    json_decref(still);
+    if (json_object_set_new(copy, "frame", json_integer(frame)) == 0)
         return copy;
     json_decref(copy);
-    return NULL;
+    return no_memory(&w);
 }

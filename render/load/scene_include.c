@@ -5,9 +5,8 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
-#include "render/render.h"
+#include "render/scene/scene.h"
 
-#define MAX_SCENE_BYTES ((uint64_t)16 << 20)
 #define MAX_PATH 4095
 
 /* ------------------------------------------------------------------------------------- a file --
@@ -34,7 +33,7 @@ lf_status lf_scene_text_read(const char *path, const lf_roots *roots, lf_scene_t
     *out = (lf_scene_text){.path = lf_strdup(path)};
     if (!out->path)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    lf_status status = lf_file_read(path, roots, MAX_SCENE_BYTES, &out->text, &size, err);
+    lf_status status = lf_file_read(path, roots, LF_SCENE_MAX_BYTES, &out->text, &size, err);
     if (status != LF_OK)
         return status;
     size_t mark =
@@ -47,10 +46,13 @@ lf_status lf_scene_text_read(const char *path, const lf_roots *roots, lf_scene_t
 
 void lf_scene_text_finish(lf_scene_text *text)
 {
+    bool large = text->source.size >= LF_SCENE_LARGE_BYTES;
     json_decref(text->source.doc);
     lf_free(text->text);
     lf_free(text->path);
     *text = (lf_scene_text){0};
+    if (large) /* a document that was refused is gone with it */
+        lf_trim();
 }
 
 /* ----------------------------------------------------------------------------- what it names -- */
@@ -150,7 +152,7 @@ static void include_file(const including *all, lf_reader *reader, const lf_node 
         lf_scene_text *file = &out->file[out->n++];
         status = lf_scene_text_read(path, all->roots, file, &err);
         chain here = {canonical, above};
-        if (status == LF_OK && bytes_of(out) > MAX_SCENE_BYTES)
+        if (status == LF_OK && bytes_of(out) > LF_SCENE_MAX_BYTES)
             status = lf_error_set(&err, LF_E_NOMEM, path, "what is included has more than 16 MiB");
         if (status == LF_OK && !json_is_object(file->source.doc))
             status = lf_error_set(&err, LF_E_FORMAT, path, "a scene is a JSON object");

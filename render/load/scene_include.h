@@ -5,6 +5,9 @@
 #include "base/paths.h"
 #include "render/load/json_reader.h"
 
+/* Of a file, of all that are included, and of a scene's document (lf_json_least_bytes). */
+#define LF_SCENE_MAX_BYTES ((uint64_t)16 << 20)
+
 enum { LF_MAX_INCLUDES = 64 }; /* in all, however they include each other */
 
 /* One file. */

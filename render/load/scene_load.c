@@ -5,6 +5,7 @@
 #include "base/frame_name.h"
 #include "base/import/import_group.h"
 #include "render/load/bare_file.h"
+#include "render/load/json_size.h"
 #include "render/load/keyframes.h"
 #include "render/load/scene_commit.h"
 #include "render/load/scene_include.h"
@@ -23,14 +24,15 @@ static lf_status extend_roots(const lf_roots *roots, const char *folder, lf_root
     return status;
 }
 
-/* A scene that holds a copy of the document and nothing else yet. */
-static lf_scene *create_empty(const json_t *doc, const char *folder, const char *where)
+/* A scene that holds the document and nothing else yet. */
+static lf_scene *create_empty(json_t *doc, const char *folder, const char *where)
 {
     lf_scene *scene = lf_calloc(1, sizeof *scene);
     if (!scene)
         return NULL;
     atomic_init(&scene->refs, 1);
-    scene->json = json_deep_copy(doc);
+    scene->json = json_incref(doc);
+    scene->file.bytes = lf_json_least_bytes(doc);
     scene->file.folder = lf_strdup(folder);
     scene->file.where = lf_strdup(where);
     if (scene->json && scene->file.folder && scene->file.where)
@@ -64,6 +66,14 @@ static bool has_sequences(const json_t *doc)
     return false;
 }
 
+/* Files are no larger; patches and what is included may add up to more. */
+static lf_status refuse_size(const lf_reader *reader, size_t bytes)
+{
+    return lf_error_set(reader->err, LF_E_NOMEM, reader->where,
+                        "the scene's document has %.1f MiB; at most %d MiB are allowed",
+                        (double)bytes / (1 << 20), (int)(LF_SCENE_MAX_BYTES >> 20));
+}
+
 /* source.text may be NULL; it is what doc was parsed from, for the lines in errors. */
 static lf_status build(const lf_json_source *source, const char *folder, const lf_roots *roots,
                        const lf_scene *previous, lf_scene **out_scene, lf_error *err)
@@ -83,6 +93,8 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
     }
     if (reader.status == LF_OK && (!scene || !note_included(scene, includes)))
         reader.status = lf_error_set(err, LF_E_NOMEM, source->where, "out of memory");
+    if (reader.status == LF_OK && scene->file.bytes > LF_SCENE_MAX_BYTES)
+        reader.status = refuse_size(&reader, scene->file.bytes);
     lf_node root = {NULL, NULL, 0, scene ? scene->json : NULL}, keyed = root;
     if (reader.status == LF_OK)
         scene->file.still = lf_keyframes_still(&reader, &root, -1, &scene->file.has_frames);

@@ -11,6 +11,24 @@ static json_t *member(json_t *doc, const char *section, const char *name)
     return json_object_get(json_object_get(doc, section), name);
 }
 
+/* A copy of an object and of the objects in it, so many levels deep; what is below is shared. */
+static json_t *copy_levels(json_t *object, int levels)
+{
+    json_t *copy = json_copy(object), *value;
+    const char *key;
+    if (levels <= 1)
+        return copy;
+    json_object_foreach(object, key, value)
+    {
+        if (json_is_object(value) &&
+            json_object_set_new(copy, key, copy_levels(value, levels - 1))) {
+            json_decref(copy);
+            return NULL;
+        }
+    }
+    return copy;
+}
+
 /* Velocities are of a time; without one they are no word worth. */
 static bool put_flow(json_t *said, const lf_scene_desc *desc, const lf_volume_desc *volume)
 {
@@ -107,7 +125,7 @@ static bool put_ways(json_t *doc, const lf_shutter *shutter)
 /* What a light without faces says at one end of the shutter, but for its file. */
 static json_t *said_of(json_t *doc, const char *name)
 {
-    json_t *said = json_deep_copy(member(doc, "lights", name));
+    json_t *said = json_copy(member(doc, "lights", name));
     json_object_del(said, "file");
     return said;
 }
@@ -125,7 +143,7 @@ static bool put_light_way(json_t *doc, const lf_shutter *shutter, const char *na
 json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
                          const lf_shutter *shutter)
 {
-    json_t *doc = json_deep_copy(scene->file.still);
+    json_t *doc = copy_levels(scene->file.still, 3); /* things are the third */
     bool done = doc;
     for (int i = 0; i < desc->n_volumes && done; i++)
         done = put_volume(doc, desc, &scene->volumes[i], &desc->volumes[i]);

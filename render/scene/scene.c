@@ -64,6 +64,7 @@ void lf_scene_unref(lf_scene *scene)
     lf_free(scene->meshes);
     lf_free(scene->materials);
     lf_warnings_finish(&scene->warnings);
+    bool large = scene->file.bytes >= LF_SCENE_LARGE_BYTES;
     json_decref(scene->json);
     json_decref(scene->file.included);
     json_decref(scene->file.still);
@@ -71,6 +72,8 @@ void lf_scene_unref(lf_scene *scene)
     lf_free(scene->file.folder);
     lf_free(scene->file.where);
     lf_free(scene);
+    if (large)
+        lf_trim();
 }
 
 const char *lf_scene_included(const lf_scene *scene, int index)
@@ -81,6 +84,11 @@ const char *lf_scene_included(const lf_scene *scene, int index)
 const json_t *lf_scene_json(const lf_scene *scene)
 {
     return scene->json;
+}
+
+size_t lf_scene_json_bytes(const lf_scene *scene)
+{
+    return scene->file.bytes;
 }
 
 const char *lf_scene_folder(const lf_scene *scene)

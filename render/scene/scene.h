@@ -432,12 +432,17 @@ typedef struct lf_glows {
 
 /* ------------------------------------------------------------------------------------- scene -- */
 
+/* A document of so many bytes or more takes a hundred megabytes when it is gone, unless they are
+ * given back. */
+#define LF_SCENE_LARGE_BYTES ((size_t)1 << 20)
+
 /* Where it was read. */
 typedef struct lf_scene_file {
     char *folder, *where;
     json_t *included; /* names of files that were merged into it (scene_include.h) */
     /* the scene's json as it is in its frame: without keys (keyframes.h) */
     json_t *still;
+    size_t bytes; /* of the document (lf_json_least_bytes) */
     int frame;
     double rate;           /* frames a second */
     bool has_frames;       /* they differ */

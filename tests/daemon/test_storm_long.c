@@ -1,7 +1,9 @@
 /* QUILTD_LONG=1: storms as people's sliders and scripts make them, on the scene and the panel that
  * are shown first. What it measures is printed; what it judges is that no call is refused, that the
  * last position comes to the panel and that an export asked for in the middle is written.
- * STORM_STRICT=1 judges the times as well, on a machine that does nothing else. */
+ * Hostile clients beside an honest one: how long its status takes, and the longest turn of the
+ * event thread (CPU time) are printed. STORM_STRICT=1 judges the times as well, on a machine that
+ * does nothing else. */
 #include "tests/testing.h"
 
 #include <poll.h>
@@ -270,11 +272,119 @@ static void sixty_calls_a_second_of_each_of_ten(void **state)
     run(10, 60);
 }
 
+/* ----------------------------------------------------------------------------- hostile clients --
+ */
+
+/* What a hostile client sends over and over, whatever it is answered. */
+typedef struct flood {
+    live_client c;
+    const char *text;
+    size_t n, sent; /* bytes, of this round */
+} flood;
+
+enum { FLOODS = 10, FLOOD_LINES = 1000 };
+
+/* A call many times. */
+static char *many_calls(const char *method, const char *params)
+{
+    char *text = calloc(FLOOD_LINES, 256), *at = text;
+    for (int i = 0; i < FLOOD_LINES; i++)
+        at += snprintf(at, 256, "{\"jsonrpc\":\"2.0\",\"id\":%d,\"method\":\"%s\",\"params\":%s}\n",
+                       i, method, params);
+    return text;
+}
+
+/* A line of a mebibyte whose patch is so many of these. */
+static char *long_patch(const char *unit)
+{
+    const size_t most = ((size_t)1 << 20) - 100, step = strlen(unit);
+    char *text = calloc(1, most + 100);
+    int head = sprintf(text, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"scene.patch\",\"params\":{"
+                             "\"patch\":{\"x\":[1");
+    char *at = text + head;
+    for (; at + step < text + most; at += step)
+        memcpy(at, unit, step);
+    memcpy(at, "]}}}\n", 5);
+    return text;
+}
+
+/* Sends what has room, and throws away what has come. */
+static void flow(live *l, flood *f)
+{
+    ssize_t n = send(f->c.fd, f->text + f->sent, f->n - f->sent, MSG_DONTWAIT | MSG_NOSIGNAL);
+    f->sent += n > 0 ? (size_t)n : 0;
+    f->sent = f->sent == f->n ? 0 : f->sent;
+    while ((n = recv(f->c.fd, f->c.buffer, f->c.size, MSG_DONTWAIT)) > 0)
+        continue;
+    if (n == 0 || errno == ECONNRESET || errno == EPIPE) { /* it was dropped: it comes again */
+        live_close(&f->c);
+        live_connect(l, &f->c);
+        f->sent = 0;
+    }
+}
+
+static void ten_hostile_clients_beside_an_honest_one(void **state)
+{
+    (void)state;
+    storm *s = calloc(1, sizeof *s);
+    flood floods[FLOODS];
+    assert_non_null(s);
+    if (!lf_test_long()) {
+        free(s);
+        skip();
+    }
+    char *texts[] = {many_calls("scene.get", "{}"),
+                     many_calls("hello", "{}"),
+                     many_calls("status", "{}"),
+                     many_calls("camera.orbit", "{\"yaw\":1}"),
+                     many_calls("device.list", "{}"),
+                     many_calls("wait", "{\"for\":\"coarse\"}"),
+                     many_calls("subscribe", "{\"events\":[\"frame\",\"scene\",\"device\"]}"),
+                     long_patch(",1"),
+                     long_patch(",[]"),
+                     long_patch(",{\"a\":1}")};
+    live_prepare(&s->l);
+    live_start(&s->l, lf_test_source("scenes/first-light.json"), "--device", s->l.sim, NULL);
+    live_connect(&s->l, &s->status.c);
+    live_wait(&s->status.c, "coarse");
+    for (int i = 0; i < FLOODS; i++) {
+        live_connect(&s->l, &floods[i].c);
+        floods[i].text = texts[i];
+        floods[i].n = strlen(texts[i]);
+        floods[i].sent = 0;
+    }
+    double end = lf_time_now() + SECONDS, most = 0;
+    while (lf_time_now() < end) {
+        ask_status(s);
+        take_status(s);
+        for (int i = 0; i < FLOODS; i++)
+            flow(&s->l, &floods[i]);
+    }
+    while (s->status.answered < s->status.sent)
+        take_status(s);
+    for (int i = 0; i < s->n_latencies; i++)
+        most = fmax(most, s->latency[i]);
+    for (int i = 0; i < FLOODS; i++)
+        live_close(&floods[i].c);
+    print_message("%d hostile clients: status of another one, %d times: at most %.1f ms; longest "
+                  "turn of the event thread %.1f ms; %.0f lines\n",
+                  FLOODS, s->n_latencies, 1e3 * most,
+                  1e3 * live_number(&s->status.c, "status", NULL, "longest_turn"),
+                  live_number(&s->status.c, "status", NULL, "lines"));
+    assert_int_equal(s->status.refused, 0);
+    for (int i = 0; i < FLOODS; i++)
+        free(texts[i]);
+    live_close(&s->status.c);
+    live_finish(&s->l);
+    free(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_thousand_calls_a_second_of_one_client),
         cmocka_unit_test(sixty_calls_a_second_of_each_of_ten),
+        cmocka_unit_test(ten_hostile_clients_beside_an_honest_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
