@@ -249,14 +249,20 @@ static bool is_starved(const child *reader, int how, lf_status status)
     return status == LF_E_NOMEM || (status == LF_E_STATE && !late && !reader->stopped);
 }
 
-/* With a share of the memory; *out_again: it is to be read with more. */
-static lf_status run(lf_import_request *request, int fd, const char *where, double deadline,
-                     lf_import_open_fn open, void *context, const lf_import_share *share,
-                     bool *out_again, lf_parcel *out, lf_error *err)
+typedef struct attempt {
+    lf_import_share share; /* of the memory */
+    double deadline;
+    bool again; /* out: it is to be read with more memory */
+} attempt;
+
+static lf_status run(lf_import_request *request, int fd, const char *where, lf_import_open_fn open,
+                     void *context, attempt *attempt, lf_parcel *out, lf_error *err)
 {
-    child reader = {
-        .pid = -1, .begun = lf_time_now(), .deadline = deadline, .progress = {.path = where}};
-    const double left = deadline - reader.begun;
+    child reader = {.pid = -1,
+                    .begun = lf_time_now(),
+                    .deadline = attempt->deadline,
+                    .progress = {.path = where}};
+    const double left = attempt->deadline - reader.begun;
     struct stat info;
     if (lf_import_is_stopped())
         return lf_import_say_stopped(where, err);
@@ -265,7 +271,7 @@ static lf_status run(lf_import_request *request, int fd, const char *where, doub
     reader.progress.bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
     request->version = LF_IMPORT_VERSION;
     request->asker = getpid();
-    request->memory = share->memory;
+    request->memory = attempt->share.memory;
     request->seconds = (uint32_t)ceil(left);
     lf_status status = begin_child(&reader, (lf_import_kind)request->kind, err);
     if (status != LF_OK)
@@ -274,9 +280,9 @@ static lf_status run(lf_import_request *request, int fd, const char *where, doub
     if (lf_import_send(reader.socket, request, sizeof *request, fd) == LF_OK)
         status = converse(&reader, where, open, context, out, err);
     int how = end_child(&reader);
-    *out_again =
-        !share->is_whole && is_starved(&reader, how, status) && lseek(fd, 0, SEEK_SET) == 0;
-    tell_watcher(&reader, !*out_again);
+    attempt->again =
+        !attempt->share.is_whole && is_starved(&reader, how, status) && lseek(fd, 0, SEEK_SET) == 0;
+    tell_watcher(&reader, !attempt->again);
     if (status == LF_E_STATE)
         status = say_how_it_ended(&reader, how, where, err);
     return status;
@@ -285,15 +291,14 @@ static lf_status run(lf_import_request *request, int fd, const char *where, doub
 lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
                         lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
 {
-    const double deadline = lf_import_begin_reading();
-    bool again = false;
+    attempt attempt = {.deadline = lf_import_begin_reading()};
     lf_status status;
     do {
-        const lf_import_share share = lf_import_share_begin(again);
-        again = false;
-        status = run(request, fd, where, deadline, open, context, &share, &again, out, err);
+        attempt.share = lf_import_share_begin(attempt.again);
+        attempt.again = false;
+        status = run(request, fd, where, open, context, &attempt, out, err);
         lf_import_share_end();
-    } while (again);
+    } while (attempt.again);
     lf_import_end_reading();
     return status;
 }

@@ -109,7 +109,7 @@ typedef enum lf_landlock {
 /* Of the reader that ended last, as it says; and its name. The log has a line when it was refused,
  * once. Thread: any. */
 lf_landlock lf_import_landlock(void);
-const char *lf_landlock_name(lf_landlock landlock);
+const char *lf_landlock_name(lf_landlock which);
 
 typedef enum lf_import_step {
     LF_IMPORT_OPEN,

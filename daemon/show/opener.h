@@ -58,8 +58,8 @@ typedef struct lf_opener_request {
     lf_error err;    /* OPEN: when status is not LF_OK */
     /* OPEN: the poster's to take, else closed with the request; CLOSE: the one to close */
     lf_device *device;
-    lf_buttons *buttons; /* BUTTONS and CLOSE: likewise; LF_E_NODEV: that panel has none */
-    int n_devices;       /* LIST */
+    lf_buttons *buttons;     /* BUTTONS and CLOSE: likewise; LF_E_NODEV: that panel has none */
+    int n_devices;           /* LIST */
     lf_device_info *devices; /* [n_devices], owned */
 } lf_opener_request;
 

@@ -217,11 +217,11 @@ json_t *lf_keyframes_beside(lf_reader *reader, const lf_node *root, double frame
 json_t *lf_keyframes_still(lf_reader *reader, const lf_node *root, int frame, bool *out_keyed)
 {
     walker w = {reader, frame >= 0 ? frame : frame_of(root), false};
-    json_t *still = scene_in_frame(&w, root), *copy = still;
+    json_t *still = scene_in_frame(&w, root);
     *out_keyed = w.keyed;
     if (!still || frame < 0)
         return still;
-    copy = json_copy(still);
+    json_t *copy = json_copy(still);
     json_decref(still);
     if (json_object_set_new(copy, "frame", json_integer(frame)) == 0)
         return copy;

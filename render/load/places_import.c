@@ -57,10 +57,10 @@ static lf_status refuse(const lf_affine *place, const double own[2][3], int numb
 
 lf_status lf_places_check(const lf_mesh_data *data, const char *where, lf_error *err)
 {
-    double own[2][3];
+    double own[2][3] = {{0}};
     int last = -1;
     for (int i = 0; i < data->n_places && data->n_triangles > 0; i++) {
-        const int number = data->n_parts > 0 ? (int)data->part_of[i] : 0;
+        const int number = data->n_parts > 0 && data->part_of ? (int)data->part_of[i] : 0;
         const lf_mesh_part part = lf_mesh_data_part(data, number);
         if (number != last)
             lf_mesh_data_own_bounds(data, &part, own);
