@@ -256,13 +256,13 @@ typedef struct attempt {
 } attempt;
 
 static lf_status run(lf_import_request *request, int fd, const char *where, lf_import_open_fn open,
-                     void *context, attempt *attempt, lf_parcel *out, lf_error *err)
+                     void *context, attempt *trial, lf_parcel *out, lf_error *err)
 {
     child reader = {.pid = -1,
                     .begun = lf_time_now(),
-                    .deadline = attempt->deadline,
+                    .deadline = trial->deadline,
                     .progress = {.path = where}};
-    const double left = attempt->deadline - reader.begun;
+    const double left = trial->deadline - reader.begun;
     struct stat info;
     if (lf_import_is_stopped())
         return lf_import_say_stopped(where, err);
@@ -271,7 +271,7 @@ static lf_status run(lf_import_request *request, int fd, const char *where, lf_i
     reader.progress.bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
     request->version = LF_IMPORT_VERSION;
     request->asker = getpid();
-    request->memory = attempt->share.memory;
+    request->memory = trial->share.memory;
     request->seconds = (uint32_t)ceil(left);
     lf_status status = begin_child(&reader, (lf_import_kind)request->kind, err);
     if (status != LF_OK)
@@ -280,9 +280,9 @@ static lf_status run(lf_import_request *request, int fd, const char *where, lf_i
     if (lf_import_send(reader.socket, request, sizeof *request, fd) == LF_OK)
         status = converse(&reader, where, open, context, out, err);
     int how = end_child(&reader);
-    attempt->again =
-        !attempt->share.is_whole && is_starved(&reader, how, status) && lseek(fd, 0, SEEK_SET) == 0;
-    tell_watcher(&reader, !attempt->again);
+    trial->again =
+        !trial->share.is_whole && is_starved(&reader, how, status) && lseek(fd, 0, SEEK_SET) == 0;
+    tell_watcher(&reader, !trial->again);
     if (status == LF_E_STATE)
         status = say_how_it_ended(&reader, how, where, err);
     return status;
@@ -291,14 +291,14 @@ static lf_status run(lf_import_request *request, int fd, const char *where, lf_i
 lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
                         lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
 {
-    attempt attempt = {.deadline = lf_import_begin_reading()};
+    attempt trial = {.deadline = lf_import_begin_reading()};
     lf_status status;
     do {
-        attempt.share = lf_import_share_begin(attempt.again);
-        attempt.again = false;
-        status = run(request, fd, where, open, context, &attempt, out, err);
+        trial.share = lf_import_share_begin(trial.again);
+        trial.again = false;
+        status = run(request, fd, where, open, context, &trial, out, err);
         lf_import_share_end();
-    } while (attempt.again);
+    } while (trial.again);
     lf_import_end_reading();
     return status;
 }

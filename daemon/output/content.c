@@ -79,7 +79,9 @@ void lf_content_write_document(lf_content *content)
     }
     text[n] = '\0';
     char *fitted = realloc(text, n + 1);
-    content->document = fitted ? fitted : text;
+    if (fitted)
+        text = fitted;
+    content->document = text;
 }
 
 char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size)
