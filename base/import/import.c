@@ -242,11 +242,12 @@ static lf_status say_how_it_ended(const child *reader, int how, const char *wher
         "the reader ended without a word; the file is damaged or not what it claims");
 }
 
-/* Whether more memory may do: it ran out, or the reader ended without a word, in time. */
+/* Whether more memory may do: it ran out, or a library did not live without it. */
 static bool is_starved(const child *reader, int how, lf_status status)
 {
-    const bool late = reader->late || (WIFSIGNALED(how) && WTERMSIG(how) == SIGXCPU);
-    return status == LF_E_NOMEM || (status == LF_E_STATE && !late && !reader->stopped);
+    const bool crashed = WIFSIGNALED(how) && WTERMSIG(how) != SIGXCPU;
+    return status == LF_E_NOMEM ||
+           (status == LF_E_STATE && crashed && !reader->late && !reader->stopped);
 }
 
 typedef struct attempt {
