@@ -165,7 +165,9 @@ static void meshes_that_share_a_reading_are_those_that_are_read_apart(void **sta
             of[i] = names[apart ? i : 0];
         snprintf(text, sizeof text, APART, of[0], of[1], of[2], of[3], of[4], of[5]);
         assert_int_equal(count_read(folder, text, ".obj"), apart ? 6 : 5);
-        picture[apart] = lf_test_picture_by(lf_test_scene_in(folder, text, NULL), 16, 16, 1);
+        lf_scene *scene = lf_test_scene_in(folder, text, NULL);
+        picture[apart] = lf_test_picture_by(scene, 16, 16, 1);
+        lf_scene_unref(scene);
     }
     assert_memory_equal(picture[0], picture[1], 2 * 16 * 16 * sizeof(double));
     bool lit = false;
