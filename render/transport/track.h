@@ -101,7 +101,7 @@ lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w, float 
 /* How many tentative collisions a ray meets in one grid at most. Where a grid is so dense that the
  * next one is within the rounding of t, a ray stands still, at a place that may be empty itself. It
  * ends there: what is tracked collides, and nothing passes. */
-#define LF_MOST_TENTATIVE (1 << 18)
+#define LF_MOST_TENTATIVE (1 << 16)
 
 /* First collision with t < t_max, or INFINITY; *out_volume says whose. w unit. */
 float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume);
