@@ -201,4 +201,16 @@ static inline const char *lf_test_write(const char *folder, const char *name, co
     return path;
 }
 
+/* 0 where the file is not there. */
+static inline int lf_test_count_lines(const char *path)
+{
+    FILE *file = fopen(path, "r");
+    int n = 0;
+    for (int c; file && (c = fgetc(file)) != EOF;)
+        n += c == '\n';
+    if (file)
+        fclose(file);
+    return n;
+}
+
 #endif

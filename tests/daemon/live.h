@@ -105,6 +105,19 @@ static inline int live_reap(pid_t pid)
     return -1;
 }
 
+/* Of the daemon. */
+static inline long live_resident_kib(const live *l)
+{
+    char path[64];
+    long all, pages = 0;
+    snprintf(path, sizeof path, "/proc/%d/statm", (int)l->pid);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%ld %ld", &all, &pages), 2);
+    fclose(file);
+    return pages * (sysconf(_SC_PAGESIZE) / 1024);
+}
+
 static inline int live_connect_fd(const live *l)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -264,25 +277,36 @@ static inline json_t *live_receive(live_client *c)
     }
 }
 
-/* The whole answer to a call; notifications are skipped. params are taken over (NULL = {}). */
-static inline json_t *live_call(live_client *c, const char *method, json_t *params)
+/* Sends a call and does not wait for its answer. params are taken over (NULL = {}). */
+static inline void live_ask(live_client *c, const char *method, json_t *params)
 {
-    json_int_t id = ++c->ids;
-    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", id, "method",
+    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++c->ids, "method",
                                 method, "params", params ? params : json_object());
     char *text = json_dumps(request, JSON_COMPACT);
     json_decref(request);
     live_send(c, text, strlen(text));
     live_send(c, "\n", 1);
     free(text);
+}
+
+/* The whole answer to what was asked last; notifications are skipped. */
+static inline json_t *live_answer(live_client *c)
+{
     for (;;) {
         json_t *message = live_receive(c);
         if (!message)
-            fail_msg("%s: the daemon closed the connection", method);
-        if (json_integer_value(json_object_get(message, "id")) == id)
+            fail_msg("the daemon closed the connection");
+        if (json_integer_value(json_object_get(message, "id")) == c->ids)
             return message;
         json_decref(message);
     }
+}
+
+/* The whole answer to a call. params are taken over (NULL = {}). */
+static inline json_t *live_call(live_client *c, const char *method, json_t *params)
+{
+    live_ask(c, method, params);
+    return live_answer(c);
 }
 
 /* The error code of a call's answer; 0 = it went well. */

@@ -107,18 +107,6 @@ static int count_entries(pid_t pid, const char *what)
     return n - 2; /* "." and ".." */
 }
 
-static long resident_kib(pid_t pid)
-{
-    char path[64];
-    long pages = 0;
-    snprintf(path, sizeof path, "/proc/%d/statm", (int)pid);
-    FILE *file = fopen(path, "r");
-    assert_non_null(file);
-    assert_int_equal(fscanf(file, "%*s %ld", &pages), 1);
-    fclose(file);
-    return pages * (sysconf(_SC_PAGESIZE) / 1024);
-}
-
 /* -------------------------------------------------------------------------------- the client -- */
 
 /* A command that is sent again and again, never before the last one was answered. */
@@ -346,7 +334,7 @@ static void take_sample(soak *s)
 {
     if (s->phase == FAULTS && s->n_samples < MAX_SAMPLES) {
         s->samples[s->n_samples].at = lf_time_now();
-        s->samples[s->n_samples++].kib = (double)resident_kib(s->l.pid);
+        s->samples[s->n_samples++].kib = (double)live_resident_kib(&s->l);
     }
 }
 

@@ -24,18 +24,6 @@ typedef struct outcome {
     double longest; /* seconds until the answer */
 } outcome;
 
-static long resident_kib(pid_t pid)
-{
-    char path[64];
-    long pages = 0, all;
-    snprintf(path, sizeof path, "/proc/%d/statm", (int)pid);
-    FILE *file = fopen(path, "r");
-    assert_non_null(file);
-    assert_int_equal(fscanf(file, "%ld %ld", &all, &pages), 2);
-    fclose(file);
-    return pages * (sysconf(_SC_PAGESIZE) / 1024);
-}
-
 static json_t *export_print(live_client *c)
 {
     json_t *answer =
@@ -165,11 +153,11 @@ static void no_file_stops_a_daemon(void **state)
     for (const lf_spoiled_kind *kind = lf_spoiled_kinds; kind->name; kind++)
         give_spoiled(&l, &c, kind, FEW); /* what it keeps of each kind */
     show_fog(&c);
-    long before = resident_kib(l.pid);
+    long before = live_resident_kib(&l);
     for (const lf_spoiled_kind *kind = lf_spoiled_kinds; kind->name; kind++)
         give_spoiled(&l, &c, kind, n);
     show_fog(&c);
-    long after = resident_kib(l.pid);
+    long after = live_resident_kib(&l);
     print_message("resident %ld KiB, and %ld KiB in the end\n", before, after);
     /* sanitizers keep what was released for a while */
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

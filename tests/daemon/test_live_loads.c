@@ -32,14 +32,7 @@ static void prepare(live *l)
 
 static int count_starts(const live *l)
 {
-    FILE *file = fopen(lf_test_path(l->folder, "starts"), "r");
-    char line[64];
-    int n = 0;
-    while (file && fgets(line, sizeof line, file))
-        n++;
-    if (file)
-        fclose(file);
-    return n;
+    return lf_test_count_lines(lf_test_path(l->folder, "starts"));
 }
 
 static void await_starts(const live *l, int n)
@@ -50,34 +43,9 @@ static void await_starts(const live *l, int n)
     fail_msg("reader %d does not begin", n);
 }
 
-/* Sends a call and does not wait for its answer. */
-static void ask(live_client *c, const char *method, json_t *params)
-{
-    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++c->ids, "method",
-                                method, "params", params);
-    char *text = json_dumps(request, JSON_COMPACT);
-    live_send(c, text, strlen(text));
-    live_send(c, "\n", 1);
-    json_decref(request);
-    free(text);
-}
-
 static void ask_for_file(live_client *c, const char *file)
 {
-    ask(c, "scene.load", json_pack("{s:s}", "file", file));
-}
-
-/* The answer to what was asked for last. */
-static json_t *answer_of(live_client *c)
-{
-    for (;;) {
-        json_t *message = live_receive(c);
-        if (!message)
-            fail_msg("the daemon closed the connection");
-        if (json_integer_value(json_object_get(message, "id")) == c->ids)
-            return message;
-        json_decref(message);
-    }
+    live_ask(c, "scene.load", json_pack("{s:s}", "file", file));
 }
 
 static void assert_fails(json_t *answer, const char *text)
@@ -134,7 +102,7 @@ static void job_cancel_ends_a_load(void **state)
                         "/slow.json");
     json_decref(answer);
     cancel_loading(&other);
-    assert_fails(answer_of(&asker), "cancelled");
+    assert_fails(live_answer(&asker), "cancelled");
     assert_true(live_number(&other, "status", NULL, "generation") == 1);
     assert_string_equal(strrchr(live_status_text(&other, "scene"), '/'), "/fog.json");
     assert_int_equal(loading_job(&other), 0);
@@ -169,7 +137,7 @@ static void a_number_is_that_of_one_job(void **state)
     assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", waits)), 0);
     assert_true(loading_job(&other) == job);
     cancel_loading(&other);
-    assert_fails(answer_of(&asker), "cancelled");
+    assert_fails(live_answer(&asker), "cancelled");
     assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", job)), -32602);
     live_close(&asker);
     live_close(&other);
@@ -191,19 +159,19 @@ static void changes_beside_a_cancelled_one_are_made(void **state)
     live_wait(&other, "coarse");
     ask_for_file(&first, "slow.json");
     await_starts(&l, 1);
-    ask(&slow, "scene.patch",
-        json_pack("{s:{s:{s:{s:s}}}}", "patch", "meshes", "m", "file", "a.obj"));
+    live_ask(&slow, "scene.patch",
+             json_pack("{s:{s:{s:{s:s}}}}", "patch", "meshes", "m", "file", "a.obj"));
     while (live_number(&other, "status", NULL, "loading") < 2)
         live_nap(10);
-    ask(&quick, "camera.set", json_pack("{s:i}", "views", 3));
+    live_ask(&quick, "camera.set", json_pack("{s:i}", "views", 3));
     while (live_number(&other, "status", NULL, "loading") < 3)
         live_nap(10);
     cancel_loading(&other);
-    assert_fails(answer_of(&first), "cancelled");
+    assert_fails(live_answer(&first), "cancelled");
     await_starts(&l, 2);
     cancel_loading(&other);
-    assert_fails(answer_of(&slow), "cancelled");
-    assert_succeeds(answer_of(&quick));
+    assert_fails(live_answer(&slow), "cancelled");
+    assert_succeeds(live_answer(&quick));
     assert_true(live_number(&other, "status", NULL, "views") == 3);
     live_close(&first);
     live_close(&slow);
@@ -249,11 +217,11 @@ static void a_load_is_replaced_when_who_asked_goes(void **state)
     live_wait(&other, "coarse");
     ask_for_file(&gone, "slow.json");
     await_starts(&l, 1);
-    ask(&other, "camera.orbit", json_pack("{s:i}", "yaw", 3));
+    live_ask(&other, "camera.orbit", json_pack("{s:i}", "yaw", 3));
     while (live_number(&third, "status", NULL, "loading") < 2)
         live_nap(10);
     live_close(&gone);
-    assert_succeeds(answer_of(&other));
+    assert_succeeds(live_answer(&other));
     live_close(&other);
     live_close(&third);
     live_finish(&l);
@@ -275,7 +243,7 @@ static void a_half_closed_asker_gets_its_answer(void **state)
     ask_for_file(&half, "slow.json");
     assert_int_equal(shutdown(half.fd, SHUT_WR), 0);
     await_starts(&l, 1);
-    ask(&other, "camera.orbit", json_pack("{s:i}", "yaw", 3));
+    live_ask(&other, "camera.orbit", json_pack("{s:i}", "yaw", 3));
     /* each time that this is told it is also looked for who waits no more */
     for (int i = 0; i < 6; i++) {
         json_t *told = live_receive(&third);
@@ -285,8 +253,8 @@ static void a_half_closed_asker_gets_its_answer(void **state)
         json_decref(told);
     }
     lf_test_write(l.folder, "go", "");
-    assert_fails(answer_of(&half), "the reader ended without a word");
-    assert_succeeds(answer_of(&other));
+    assert_fails(live_answer(&half), "the reader ended without a word");
+    assert_succeeds(live_answer(&other));
     live_close(&half);
     live_close(&other);
     live_close(&third);
@@ -307,13 +275,13 @@ static void the_first_scene_is_replaced_by_another_file_alone(void **state)
     live_connect(&l, &third);
     assert_int_equal(live_code(&third, "subscribe", json_pack("{s:[s]}", "events", "scene")), 0);
     await_starts(&l, 1);
-    ask(&moves, "camera.orbit", json_pack("{s:i}", "yaw", 3));
+    live_ask(&moves, "camera.orbit", json_pack("{s:i}", "yaw", 3));
     for (int i = 0; i < 6; i++)
         json_decref(live_receive(&third));
     assert_int_equal(count_starts(&l), 1);
     assert_true(live_number(&other, "status", NULL, "loading") == 2);
     assert_succeeds(live_call(&other, "scene.load", json_pack("{s:s}", "file", "other.json")));
-    assert_fails(answer_of(&moves), "no scene is shown");
+    assert_fails(live_answer(&moves), "no scene is shown");
     live_close(&moves);
     live_close(&other);
     live_close(&third);

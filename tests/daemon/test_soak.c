@@ -34,20 +34,6 @@ static int count_descriptors(pid_t pid)
     return n;
 }
 
-static long resident_kib(pid_t pid)
-{
-    char path[64], line[256];
-    long kib = 0;
-    snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
-    FILE *file = fopen(path, "r");
-    assert_non_null(file);
-    while (fgets(line, sizeof line, file))
-        if (sscanf(line, "VmRSS: %ld", &kib) == 1)
-            break;
-    fclose(file);
-    return kib;
-}
-
 /* Bytes that are noise, or look like a request for a while. */
 static size_t make_garbage(char *out, size_t size, uint64_t *state)
 {
@@ -134,12 +120,12 @@ static void random_bytes_from_ten_clients_change_nothing(void **state)
     run_for(&l, seconds / 2, &random);
     wait_until_alone(&c);
     int descriptors = count_descriptors(l.pid);
-    long kib = resident_kib(l.pid);
+    long kib = live_resident_kib(&l);
     run_for(&l, seconds, &random);
     wait_until_alone(&c);
     /* The panel may be writing a picture at either moment. */
     assert_true(count_descriptors(l.pid) <= descriptors + 3);
-    assert_true(resident_kib(l.pid) < kib + GROWTH_KIB);
+    assert_true(live_resident_kib(&l) < kib + GROWTH_KIB);
     assert_int_equal(live_code(&c, "camera.orbit", json_pack("{s:i}", "yaw", 5)), 0);
     live_wait(&c, "coarse");
     live_close(&c);

@@ -41,14 +41,7 @@ static int count_read(const char *folder, const char *text, const char *ending)
 
 static int count_starts(const char *folder)
 {
-    FILE *file = fopen(lf_test_path(folder, "starts"), "r");
-    char line[128];
-    int n = 0;
-    while (file && fgets(line, sizeof line, file))
-        n++;
-    if (file)
-        fclose(file);
-    return n;
+    return lf_test_count_lines(lf_test_path(folder, "starts"));
 }
 
 /* The seconds that the reader of a file was given. */
