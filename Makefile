@@ -100,7 +100,7 @@ endif
 
 # rewritten only when a compile line changed: a change of flags is a rebuild
 $(O)/flags.stamp: FORCE
-	@mkdir -p $(@D); printf '%s\n' '$(subst ','\'',$(CC) $(CXX) $(lf_cflags) $(lf_cxxflags) $(opt_render) $(opt_quilt) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' > $@.new; \
+	@mkdir -p $(@D); printf '%s\n' '$(subst ','\'',$(CC) $(CXX) $(lf_cflags) $(lf_cxxflags) $(opt_render) $(opt_quilt) $(opt_tests) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' > $@.new; \
 	 if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 FORCE:
 

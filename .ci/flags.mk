@@ -33,9 +33,11 @@ variant_fuzz := -O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined,fuz
 ifeq ($(variant_$(BUILD)),)
 $(error BUILD=$(BUILD): expected release, debug, asan, tsan or fuzz)
 endif
+# Tests ask more than they compute, but for those of tests/stat and of lanes (tests/module.mk).
 ifeq ($(BUILD),release)
 opt_render := -O3
 opt_quilt := -O3
+opt_tests := -O1
 endif
 # where the time of the sanitizers goes: half of it
 ifneq ($(filter asan tsan,$(BUILD)),)

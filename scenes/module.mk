@@ -9,7 +9,10 @@ $(BUILDROOT)/tools/%: $(SRCDIR)/scenes/%.c
 	$(call say,CC )$(CC) -std=c11 -O2 -ffp-contract=off -o $@ $< -lm
 $(BUILDROOT)/tools/%: $(SRCDIR)/scenes/%.cc
 	@mkdir -p $(@D)
-	$(call say,CXX)$(CXX) -std=c++17 -O2 -ffp-contract=off $(dep_cflags) -o $@ $< -Wl,--as-needed $(dep_openvdb_libs) $(dep_libs)
+	$(call say,CXX)$(CXX) -std=c++17 $(or $(opt_$*),-O1) -ffp-contract=off $(dep_cflags) -o $@ $< -Wl,--as-needed $(dep_openvdb_libs) $(dep_libs)
+
+# what OpenVDB is made of takes half a minute to optimise, and this runs for a tenth of a second
+opt_make_test_vdb := -O0
 
 define scene_file
 $(BUILDROOT)/scenes/$(1): $(BUILDROOT)/tools/$(2)

@@ -27,6 +27,11 @@ test_faults_render := $(patsubst %,render/rows/%.c,exits glow_visit mvpt visit)
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
+# Loops of tests that take as long as those of the house.
+ifeq ($(BUILD),release)
+$(foreach f,$(patsubst tests/%.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.c)),$(eval isa_$(notdir $(f)) := -O2))
+endif
+
 # a reader of the test's own, which gives up the same rights
 $(addprefix $(O)/tests/render/,test_import test_import_group test_import_shares): $(O)/base/reader/confine.c.o
 
