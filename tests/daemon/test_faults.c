@@ -33,7 +33,7 @@ enum {
     N_PHASES = 2,
     MAX_PARAMS = 5,
     N_SERIAL = 4,
-    N_WORKERS = 2
+    N_WORKERS = 2 /* at most */
 };
 
 /* AddressSanitizer keeps what was freed for a while, ThreadSanitizer what it knows of memory. */
@@ -42,6 +42,23 @@ enum { GROWTH_KIB = 512 * 1024 };
 #else
 enum { GROWTH_KIB = 16 * 1024 };
 #endif
+
+static double wanted_seconds(void)
+{
+    const char *text = getenv("SOAK_SECONDS");
+    double seconds = text ? strtod(text, NULL) : 0;
+    return seconds > 0 ? seconds : lf_test_long() ? 60 : SECONDS;
+}
+
+/* Every check has other tests to run beside 20 seconds of this one. */
+static int n_workers(void)
+{
+#if defined(__SANITIZE_THREAD__)
+    return N_WORKERS;
+#else
+    return wanted_seconds() > SECONDS ? N_WORKERS : 1;
+#endif
+}
 
 /* Threads whose waits for a CPU count: this one, the daemon's event thread, loader and engine, one
  * after the other; and workers, who have to leave a cancelled pass, side by side. */
@@ -88,7 +105,7 @@ static int run_server(char *args[])
         return 1;
     config.options.view_width = 48;
     config.options.view_height = 64;
-    config.options.threads = 2;
+    config.options.threads = n_workers();
     config.options.target_error = 1e-9;
     lf_faulty_use(orders);
     return lf_server_run(&config);
@@ -527,13 +544,6 @@ static void report_faults(void)
 }
 
 /* -------------------------------------------------------------------------------------- test -- */
-
-static double wanted_seconds(void)
-{
-    const char *text = getenv("SOAK_SECONDS");
-    double seconds = text ? strtod(text, NULL) : 0;
-    return seconds > 0 ? seconds : lf_test_long() ? 60 : SECONDS;
-}
 
 static void prepare(soak *s)
 {
