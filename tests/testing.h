@@ -73,11 +73,12 @@ static inline void lf_assert_status_at(lf_status got, lf_status expected, const 
     lf_assert_status_at((expression), (expected), (err), #expression, __FILE__, __LINE__)
 #define lf_assert_ok(expression, err) lf_assert_status(expression, LF_OK, err)
 
-/* One of a few static buffers in turn: good for the paths of one statement, not to be kept. */
+/* One of a few static buffers of this thread in turn: good for the paths of one statement, not to
+ * be kept. */
 static inline char *lf_test_buffer(void)
 {
-    static char buffers[8][PATH_MAX];
-    static unsigned int next;
+    static _Thread_local char buffers[8][PATH_MAX];
+    static _Thread_local unsigned int next;
     return buffers[next++ % 8];
 }
 
