@@ -36,11 +36,18 @@ void lf_import_watch(lf_import_watch_fn watch, void *context)
     watcher.context = context;
 }
 
+/* A file, which may be read twice. */
+typedef struct reading {
+    double begun;
+    lf_import_progress progress; /* its end is told where its beginning was */
+    bool told;
+} reading;
+
 typedef struct child {
     pid_t pid;
     int socket;
-    double begun, deadline;
-    lf_import_progress progress;
+    double deadline;
+    reading *file;
     bool late, stopped; /* why it was ended */
 } child;
 
@@ -106,12 +113,13 @@ static lf_status begin_child(child *reader, lf_import_kind kind, lf_error *err)
     return lf_error_set(err, LF_E_IO, path, "cannot be started: %s", strerror(failed));
 }
 
-static void tell_watcher(child *reader, bool ended)
+static void tell_watcher(reading *file, bool ended)
 {
-    reader->progress.seconds = lf_time_now() - reader->begun;
-    reader->progress.ended = ended;
+    file->progress.seconds = lf_time_now() - file->begun;
+    file->progress.ended = ended;
+    file->told = true;
     if (watcher.look)
-        watcher.look(watcher.context, &reader->progress);
+        watcher.look(watcher.context, &file->progress);
 }
 
 /* Until it says something (also: that it has ended). false: it is to end. */
@@ -119,7 +127,7 @@ static bool await(child *reader)
 {
     for (;;) {
         struct pollfd ready = {reader->socket, POLLIN, 0};
-        tell_watcher(reader, false);
+        tell_watcher(reader->file, false);
         reader->stopped = lf_import_is_stopped();
         reader->late = lf_time_now() > reader->deadline;
         if (reader->stopped || reader->late)
@@ -253,23 +261,19 @@ static bool is_starved(const child *reader, int how, lf_status status)
 typedef struct attempt {
     lf_import_share share; /* of the memory */
     double deadline;
+    reading file;
     bool again; /* out: it is to be read with more memory */
 } attempt;
 
 static lf_status run(lf_import_request *request, int fd, const char *where, lf_import_open_fn open,
                      void *context, attempt *trial, lf_parcel *out, lf_error *err)
 {
-    child reader = {.pid = -1,
-                    .begun = lf_time_now(),
-                    .deadline = trial->deadline,
-                    .progress = {.path = where}};
-    const double left = trial->deadline - reader.begun;
-    struct stat info;
+    child reader = {.pid = -1, .deadline = trial->deadline, .file = &trial->file};
+    const double left = trial->deadline - lf_time_now();
     if (lf_import_is_stopped())
         return lf_import_say_stopped(where, err);
     if (!(left > 0))
         return lf_import_say_late(where, err);
-    reader.progress.bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
     request->version = LF_IMPORT_VERSION;
     request->asker = getpid();
     request->memory = trial->share.memory;
@@ -283,7 +287,6 @@ static lf_status run(lf_import_request *request, int fd, const char *where, lf_i
     int how = end_child(&reader);
     trial->again =
         !trial->share.is_whole && is_starved(&reader, how, status) && lseek(fd, 0, SEEK_SET) == 0;
-    tell_watcher(&reader, !trial->again);
     if (status == LF_E_STATE)
         status = say_how_it_ended(&reader, how, where, err);
     return status;
@@ -292,7 +295,10 @@ static lf_status run(lf_import_request *request, int fd, const char *where, lf_i
 lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
                         lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
 {
-    attempt trial = {.deadline = lf_import_begin_reading()};
+    struct stat info;
+    const uint64_t bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
+    attempt trial = {.deadline = lf_import_begin_reading(),
+                     .file = {lf_time_now(), {.path = where, .bytes = bytes}, false}};
     lf_status status;
     do {
         trial.share = lf_import_share_begin(trial.again);
@@ -300,6 +306,8 @@ lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
         status = run(request, fd, where, open, context, &trial, out, err);
         lf_import_share_end();
     } while (trial.again);
+    if (trial.file.told)
+        tell_watcher(&trial.file, true);
     lf_import_end_reading();
     return status;
 }

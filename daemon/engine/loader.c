@@ -312,7 +312,9 @@ static void drop_task(void *context, lf_task *task)
 {
     lf_load *load = (lf_load *)(void *)task;
     (void)context;
-    load->status = lf_error_set(&load->err, LF_E_CANCELLED, "", "the daemon is shutting down");
+    load->status = atomic_load(&load->job.cancelled) ? fail_cancelled(load)
+                                                     : lf_error_set(&load->err, LF_E_CANCELLED, "",
+                                                                    "the daemon is shutting down");
 }
 
 /* The last task of the first half. */
@@ -332,11 +334,18 @@ static bool any_is_cancelled(const lf_load *load)
     return false;
 }
 
+static void note_running(lf_load *load, bool running)
+{
+    for (lf_task *task = &load->task; task; task = task->next)
+        atomic_store(&((lf_load *)(void *)task)->job.running, running);
+}
+
 /* What was cancelled may have ended just before: then it was not this, which is made again. */
 static void run_to_its_end(lf_loader *loader, lf_load *load)
 {
     bool again = true;
     atomic_store(&loader->current, load->job.id);
+    note_running(load, true);
     while (again) {
         lf_import_group *before = lf_import_group_begin(&loader->group);
         if (any_is_cancelled(load))
@@ -347,6 +356,7 @@ static void run_to_its_end(lf_loader *loader, lf_load *load)
         again = load->status == LF_E_CANCELLED && atomic_load(&loader->group.cancelled) &&
                 !any_is_cancelled(load) && !atomic_load(&loader->ends);
     }
+    note_running(load, false);
     atomic_store(&loader->current, 0);
 }
 
@@ -397,8 +407,6 @@ static void run_task(void *context, lf_task *task)
     if (load->kind == LF_LOAD_PATCH || load->kind == LF_LOAD_ORBIT)
         let_one_show(loader);
     take_others(loader, load);
-    for (lf_task *each = task; each; each = each->next)
-        atomic_store(&((lf_load *)(void *)each)->job.begun, true);
     run_together(loader, load);
 }
 
@@ -441,12 +449,22 @@ int lf_loader_pending(lf_loader *loader)
 }
 
 /* Whichever of both threads is later sees what the other has noted: the worker looks at `cancelled`
- * when it has noted `begun`, and made the group. */
+ * when it has noted `running`, and made the group. Once is enough, and a second time might be for
+ * another. */
 void lf_loader_cancel(lf_loader *loader, lf_load *load)
 {
-    atomic_store(&load->job.cancelled, true);
-    if (atomic_load(&load->job.begun))
+    if (!atomic_exchange(&load->job.cancelled, true) && atomic_load(&load->job.running))
         lf_import_group_cancel(&loader->group);
+}
+
+static bool is_cancelled(const lf_task *task)
+{
+    return atomic_load(&((const lf_load *)(const void *)task)->job.cancelled);
+}
+
+void lf_loader_drop_cancelled(lf_loader *loader)
+{
+    lf_worker_drop(loader->worker, is_cancelled);
 }
 
 int64_t lf_loader_current(lf_loader *loader)

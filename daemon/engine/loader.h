@@ -23,11 +23,11 @@ typedef enum lf_load_kind {
 
 /* A load as something that can be cancelled. */
 typedef struct lf_load_job {
-    int64_t id;            /* the poster's number of it */
-    struct lf_load *later; /* the poster's: queued behind it, … */
-    int looks;             /* … and how often it was seen waiting or under way */
-    atomic_bool begun;     /* alone or with others */
-    atomic_bool cancelled; /* lf_loader_cancel */
+    int64_t id;                      /* the poster's number of it */
+    struct lf_load *earlier, *later; /* the poster's: queued before and behind it, … */
+    int looks;                       /* … and how often it was seen under way */
+    atomic_bool running;             /* alone or with others */
+    atomic_bool cancelled;           /* lf_loader_cancel */
 } lf_load_job;
 
 typedef struct lf_load {
@@ -78,9 +78,11 @@ void lf_loader_queue(lf_loader *loader, lf_load *load);
 /* Loads queued or in progress. */
 int lf_loader_pending(lf_loader *loader);
 /* Ends a load that was not posted back yet: LF_E_CANCELLED, soon where it is in progress, else when
- * its turn has come. Others that are made together with it are made without it. One that is being
- * committed already is not ended. */
+ * its turn has come or lf_loader_drop_cancelled is called. Others that are made together with it
+ * are made without it. One that is being committed already is not ended. */
 void lf_loader_cancel(lf_loader *loader, lf_load *load);
+/* Posts back those that are cancelled and wait for their turn. */
+void lf_loader_drop_cancelled(lf_loader *loader);
 /* job.id of the load in progress, of several that are made together of the first; 0: none is. */
 int64_t lf_loader_current(lf_loader *loader);
 

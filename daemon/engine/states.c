@@ -309,16 +309,18 @@ static void tell_newest(const lf_states *states, const char *wanted, const lf_st
     lf_free(all);
 }
 
-/* A name beside path that is free: NAME.aside, NAME.aside.2, … */
+/* A name beside path that is free: NAME.aside, NAME.aside.2, … Else false, and errno. */
 static bool find_aside(const char *path, char out[static PATH_MAX])
 {
     struct stat st;
     for (int i = 1; i <= LF_STATES_ASIDE; i++) {
         int n = i == 1 ? snprintf(out, PATH_MAX, "%s.aside", path)
                        : snprintf(out, PATH_MAX, "%s.aside.%d", path, i);
-        if (n < PATH_MAX && lstat(out, &st) != 0 && errno == ENOENT)
-            return true;
+        errno = n < PATH_MAX ? 0 : ENAMETOOLONG;
+        if (errno != 0 || lstat(out, &st) != 0)
+            return errno == ENOENT;
     }
+    errno = EEXIST;
     return false;
 }
 
@@ -326,8 +328,12 @@ static bool put_aside(const char *path)
 {
     char aside[PATH_MAX];
     if (!find_aside(path, aside)) {
-        lf_log(LF_LOG_WARNING, "%s: %d states are put aside beside it already; remove some", path,
-               LF_STATES_ASIDE);
+        if (errno == EEXIST)
+            lf_log(LF_LOG_WARNING,
+                   "%s: %d states are put aside beside it already; remove some and load it again",
+                   path, LF_STATES_ASIDE);
+        else
+            lf_log(LF_LOG_WARNING, "%s: cannot be put aside: %s", path, lf_errno_text(errno));
         return false;
     }
     if (rename(path, aside) != 0) {

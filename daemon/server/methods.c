@@ -79,7 +79,7 @@ lf_deferred *lf_defer(lf_call *call)
     bool held = lf_client_hold(call->client, &bytes);
     lf_deferred *deferred = held ? lf_calloc(1, sizeof *deferred) : NULL;
     if (held && !deferred)
-        lf_client_release(call->client, bytes);
+        lf_clients_release(call->server->clients, lf_client_serial(call->client), bytes);
     if (!deferred) {
         lf_error err;
         (void)lf_error_set(&err, LF_E_BUSY, call->method,
@@ -109,11 +109,10 @@ uint64_t lf_deferred_client(const lf_deferred *deferred)
 static void send_answer(lf_server *server, lf_deferred *deferred, json_t *message)
 {
     lf_client *client = server->clients ? lf_clients_find(server->clients, deferred->client) : NULL;
-    if (client) {
-        if (!deferred->silent)
-            lf_client_send(client, json_incref(message));
-        lf_client_release(client, deferred->bytes);
-    }
+    if (client && !deferred->silent)
+        lf_client_send(client, json_incref(message));
+    if (server->clients)
+        lf_clients_release(server->clients, deferred->client, deferred->bytes);
     json_decref(message);
     json_decref(deferred->id);
     lf_free(deferred);

@@ -56,7 +56,8 @@ void lf_method_scene_get(lf_call *call)
     }
     if (content->scene && !content->document) {
         (void)lf_error_set(&err, LF_E_NOMEM, call->method,
-                           "the scene's document is longer than 1 MiB: it is not sent");
+                           "the scene's document is longer than 1 MiB, or memory for it ran out: "
+                           "it is not sent");
         lf_fail(call, &err, false);
         return;
     }

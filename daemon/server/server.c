@@ -310,6 +310,15 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     return LF_OK;
 }
 
+static void on_client_gone(void *context, uint64_t client)
+{
+    lf_server *server = context;
+    if (server->life.phase == LF_PHASE_LEAVING)
+        return;
+    lf_server_end_jobs_of(server, client);
+    lf_server_end_loads_of_gone(server);
+}
+
 static lf_status open_socket(lf_server *server, lf_error *err)
 {
     int fd = -1;
@@ -318,7 +327,7 @@ static lf_status open_socket(lf_server *server, lf_error *err)
         lf_clients_create(server->event, fd, lf_server_line, server, &server->clients) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, "socket", "out of memory");
     if (status == LF_OK) {
-        lf_clients_on_gone(server->clients, lf_server_end_jobs_of);
+        lf_clients_on_gone(server->clients, on_client_gone);
         lf_log(LF_LOG_INFO, "listening on %s",
                server->socket_path ? server->socket_path : "the socket from systemd");
     }

@@ -250,6 +250,9 @@ void lf_server_loads(lf_server *server, lf_load *load);
 void lf_server_load_ended(lf_server *server, lf_load *load);
 /* The load in progress, as `status` shows it; null: none. */
 json_t *lf_server_load_json(lf_server *server);
+/* A client has left: where those that have left keep much waiting, their loads that have not begun
+ * end. */
+void lf_server_end_loads_of_gone(lf_server *server);
 /* Ends the load of that number; false: there is none. */
 bool lf_server_cancel_load(lf_server *server, int64_t id);
 /* The file that is being read, as `status` and the notification `scene.load` show it; null: none.
@@ -333,7 +336,7 @@ void lf_server_start_jobs(lf_server *server);
 bool lf_server_end_jobs(lf_server *server);
 /* An lf_gone_fn with the server as context: ends the exports of that client which still wait, or
  * are written to its descriptors; those that were detached go on. */
-void lf_server_end_jobs_of(void *context, uint64_t client);
+void lf_server_end_jobs_of(lf_server *server, uint64_t client);
 json_t *lf_server_jobs_json(const lf_server *server);
 
 /* ---------------------------------------------------------------------------- server_state.c -- */

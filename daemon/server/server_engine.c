@@ -140,7 +140,8 @@ void lf_server_fail_waits(lf_server *server, const lf_error *err, bool scene)
 /* There is no picture, and none is being made. */
 static void end_vain_waits(lf_server *server)
 {
-    bool vain = !server->content && server->error.status != LF_OK && !server->life.held &&
+    bool vain = server->life.phase != LF_PHASE_LEAVING && !server->content &&
+                server->error.status != LF_OK && !server->life.held &&
                 lf_loader_pending(server->loader) == 0;
     if (vain && !fail_waits(server, &server->error, true, WAITS_A_TURN))
         (void)sd_event_source_set_enabled(server->waits.more, SD_EVENT_ONESHOT);
@@ -181,7 +182,10 @@ static int on_wait_over(sd_event_source *source, uint64_t usec, void *context)
                        lf_engine_get_controls(server->engine).paused
                            ? ": rendering is paused (render.set paused=false)"
                            : "");
-    lf_deferred_fail(server, wait->deferred, &err, false);
+    if (wait->over) /* in time, and not answered yet */
+        lf_deferred_reply(server, wait->deferred, shown_json(server));
+    else
+        lf_deferred_fail(server, wait->deferred, &err, false);
     forget_wait(wait);
     return 0;
 }

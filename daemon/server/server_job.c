@@ -262,10 +262,8 @@ static void unlink_job(lf_job *job)
 
 static void release_client(lf_job *job)
 {
-    lf_client *client =
-        job->asker.holds ? lf_clients_find(job->server->clients, job->asker.client) : NULL;
-    if (client)
-        lf_client_release(client, job->asker.bytes);
+    if (job->asker.holds)
+        lf_clients_release(job->server->clients, job->asker.client, job->asker.bytes);
 }
 
 /* The job's end, whichever way it came. */
@@ -381,9 +379,8 @@ static bool ends_with_client(const lf_job *job)
     return !job->asker.detached && (!job->started || job->folder_fd < 0);
 }
 
-void lf_server_end_jobs_of(void *context, uint64_t client)
+void lf_server_end_jobs_of(lf_server *server, uint64_t client)
 {
-    lf_server *server = context;
     for (lf_job *job = server->jobs, *next; job; job = next) {
         next = job->next;
         if (job->asker.client == client && ends_with_client(job))

@@ -10,6 +10,8 @@
 
 /* A client hears of what takes longer than that, so often. */
 #define TELL_USEC 500000
+/* What is seen under way so often takes longer than a second. */
+#define LOOKS_OF_LONG 3
 
 struct lf_loading {
     pthread_mutex_t lock; /* of what follows */
@@ -101,8 +103,10 @@ static void tell_reading(lf_server *server)
 bool lf_server_cancel_load(lf_server *server, int64_t id)
 {
     lf_load *load = find_load(server, id);
-    if (load)
+    if (load) {
         lf_loader_cancel(server->loader, load);
+        lf_loader_drop_cancelled(server->loader);
+    }
     return load;
 }
 
@@ -110,6 +114,18 @@ bool lf_server_cancel_load(lf_server *server, int64_t id)
 static bool asker_is_gone(const lf_server *server, const lf_load *load)
 {
     return load->deferred && !lf_clients_find(server->clients, lf_deferred_client(load->deferred));
+}
+
+/* Of clients that have left little waits: what one of them has asked for is made all the same, and
+ * yet nobody fills the queue by coming and going. */
+void lf_server_end_loads_of_gone(lf_server *server)
+{
+    if (!lf_clients_left_much(server->clients))
+        return;
+    for (lf_load *load = server->loading->first; load; load = load->job.later)
+        if (!atomic_load(&load->job.running) && asker_is_gone(server, load))
+            lf_loader_cancel(server->loader, load);
+    lf_loader_drop_cancelled(server->loader);
 }
 
 /* Whether somebody wants that file instead of what is loaded. */
@@ -124,9 +140,10 @@ static bool same_file(const lf_load *a, const lf_load *b)
     return file && other && strcmp(file, other) == 0;
 }
 
-/* A load that takes long and that nobody waits for makes room. One that somebody asked for who has
- * left makes room for any later one; what nobody asked for (the first scene, a file that changed, a
- * frame that is played) for another file alone. Quick ones are made all the same. */
+/* A load that takes longer than LOOKS_OF_LONG and that nobody waits for makes room. One that
+ * somebody asked for who has left makes room for any later one; what nobody asked for (the first
+ * scene, a file that changed, a frame that is played) for another file alone. Quick ones are made
+ * all the same. */
 static void make_room(lf_server *server)
 {
     const lf_load *last = NULL, *last_file = NULL;
@@ -144,7 +161,8 @@ static void make_room(lf_server *server)
         bool unasked = !load->deferred && (load->kind == LF_LOAD_FILE || load->played);
         bool replaced = (before && asker_is_gone(server, load) && !same_file(load, last)) ||
                         (before_file && unasked && !same_file(load, last_file));
-        if (load->job.looks++ == 0 || !replaced || atomic_load(&load->job.cancelled))
+        load->job.looks += atomic_load(&load->job.running) ? 1 : 0;
+        if (load->job.looks < LOOKS_OF_LONG || !replaced || atomic_load(&load->job.cancelled))
             continue;
         lf_log(LF_LOG_INFO, "%s: its load ends for a later one",
                file_of(load) ? file_of(load) : "a change of what is shown");
@@ -172,6 +190,7 @@ static int on_tell(sd_event_source *source, uint64_t usec, void *context)
 static void put_last(lf_loading *loading, lf_load *load)
 {
     load->job.later = NULL;
+    load->job.earlier = loading->last;
     if (loading->last)
         loading->last->job.later = load;
     else
@@ -179,20 +198,14 @@ static void put_last(lf_loading *loading, lf_load *load)
     loading->last = load;
 }
 
-/* Loads come back as they were queued: nearly always it is the first. */
 void lf_server_load_ended(lf_server *server, lf_load *load)
 {
     lf_loading *loading = server->loading;
-    lf_load *before = NULL, **at = &loading->first;
-    while (*at && *at != load) {
-        before = *at;
-        at = &before->job.later;
-    }
-    if (!*at)
+    lf_load *earlier = load->job.earlier, *later = load->job.later;
+    if (load->job.id == 0) /* it was never queued */
         return;
-    *at = load->job.later;
-    if (loading->last == load)
-        loading->last = before;
+    *(earlier ? &earlier->job.later : &loading->first) = later;
+    *(later ? &later->job.earlier : &loading->last) = earlier;
 }
 
 void lf_server_loads(lf_server *server, lf_load *load)

@@ -68,21 +68,21 @@ void lf_server_release_json(lf_server *server, json_t *value)
 typedef struct long_line {
     lf_task task;
     uint64_t client;
-    bool good; /* request is what it says; else answer is what is wrong with it */
+    bool handled; /* it is to be freed */
+    bool good;    /* request is what it says; else answer is what is wrong with it */
     lf_rpc_request request;
     json_t *answer;
     size_t n;
     char text[];
 } long_line;
 
-static void free_line(void *thing)
+static void finish_line(long_line *line)
 {
-    long_line *line = thing;
-    bool huge = line->n >= LF_HUGE_LINE;
     lf_rpc_request_finish(&line->request);
     json_decref(line->answer);
-    lf_free(line);
-    if (huge)
+    line->request = (lf_rpc_request){0};
+    line->answer = NULL;
+    if (line->n >= LF_HUGE_LINE)
         lf_trim();
 }
 
@@ -90,29 +90,53 @@ static void run_line(void *context, lf_task *task)
 {
     long_line *line = (long_line *)(void *)task;
     (void)context;
-    line->good = lf_rpc_parse(line->text, line->n, &line->request, &line->answer);
+    if (line->handled)
+        finish_line(line);
+    else
+        line->good = lf_rpc_parse(line->text, line->n, &line->request, &line->answer);
 }
 
 /* At the daemon's end: nobody is answered. */
 static void drop_line(void *context, lf_task *task)
 {
+    long_line *line = (long_line *)(void *)task;
     (void)context;
-    (void)task;
+    if (line->handled)
+        finish_line(line);
+}
+
+static lf_client *client_of(const lf_server *server, const long_line *line)
+{
+    return server->clients ? lf_clients_find(server->clients, line->client) : NULL;
+}
+
+/* Its client says nothing more before it is freed: what was parsed is much larger than its line. */
+static void on_line_freed(void *reader, lf_task *task)
+{
+    long_line *line = (long_line *)(void *)task;
+    lf_client *client = client_of(reader, line);
+    if (client)
+        lf_client_resume(client);
+    lf_free(line);
 }
 
 static void on_parsed(void *reader, lf_task *task)
 {
     lf_server *server = reader;
     long_line *line = (long_line *)(void *)task;
-    lf_client *client = server->clients ? lf_clients_find(server->clients, line->client) : NULL;
-    if (client) {
-        if (line->good)
-            lf_server_request(server, client, &line->request);
-        else if (line->answer)
-            lf_client_send(client, json_incref(line->answer));
-        lf_client_resume(client);
+    lf_client *client = client_of(server, line);
+    if (client && line->good)
+        lf_server_request(server, client, &line->request);
+    else if (client && line->answer)
+        lf_client_send(client, json_incref(line->answer));
+    line->handled = true;
+    line->task.done = on_line_freed;
+    if (server->work->parser) {
+        lf_worker_queue(server->work->parser, &line->task);
+    } else {
+        finish_line(line);
+        lf_free(line);
     }
-    lf_server_release(server, free_line, line);
 }
 
 bool lf_server_parse_later(lf_server *server, lf_client *client, const char *text, size_t n)
@@ -149,7 +173,8 @@ void lf_server_end_work(lf_server *server)
     if (!server->work)
         return;
     lf_worker_destroy(server->work->parser);
-    lf_inbox_read(&server->inbox, server); /* lines that it had are freed by the other */
+    server->work->parser = NULL;
+    lf_inbox_read(&server->inbox, server); /* lines that it had */
     lf_worker_destroy(server->work->releaser);
     lf_free(server->work);
     server->work = NULL;

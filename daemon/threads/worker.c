@@ -73,6 +73,35 @@ lf_task *lf_worker_take(lf_worker *worker, bool (*suits)(const lf_task *task, co
     return next;
 }
 
+/* Those of the queue that suit, which it has no more. */
+static lf_task *take_all(lf_worker *worker, bool (*suits)(const lf_task *task))
+{
+    lf_task *taken = NULL, **last = &taken, **at = &worker->first;
+    pthread_mutex_lock(&worker->lock);
+    while (*at) {
+        if (suits(*at)) {
+            *last = *at;
+            last = &(*at)->next;
+            *at = (*at)->next;
+        } else {
+            at = &(*at)->next;
+        }
+    }
+    *last = NULL;
+    worker->last = at;
+    pthread_mutex_unlock(&worker->lock);
+    return taken;
+}
+
+void lf_worker_drop(lf_worker *worker, bool (*suits)(const lf_task *task))
+{
+    for (lf_task *task = take_all(worker, suits), *next; task; task = next) {
+        next = task->next;
+        worker->drop(worker->context, task);
+        post_back(worker, task);
+    }
+}
+
 lf_status lf_worker_create(const char *name, lf_task_fn run, lf_task_fn drop, void *context,
                            lf_inbox *inbox, lf_worker **out_worker)
 {

@@ -9,7 +9,8 @@
 typedef struct lf_worker lf_worker;
 
 /* What is done with a task before it is posted back, and with it those that hang on its `next`, in
- * their order (lf_worker_take). Thread: the worker's; `drop` is called by lf_worker_destroy. */
+ * their order (lf_worker_take). Thread: the worker's; `drop` is called by lf_worker_destroy and
+ * lf_worker_drop. */
 typedef void (*lf_task_fn)(void *context, lf_task *task);
 
 /* run does what a task asks for; drop marks one that is not done any more. name: the thread's, at
@@ -25,6 +26,9 @@ void lf_worker_queue(lf_worker *worker, lf_task *task);
  * `next`. Thread: the worker's. */
 lf_task *lf_worker_take(lf_worker *worker, bool (*suits)(const lf_task *task, const lf_task *next),
                         const lf_task *task);
+/* Drops tasks that wait and suit (under the queue's lock: quickly), and posts them back. Thread:
+ * not the worker's. */
+void lf_worker_drop(lf_worker *worker, bool (*suits)(const lf_task *task));
 /* Tasks queued or in progress. Thread: any. */
 int lf_worker_pending(lf_worker *worker);
 /* Waits until none is left, or until `end` (lf_time_now); true when none is left. */

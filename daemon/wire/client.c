@@ -16,8 +16,8 @@
  * Then it is the turn of whatever else there is to do. */
 #define LINES_A_TURN 16
 #define BYTES_A_TURN ((size_t)65536)
-/* Calls without an answer and the bytes of their lines: of all clients, and what each may always
- * have. */
+/* Calls without an answer and the bytes of their lines: of all clients, those included that have
+ * left, and what each may always have. */
 #define MAX_CALLS_OF_ALL 4096
 #define MAX_HELD_OF_ALL ((size_t)16 << 20)
 #define MODEST_CALLS 64
@@ -63,8 +63,8 @@ struct lf_clients {
     void *context;
     lf_client *first;
     int count;
-    int calls; /* of all clients, as theirs */
-    size_t held;
+    int calls, calls_left; /* of all clients, as theirs, and of those that have left */
+    size_t held, held_left;
     uint64_t serials, lines;
 };
 
@@ -117,8 +117,8 @@ static void free_client(lf_client *client)
         at = &(*at)->next;
     *at = client->next;
     owner->count--;
-    owner->calls -= client->calls;
-    owner->held -= client->held;
+    owner->calls_left += client->calls;
+    owner->held_left += client->held;
     sd_event_source_disable_unref(client->io);
     sd_event_source_disable_unref(client->turn);
     close(client->fd);
@@ -446,8 +446,10 @@ static void add_client(lf_clients *clients, int fd)
         static const char refusal[] = "{\"jsonrpc\":\"2.0\",\"id\":null,\"error\":{\"code\":-32000,"
                                       "\"message\":\"too many clients\"}}\n";
         (void)!send(fd, refusal, sizeof refusal - 1, MSG_DONTWAIT | MSG_NOSIGNAL);
-        if (client)
+        if (client) {
             sd_event_source_disable_unref(client->io);
+            sd_event_source_disable_unref(client->turn);
+        }
         close(fd);
         lf_free(client);
         return;
@@ -586,13 +588,24 @@ bool lf_client_hold(lf_client *client, size_t *out_bytes)
     return true;
 }
 
-void lf_client_release(lf_client *client, size_t bytes)
+void lf_clients_release(lf_clients *clients, uint64_t serial, size_t bytes)
 {
+    lf_client *client = lf_clients_find(clients, serial);
+    clients->calls--;
+    clients->held -= bytes;
+    if (!client) {
+        clients->calls_left--;
+        clients->held_left -= bytes;
+        return;
+    }
     client->calls--;
     client->held -= bytes;
-    client->owner->calls--;
-    client->owner->held -= bytes;
     leave(client);
+}
+
+bool lf_clients_left_much(const lf_clients *clients)
+{
+    return clients->calls_left > MODEST_CALLS || clients->held_left > MODEST_BYTES;
 }
 
 bool lf_client_take_fds(lf_client *client, int *out_fds, int n)

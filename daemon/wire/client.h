@@ -62,9 +62,12 @@ void lf_client_resume(lf_client *client);
 
 /* Calls that will be answered later: a half-closed connection stays for them. *out_bytes: the
  * line's that is being handled, to be given back. False: too many, or too large together, also with
- * those of other clients. */
+ * those of other clients and of clients that have left. Each is released once, whether its client
+ * is still there or not. */
 bool lf_client_hold(lf_client *client, size_t *out_bytes);
-void lf_client_release(lf_client *client, size_t bytes);
+void lf_clients_release(lf_clients *clients, uint64_t serial, size_t bytes);
+/* Whether clients that have left hold more than one client may always have. */
+bool lf_clients_left_much(const lf_clients *clients);
 
 /* Takes the next n descriptors the client has passed; false (nothing taken) when there are fewer.
  */

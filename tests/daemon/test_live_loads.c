@@ -180,6 +180,131 @@ static void changes_beside_a_cancelled_one_are_made(void **state)
     live_finish(&l);
 }
 
+/* One that is made already, or was to be, is not ended a second time: another one would be. */
+static void a_second_cancel_ends_nothing(void **state)
+{
+    (void)state;
+    live l;
+    live_client first, slow, slower, other;
+    prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    live_connect(&l, &first);
+    live_connect(&l, &slow);
+    live_connect(&l, &slower);
+    live_connect(&l, &other);
+    live_wait(&other, "coarse");
+    ask_for_file(&first, "slow.json");
+    await_starts(&l, 1);
+    live_ask(&slow, "scene.patch",
+             json_pack("{s:{s:{s:{s:s}}}}", "patch", "meshes", "m", "file", "a.obj"));
+    while (live_number(&other, "status", NULL, "loading") < 2)
+        live_nap(10);
+    live_ask(&slower, "scene.patch",
+             json_pack("{s:{s:{s:{s:s}}}}", "patch", "meshes", "n", "file", "a.obj"));
+    while (live_number(&other, "status", NULL, "loading") < 3)
+        live_nap(10);
+    json_int_t job = loading_job(&other);
+    cancel_loading(&other);
+    await_starts(&l, 2); /* both changes at once */
+    assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", job + 1)), 0);
+    await_starts(&l, 3); /* the second one alone */
+    assert_int_equal(live_code(&other, "subscribe", json_pack("{s:[s]}", "events", "scene")), 0);
+    assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", job + 1)), 0);
+    for (int i = 0; i < 4; i++)
+        json_decref(live_receive(&other));
+    assert_int_equal(count_starts(&l), 3);
+    assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", job + 2)), 0);
+    assert_fails(live_answer(&first), "cancelled");
+    assert_fails(live_answer(&slow), "cancelled");
+    assert_fails(live_answer(&slower), "cancelled");
+    live_close(&first);
+    live_close(&slow);
+    live_close(&slower);
+    live_close(&other);
+    live_finish(&l);
+}
+
+static void a_load_that_waits_is_cancelled_at_once(void **state)
+{
+    (void)state;
+    live l;
+    live_client first, second, other;
+    prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    live_connect(&l, &first);
+    live_connect(&l, &second);
+    live_connect(&l, &other);
+    live_wait(&other, "coarse");
+    ask_for_file(&first, "slow.json");
+    await_starts(&l, 1);
+    live_ask(&second, "camera.set", json_pack("{s:i}", "views", 3));
+    while (live_number(&other, "status", NULL, "loading") < 2)
+        live_nap(10);
+    json_int_t job = loading_job(&other);
+    assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", job + 1)), 0);
+    assert_fails(live_answer(&second), "cancelled");
+    assert_true(loading_job(&other) == job);
+    cancel_loading(&other);
+    assert_fails(live_answer(&first), "cancelled");
+    live_close(&first);
+    live_close(&second);
+    live_close(&other);
+    live_finish(&l);
+}
+
+/* A change that is asked for by somebody who then leaves. The line is n bytes longer than it
+ * needs to be. */
+static void change_and_leave(const live *l, const char *change, int n)
+{
+    live_client c;
+    live_connect(l, &c);
+    char *line = NULL;
+    assert_true(asprintf(&line,
+                         "{\"method\":\"scene.patch\",\"jsonrpc\":\"2.0\",\"params\":%s%*s}\n",
+                         change, n, "") > 0);
+    for (size_t at = 0, all = strlen(line); at < all;) {
+        ssize_t done = send(c.fd, line + at, all - at, MSG_NOSIGNAL);
+        assert_true(done > 0);
+        at += (size_t)done;
+    }
+    free(line);
+    live_close(&c);
+}
+
+/* What waits for its turn has a limit, also of those who have left: little of theirs waits. */
+static void nobody_fills_the_queue_by_coming_and_going(void **state)
+{
+    (void)state;
+    enum { COMERS = 20 };
+    live l;
+    live_client slow, other;
+    prepare(&l);
+    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    live_connect(&l, &slow);
+    live_connect(&l, &other);
+    live_wait(&other, "coarse");
+    ask_for_file(&slow, "slow.json");
+    await_starts(&l, 1);
+    for (int i = 0; i < COMERS; i++)
+        change_and_leave(&l, "{\"patch\":{\"camera\":{\"views\":5}}}", 300000);
+    while (live_number(&other, "status", NULL, "clients") > 2)
+        live_nap(10);
+    while (live_number(&other, "status", NULL, "loading") > 1) /* they come back one by one */
+        live_nap(10);
+    change_and_leave(&l, "{\"patch\":{\"camera\":{\"views\":3}}}", 0);
+    while (live_number(&other, "status", NULL, "loading") < 2)
+        live_nap(10);
+    cancel_loading(&other);
+    assert_fails(live_answer(&slow), "cancelled");
+    while (live_number(&other, "status", NULL, "loading") > 0)
+        live_nap(10);
+    assert_true(live_number(&other, "status", NULL, "generation") == 2);
+    assert_true(live_number(&other, "status", NULL, "views") == 3);
+    live_close(&slow);
+    live_close(&other);
+    live_finish(&l);
+}
+
 static void a_load_that_nobody_waits_for_is_replaced_by_any_later_one(void **state)
 {
     (void)state;
@@ -294,6 +419,9 @@ int main(void)
         cmocka_unit_test(job_cancel_ends_a_load),
         cmocka_unit_test(a_number_is_that_of_one_job),
         cmocka_unit_test(changes_beside_a_cancelled_one_are_made),
+        cmocka_unit_test(a_second_cancel_ends_nothing),
+        cmocka_unit_test(a_load_that_waits_is_cancelled_at_once),
+        cmocka_unit_test(nobody_fills_the_queue_by_coming_and_going),
         cmocka_unit_test(a_load_that_nobody_waits_for_is_replaced_by_any_later_one),
         cmocka_unit_test(a_load_is_replaced_when_who_asked_goes),
         cmocka_unit_test(a_half_closed_asker_gets_its_answer),
