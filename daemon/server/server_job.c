@@ -266,6 +266,16 @@ static void release_client(lf_job *job)
         lf_clients_release(job->server->clients, job->asker.client, job->asker.bytes);
 }
 
+/* Of a detached job nobody else may hear. */
+static void log_lost(const lf_job *job)
+{
+    if (!job->asker.detached || job->status == LF_OK)
+        return;
+    lf_log(LF_LOG_WARNING, "%s: the detached export (job %lld) was not written: %s",
+           job->name ? job->name : job->file, (long long)job->id,
+           job->status == LF_E_CANCELLED ? "cancelled" : job->err.what);
+}
+
 /* The job's end, whichever way it came. */
 static void end_job(lf_job *job)
 {
@@ -287,6 +297,7 @@ static void end_job(lf_job *job)
             json_decref(answer);
         }
         tell(job, params);
+        log_lost(job);
         release_client(job);
     } else {
         lf_server_state_saved(server, job->status);
@@ -394,6 +405,8 @@ bool lf_server_end_jobs(lf_server *server)
         next = job->next;
         atomic_store_explicit(&job->cancel, 1, memory_order_relaxed);
         if (!job->started) {
+            job->status = LF_E_CANCELLED;
+            log_lost(job);
             unlink_job(job);
             job_free(job);
         }

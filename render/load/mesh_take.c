@@ -450,8 +450,9 @@ static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error
         return status;
     out->n_parts = (int)(n / 4);
     bool fit = parts_fit(out);
-    for (size_t i = 0; i < n_places; i++)
-        fit = fit && out->part_of[i] < (uint32_t)out->n_parts;
+    for (size_t i = 0; i < n_places && fit; i++) /* those of a part follow each other */
+        fit = out->part_of[i] < (uint32_t)out->n_parts &&
+              (i == 0 || out->part_of[i - 1] <= out->part_of[i]);
     return fit && lf_places_check(out, "", NULL) == LF_OK
                ? LF_OK
                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");

@@ -486,6 +486,26 @@ static void find_overlaps(const commit *c)
     }
 }
 
+/* Steps of a ray that are shorter than half of a unit in the last place of its t get it nowhere
+ * (LF_MOST_STILL). */
+static void warn_of_dense_grids(const commit *c)
+{
+    const double most = 1 << 22;
+    for (int i = 0; i < c->scene->n_volumes; i++) {
+        const lf_volume *volume = &c->scene->volumes[i];
+        double cells = 0.0, paths;
+        for (int k = 0; k < 3 && volume->grid; k++)
+            cells = fmax(cells, (double)volume->grid->size[k]);
+        paths = cells * (double)volume->voxel * (double)volume->sigma_max;
+        if (paths > most)
+            lf_warnings_add(&c->scene->warnings, c->scene->file.where,
+                            "volume \"%s\" is %.1e mean free paths wide; beyond %.1e a ray's steps "
+                            "are lost to rounding, and what is thin beside dense places looks "
+                            "solid: make its scale smaller",
+                            c->desc->volumes[i].name, paths, most);
+    }
+}
+
 /* What parts that may be shared with other scenes know, and what only the whole does. */
 static void collect_warnings(const commit *c)
 {
@@ -498,6 +518,7 @@ static void collect_warnings(const commit *c)
                                     c->desc->volumes[i].file);
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
+    warn_of_dense_grids(c);
     lf_file_lights_warn(c->desc, scene);
     lf_camera_frame_warn(c->desc, scene);
     lf_warn_of_open_flesh(scene, c->desc, &scene->warnings);

@@ -128,8 +128,9 @@ static lf_status need_velocities(lf_grid_source *source, const lf_volume_desc *v
 {
     const char *const names[3] = {volume->velocity.grid[0], volume->velocity.grid[1],
                                   volume->velocity.grid[2]};
-    char what[3 * LF_GRID_NAME_BYTES + 8];
-    snprintf(what, sizeof what, "%s\n%s\n%s", names[0], names[1], names[2]);
+    char what[3 * LF_GRID_NAME_BYTES + 64];
+    snprintf(what, sizeof what, "%zu:%s%zu:%s%zu:%s", strlen(names[0]), names[0], strlen(names[1]),
+             names[1], strlen(names[2]), names[2]);
     char *key = lf_file_key(r->fd, r->path, what);
     if (!key)
         return no_memory(r, err);

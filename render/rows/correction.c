@@ -87,6 +87,16 @@ static void bound(field *f, const lf_slice *slice)
         f->dense *= most_points / points;
 }
 
+/* Of so many points that their product is no number any more, nothing comes through. */
+static void drop_nonfinite(lf_tracer *tracer, int n, float *factor)
+{
+    for (int k = 0; k < n; k++) {
+        bool sound = isfinite(factor[k]);
+        tracer->nonfinite += !sound;
+        factor[k] = sound ? factor[k] : 0.0f;
+    }
+}
+
 void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, float dense,
                                  float least, lf_tracer *tracer, float *factor)
 {
@@ -106,6 +116,7 @@ void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, flo
         bound(&f, &medium->slice);
         multiply(&medium->slice, medium->colour, &rays->scene->volumes[medium->volume], rays, &f,
                  tracer, factor);
+        drop_nonfinite(tracer, rays->channels ? 3 * rays->n : rays->n, factor);
     }
 }
 

@@ -184,7 +184,8 @@ bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t
 static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, bool seen)
 {
     const float last = nextafterf(t_max, -INFINITY);
-    float passed = 1.0f, t = 0.0f;
+    const struct RTCRay whole = ray_of(tracer, o, w, 0.0f, last);
+    float passed = lf_ray_is_sound(&whole) ? 1.0f : 0.0f, t = 0.0f;
     lf_hit hit;
     while (passed > 0.0f && lf_trace_next(tracer, o, w, t, last, &hit)) {
         if (!(seen && hit.mesh->hidden))
@@ -304,7 +305,7 @@ typedef struct lf_walk {
     float corner[3]; /* the ray's start as seen from the present brick's corner */
     size_t first;    /* of the present brick's values */
     float max;       /* its largest value */
-    int left;        /* tentative collisions that may still come */
+    int left;        /* tentative collisions that may still come at this t */
 } lf_walk;
 
 static void enter(lf_walk *k)
@@ -322,7 +323,7 @@ static void walk_begin(lf_walk *k, const lf_volume *volume, const lf_local_ray *
     k->t0 = r->t0;
     k->end = r->t1;
     k->brick = 0;
-    k->left = LF_MOST_TENTATIVE;
+    k->left = LF_MOST_STILL;
     size_t stride = 1;
     for (int i = 0; i < 3; i++) {
         /* below 0 by rounding alone */
@@ -389,7 +390,9 @@ static inline bool tentative(lf_walk *k, float sigma_scale, float *depth, float 
     for (;;) {
         float majorant = sigma_scale * k->max, room = majorant * (k->t1 - *t);
         if (*depth < room) {
+            float from = *t;
             *t += *depth / majorant;
+            k->left = *t > from ? LF_MOST_STILL : k->left - 1;
             return true;
         }
         *depth -= room;
@@ -406,7 +409,7 @@ static float collide_grid(lf_tracer *tracer, const lf_volume *volume, const lf_l
     float t = k.t0, depth = lf_rng_exponential(tracer);
     while (tentative(&k, volume->sigma_scale, &depth, &t)) {
         tracer->lookups++;
-        if (lf_rng(tracer) * k.max < look_up(&k, r, t) || --k.left == 0)
+        if (lf_rng(tracer) * k.max < look_up(&k, r, t) || k.left == 0)
             return t;
         depth = lf_rng_exponential(tracer);
     }
@@ -476,7 +479,7 @@ static float collide_grid_channels(lf_tracer *tracer, const lf_volume *volume,
         for (int i = 0; i < 3; i++)
             c->density[i] *= collides ? colour[i] * share : lf_max(1.0f - colour[i] * share, 0.0f);
         keep_in_range(c);
-        if (collides || --k.left == 0)
+        if (collides || k.left == 0)
             return t;
         depth = lf_rng_exponential(tracer);
     }
@@ -536,7 +539,7 @@ static float transmit_grid(lf_tracer *tracer, const lf_volume *volume, const lf_
     float t = k.t0, depth = lf_rng_exponential(tracer);
     while (tentative(&k, volume->sigma_scale, &depth, &t)) {
         tracer->lookups++;
-        transmittance *= --k.left > 0 ? lf_max(0.0f, 1.0f - look_up(&k, r, t) / k.max) : 0.0f;
+        transmittance *= k.left > 0 ? lf_max(0.0f, 1.0f - look_up(&k, r, t) / k.max) : 0.0f;
         if (transmittance < 0.1f) {
             if (lf_rng(tracer) >= 0.5f)
                 return 0.0f;
@@ -578,7 +581,7 @@ static lf_vec3 transmit_grid_channels(lf_tracer *tracer, const lf_volume *volume
         left = lf_mul(left, lf_v3(lf_max(0.0f, 1.0f - colour.x * share),
                                   lf_max(0.0f, 1.0f - colour.y * share),
                                   lf_max(0.0f, 1.0f - colour.z * share)));
-        if (--k.left == 0 || lf_max3(left) < 0.1f) {
+        if (k.left == 0 || lf_max3(left) < 0.1f) {
             if (k.left == 0 || lf_rng(tracer) >= 0.5f)
                 return lf_v3(0.0f, 0.0f, 0.0f);
             left = lf_scale(left, 2.0f);

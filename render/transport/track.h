@@ -98,10 +98,11 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
  */
 lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w, float length);
 
-/* How many tentative collisions a ray meets in one grid at most. Where a grid is so dense that the
- * next one is within the rounding of t, a ray stands still, at a place that may be empty itself. It
- * ends there: what is tracked collides, and nothing passes. */
-#define LF_MOST_TENTATIVE (1 << 16)
+/* How many tentative collisions a ray meets at one and the same t at most. Where a grid is so dense
+ * that the next one is within the rounding of t, a ray stands still, at a place that may be empty
+ * itself. It ends there: what is tracked collides, and nothing passes. Where steps are half of a
+ * unit in t's last place and longer, so many at one t have a probability below 1e-12. */
+#define LF_MOST_STILL 64
 
 /* First collision with t < t_max, or INFINITY; *out_volume says whose. w unit. */
 float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume);

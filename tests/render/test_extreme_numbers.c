@@ -4,6 +4,7 @@
 #include "tests/testing.h"
 
 #include "render/scene/ray.h"
+#include "render/scene/vec_double.h"
 #include "render/transport/track.h"
 #include "tests/stat/fixture.h"
 
@@ -233,9 +234,57 @@ static void no_ray_that_embree_refuses_comes_to_it(void **state)
         assert_false(lf_trace_surface(&tracer, wrong[i], o, INFINITY, &hit));
         assert_false(lf_trace_next(&tracer, o, wrong[i], 0.0f, INFINITY, &hit));
         assert_true(lf_trace_occluded(&tracer, o, wrong[i], INFINITY));
+        scene->looks.veiled = true;
+        assert_float_equal(lf_trace_passed(&tracer, o, wrong[i], INFINITY), 0.0, 0.0);
+        scene->looks.veiled = false;
     }
     assert_true(lf_trace_surface(&tracer, o, (lf_vec3){0.0f, 0.0f, -1.0f}, INFINITY, &hit));
     lf_scene_unref(scene);
+}
+
+/* Instances at both ends of what is possible are met where they are, and not only survived. */
+static void instances_at_the_limits_are_met(void **state)
+{
+    (void)state;
+    static const double scale[] = {1e-11, 1e-6, 1.0, 1e6, 5e8};
+    for (int i = 0; i < 5; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "{ " SKY ", 'camera': { 'position': [0, 0, 8] }, 'meshes': { 'm': { 'shape': "
+                 "'cube', 'instances': [{ 'scale': %g }, { 'scale': 1e-11, 'translate': [9, 9, 9] "
+                 "}] } } }",
+                 scale[i]);
+        lf_scene *scene = lf_test_scene(text);
+        lf_tracer tracer = {.scene = scene};
+        lf_hit hit;
+        const lf_vec3 z = {0.0f, 0.0f, 1.0f}, centre = lf_to_vec3(scene->origin);
+        const double side = scale[i]; /* from its middle to its side */
+        const float away = (float)(4.0 * side);
+        assert_true(lf_trace_surface(&tracer, lf_sub(lf_scale(z, away), centre), lf_scale(z, -1.0f),
+                                     INFINITY, &hit));
+        lf_assert_close((double)hit.t, 3.0 * side, 0, 1e-4);
+        lf_scene_unref(scene);
+    }
+}
+
+/* A grid whose mean free path is far below what a ray's t resolves. */
+static void grids_of_any_density_give_finite_pictures(void **state)
+{
+    (void)state;
+    static const char *const scales[] = {"1e3", "1e7", "1e9"};
+    for (int i = 0; i < 3; i++) {
+        char text[PATH_MAX + 512];
+        snprintf(text, sizeof text,
+                 "{ " SKY ", 'camera': { 'position': [0, 0, 12], 'fov_y': 14, 'aspect': 0.75, "
+                 "'views': 2, 'cone': 35 }, 'volumes': { 'c': { 'file': '%s', 'scale': %s } } }",
+                 lf_test_built("../scenes/cloud.vdb"), scales[i]);
+        lf_scene *scene = lf_test_scene(text);
+        const char *warning = lf_scene_warning(scene, 0);
+        assert_int_equal(warning && strstr(warning, "mean free paths wide"), i > 0);
+        assert_finite(scene, "mvpt", text);
+        assert_finite(scene, "vpt", text);
+        lf_scene_unref(scene);
+    }
 }
 
 int main(void)
@@ -247,6 +296,8 @@ int main(void)
         cmocka_unit_test(a_camera_may_touch_what_it_looks_at),
         cmocka_unit_test(far_and_small_things_go_together),
         lf_test_in_folder(slivers_keep_rays_beside_them),
+        cmocka_unit_test(instances_at_the_limits_are_met),
+        cmocka_unit_test(grids_of_any_density_give_finite_pictures),
         cmocka_unit_test(no_ray_that_embree_refuses_comes_to_it),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

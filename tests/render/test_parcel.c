@@ -1,6 +1,7 @@
 /* What a reader hands over: sealed memory of sections, taken whole or not at all. */
 #include "tests/testing.h"
 
+#include "render/load/mesh_take.h"
 #include "tests/render/fake_reader.h"
 
 static void a_parcel_holds_what_was_put_into_it(void **state)
@@ -108,11 +109,52 @@ static void a_parcel_that_is_no_such_thing_is_refused(void **state)
     close(pipes[1]);
 }
 
+/* Two triangles, a part each, in three places of these parts. */
+static lf_status take_parts(const uint32_t part_of[3])
+{
+    static const float positions[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1},
+                       normals[18] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+    static const uint32_t triangles[6] = {0, 1, 2, 3, 4, 5}, parts[8] = {0, 1, 0, 3, 1, 1, 3, 3};
+    static const double own[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    double places[36];
+    lf_parcel_writer writer;
+    lf_parcel parcel = {0};
+    lf_mesh_data data = {0};
+    int fd = -1;
+    for (int i = 0; i < 36; i++)
+        places[i] = own[i % 12];
+    lf_assert_ok(lf_parcel_begin(&writer, NULL), NULL);
+    lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_POSITIONS, positions, 18, NULL), NULL);
+    lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_NORMALS, normals, 18, NULL), NULL);
+    lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_TRIANGLES, triangles, 6, NULL), NULL);
+    lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_PLACES, places, 36, NULL), NULL);
+    lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_PARTS, parts, 8, NULL), NULL);
+    lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_PART_OF, part_of, 3, NULL), NULL);
+    lf_assert_ok(lf_parcel_seal(&writer, &fd, NULL), NULL);
+    lf_assert_ok(lf_parcel_open(fd, &parcel, NULL), NULL);
+    close(fd);
+    lf_status status = lf_mesh_take(&parcel, false, &data, NULL);
+    lf_mesh_data_finish(&data);
+    lf_parcel_close(&parcel);
+    return status;
+}
+
+/* A part is looked at once, however many places there are. */
+static void places_of_a_part_follow_each_other(void **state)
+{
+    (void)state;
+    assert_int_equal(take_parts((const uint32_t[3]){0, 0, 1}), LF_OK);
+    assert_int_equal(take_parts((const uint32_t[3]){0, 1, 1}), LF_OK);
+    assert_int_equal(take_parts((const uint32_t[3]){0, 1, 0}), LF_E_FORMAT);
+    assert_int_equal(take_parts((const uint32_t[3]){0, 1, 2}), LF_E_FORMAT);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_parcel_holds_what_was_put_into_it),
         cmocka_unit_test(a_parcel_that_is_no_such_thing_is_refused),
+        cmocka_unit_test(places_of_a_part_follow_each_other),
     };
     return cmocka_run_group_tests_name("parcel", tests, NULL, NULL);
 }
