@@ -33,6 +33,8 @@ lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err)
     if (!h->has_lock || !h->has_ended || h->wake_fd < 0 || h->tell_fd < 0 || !h->rects ||
         lf_image8_init(&h->picture, width, height, 3) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "device", "out of memory or descriptors");
+    /* its pages are there before the first push: they would take most of its time */
+    memset(h->picture.data, 0, (size_t)height * h->picture.stride);
     return LF_OK;
 }
 

@@ -36,7 +36,7 @@ typedef struct lf_handover {
 
 /* ------------------------------------------------------------------------ the event thread's -- */
 
-/* Zeroed picture of this size, no thread yet. On failure finish takes what is there. LF_E_NOMEM. */
+/* Zeroed picture of this size, no thread yet; takes as long as writing it does. On failure finish takes what is there. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err);
 /* Starts the device's thread (lf_thread_start). LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context,
@@ -50,7 +50,7 @@ void lf_handover_stop(lf_handover *h);
 void lf_handover_finish(lf_handover *h);
 
 /* The members of lf_device_ops of the same names. Pushing copies the rectangles: what memory takes
- * (1 ms for a whole Portrait, 10 to 30 ms for 7680x4320). */
+ * (1 ms for a whole Portrait, 8 ms for 7680x4320). */
 LF_NODISCARD lf_status lf_handover_push(lf_device *device, const lf_image8 *frame,
                                         const lf_rect *rects, int n, uint64_t generation);
 int lf_handover_poll_fd(const lf_device *device);
