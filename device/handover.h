@@ -36,7 +36,8 @@ typedef struct lf_handover {
 
 /* ------------------------------------------------------------------------ the event thread's -- */
 
-/* Zeroed picture of this size, no thread yet; takes as long as writing it does. On failure finish takes what is there. LF_E_NOMEM. */
+/* Zeroed picture of this size, no thread yet; takes as long as writing it does. On failure finish
+ * takes what is there. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err);
 /* Starts the device's thread (lf_thread_start). LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context,
