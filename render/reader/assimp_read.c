@@ -234,11 +234,12 @@ static const struct aiScene *import_with(const char *path, lf_normals wanted, un
 {
     struct aiFileIO io = {io_open, io_close, (aiUserData)(void *)state};
     /* what else there is gets a warning */
-    int remove = aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_TEXCOORDS;
+    unsigned remove =
+        (unsigned)aiComponent_TANGENTS_AND_BITANGENTS | (unsigned)aiComponent_TEXCOORDS;
     if (wanted != LF_NORMALS_FILE)
-        remove |= aiComponent_NORMALS;
+        remove |= (unsigned)aiComponent_NORMALS;
     struct aiPropertyStore *store = aiCreatePropertyStore();
-    aiSetImportPropertyInteger(store, AI_CONFIG_PP_RVC_FLAGS, remove);
+    aiSetImportPropertyInteger(store, AI_CONFIG_PP_RVC_FLAGS, (int)remove);
     steps |= aiProcess_ValidateDataStructure | aiProcess_RemoveComponent | aiProcess_Triangulate |
              aiProcess_SortByPType;
     const struct aiScene *scene = aiImportFileExWithProperties(path, steps, &io, store);

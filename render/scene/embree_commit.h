@@ -2,9 +2,8 @@
 #ifndef LF_RENDER_EMBREE_COMMIT_H
 #define LF_RENDER_EMBREE_COMMIT_H
 
-#include <embree3/rtcore.h>
-
 #include "base/status.h"
+#include "render/scene/embree.h"
 
 /* rtcCommitScene. LF_E_CANCELLED: lf_import_is_stopped, soon after it is; LF_E_NOMEM: Embree's
  * error in words. */

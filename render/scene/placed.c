@@ -247,7 +247,7 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
     at.own.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     at.own.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     const lf_placed_part *part = lf_placed_part_at(placed, place);
-    rtcIntersect1(part->embree, args->context, &at.own);
+    lf_embree_intersect(part->embree, &at.own);
     if (at.own.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         return;
     /* never before where it was asked to begin: rays go on behind what they have met */
@@ -267,7 +267,7 @@ static void occluded(const struct RTCOccludedFunctionNArguments *args)
     brought at;
     if (!bring(placed, place, ray, &at))
         return;
-    rtcOccluded1(lf_placed_part_at(placed, place)->embree, args->context, &at.own.ray);
+    lf_embree_occluded(lf_placed_part_at(placed, place)->embree, &at.own.ray);
     if (at.own.ray.tfar < 0.0f)
         ray->tfar = -INFINITY;
 }

@@ -2,8 +2,7 @@
 #ifndef LF_RENDER_RAY_H
 #define LF_RENDER_RAY_H
 
-#include <embree3/rtcore.h>
-
+#include "render/scene/embree.h"
 #include "render/scene/limits.h"
 
 /* Whether Embree takes a ray; it ends the program at one that it does not. What is asked of it goes

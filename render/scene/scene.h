@@ -7,12 +7,12 @@
 #ifndef LF_RENDER_SCENE_H
 #define LF_RENDER_SCENE_H
 
-#include <embree3/rtcore.h>
 #include <stdatomic.h>
 #include <string.h>
 
 #include "render/render.h"
 #include "render/scene/affine.h"
+#include "render/scene/embree.h"
 #include "render/scene/shape.h"
 #include "render/scene/texture.h"
 #include "render/scene/vec.h"

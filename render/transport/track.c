@@ -134,12 +134,10 @@ static struct RTCRay ray_of(const lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float
 /* Whether a ray meets something, which its hit then is. */
 static bool meets(lf_tracer *tracer, struct RTCRayHit *rh)
 {
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
     tracer->rays++;
     rh->hit.geomID = RTC_INVALID_GEOMETRY_ID;
     if (lf_ray_is_sound(&rh->ray))
-        rtcIntersect1(tracer->scene->embree, &context, rh);
+        lf_embree_intersect(tracer->scene->embree, rh);
     return rh->hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 
@@ -226,13 +224,11 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
 {
     if (!tracer->scene->embree)
         return false;
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
     struct RTCRay ray = ray_of(tracer, o, w, 0.0f, t_max);
     tracer->rays++;
     if (!lf_ray_is_sound(&ray))
         return true;
-    rtcOccluded1(tracer->scene->embree, &context, &ray);
+    lf_embree_occluded(tracer->scene->embree, &ray);
     return ray.tfar < 0.0f;
 }
 

@@ -462,7 +462,6 @@ static void shapes_are_what_the_manual_says(void **state)
  * triangle. */
 static float trace(const lf_scene *scene, lf_vec3 from, lf_vec3 along, unsigned *out_mesh)
 {
-    struct RTCIntersectContext context;
     struct RTCRayHit ray = {.ray = {.org_x = from.x,
                                     .org_y = from.y,
                                     .org_z = from.z,
@@ -472,8 +471,7 @@ static float trace(const lf_scene *scene, lf_vec3 from, lf_vec3 along, unsigned 
                                     .tfar = INFINITY,
                                     .mask = ~0u}};
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene->embree, &context, &ray);
+    lf_embree_intersect(scene->embree, &ray);
     *out_mesh = ray.hit.geomID;
     return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? INFINITY : ray.ray.tfar;
 }
