@@ -4,6 +4,8 @@
 #   make run | check        install what is missing, build, and start the daemon | run all tests
 #   SCENE=FILE DEVICE=NAME RUN_FOR=SECONDS ARGS="…"   what make run shows, where, how long, and more options of quiltd
 #   make install            programs, man pages, completions, scenes, units, udev and polkit rules: PREFIX (/usr/local), DESTDIR
+#   make deb                Debian packages into build/deb, a folder that apt can use
+#   make check-distro       make run and make check in clean roots of Debian releases: DISTROS='bookworm trixie'; as root
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
@@ -57,7 +59,7 @@ libraries := tools server engine render quilt model device base
 all:
 
 # Goals that install packages first, then come back here as GOAL-now.
-front := check check-arm64 check-kernel run bench verify lint fuzz soak mutants
+front := check check-arm64 check-kernel check-distro run bench verify lint fuzz soak mutants deb
 # Goals that need no library flags.
 light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
@@ -238,6 +240,12 @@ lint:
 	@$(SRCDIR)/.ci/deps install build test lint
 	@$(self) $(jobs) $@-now
 
+deb:
+	@$(SRCDIR)/.ci/deps install build test deb
+	@$(SRCDIR)/.ci/deb
+DISTROS ?= bookworm trixie
+check-distro:
+	@for d in $(DISTROS); do $(SRCDIR)/.ci/distro $$d || exit 1; done
 fuzz:
 	@$(SRCDIR)/.ci/deps install build fuzz
 	@$(self) $(jobs) BUILD=fuzz CC=clang CXX=clang++ $@-now

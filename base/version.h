@@ -2,6 +2,6 @@
 #ifndef LF_BASE_VERSION_H
 #define LF_BASE_VERSION_H
 
-#define LF_VERSION "0.1.0"
+#define LF_VERSION "0.2.0"
 
 #endif
