@@ -10,7 +10,7 @@
 #include "base/file.h"
 #include "base/log.h"
 
-_Static_assert(sizeof(lf_calibration) == 16 + 64 + 5 * sizeof(double) + 8 * sizeof(int) +
+_Static_assert(sizeof(lf_calibration) == 16 + 64 + 5 * sizeof(double) + 12 * sizeof(int) +
                                              sizeof((lf_calibration *)0)->cells,
                "compared as bytes: no padding");
 
@@ -233,6 +233,49 @@ static lf_status check_area(const parser *p)
                            p->c.screen_height_px, LF_MAX_PANEL_PIXELS);
 }
 
+/* An object, or what a text of one says; NULL: neither. Released with json_decref. */
+static json_t *object_of(const json_t *value)
+{
+    json_t *parsed = json_is_string(value)
+                         ? json_loadb(json_string_value(value), json_string_length(value), 0, NULL)
+                         : json_incref((json_t *)(uintptr_t)value);
+    if (json_is_object(parsed))
+        return parsed;
+    json_decref(parsed);
+    return NULL;
+}
+
+/* A member of a default quilt by its older name or its newer one, "quiltX" or "quiltWidth". */
+static int quilt_member(const json_t *quilt, const char *older, const char *newer, int most)
+{
+    double number = 0.0;
+    const json_t *value = json_object_get(quilt, older);
+    if (!to_number(value ? value : json_object_get(quilt, newer), &number) ||
+        !(number >= 1 && number <= most))
+        return 0;
+    return (int)number;
+}
+
+static void take_quilt(parser *p, const json_t *value)
+{
+    json_t *quilt = object_of(value);
+    int columns = quilt_member(quilt, "tileX", "columns", LF_CALIBRATION_MAX_TILES),
+        rows = quilt_member(quilt, "tileY", "rows", LF_CALIBRATION_MAX_TILES),
+        width = quilt_member(quilt, "quiltX", "quiltWidth", LF_MAX_SIDE),
+        height = quilt_member(quilt, "quiltY", "quiltHeight", LF_MAX_SIDE);
+    json_decref(quilt);
+    if (columns > 0 && rows > 0 && width >= columns && height >= rows) {
+        p->c.quilt_columns = columns;
+        p->c.quilt_rows = rows;
+        p->c.quilt_width = width;
+        p->c.quilt_height = height;
+    } else {
+        lf_log(LF_LOG_WARNING,
+               "%s: its defaultQuilt is not used: expected tileX, tileY, quiltX and quiltY",
+               p->where);
+    }
+}
+
 static lf_status take_all(parser *p)
 {
     if (!json_is_object(p->root))
@@ -259,13 +302,21 @@ lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf
         return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n,
                             LF_CALIBRATION_MAX_BYTES);
     json_error_t json;
-    json_t *root = json_loadb(text, n, JSON_REJECT_DUPLICATES, &json);
+    json_t *whole = json_loadb(text, n, JSON_REJECT_DUPLICATES, &json), *root = whole;
     if (!root)
         return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
                                "not JSON: %s", json.text);
     parser p = {.text = text, .where = where, .n = n, .root = root, .err = err};
+    json_t *inner =
+        json_object_get(whole, "pitch") ? NULL : object_of(json_object_get(whole, "calibration"));
+    if (inner)
+        p.root = inner;
     lf_status status = take_all(&p);
-    json_decref(root);
+    const json_t *quilt = json_object_get(whole, "defaultQuilt");
+    if (status == LF_OK && quilt && !json_is_null(quilt))
+        take_quilt(&p, quilt);
+    json_decref(inner);
+    json_decref(whole);
     if (status == LF_OK)
         *out = p.c;
     return status;
@@ -295,13 +346,19 @@ json_t *lf_calibration_json(const lf_calibration *c)
     json_t *cells = json_array();
     for (int i = 0; i < c->n_cells; i++)
         json_array_append_new(cells, cell_json(c->cells[i]));
-    return json_pack("{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:o}",
-                     "configVersion", c->config_version, "serial", c->serial, "pitch", c->pitch,
-                     "slope", c->slope, "center", c->center, "viewCone", c->view_cone_deg, "DPI",
-                     c->dpi, "screenW", c->screen_width_px, "screenH", c->screen_height_px,
-                     "invView", c->inv_view, "flipImageX", c->flip_image_x, "flipImageY",
-                     c->flip_image_y, "flipSubp", c->flip_subp, "CellPatternMode",
-                     c->cell_pattern_mode, "subpixelCells", cells);
+    json_t *json = json_pack(
+        "{s:s, s:s, s:f, s:f, s:f, s:f, s:f, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:o}",
+        "configVersion", c->config_version, "serial", c->serial, "pitch", c->pitch, "slope",
+        c->slope, "center", c->center, "viewCone", c->view_cone_deg, "DPI", c->dpi, "screenW",
+        c->screen_width_px, "screenH", c->screen_height_px, "invView", c->inv_view, "flipImageX",
+        c->flip_image_x, "flipImageY", c->flip_image_y, "flipSubp", c->flip_subp, "CellPatternMode",
+        c->cell_pattern_mode, "subpixelCells", cells);
+    if (json && c->quilt_columns > 0)
+        (void)json_object_set_new(json, "defaultQuilt",
+                                  json_pack("{s:i, s:i, s:i, s:i}", "quiltX", c->quilt_width,
+                                            "quiltY", c->quilt_height, "tileX", c->quilt_columns,
+                                            "tileY", c->quilt_rows));
+    return json;
 }
 
 void lf_calibration_portrait(lf_calibration *out)

@@ -12,6 +12,7 @@
 #define LF_MAX_PANEL_PIXELS (8192 * 8192) /* twice the largest panel there is */
 #define LF_MAX_CELLS 16
 #define LF_CALIBRATION_MAX_BYTES 65536
+#define LF_CALIBRATION_MAX_TILES 64 /* a row or column of a default quilt */
 
 typedef struct lf_calibration {
     char config_version[16]; /* "1.0", "3.0"; empty when absent */
@@ -25,13 +26,17 @@ typedef struct lf_calibration {
     double dpi; /* panel pixels per inch; > 0 */
     /* native pixels; 1..LF_MAX_SIDE, at most LF_MAX_PANEL_PIXELS in all */
     int screen_width_px, screen_height_px;
-    int inv_view, flip_image_x, flip_image_y, flip_subp;      /* 0 or 1 (>= 0.5 test) */
-    int cell_pattern_mode;                                    /* 0..4 */
-    int n_cells;                                              /* 0 = plain RGB stripes */
+    int inv_view, flip_image_x, flip_image_y, flip_subp; /* 0 or 1 (>= 0.5 test) */
+    int cell_pattern_mode;                               /* 0..4 */
+    int n_cells;                                         /* 0 = plain RGB stripes */
+    /* the panel's own default quilt: its tiles, and all of its pixels; 0 when absent */
+    int quilt_columns, quilt_rows, quilt_width, quilt_height;
     float cells[LF_MAX_CELLS][3 /* R, G, B */][2 /* x, y */]; /* offsets in PIXELS */
 } lf_calibration;
 
-/* Parses JSON text of length n (at most LF_CALIBRATION_MAX_BYTES). where names it in errors.
+/* Parses JSON text of length n (at most LF_CALIBRATION_MAX_BYTES): the vendor's visual.json, or
+ * what Bridge says of a device, {"calibration": …, "defaultQuilt": …}, each an object or a text of
+ * one. A defaultQuilt that is none is left out with a warning. where names it in errors.
  * Control characters in texts become '?'. LF_E_FORMAT with line and pointer for anything missing
  * that the formulas need, non-finite or out of range; *out untouched then. */
 LF_NODISCARD lf_status lf_calibration_parse(const char *text, size_t n, const char *where,

@@ -4,8 +4,11 @@
 
 #include "quilt/quilt.h"
 
-/* Default quilts of the panels, looking-glass.md section 4.1. The sources disagree on the Kiosk,
- * whose panel is a Portrait's: it has the Portrait's quilt. */
+/* Default quilts of the panels: those of the vendor's toolkit and pages, and of the 27" those of
+ * LookingGlassVTKModule (vtkLookingGlassInterface.cxx, November 2025). Sources disagree on three.
+ * The Kiosk's panel is a Portrait's: it has the Portrait's quilt. The 32" Portrait is 12x4 in
+ * LookingGlassVTKModule. A real 16" Landscape has said 8x6 (AliceLG, pull request 147). What a
+ * panel says of itself (lf_calibration.quilt_columns) wins. */
 #define PRESET(name, model, columns, rows, width, height, aspect)                                  \
     {                                                                                              \
         name, model,                                                                               \
@@ -22,6 +25,8 @@ static const lf_preset presets[] = {
     PRESET("go", "Looking Glass Go", 11, 6, 372, 682, 0.5625),
     PRESET("16l", "Looking Glass 16\" Landscape", 7, 7, 857, 857, 16.0 / 9.0),
     PRESET("16p", "Looking Glass 16\" Portrait", 11, 6, 545, 1000, 0.5625),
+    PRESET("27l", "Looking Glass 27\" Landscape", 8, 6, 960, 720, 16.0 / 9.0),
+    PRESET("27p", "Looking Glass 27\" Portrait", 12, 4, 640, 1080, 0.5625),
     PRESET("32l", "Looking Glass 32\" Landscape", 7, 7, 1170, 1170, 16.0 / 9.0),
     PRESET("32p", "Looking Glass 32\" Portrait", 11, 6, 744, 1364, 0.5625),
     PRESET("65", "Looking Glass 65\"", 8, 9, 1024, 910, 16.0 / 9.0),

@@ -1,6 +1,7 @@
 #include "daemon/output/options.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "base/import/import.h"
 
@@ -183,16 +184,59 @@ const lf_preset *lf_options_preset(const lf_options *options)
     return preset;
 }
 
+bool lf_options_panel_quilt(const lf_options *options, const lf_calibration *calibration,
+                            lf_layout *out)
+{
+    if (options->preset || !calibration || calibration->quilt_columns == 0)
+        return false;
+    *out =
+        (lf_layout){.columns = calibration->quilt_columns,
+                    .rows = calibration->quilt_rows,
+                    .n_views = calibration->quilt_columns * calibration->quilt_rows,
+                    .view_width = calibration->quilt_width / calibration->quilt_columns,
+                    .view_height = calibration->quilt_height / calibration->quilt_rows,
+                    .aspect = (double)calibration->screen_width_px / calibration->screen_height_px};
+    return true;
+}
+
+bool lf_options_preset_differs(const lf_options *options, const lf_calibration *calibration,
+                               char *words, size_t size)
+{
+    const lf_preset *preset = lf_options_preset(options);
+    if (!preset || !calibration || calibration->quilt_columns == 0 ||
+        (preset->layout.columns == calibration->quilt_columns &&
+         preset->layout.rows == calibration->quilt_rows))
+        return false;
+    (void)snprintf(words, size,
+                   "the preset %s has a quilt of %dx%d, the panel itself says %dx%d in %dx%d "
+                   "pixels: without --preset that is used",
+                   preset->name, preset->layout.columns, preset->layout.rows,
+                   calibration->quilt_columns, calibration->quilt_rows, calibration->quilt_width,
+                   calibration->quilt_height);
+    return true;
+}
+
+/* The quilt that the preset is, or else the panel's own; false: neither says one. */
+static bool quilt_of(const lf_options *options, const lf_calibration *calibration, lf_layout *out)
+{
+    const lf_preset *preset = lf_options_preset(options);
+    if (!preset)
+        return lf_options_panel_quilt(options, calibration, out);
+    *out = preset->layout;
+    return true;
+}
+
 static void resolve_camera(const lf_options *options, const lf_camera *camera,
                            const lf_calibration *calibration, lf_camera *out)
 {
-    const lf_preset *preset = lf_options_preset(options);
+    lf_layout quilt;
+    const bool has_quilt = quilt_of(options, calibration, &quilt);
     *out = *camera;
     if (options->view_width > 0 && !camera->has_aspect)
         out->aspect = (double)options->view_width / options->view_height;
     if (!camera->has_views)
         out->n_views = DEFAULT_VIEWS;
-    if ((calibration || preset) && out->track > 0.0) {
+    if ((calibration || has_quilt) && out->track > 0.0) {
         out->track = 0.0;
         out->n_rows = 0;
         out->n_views = DEFAULT_VIEWS;
@@ -202,23 +246,24 @@ static void resolve_camera(const lf_options *options, const lf_camera *camera,
         if (calibration->view_cone_deg > 0)
             out->cone = calibration->view_cone_deg * (M_PI / 180.0);
     }
-    if (preset) {
-        out->aspect = preset->layout.aspect;
-        out->n_views = preset->layout.n_views;
+    if (has_quilt) {
+        out->aspect = quilt.aspect;
+        out->n_views = quilt.n_views;
     }
     if (options->views > 0)
         out->n_views = options->views;
 }
 
-static void resolve_view_size(const lf_options *options, double aspect, lf_layout *layout)
+static void resolve_view_size(const lf_options *options, const lf_calibration *calibration,
+                              double aspect, lf_layout *layout)
 {
-    const lf_preset *preset = lf_options_preset(options);
+    lf_layout quilt;
     double width = round(aspect * DEFAULT_VIEW_HEIGHT);
     layout->view_width = (int)fmax(1.0, fmin(width, LF_MAX_VIEW_SIDE));
     layout->view_height = DEFAULT_VIEW_HEIGHT;
-    if (preset) {
-        layout->view_width = preset->layout.view_width;
-        layout->view_height = preset->layout.view_height;
+    if (quilt_of(options, calibration, &quilt)) {
+        layout->view_width = quilt.view_width;
+        layout->view_height = quilt.view_height;
     }
     if (options->view_width > 0) {
         layout->view_width = options->view_width;
@@ -226,10 +271,11 @@ static void resolve_view_size(const lf_options *options, double aspect, lf_layou
     }
 }
 
-static lf_status resolve_tiles(const lf_options *options, const lf_camera *camera,
-                               lf_layout *layout, lf_error *err)
+static lf_status resolve_tiles(const lf_options *options, const lf_calibration *calibration,
+                               const lf_camera *camera, lf_layout *layout, lf_error *err)
 {
-    const lf_preset *preset = lf_options_preset(options);
+    lf_layout quilt;
+    const bool has_quilt = quilt_of(options, calibration, &quilt);
     if (options->columns > 0) {
         if (options->columns * options->rows < layout->n_views)
             return lf_error_set(
@@ -238,9 +284,9 @@ static lf_status resolve_tiles(const lf_options *options, const lf_camera *camer
                 options->columns, options->rows, options->columns * options->rows, layout->n_views);
         layout->columns = options->columns;
         layout->rows = options->rows;
-    } else if (preset && preset->layout.n_views == layout->n_views) {
-        layout->columns = preset->layout.columns;
-        layout->rows = preset->layout.rows;
+    } else if (has_quilt && quilt.n_views == layout->n_views) {
+        layout->columns = quilt.columns;
+        layout->rows = quilt.rows;
     } else if (camera->n_rows > 0 && !camera->has_parts && camera->n_views <= LF_MAX_TILES &&
                camera->n_rows <= LF_MAX_TILES) {
         layout->columns = camera->n_views;
@@ -310,8 +356,8 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
         return LF_E_ARG;
     layout.n_views = lf_camera_views(&settings.camera);
     layout.aspect = settings.camera.aspect;
-    resolve_view_size(options, layout.aspect, &layout);
-    lf_status status = resolve_tiles(options, &settings.camera, &layout, err);
+    resolve_view_size(options, calibration, layout.aspect, &layout);
+    lf_status status = resolve_tiles(options, calibration, &settings.camera, &layout, err);
     if (status != LF_OK)
         return status;
     settings.width = layout.view_width;

@@ -76,6 +76,9 @@ static void on_lens(void *context, const lf_calibration *calibration, uint64_t p
                     bool is_new)
 {
     lf_server *server = context;
+    char words[256];
+    if (is_new && lf_options_preset_differs(&server->options, calibration, words, sizeof words))
+        lf_log(LF_LOG_WARNING, "%s: %s", calibration->serial, words);
     lf_engine_set_panel(server->engine, calibration, panel, views);
     /* Also with nothing shown: the first scene may be under way. */
     lf_load *load = is_new ? lf_load_create(LF_LOAD_APPLY) : NULL;

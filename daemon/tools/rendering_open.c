@@ -359,6 +359,10 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
     lf_status status = check_folders(r, err);
     if (status == LF_OK && a->kind->needs_panel)
         status = lf_calibration_load(a->options.calibration, &r->calibration, err);
+    char words[256];
+    if (status == LF_OK && a->kind->needs_panel &&
+        lf_options_preset_differs(&a->options, &r->calibration, words, sizeof words))
+        lf_log(LF_LOG_WARNING, "%s: %s", a->options.calibration, words);
     if (a->kind->is_drawn)
         r->print = a->print;
     else if (status == LF_OK)

@@ -341,10 +341,64 @@ static void real_calibrations_are_read(void **state)
     }
 }
 
+/* A panel with a default quilt, or what Bridge says of a device, in the vendor's older and newer
+ * words. */
+static void a_panel_may_say_its_own_quilt(void **state)
+{
+    (void)state;
+#define PANEL                                                                                      \
+    "\"pitch\":52,\"slope\":-7,\"center\":0.5,\"DPI\":324,\"screenW\":1536,\"screenH\":2048"
+    static const struct {
+        const char *text;
+        int columns, rows, width, height;
+    } cases[] = {
+        {"{" PANEL "}", 0, 0, 0, 0},
+        {"{" PANEL ",\"defaultQuilt\":null}", 0, 0, 0, 0},
+        {"{" PANEL ",\"defaultQuilt\":{\"quiltX\":3360,\"quiltY\":3361,\"tileX\":8,\"tileY\":6,"
+         "\"quiltAspect\":0.75}}",
+         8, 6, 3360, 3361},
+        {"{\"calibration\":{" PANEL "},\"defaultQuilt\":{\"quiltWidth\":{\"value\":4096},"
+         "\"quiltHeight\":4000,\"columns\":5,\"rows\":9,\"renderAspect\":0.75,\"tileCount\":45}}",
+         5, 9, 4096, 4000},
+        {"{\"calibration\":\"{\\\"pitch\\\":52,\\\"slope\\\":-7,\\\"center\\\":0.5,"
+         "\\\"DPI\\\":324,\\\"screenW\\\":1536,\\\"screenH\\\":2048}\",\"defaultQuilt\":"
+         "\"{\\\"quiltX\\\":960,\\\"quiltY\\\":960,\\\"tileX\\\":8,\\\"tileY\\\":6}\"}",
+         8, 6, 960, 960},
+        /* none that could be used: the panel is, all the same */
+        {"{" PANEL ",\"defaultQuilt\":{\"quiltX\":3360,\"quiltY\":3360,\"tileX\":0,\"tileY\":6}}",
+         0, 0, 0, 0},
+        {"{" PANEL ",\"defaultQuilt\":{\"quiltX\":4,\"quiltY\":3360,\"tileX\":8,\"tileY\":6}}", 0,
+         0, 0, 0},
+        {"{" PANEL ",\"defaultQuilt\":{\"quiltX\":1e9,\"quiltY\":3360,\"tileX\":8,\"tileY\":6}}", 0,
+         0, 0, 0},
+        {"{" PANEL ",\"defaultQuilt\":\"8x6\"}", 0, 0, 0, 0},
+        {"{" PANEL ",\"defaultQuilt\":[8,6]}", 0, 0, 0, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        lf_calibration c, again;
+        lf_error err;
+        print_message("case %zu\n", i);
+        lf_assert_ok(lf_calibration_parse(cases[i].text, strlen(cases[i].text), "c", &c, &err),
+                     &err);
+        lf_assert_close(c.pitch, 52, 0, 0);
+        assert_int_equal(c.quilt_columns, cases[i].columns);
+        assert_int_equal(c.quilt_rows, cases[i].rows);
+        assert_int_equal(c.quilt_width, cases[i].width);
+        assert_int_equal(c.quilt_height, cases[i].height);
+        json_t *json = lf_calibration_json(&c);
+        char *text = json_dumps(json, 0);
+        lf_assert_ok(lf_calibration_parse(text, strlen(text), "again", &again, &err), &err);
+        assert_memory_equal(&c, &again, sizeof c);
+        free(text);
+        json_decref(json);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_are_wrapped_or_plain),
+        cmocka_unit_test(a_panel_may_say_its_own_quilt),
         cmocka_unit_test(absent_keys_have_their_defaults),
         cmocka_unit_test(flags_are_set_from_a_half_upwards),
         cmocka_unit_test(cells_are_read_in_pixels),

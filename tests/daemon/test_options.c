@@ -296,6 +296,51 @@ static void command_line_beats_preset_beats_panel_beats_scene(void **state)
     }
 }
 
+/* What the panel says of itself stands where a preset would. */
+static void a_panel_may_say_its_own_quilt(void **state)
+{
+    static const struct {
+        const char *line;
+        int views, columns, rows, width, height;
+        bool differs;
+    } cases[] = {
+        {"", 48, 8, 6, 120, 90, false},
+        {"--preset portrait", 48, 8, 6, 420, 560, false},
+        {"--preset go", 66, 11, 6, 372, 682, true},
+        {"--views 45", 45, 5, 9, 120, 90, false},
+        {"--quilt 7x7", 48, 7, 7, 120, 90, false},
+        {"--view-size 100x200", 48, 8, 6, 100, 200, false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        lf_camera camera = scene_camera();
+        lf_calibration calibration = panel();
+        lf_render_settings settings;
+        lf_layout layout;
+        lf_options o;
+        lf_error err;
+        char words[256] = "";
+        calibration.quilt_columns = 8;
+        calibration.quilt_rows = 6;
+        calibration.quilt_width = 965; /* five more than its tiles have */
+        calibration.quilt_height = 540;
+        print_message("case %zu: \"%s\"\n", i, cases[i].line);
+        resolve(cases[i].line, &camera, &calibration, &settings, &layout);
+        assert_int_equal(layout.n_views, cases[i].views);
+        assert_int_equal(layout.columns, cases[i].columns);
+        assert_int_equal(layout.rows, cases[i].rows);
+        assert_int_equal(layout.view_width, cases[i].width);
+        assert_int_equal(layout.view_height, cases[i].height);
+        lf_assert_ok(read_line(cases[i].line, &o, &err), &err);
+        assert_int_equal(lf_options_preset_differs(&o, &calibration, words, sizeof words),
+                         cases[i].differs);
+        assert_int_equal(strstr(words, "11x6") && strstr(words, "8x6"), cases[i].differs);
+        calibration.quilt_columns = 0;
+        assert_false(lf_options_preset_differs(&o, &calibration, words, sizeof words));
+        assert_false(lf_options_preset_differs(&o, NULL, words, sizeof words));
+    }
+}
+
 static void a_panel_without_a_cone_leaves_the_scenes(void **state)
 {
     lf_camera camera = scene_camera();
@@ -375,6 +420,7 @@ int main(void)
         cmocka_unit_test(wrong_words_are_refused_with_the_option_and_what_it_expects),
         cmocka_unit_test(pairs_and_numbers_read_what_was_typed),
         cmocka_unit_test(command_line_beats_preset_beats_panel_beats_scene),
+        cmocka_unit_test(a_panel_may_say_its_own_quilt),
         cmocka_unit_test(a_panel_without_a_cone_leaves_the_scenes),
         cmocka_unit_test(render_options_reach_the_settings),
         cmocka_unit_test(too_few_tiles_are_refused),
