@@ -17,11 +17,25 @@
 
 #define HANDLE (O_PATH | O_CLOEXEC)
 
+const char *lf_hidden_home(const char *path)
+{
+    static const char *const homes[] = {"/home/", "/root/", "/run/user/"};
+    bool beneath = false;
+    for (int i = 0; i < 3; i++)
+        beneath = beneath || strncmp(path, homes[i], strlen(homes[i])) == 0;
+    /* a sandbox's /home is empty and closed, any other can be entered */
+    return beneath && access("/home", X_OK) != 0 && errno == EACCES
+               ? " (the service does not see home folders: put it beneath /srv, or see PATHS in "
+                 "quiltd(1))"
+               : "";
+}
+
 static lf_status fail_errno(lf_error *err, const char *path, const char *what)
 {
     int e = errno;
-    return lf_error_set(err, e == ENOMEM ? LF_E_NOMEM : LF_E_IO, path, "%s: %s", what,
-                        lf_errno_text(e));
+    const char *hint = lf_hidden_home(path);
+    return lf_error_set(err, e == ENOMEM ? LF_E_NOMEM : LF_E_IO, path, "%s: %s%s", what,
+                        lf_errno_text(e), hint);
 }
 
 static lf_status no_memory(lf_error *err, const char *path)

@@ -26,6 +26,10 @@ typedef struct lf_roots {
 LF_NODISCARD lf_status lf_roots_add(lf_roots *roots, const char *folder, lf_error *err);
 void lf_roots_finish(lf_roots *roots);
 
+/* What is to be said behind an error about this path where the program sees no home folders (a
+ * service, systemd's ProtectHome=) and the path lies in one; else "". */
+const char *lf_hidden_home(const char *path);
+
 /* The canonical name (lf_free) of a file or folder that lies beneath the roots: to be told and
  * compared; whoever opens it asks again. LF_E_PATH: it lies outside, or would if it were there;
  * LF_E_IO: it is not there; LF_E_NOMEM. */

@@ -246,10 +246,12 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
     lf_free(name);
     if (status == LF_OK)
         return LF_OK;
-    return lf_error_set(err, status, path, "%s",
-                        status == LF_E_PATH ? "lies neither beneath the scene's folder nor beneath "
-                                              "an --allow-path"
-                                            : why.what);
+    if (status == LF_E_PATH)
+        return lf_error_set(err, status, path,
+                            "lies neither beneath the scene's folder nor beneath an --allow-path "
+                            "of quiltd%s",
+                            lf_hidden_home(path));
+    return lf_error_set(err, status, path, "%s", why.what);
 }
 
 lf_status lf_server_write_path(const lf_server *server, const char *path, lf_held_name *out,

@@ -90,10 +90,10 @@ static const bool is_exact[MACHINES] = {false, false, false, true};
  * picture adds. */
 static const struct {
     const char *scene, *integrator;
-    /* By machine: AVX2 (which one was not written down), AVX-512 (Zen 5), AVX2 (Zen 3), AVX-512 and exact functions (Zen 5). The last
-     * bits of a hit differ by what Embree chooses; what differs between the two with AVX2 is not
-     * known. NULL: no such machine has been there since the film changed; the test then says what
-     * it is. */
+    /* By machine: AVX2 (which one was not written down), AVX-512 (Zen 5), AVX2 (Zen 3), AVX-512 and
+     * exact functions (Zen 5). The last bits of a hit differ by what Embree chooses; what differs
+     * between the two with AVX2 is not known. NULL: no such machine has been there since the film
+     * changed; the test then says what it is. */
     const char *sha256[MACHINES];
 } films[] = {
     {"first-light.json",

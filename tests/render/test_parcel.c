@@ -112,8 +112,8 @@ static void a_parcel_that_is_no_such_thing_is_refused(void **state)
 /* Two triangles, a part each, in three places of these parts. */
 static lf_status take_parts(const uint32_t part_of[3])
 {
-    static const float positions[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1},
-                       normals[18] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+    static const double positions[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
+    static const float normals[18] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
     static const uint32_t triangles[6] = {0, 1, 2, 3, 4, 5}, parts[8] = {0, 1, 0, 3, 1, 1, 3, 3};
     static const double own[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     double places[36];

@@ -1,6 +1,6 @@
 # init: systemd
 # memory: 2G
-# limit: 900
+# limit: 2400
 # stage: bare
 # The Debian packages of `make deb`, by apt out of their folder: installed, started, showing a scene on a simulated panel, upgraded,
 # removed and purged. What is upgraded from are the same packages under an older version.
@@ -21,12 +21,13 @@ make_older() {
     done
     (cd "$old" && apt-ftparchive packages . > Packages)
 }
+apt_here() {
+    DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dir::Etc::SourceList="$PWD/sources.list" -o Dir::Etc::SourceParts=- \
+        -o Dpkg::Options::=--force-confold -o APT::Install-Recommends=false "$@"
+}
 apt_from() { # folder, words…
     echo "deb [trusted=yes] file:$1 ./" > sources.list
-    shift
-    set -- apt-get -q -y -o Dir::Etc::SourceList="$PWD/sources.list" -o Dir::Etc::SourceParts=- \
-        -o Dpkg::Options::=--force-confold -o APT::Install-Recommends=false "$@"
-    "${@:1:9}" "${@:10:1}" update > /dev/null && "$@"
+    apt_here update && apt_here "${@:2}"
 }
 absent() { ! command -v quiltd || echo "quiltd is there before it is installed"; }
 version_is() { # version
@@ -41,7 +42,7 @@ is_active() {
 }
 main_pid() { systemctl show -P MainPID quiltd; }
 restarted() { [ "$(main_pid)" != "$1" ] && [ "$(main_pid)" != 0 ]; } # its process before
-shows() { within 300 test -s /var/lib/quiltd/sim/panel.png || journalctl --no-pager -n 20 -u quiltd; }
+shows() { within 120 test -s /var/lib/quiltd/sim/panel.png || journalctl --no-pager -n 20 -u quiltd; }
 keeps() { # files
     local f
     for f in "$@"; do [ -e "$f" ] || echo "$f is gone"; done
