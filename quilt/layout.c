@@ -11,10 +11,8 @@
  * panel says of itself (lf_calibration.quilt_columns) wins. */
 #define PRESET(name, model, columns, rows, width, height, aspect)                                  \
     {                                                                                              \
-        name, model,                                                                               \
-        {                                                                                          \
-            columns, rows, (columns) * (rows), width, height, aspect                               \
-        }                                                                                          \
+        name, model, {columns, rows, (columns) * (rows), width, height, aspect},                   \
+            (columns) * (rows) == 1                                                                \
     }
 
 static const lf_preset presets[] = {
@@ -31,6 +29,7 @@ static const lf_preset presets[] = {
     PRESET("32p", "Looking Glass 32\" Portrait", 11, 6, 744, 1364, 0.5625),
     PRESET("65", "Looking Glass 65\"", 8, 9, 1024, 910, 16.0 / 9.0),
     PRESET("kiosk", "Looking Glass Kiosk", 8, 6, 420, 560, 0.75),
+    PRESET("hld", "Looking Glass Hololuminescent Display", 1, 1, 2160, 3840, 0.5625),
 };
 
 #define N_PRESETS ((int)(sizeof presets / sizeof presets[0]))

@@ -26,10 +26,11 @@ typedef struct lf_layout {
     double aspect;               /* width / height of a view as it is meant to be seen */
 } lf_layout;
 
-/* looking-glass.md section 4.1; name as in --preset. NULL behind the last index. */
+/* Name as in --preset; sources in layout.c. NULL behind the last index. */
 typedef struct lf_preset {
     const char *name, *model;
     lf_layout layout;
+    bool is_plain; /* one view for a display without a lens (daemon/output/hld.h) */
 } lf_preset;
 const lf_preset *lf_preset_at(int index);
 LF_NODISCARD lf_status lf_preset_find(const char *name, const lf_preset **out, lf_error *err);

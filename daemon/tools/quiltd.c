@@ -113,6 +113,10 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
     const lf_preset *preset = lf_options_preset(options);
     int views = options->views == 0 && preset ? preset->layout.n_views : options->views;
     int tiles = options->columns * options->rows;
+    if (preset && preset->is_plain)
+        return lf_error_set(err, LF_E_ARG, "--preset",
+                            "%s is for files (quiltrender): quiltd shows views through a lens",
+                            preset->name);
     if (tiles > 0 && tiles < views)
         return lf_error_set(err, LF_E_ARG, "--quilt",
                             "%dx%d holds %d tiles, but there are %d views", options->columns,

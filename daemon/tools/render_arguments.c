@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "daemon/output/hld.h"
 
 #define DEFAULT_SPP 16
 #define MAX_PASSES (INT64_C(1) << 40)
@@ -269,6 +270,26 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
     return status;
 }
 
+/* A preset for a display without a lens: its videos are HEVC, and turn unless something else is
+ * said of frames. */
+static lf_status take_plain_preset(lf_render_arguments *a, lf_error *err)
+{
+    const lf_preset *preset = lf_options_preset(&a->options);
+    if (!preset || !preset->is_plain)
+        return LF_OK;
+    if (a->kind->needs_panel || a->kind->check_print || a->kind->layers)
+        return lf_error_set(err, LF_E_ARG, "--preset",
+                            "%s is one view for a display without a lens: no --%s", preset->name,
+                            a->kind->option);
+    if (a->kind != &lf_output_video)
+        return LF_OK;
+    a->video.codec = LF_CODEC_H265;
+    if (lf_frames_wanted(&a->frames))
+        return LF_OK;
+    a->frames.turntable = LF_HLD_FRAMES;
+    return lf_frames_check(&a->frames, err);
+}
+
 /* What goes with one picture alone. */
 static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
 {
@@ -313,6 +334,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         status = lf_frames_check(&a->frames, err);
     if (status == LF_OK)
         status = choose_kind(a, err);
+    if (status == LF_OK)
+        status = take_plain_preset(a, err);
     return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;
 }
 

@@ -1,5 +1,6 @@
 /* What a job reads, and what its name comes to, before anything is rendered. */
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -10,6 +11,7 @@
 #include "base/log.h"
 #include "daemon/output/content.h"
 #include "daemon/output/fit.h"
+#include "daemon/output/hld.h"
 #include "daemon/tools/rendering.h"
 
 /* That are open beside those of an output. */
@@ -157,25 +159,46 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* The scene with its camera where --fit wants it. */
-static lf_status fit(lf_rendering *r, lf_error *err)
+/* The scene with a patch (taken over; NULL: out of memory) in its place. */
+static lf_status patch_scene(lf_rendering *r, json_t *patch, lf_error *err)
 {
-    json_t *patch = NULL;
-    lf_scene *framed = NULL;
-    lf_status status = lf_fit_patch(r->scene, &r->settings, NULL, LF_CAMERA_FILL, 0.0, &patch, err);
-    if (status == LF_OK) {
-        json_t *doc = patch ? lf_json_merge_patch(lf_scene_json(r->scene), patch) : NULL;
-        status = doc ? lf_scene_from_json(doc, lf_scene_folder(r->scene), r->arguments->scene, NULL,
-                                          r->scene, &framed, err)
-                     : lf_error_set(err, LF_E_NOMEM, r->arguments->scene, "out of memory");
-        json_decref(doc);
-    }
+    lf_scene *patched = NULL;
+    json_t *doc = patch ? lf_json_merge_patch(lf_scene_json(r->scene), patch) : NULL;
+    lf_status status = doc ? lf_scene_from_json(doc, lf_scene_folder(r->scene), r->arguments->scene,
+                                                NULL, r->scene, &patched, err)
+                           : lf_error_set(err, LF_E_NOMEM, r->arguments->scene, "out of memory");
+    json_decref(doc);
     json_decref(patch);
     if (status != LF_OK)
         return status;
     lf_scene_unref(r->scene);
-    r->scene = framed;
+    r->scene = patched;
     return lf_rendering_resolve(r, err);
+}
+
+/* The scene with its camera where --fit wants it. */
+static lf_status fit(lf_rendering *r, lf_error *err)
+{
+    json_t *patch = NULL;
+    lf_status status = lf_fit_patch(r->scene, &r->settings, NULL, LF_CAMERA_FILL, 0.0, &patch, err);
+    return status == LF_OK ? patch_scene(r, patch, err) : status;
+}
+
+/* The scene as --preset hld wants it. A file without a scene has no camera of its own to keep. */
+static lf_status whiten(lf_rendering *r, lf_error *err)
+{
+    const lf_options *o = &r->arguments->options;
+    const lf_film_settings *film = lf_scene_film_settings(r->scene);
+    const bool frames = o->fit || !lf_path_has_ending(r->arguments->scene, ".json");
+    const lf_film_settings exposed =
+        lf_exposed_film(film, o->has_exposure ? o->exposure : -HUGE_VAL);
+    json_t *patch = NULL;
+    if (exposed.auto_exposure)
+        return lf_error_set(err, LF_E_ARG, "--preset hld",
+                            "needs an exposure in stops, not \"auto\": the white of its ground "
+                            "depends on it (--exposure STOPS)");
+    lf_status status = lf_hld_patch(r->scene, exposed.exposure, frames, &patch, err);
+    return status == LF_OK ? patch_scene(r, patch, err) : status;
 }
 
 static lf_status open_scene(lf_rendering *r, lf_error *err)
@@ -203,6 +226,9 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
                             "does not go with cameras listed one by one: which would it turn?");
     if (status == LF_OK)
         status = lf_rendering_resolve(r, err);
+    const lf_preset *preset = lf_options_preset(&a->options);
+    if (status == LF_OK && preset && preset->is_plain)
+        return whiten(r, err);
     return status == LF_OK && a->options.fit ? fit(r, err) : status;
 }
 
