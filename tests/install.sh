@@ -36,6 +36,15 @@ missing() {
 }
 report "everything is installed" "$(missing)"
 
+# g++ is part of build-essential, which every package is built with
+undeclared() {
+    local p
+    for p in $("$src/.ci/deps" list build); do
+        [ "$p" = g++ ] || grep -qE "^ +$p( |,|\$)" "$src/debian/control" || echo "$p"
+    done
+}
+report "the Debian package is built with what .ci/deps installs" "$(undeclared)"
+
 unfilled() { grep -rnE '@[A-Z]+@' "$prefix/lib"; }
 report "no placeholder is left in the units" "$(unfilled)"
 
