@@ -78,7 +78,7 @@ endif
 $(BUILDROOT)/deps.mk: $(SRCDIR)/.ci/deps $(wildcard /var/lib/dpkg/status)
 	@mkdir -p $(@D)
 	@CC='$(CC)' CXX='$(CXX)' $(SRCDIR)/.ci/deps flags > $@.new
-	@mv $@.new $@
+	@mv $@.new $@ && { [ ! -e /var/lib/dpkg/status ] || [ ! $@ -ot /var/lib/dpkg/status ] || touch -r /var/lib/dpkg/status $@; }
 
 # ------------------------------------------------------------------------------------------------------- building --
 built := $(addprefix $(O)/,$(foreach p,$(programs),$(if $($(p)_srcs),$(p))))

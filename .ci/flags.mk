@@ -15,6 +15,11 @@ ifeq ($(BUILD),fuzz)
 lf_warnings :=
 lf_cwarnings :=
 endif
+# Clang has other words behind these: the sign of enumerations, INFINITY that becomes a double, fields left out on purpose
+ifneq ($(findstring clang,$(shell $(CC) --version 2>/dev/null)),)
+lf_warnings := $(filter-out -Wdouble-promotion -Wformat=2,$(lf_warnings)) -Wno-missing-field-initializers -Wno-unknown-pragmas
+lf_cwarnings := $(filter-out -Wsign-conversion -Wconversion,$(lf_cwarnings))
+endif
 ifdef WERROR
 lf_warnings += -Werror
 endif

@@ -237,7 +237,8 @@ static lf_status check_area(const parser *p)
 static json_t *object_of(const json_t *value)
 {
     json_t *parsed = json_is_string(value)
-                         ? json_loadb(json_string_value(value), json_string_length(value), 0, NULL)
+                         ? json_loadb(json_string_value(value), json_string_length(value),
+                                      JSON_REJECT_DUPLICATES, NULL)
                          : json_incref((json_t *)(uintptr_t)value);
     if (json_is_object(parsed))
         return parsed;
@@ -251,7 +252,7 @@ static int quilt_member(const json_t *quilt, const char *older, const char *newe
     double number = 0.0;
     const json_t *value = json_object_get(quilt, older);
     if (!to_number(value ? value : json_object_get(quilt, newer), &number) ||
-        !(number >= 1 && number <= most))
+        !(number >= 1 && number <= most && number == floor(number)))
         return 0;
     return (int)number;
 }
@@ -259,20 +260,24 @@ static int quilt_member(const json_t *quilt, const char *older, const char *newe
 static void take_quilt(parser *p, const json_t *value)
 {
     json_t *quilt = object_of(value);
-    int columns = quilt_member(quilt, "tileX", "columns", LF_CALIBRATION_MAX_TILES),
-        rows = quilt_member(quilt, "tileY", "rows", LF_CALIBRATION_MAX_TILES),
+    int columns = quilt_member(quilt, "tileX", "columns", LF_CALIBRATION_MAX_VIEWS),
+        rows = quilt_member(quilt, "tileY", "rows", LF_CALIBRATION_MAX_VIEWS),
         width = quilt_member(quilt, "quiltX", "quiltWidth", LF_MAX_SIDE),
         height = quilt_member(quilt, "quiltY", "quiltHeight", LF_MAX_SIDE);
     json_decref(quilt);
-    if (columns > 0 && rows > 0 && width >= columns && height >= rows) {
+    if (columns > 0 && rows > 0 && width >= columns && height >= rows &&
+        columns * rows <= LF_CALIBRATION_MAX_VIEWS &&
+        (int64_t)width * height <= LF_MAX_PANEL_PIXELS) {
         p->c.quilt_columns = columns;
         p->c.quilt_rows = rows;
         p->c.quilt_width = width;
         p->c.quilt_height = height;
     } else {
-        lf_log(LF_LOG_WARNING,
-               "%s: its defaultQuilt is not used: expected tileX, tileY, quiltX and quiltY",
-               p->where);
+        lf_log(
+            LF_LOG_WARNING,
+            "%s: its defaultQuilt is not used: expected tileX and tileY of at most %d views, and "
+            "quiltX and quiltY of at most %d pixels",
+            p->where, LF_CALIBRATION_MAX_VIEWS, LF_MAX_PANEL_PIXELS);
     }
 }
 

@@ -12,7 +12,8 @@
 #define LF_MAX_PANEL_PIXELS (8192 * 8192) /* twice the largest panel there is */
 #define LF_MAX_CELLS 16
 #define LF_CALIBRATION_MAX_BYTES 65536
-#define LF_CALIBRATION_MAX_TILES 64 /* a row or column of a default quilt */
+/* of a default quilt: as many views, and pixels in all as a panel */
+#define LF_CALIBRATION_MAX_VIEWS 256
 
 typedef struct lf_calibration {
     char config_version[16]; /* "1.0", "3.0"; empty when absent */

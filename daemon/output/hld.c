@@ -23,8 +23,9 @@ static turned box_of(double b[2][3])
     return t;
 }
 
-/* From where the camera looks now, and so far away that the box stays inside the margins. */
-static json_t *framed(const lf_camera *camera, const turned *t)
+/* focused: a lens is focused on what is framed. From where the camera looks now, and so far away
+ * that the box stays inside the margins. */
+static json_t *framed(const lf_camera *camera, const turned *t, bool focused)
 {
     double d[3], length = 0.0, half = tan(0.5 * camera->fov_y);
     for (int i = 0; i < 3; i++) {
@@ -39,10 +40,15 @@ static json_t *framed(const lf_camera *camera, const turned *t)
                  away = t->radius * level + t->half_height * rise +
                         fmax(t->radius / wide, across / high),
                  lower = (TOP - BOTTOM) / HEIGHT * away * half / level;
-    return json_pack("{s:[f,f,f], s:[f,f,f]}", "target", t->centre[0], t->centre[1] + lower,
-                     t->centre[2], "position", t->centre[0] + d[0] / length * away,
-                     t->centre[1] + d[1] / length * away + lower,
-                     t->centre[2] + d[2] / length * away);
+    json_t *moved =
+        json_pack("{s:[f,f,f], s:[f,f,f]}", "target", t->centre[0], t->centre[1] + lower,
+                  t->centre[2], "position", t->centre[0] + d[0] / length * away,
+                  t->centre[1] + d[1] / length * away + lower, t->centre[2] + d[2] / length * away);
+    if (moved && focused && json_object_set_new(moved, "focus_distance", json_real(away)) != 0) {
+        json_decref(moved);
+        return NULL;
+    }
+    return moved;
 }
 
 static json_t *ground(const turned *t)
@@ -57,15 +63,24 @@ lf_status lf_hld_patch(const lf_scene *scene, double exposure, bool frames, json
                        lf_error *err)
 {
     double bounds[2][3];
-    if (!lf_scene_bounds(scene, NULL, bounds))
+    if (!lf_scene_bounds(scene, NULL, bounds) ||
+        !(hypot(hypot(bounds[1][0] - bounds[0][0], bounds[1][1] - bounds[0][1]),
+                bounds[1][2] - bounds[0][2]) > 0.0))
         return lf_error_set(err, LF_E_STATE, "--preset hld", "nothing is there to be shown");
     const turned t = box_of(bounds);
     json_t *patch = json_pack("{s:f, s:{s:s, s:f}}", "backdrop", exp2(-exposure), "film", "tonemap",
                               "srgb", "exposure", exposure);
-    if (patch && !lf_scene_has_catchers(scene))
-        (void)json_object_set_new(patch, "meshes", ground(&t));
-    if (patch && frames)
-        (void)json_object_set_new(patch, "camera", framed(lf_scene_camera(scene), &t));
-    *out_patch = patch;
+    bool good = patch;
+    if (good && !lf_scene_has_catchers(scene))
+        good = json_object_set_new(patch, "meshes", ground(&t)) == 0;
+    if (good && frames) {
+        const json_t *camera = json_object_get(lf_scene_json(scene), "camera");
+        good = json_object_set_new(patch, "camera",
+                                   framed(lf_scene_camera(scene), &t,
+                                          json_object_get(camera, "focus_distance"))) == 0;
+    }
+    if (!good)
+        json_decref(patch);
+    *out_patch = good ? patch : NULL;
     return LF_OK;
 }

@@ -184,10 +184,13 @@ const lf_preset *lf_options_preset(const lf_options *options)
     return preset;
 }
 
-bool lf_options_panel_quilt(const lf_options *options, const lf_calibration *calibration,
-                            lf_layout *out)
+/* The panel's own quilt, where it says one and no other is given. */
+static bool panel_quilt(const lf_options *options, const lf_calibration *calibration,
+                        lf_layout *out)
 {
-    if (options->preset || !calibration || calibration->quilt_columns == 0)
+    const int tiles = options->columns * options->rows;
+    if (options->preset || !calibration || calibration->quilt_columns == 0 ||
+        (tiles > 0 && tiles < calibration->quilt_columns * calibration->quilt_rows))
         return false;
     *out =
         (lf_layout){.columns = calibration->quilt_columns,
@@ -221,7 +224,7 @@ static bool quilt_of(const lf_options *options, const lf_calibration *calibratio
 {
     const lf_preset *preset = lf_options_preset(options);
     if (!preset)
-        return lf_options_panel_quilt(options, calibration, out);
+        return panel_quilt(options, calibration, out);
     *out = preset->layout;
     return true;
 }

@@ -85,11 +85,8 @@ lf_film_settings lf_exposed_film(const lf_film_settings *film, double exposure);
 
 /* The preset that was given; NULL = none. */
 const lf_preset *lf_options_preset(const lf_options *options);
-/* The panel's own quilt, where it says one and no preset is given; false: *out is untouched. */
-bool lf_options_panel_quilt(const lf_options *options, const lf_calibration *calibration,
-                            lf_layout *out);
-/* Whether a preset was given whose quilt is not what the panel says of itself, and what is to be
- * said of that. calibration may be NULL. */
+/* Whether a preset was given whose tiles are not those that the panel says of itself, and what is
+ * to be said of that. calibration may be NULL. */
 bool lf_options_preset_differs(const lf_options *options, const lf_calibration *calibration,
                                char *words, size_t size);
 

@@ -133,6 +133,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !a->video_option)
         a->video_option = row->option;
+    if (params == lf_video_params && strcmp(row->option, "codec") == 0)
+        a->has_codec = true;
     if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
         a->render_option = row->option;
 }
@@ -281,9 +283,13 @@ static lf_status take_plain_preset(lf_render_arguments *a, lf_error *err)
         return lf_error_set(err, LF_E_ARG, "--preset",
                             "%s is one view for a display without a lens: no --%s", preset->name,
                             a->kind->option);
+    if (a->options.views > 1 || a->options.columns > 1 || a->options.rows > 1)
+        return lf_error_set(err, LF_E_ARG, "--preset", "%s is one view: no --%s", preset->name,
+                            a->options.views > 1 ? "views" : "quilt");
     if (a->kind != &lf_output_video)
         return LF_OK;
-    a->video.codec = LF_CODEC_H265;
+    if (!a->has_codec)
+        a->video.codec = LF_CODEC_H265;
     if (lf_frames_wanted(&a->frames))
         return LF_OK;
     a->frames.turntable = LF_HLD_FRAMES;

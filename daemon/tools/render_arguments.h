@@ -31,6 +31,7 @@ typedef struct lf_render_arguments {
     lf_rgbd_options rgbd;
     lf_frames frames; /* checked */
     lf_video_options video;
+    bool has_codec;
     const char *video_option; /* the first option that only makes sense with a video */
 } lf_render_arguments;
 

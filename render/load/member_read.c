@@ -130,7 +130,7 @@ static void read_field(lf_reader *reader, const lf_node *node, const lf_param *r
         *(const char **)field = read_file_name(reader, node, row);
         break;
     default:
-        assert(!"no row of a scene file");
+        assert(false && "no row of a scene file");
     }
 }
 

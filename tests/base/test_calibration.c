@@ -371,6 +371,12 @@ static void a_panel_may_say_its_own_quilt(void **state)
          0, 0, 0},
         {"{" PANEL ",\"defaultQuilt\":{\"quiltX\":1e9,\"quiltY\":3360,\"tileX\":8,\"tileY\":6}}", 0,
          0, 0, 0},
+        {"{" PANEL ",\"defaultQuilt\":{\"quiltX\":4000,\"quiltY\":4000,\"tileX\":20,\"tileY\":20}}",
+         0, 0, 0, 0},
+        {"{" PANEL ",\"defaultQuilt\":{\"quiltX\":4000,\"quiltY\":4000,\"tileX\":8.9,\"tileY\":6}}",
+         0, 0, 0, 0},
+        {"{" PANEL ",\"defaultQuilt\":{\"quiltX\":16384,\"quiltY\":16384,\"tileX\":1,\"tileY\":1}}",
+         0, 0, 0, 0},
         {"{" PANEL ",\"defaultQuilt\":\"8x6\"}", 0, 0, 0, 0},
         {"{" PANEL ",\"defaultQuilt\":[8,6]}", 0, 0, 0, 0},
     };

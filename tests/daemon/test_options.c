@@ -154,7 +154,7 @@ static void wrong_words_are_refused_with_the_option_and_what_it_expects(void **s
         {"--view-size 0x10", "--view-size", "from 1"},
         {"--view-size 10x20000", "--view-size", "16384"},
         {"--view-size nanx10", "--view-size", "whole number"},
-        {"--preset moon", "--preset", "65 or kiosk, not \"moon\""},
+        {"--preset moon", "--preset", "kiosk or hld, not \"moon\""},
         {"--integrator bdpt", "--integrator", "mvpt"},
         {"--estimator best", "--estimator", "mwis, mis or cv"},
         {"--sampler halton", "--sampler", "owen or independent"},
@@ -309,6 +309,7 @@ static void a_panel_may_say_its_own_quilt(void **state)
         {"--preset go", 66, 11, 6, 372, 682, true},
         {"--views 45", 45, 5, 9, 120, 90, false},
         {"--quilt 7x7", 48, 7, 7, 120, 90, false},
+        {"--quilt 4x4", 12, 4, 4, 1120, 560, false}, /* has no room for the panel's */
         {"--view-size 100x200", 48, 8, 6, 100, 200, false},
     };
     (void)state;

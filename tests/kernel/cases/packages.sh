@@ -84,6 +84,6 @@ fact "nothing of it runs" not_running
 fact "programs are gone" has_no /usr/bin/quiltd /usr/bin/quiltctl /usr/libexec/quiltd /usr/share/quiltd
 fact "configuration and pictures are kept" keeps /etc/default/quiltd /var/lib/quiltd/export/kept.png
 fact "apt purges it" succeeds apt_from "$new" purge quiltd quiltd-tools quiltd-data
-fact "only pictures are left" has_no /etc/default/quiltd /var/cache/quiltd /var/lib/quiltd/sim/panel.png
-fact "and those are" keeps /var/lib/quiltd/export/kept.png
+fact "what it kept for itself is gone" has_no /etc/default/quiltd /var/cache/quiltd /run/quiltd
+fact "pictures are left" keeps /var/lib/quiltd/export/kept.png
 finish
