@@ -36,6 +36,11 @@ readers_are_locked() {
     grep -q '^landlock  *on$' status.log || { grep '^landlock' status.log; cat /sys/kernel/security/lsm; }
     ! journalctl --no-pager -u quiltd | grep 'without Landlock'
 }
+# ProtectHome=yes
+says_home() {
+    timeout 60 quiltctl scene.load file=/home/somebody/scene.json > home.log 2>&1
+    grep -q 'does not see home folders' home.log || cat home.log
+}
 answers() { timeout 60 quiltctl status > status.log 2>&1 || cat status.log; }
 niceness() { sed 's/.*) //' "$1/stat" | cut -d' ' -f17; } # /proc folder
 renders_behind() { # the rest of the daemon
@@ -119,6 +124,7 @@ options
 fact "active without a device" becomes_active
 fact "as its own user" runs_as quiltd
 fact "it answers" answers
+fact "it says why it does not see /home" says_home
 fact "its readers are held by Landlock" readers_are_locked
 fact "rendering goes behind the rest of it" renders_behind
 fact "the service is hardened" hardened
