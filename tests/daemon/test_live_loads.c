@@ -43,6 +43,37 @@ static void await_starts(const live *l, int n)
     fail_msg("reader %d does not begin", n);
 }
 
+/* A daemon that shows something, and clients of it, NULL behind the last. */
+static void begin(live *l, live_client *const clients[])
+{
+    prepare(l);
+    live_start(l, l->scene, "--device", "none", "--import-time", FOR_EVER, NULL);
+    for (int i = 0; clients[i]; i++)
+        live_connect(l, clients[i]);
+    live_wait(clients[0], "coarse");
+}
+#define BEGIN(l, ...) begin(l, (live_client *[]){__VA_ARGS__, NULL})
+
+static void end(live *l, live_client *const clients[])
+{
+    for (int i = 0; clients[i]; i++)
+        live_close(clients[i]);
+    live_finish(l);
+}
+#define END(l, ...) end(l, (live_client *[]){__VA_ARGS__, NULL})
+
+/* Until so many loads wait or are under way. */
+static void await_loading(live_client *c, int n)
+{
+    while (live_number(c, "status", NULL, "loading") < n)
+        live_nap(10);
+}
+
+static json_t *mesh_patch(const char *name)
+{
+    return json_pack("{s:{s:{s:{s:s}}}}", "patch", "meshes", name, "file", "a.obj");
+}
+
 static void ask_for_file(live_client *c, const char *file)
 {
     live_ask(c, "scene.load", json_pack("{s:s}", "file", file));
@@ -86,11 +117,7 @@ static void job_cancel_ends_a_load(void **state)
     (void)state;
     live l;
     live_client asker, other;
-    prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
-    live_connect(&l, &asker);
-    live_connect(&l, &other);
-    live_wait(&other, "coarse");
+    BEGIN(&l, &asker, &other);
     assert_int_equal(loading_job(&other), 0);
     ask_for_file(&asker, "slow.json");
     await_starts(&l, 1);
@@ -109,9 +136,7 @@ static void job_cancel_ends_a_load(void **state)
     /* the next one goes well */
     assert_succeeds(live_call(&asker, "scene.load", json_pack("{s:s}", "file", "other.json")));
     assert_true(live_number(&other, "status", NULL, "generation") == 2);
-    live_close(&asker);
-    live_close(&other);
-    live_finish(&l);
+    END(&l, &asker, &other);
 }
 
 /* Exports and loads: a number is that of one thing. */
@@ -120,11 +145,7 @@ static void a_number_is_that_of_one_job(void **state)
     (void)state;
     live l;
     live_client asker, other;
-    prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
-    live_connect(&l, &asker);
-    live_connect(&l, &other);
-    live_wait(&other, "coarse");
+    BEGIN(&l, &asker, &other);
     assert_int_equal(live_code(&other, "render.set", json_pack("{s:b}", "paused", 1)), 0);
     ask_for_file(&asker, "slow.json");
     await_starts(&l, 1);
@@ -139,9 +160,7 @@ static void a_number_is_that_of_one_job(void **state)
     cancel_loading(&other);
     assert_fails(live_answer(&asker), "cancelled");
     assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", job)), -32602);
-    live_close(&asker);
-    live_close(&other);
-    live_finish(&l);
+    END(&l, &asker, &other);
 }
 
 /* Of changes that are made together, only the one that was cancelled is not made. */
@@ -150,22 +169,13 @@ static void changes_beside_a_cancelled_one_are_made(void **state)
     (void)state;
     live l;
     live_client first, slow, quick, other;
-    prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
-    live_connect(&l, &first);
-    live_connect(&l, &slow);
-    live_connect(&l, &quick);
-    live_connect(&l, &other);
-    live_wait(&other, "coarse");
+    BEGIN(&l, &first, &slow, &quick, &other);
     ask_for_file(&first, "slow.json");
     await_starts(&l, 1);
-    live_ask(&slow, "scene.patch",
-             json_pack("{s:{s:{s:{s:s}}}}", "patch", "meshes", "m", "file", "a.obj"));
-    while (live_number(&other, "status", NULL, "loading") < 2)
-        live_nap(10);
+    live_ask(&slow, "scene.patch", mesh_patch("m"));
+    await_loading(&other, 2);
     live_ask(&quick, "camera.set", json_pack("{s:i}", "views", 3));
-    while (live_number(&other, "status", NULL, "loading") < 3)
-        live_nap(10);
+    await_loading(&other, 3);
     cancel_loading(&other);
     assert_fails(live_answer(&first), "cancelled");
     await_starts(&l, 2);
@@ -173,11 +183,7 @@ static void changes_beside_a_cancelled_one_are_made(void **state)
     assert_fails(live_answer(&slow), "cancelled");
     assert_succeeds(live_answer(&quick));
     assert_true(live_number(&other, "status", NULL, "views") == 3);
-    live_close(&first);
-    live_close(&slow);
-    live_close(&quick);
-    live_close(&other);
-    live_finish(&l);
+    END(&l, &first, &slow, &quick, &other);
 }
 
 /* One that is made already, or was to be, is not ended a second time: another one would be. */
@@ -186,23 +192,13 @@ static void a_second_cancel_ends_nothing(void **state)
     (void)state;
     live l;
     live_client first, slow, slower, other;
-    prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
-    live_connect(&l, &first);
-    live_connect(&l, &slow);
-    live_connect(&l, &slower);
-    live_connect(&l, &other);
-    live_wait(&other, "coarse");
+    BEGIN(&l, &first, &slow, &slower, &other);
     ask_for_file(&first, "slow.json");
     await_starts(&l, 1);
-    live_ask(&slow, "scene.patch",
-             json_pack("{s:{s:{s:{s:s}}}}", "patch", "meshes", "m", "file", "a.obj"));
-    while (live_number(&other, "status", NULL, "loading") < 2)
-        live_nap(10);
-    live_ask(&slower, "scene.patch",
-             json_pack("{s:{s:{s:{s:s}}}}", "patch", "meshes", "n", "file", "a.obj"));
-    while (live_number(&other, "status", NULL, "loading") < 3)
-        live_nap(10);
+    live_ask(&slow, "scene.patch", mesh_patch("m"));
+    await_loading(&other, 2);
+    live_ask(&slower, "scene.patch", mesh_patch("n"));
+    await_loading(&other, 3);
     json_int_t job = loading_job(&other);
     cancel_loading(&other);
     await_starts(&l, 2); /* both changes at once */
@@ -217,11 +213,7 @@ static void a_second_cancel_ends_nothing(void **state)
     assert_fails(live_answer(&first), "cancelled");
     assert_fails(live_answer(&slow), "cancelled");
     assert_fails(live_answer(&slower), "cancelled");
-    live_close(&first);
-    live_close(&slow);
-    live_close(&slower);
-    live_close(&other);
-    live_finish(&l);
+    END(&l, &first, &slow, &slower, &other);
 }
 
 static void a_load_that_waits_is_cancelled_at_once(void **state)
@@ -229,27 +221,18 @@ static void a_load_that_waits_is_cancelled_at_once(void **state)
     (void)state;
     live l;
     live_client first, second, other;
-    prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
-    live_connect(&l, &first);
-    live_connect(&l, &second);
-    live_connect(&l, &other);
-    live_wait(&other, "coarse");
+    BEGIN(&l, &first, &second, &other);
     ask_for_file(&first, "slow.json");
     await_starts(&l, 1);
     live_ask(&second, "camera.set", json_pack("{s:i}", "views", 3));
-    while (live_number(&other, "status", NULL, "loading") < 2)
-        live_nap(10);
+    await_loading(&other, 2);
     json_int_t job = loading_job(&other);
     assert_int_equal(live_code(&other, "job.cancel", json_pack("{s:I}", "job", job + 1)), 0);
     assert_fails(live_answer(&second), "cancelled");
     assert_true(loading_job(&other) == job);
     cancel_loading(&other);
     assert_fails(live_answer(&first), "cancelled");
-    live_close(&first);
-    live_close(&second);
-    live_close(&other);
-    live_finish(&l);
+    END(&l, &first, &second, &other);
 }
 
 /* A change that is asked for by somebody who then leaves. The line is n bytes longer than it
@@ -278,11 +261,7 @@ static void nobody_fills_the_queue_by_coming_and_going(void **state)
     enum { COMERS = 20 };
     live l;
     live_client slow, other;
-    prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
-    live_connect(&l, &slow);
-    live_connect(&l, &other);
-    live_wait(&other, "coarse");
+    BEGIN(&l, &slow, &other);
     ask_for_file(&slow, "slow.json");
     await_starts(&l, 1);
     for (int i = 0; i < COMERS; i++)
@@ -292,17 +271,14 @@ static void nobody_fills_the_queue_by_coming_and_going(void **state)
     while (live_number(&other, "status", NULL, "loading") > 1) /* they come back one by one */
         live_nap(10);
     change_and_leave(&l, "{\"patch\":{\"camera\":{\"views\":3}}}", 0);
-    while (live_number(&other, "status", NULL, "loading") < 2)
-        live_nap(10);
+    await_loading(&other, 2);
     cancel_loading(&other);
     assert_fails(live_answer(&slow), "cancelled");
     while (live_number(&other, "status", NULL, "loading") > 0)
         live_nap(10);
     assert_true(live_number(&other, "status", NULL, "generation") == 2);
     assert_true(live_number(&other, "status", NULL, "views") == 3);
-    live_close(&slow);
-    live_close(&other);
-    live_finish(&l);
+    END(&l, &slow, &other);
 }
 
 static void a_load_that_nobody_waits_for_is_replaced_by_any_later_one(void **state)
@@ -310,11 +286,7 @@ static void a_load_that_nobody_waits_for_is_replaced_by_any_later_one(void **sta
     (void)state;
     live l;
     live_client gone, other;
-    prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
-    live_connect(&l, &gone);
-    live_connect(&l, &other);
-    live_wait(&other, "coarse");
+    BEGIN(&l, &gone, &other);
     /* one under way, one behind it */
     ask_for_file(&gone, "slow.json");
     ask_for_file(&gone, "slower.json");
@@ -324,8 +296,7 @@ static void a_load_that_nobody_waits_for_is_replaced_by_any_later_one(void **sta
     assert_true(live_number(&other, "status", NULL, "generation") == 2);
     assert_true(live_logged(&l, "slow.json: its load ends for a later one"));
     assert_true(live_logged(&l, "slower.json: its load ends for a later one"));
-    live_close(&other);
-    live_finish(&l);
+    END(&l, &other);
 }
 
 /* ... also when who asked goes only then. */
@@ -334,22 +305,14 @@ static void a_load_is_replaced_when_who_asked_goes(void **state)
     (void)state;
     live l;
     live_client gone, other, third;
-    prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
-    live_connect(&l, &gone);
-    live_connect(&l, &other);
-    live_connect(&l, &third);
-    live_wait(&other, "coarse");
+    BEGIN(&l, &gone, &other, &third);
     ask_for_file(&gone, "slow.json");
     await_starts(&l, 1);
     live_ask(&other, "camera.orbit", json_pack("{s:i}", "yaw", 3));
-    while (live_number(&third, "status", NULL, "loading") < 2)
-        live_nap(10);
+    await_loading(&third, 2);
     live_close(&gone);
     assert_succeeds(live_answer(&other));
-    live_close(&other);
-    live_close(&third);
-    live_finish(&l);
+    END(&l, &other, &third);
 }
 
 /* A connection whose other side only has nothing more to say still waits for its answer. */
@@ -358,12 +321,7 @@ static void a_half_closed_asker_gets_its_answer(void **state)
     (void)state;
     live l;
     live_client half, other, third;
-    prepare(&l);
-    live_start(&l, l.scene, "--device", "none", "--import-time", FOR_EVER, NULL);
-    live_connect(&l, &half);
-    live_connect(&l, &other);
-    live_connect(&l, &third);
-    live_wait(&other, "coarse");
+    BEGIN(&l, &half, &other, &third);
     assert_int_equal(live_code(&third, "subscribe", json_pack("{s:[s]}", "events", "scene")), 0);
     ask_for_file(&half, "slow.json");
     assert_int_equal(shutdown(half.fd, SHUT_WR), 0);
@@ -380,10 +338,7 @@ static void a_half_closed_asker_gets_its_answer(void **state)
     lf_test_write(l.folder, "go", "");
     assert_fails(live_answer(&half), "the reader ended without a word");
     assert_succeeds(live_answer(&other));
-    live_close(&half);
-    live_close(&other);
-    live_close(&third);
-    live_finish(&l);
+    END(&l, &half, &other, &third);
 }
 
 /* What nobody asked for makes room for a file, but not for a move of what is shown before it. */
@@ -407,10 +362,7 @@ static void the_first_scene_is_replaced_by_another_file_alone(void **state)
     assert_true(live_number(&other, "status", NULL, "loading") == 2);
     assert_succeeds(live_call(&other, "scene.load", json_pack("{s:s}", "file", "other.json")));
     assert_fails(live_answer(&moves), "no scene is shown");
-    live_close(&moves);
-    live_close(&other);
-    live_close(&third);
-    live_finish(&l);
+    END(&l, &moves, &other, &third);
 }
 
 int main(void)
