@@ -61,9 +61,9 @@ static void follow(const lf_general *g, lf_general_worker *w, const lf_prefix *p
 {
     lf_event next;
     lf_path_next(&w->tracer, &p->event, wi, &next);
-    lf_vec3 left = lf_path_absorbed(&g->seen, &next);
-    *found = lf_mul(left, lf_path_light_found(&g->seen, &p->event, &next, found_pdf));
-    *scattered = lf_mul(left, lf_path_arriving(&w->tracer, &next, 2, g->max_depth));
+    *found = lf_mul(lf_path_absorbed(&g->seen, &next),
+                    lf_path_light_found(&g->seen, &p->event, &next, found_pdf));
+    *scattered = lf_path_arriving(&w->tracer, &next, 2, g->max_depth);
 }
 
 static void draw_shared(const lf_general *g, lf_general_worker *w, const lf_prefix *p, shared *out)

@@ -309,19 +309,26 @@ static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bo
         w->channels.factor[i] = 1.0f;
 }
 
-/* What the volumes emit along the fan's rays [from, to). */
-static void shine(const lf_visit *visit, int from, int to, float u)
+/* What the volumes emit along the fan's rays [from, to) through the point s0 (meeting). */
+static void shine(const lf_visit *visit, float s0, int from, int to, float u)
 {
     lf_scratch *w = visit->worker;
+    const bool veiled = visit->scene->looks.veiled;
     const lf_rays rays = {visit->scene, visit->rig,      &visit->plane,   visit->kernels, to - from,
                           w->x0 + from, w->slope + from, w->z_end + from, 0.0f,           false};
     const lf_shine sources = {.media = &w->media,
                               .rays = &rays,
                               .length = w->length + from,
-                              .corrected = !lf_has_fault(visit, LF_FAULT_NO_CORRECTION)};
+                              .corrected = !lf_has_fault(visit, LF_FAULT_NO_CORRECTION),
+                              .veils = veiled ? &w->veil.walk : NULL};
     memset(w->shine.light, 0, sizeof w->shine.light);
-    if (from < to)
-        lf_shine_fan(&sources, u, &w->tracer, &w->shine, w->shine.light + from);
+    if (from >= to)
+        return;
+    if (veiled) {
+        const lf_veils veils = lf_visit_veils(visit);
+        lf_veils_begin(&w->veil.walk, &veils, s0, to - from, w->x0 + from, w->z_end + from);
+    }
+    lf_shine_fan(&sources, u, &w->tracer, &w->shine, w->shine.light + from);
 }
 
 /* What the fans of a row share. */
@@ -361,7 +368,7 @@ static void follow(const lf_exits *e, int column, int from, int to)
     if (e->veiled && from < to)
         veil(visit, xw, lx, from, to);
     if (w->shine.flames.n_here > 0)
-        shine(visit, from, to,
+        shine(visit, meeting(rig, xw, lx), from, to,
               lf_sampler_radical(lf_hash64(lf_hash64(e->key, 16), (uint64_t)column), e->index));
 }
 

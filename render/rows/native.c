@@ -43,12 +43,12 @@ static void follow_delta(lf_visit *visit, int view, int column, const lf_pivot *
     lf_path_next(tracer, event, lobe->wi, &next);
     float light_pdf;
     lf_vec3 radiance = lf_path_light_found(visit->scene, event, &next, &light_pdf);
+    radiance = lf_mul(radiance, lf_path_absorbed(visit->scene, &next));
     radiance = lf_add(radiance, lf_path_arriving(tracer, &next, 2, visit->max_depth));
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
     lf_vec3 channels;
     float weight = visit->weight * native_weight(visit, pixel) *
                    lf_visit_correction(visit, view, pivot, &channels);
-    radiance = lf_mul(radiance, lf_path_absorbed(visit->scene, &next));
     radiance = lf_mul(radiance, channels);
     radiance = lf_scale(lf_mul(radiance, lobe->f), weight / probability);
     lf_visit_add_native(visit, pixel, radiance);

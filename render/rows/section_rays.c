@@ -100,3 +100,23 @@ void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, floa
         }
     }
 }
+
+void lf_section_crossings_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
+                                  const float *c, const float *z_end, lf_veil_crossings *ray)
+{
+    for (int k = 0; k < n; k++) {
+        lf_vec3 o, w;
+        lf_hit hit;
+        if (!ray[k].wanted)
+            continue;
+        float t = ray[k].first;
+        ray_of(section, rig, s0, c[k], &o, &w);
+        while (ray[k].n < LF_VEILS_KEPT &&
+               next(&section->rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
+            lf_veil_keep(&ray[k], hit.t, 1.0f - stopped(rig, &hit, w));
+            t = lf_behind(hit.t);
+        }
+        if (ray[k].n == LF_VEILS_KEPT)
+            ray[k].known = t;
+    }
+}

@@ -5,7 +5,7 @@
 #ifndef LF_RENDER_SECTION_RAYS_H
 #define LF_RENDER_SECTION_RAYS_H
 
-#include "render/rows/section.h"
+#include "render/rows/veil.h"
 
 /* From more segments of instances on. Finding so many takes about as long as the rays of a visit.
  */
@@ -21,5 +21,8 @@ void lf_section_nearest_by_rays(const lf_section *section, const lf_row_triangle
 /* lf_veils_along. */
 void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
                               const float *c, const float *z_end, float *through, bool *mirrors);
+/* The veils of the rays that want them, from `first` on (lf_veils_to). */
+void lf_section_crossings_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
+                                  const float *c, const float *z_end, lf_veil_crossings *ray);
 
 #endif

@@ -11,7 +11,7 @@ typedef struct walk {
     float *behind; /* of slices: the share of a plane's hat that lies before z */
     float z;
     float tau[LF_MAX_LANES];    /* of grids, per unit of Z, up to z */
-    float factor[LF_MAX_LANES]; /* correction weights, up to z */
+    float factor[LF_MAX_LANES]; /* correction weights, and what veils let through, up to z */
 } walk;
 
 /* A slice from w->z on: what marches leave out before the cameras they leave out before z. */
@@ -79,6 +79,8 @@ static void advance(walk *w, float z, float *depth)
     if (shine->corrected)
         lf_correction_transmittance(shine->media, &part, LF_CORRECTION_EXIT, 0.0f, w->tracer,
                                     w->factor);
+    if (shine->veils)
+        lf_veils_to(shine->veils, z_end, w->factor);
     w->z = z;
 }
 
@@ -218,17 +220,33 @@ static void enter(const lf_shine *shine, const lf_body *body, inside *in, float 
     }
 }
 
-/* Multiplies weight by what the other media let through: the mean over points spread over the part
- * by what leaves them. */
-static void behind_others(const lf_shine *shine, const inside *in, float u, lf_tracer *tracer,
-                          float *weight)
+/* Multiplies factor[k] by what the media but the shape's own, whose depth is own[k], let through up
+ * to z[k]. */
+static void through_others(const lf_shine *shine, const float *z, const float *own,
+                           lf_tracer *tracer, float *factor)
+{
+    const lf_rays *rays = shine->rays;
+    float tau[LF_MAX_LANES];
+    lf_rays part = *rays;
+    part.z_end = z;
+    lf_media_depths(shine->media, rays->kernels, rays->n, rays->x0, rays->slope, z, tau, -1, NULL);
+    if (shine->corrected)
+        lf_correction_transmittance(shine->media, &part, LF_CORRECTION_EXIT, 0.0f, tracer, factor);
+    for (int k = 0; k < rays->n; k++)
+        factor[k] *= expf(-lf_max(tau[k] * shine->length[k] - own[k], 0.0f));
+}
+
+/* Multiplies weight by what other media and veils let through: the mean over points spread over the
+ * part by what leaves them. */
+static void behind_others(const lf_shine *shine, const inside *in, bool others, float u,
+                          lf_tracer *tracer, float *weight)
 {
     enum { POINTS = 4 };
     const lf_rays *rays = shine->rays;
-    float z[LF_MAX_LANES], own[LF_MAX_LANES], tau[LF_MAX_LANES], factor[LF_MAX_LANES],
+    float z[LF_MAX_LANES], own[LF_MAX_LANES], factor[LF_MAX_LANES], passed[LF_MAX_LANES],
         mean[LF_MAX_LANES] = {0.0f};
-    lf_rays part = *rays;
-    part.z_end = z;
+    for (int k = 0; k < rays->n; k++)
+        passed[k] = 1.0f;
     for (int i = 0; i < POINTS; i++) {
         float share = ((float)i + u) / POINTS;
         for (int k = 0; k < rays->n; k++) {
@@ -239,13 +257,12 @@ static void behind_others(const lf_shine *shine, const inside *in, float u, lf_t
             own[k] = per_z * (z[k] - in->from[k]);
             factor[k] = 1.0f / POINTS;
         }
-        lf_media_depths(shine->media, rays->kernels, rays->n, rays->x0, rays->slope, z, tau, -1,
-                        NULL);
-        if (shine->corrected)
-            lf_correction_transmittance(shine->media, &part, LF_CORRECTION_EXIT, 0.0f, tracer,
-                                        factor);
+        if (others)
+            through_others(shine, z, own, tracer, factor);
+        if (shine->veils)
+            lf_veils_to(shine->veils, z, passed);
         for (int k = 0; k < rays->n; k++)
-            mean[k] += factor[k] * expf(-lf_max(tau[k] * shine->length[k] - own[k], 0.0f));
+            mean[k] += factor[k] * passed[k];
     }
     for (int k = 0; k < rays->n; k++)
         weight[k] *= mean[k];
@@ -260,8 +277,9 @@ static void shape(const lf_shine *shine, const lf_medium *flame, float u, lf_tra
     inside in = {.sigma_t = own ? own->body.sigma_t : 0.0f};
     float weight[LF_MAX_LANES];
     enter(shine, &flame->body, &in, weight);
-    if (shine->media->n_here > (own ? 1 : 0))
-        behind_others(shine, &in, u, tracer, weight);
+    const bool others = shine->media->n_here > (own ? 1 : 0);
+    if (others || shine->veils)
+        behind_others(shine, &in, others, u, tracer, weight);
     for (int k = 0; k < shine->rays->n; k++)
         out[k] = lf_madd(out[k], weight[k], light->colour);
 }
@@ -271,6 +289,8 @@ void lf_shine_fan(const lf_shine *shine, float u, lf_tracer *tracer, lf_shine_me
 {
     for (int i = 0; i < memory->flames.n_here; i++) {
         const lf_medium *flame = &memory->flames.item[memory->flames.here[i]];
+        if (shine->veils)
+            lf_veils_rewind(shine->veils);
         if (flame->kind == LF_MEDIUM_BODY)
             shape(shine, flame, u, tracer, out);
         else

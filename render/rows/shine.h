@@ -1,12 +1,14 @@
 /* What volumes emit along a fan of rays, one a view, up to where they end: int T eps ds, known
- * without a path, and above 0 also where nothing collides; private to render/. A visit knows it in
- * the mean over its jitter: homogeneous shapes in closed form, where no other medium is on the
- * row's plane; grids at one depth in each voxel's length, jittered together, where the field itself
- * is looked up. docs/estimators.md, "Volumes that emit". */
+ * without a path, T that of media and of the veils and panes among them, and above 0 also where
+ * nothing collides; private to render/. A visit knows it in the mean over its jitter: homogeneous
+ * shapes in closed form, where no other medium is on the row's plane; grids at one depth in each
+ * voxel's length, jittered together, where the field itself is looked up. docs/estimators.md,
+ * "Volumes that emit". */
 #ifndef LF_RENDER_SHINE_H
 #define LF_RENDER_SHINE_H
 
 #include "render/rows/correction.h"
+#include "render/rows/veil.h"
 
 /* A worker's memory for it. */
 typedef struct lf_shine_memory {
@@ -20,6 +22,7 @@ typedef struct lf_shine {
     const lf_rays *rays;   /* from Z = 0 on */
     const float *length;   /* of the rays, per unit of Z */
     bool corrected;        /* T by correction weights where media are slices */
+    lf_veil_walk *veils;   /* along the same rays; NULL: the scene has none */
 } lf_shine;
 
 /* Adds to out[rays->n], which may be lanes of memory->light. u in [0, 1): the jitter; further

@@ -92,6 +92,7 @@ typedef struct line_fan {
     const float *c, *z_end;
     float *through;
     bool *mirrors;
+    lf_veil_crossings *kept; /* in place of the two before; else NULL */
 } line_fan;
 
 static bool may_meet(const lf_section_node *node, int i, const line_fan *f)
@@ -100,6 +101,13 @@ static bool may_meet(const lf_section_node *node, int i, const line_fan *f)
     float below = lf_min(lf_min(first * d0, first * d1), lf_min(last * d0, last * d1)),
           above = lf_max(lf_max(first * d0, first * d1), lf_max(last * d0, last * d1));
     return d1 > -LF_SECTION_FAR && node->s0[i] - f->s0 <= above && node->s1[i] - f->s0 >= below;
+}
+
+static bool is_asked(const line_fan *f, int k, float z)
+{
+    if (!(z < f->z_end[k]))
+        return false;
+    return f->kept ? f->kept[k].wanted && z >= f->kept[k].first : f->through[k] > 0.0f;
 }
 
 /* Rays that have its ends on different sides meet a segment, as in lf_section_nearest. */
@@ -113,15 +121,20 @@ static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
     bool is_loaded = false;
     for (int k = 0; k < f->n; k++) {
         float c = f->c[k], a = s0 - c * d0, b = s1 - c * d1;
-        if ((a >= 0.0f) == (b >= 0.0f) || !(f->through[k] > 0.0f))
+        if ((a >= 0.0f) == (b >= 0.0f))
             continue;
-        float d = d0 + (d1 - d0) * (a / (a - b));
-        if (!(lf_cut_depth(veils->rig, d) < f->z_end[k]))
+        float d = d0 + (d1 - d0) * (a / (a - b)), z = lf_cut_depth(veils->rig, d);
+        if (!is_asked(f, k, z))
             continue;
         if (!is_loaded)
             v = veil_of(veils, segment);
         is_loaded = true;
-        f->through[k] *= passes(veils, &v.face, c, f->s0 + c * d, d);
+        float passed = passes(veils, &v.face, c, f->s0 + c * d, d);
+        if (f->kept) {
+            lf_veil_keep(&f->kept[k], z, passed);
+            continue;
+        }
+        f->through[k] *= passed;
         f->mirrors[k] |= lf_has_mirror(v.face.material);
     }
 }
@@ -131,6 +144,20 @@ static void leaf_along(const lf_veils *veils, int leaf, const line_fan *f)
     for (int i = 0; i < WIDE; i++)
         if (veils->section->leaves[leaf].d1[i] > -LF_SECTION_FAR)
             segment_along(veils, WIDE * leaf + i, f);
+}
+
+static void all_along(const lf_veils *veils, const line_fan *f)
+{
+    const lf_section *section = veils->section;
+    for (int root = 0; root < section->n_roots; root++)
+        for (int i = 0; i < WIDE; i++) {
+            const lf_section_node *inner = &section->nodes[WIDE * root + i];
+            if (!may_meet(&section->roots[root], i, f))
+                continue;
+            for (int j = 0; j < WIDE; j++)
+                if (may_meet(inner, j, f))
+                    leaf_along(veils, WIDE * (WIDE * root + i) + j, f);
+        }
 }
 
 void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
@@ -143,14 +170,101 @@ void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, cons
     line_fan f = {.s0 = s0, .n = n, .c = c, .z_end = z_end};
     f.through = through;
     f.mirrors = mirrors;
-    const lf_section *section = veils->section;
-    for (int root = 0; root < section->n_roots; root++)
-        for (int i = 0; i < WIDE; i++) {
-            const lf_section_node *inner = &section->nodes[WIDE * root + i];
-            if (!may_meet(&section->roots[root], i, &f))
-                continue;
-            for (int j = 0; j < WIDE; j++)
-                if (may_meet(inner, j, &f))
-                    leaf_along(veils, WIDE * (WIDE * root + i) + j, &f);
+    all_along(veils, &f);
+}
+
+/* ------------------------------------------------------------------------- depth after depth -- */
+
+void lf_veil_keep(lf_veil_crossings *ray, float z, float passes)
+{
+    int i = ray->n;
+    while (i > 0 && ray->z[i - 1] > z)
+        i--;
+    if (i > 0 && ray->z[i - 1] == z) {
+        ray->passes[i - 1] *= passes;
+        return;
+    }
+    if (ray->n == LF_VEILS_KEPT) {
+        ray->known = lf_min(ray->known, i < ray->n ? ray->z[ray->n - 1] : z);
+        if (i == ray->n)
+            return;
+        ray->n--;
+    }
+    for (int k = ray->n; k > i; k--) {
+        ray->z[k] = ray->z[k - 1];
+        ray->passes[k] = ray->passes[k - 1];
+    }
+    ray->z[i] = z;
+    ray->passes[i] = passes;
+    ray->n++;
+}
+
+void lf_veils_begin(lf_veil_walk *walk, const lf_veils *veils, float s0, int n, const float *c,
+                    const float *z_end)
+{
+    walk->veils = *veils;
+    walk->s0 = s0;
+    walk->n = n;
+    walk->c = c;
+    walk->z_end = z_end;
+    for (int k = 0; k < n; k++) {
+        lf_veil_crossings *ray = &walk->ray[k];
+        ray->first = ray->known = 0.0f;
+        ray->n = ray->next = 0;
+        ray->wanted = false;
+    }
+}
+
+void lf_veils_rewind(lf_veil_walk *walk)
+{
+    for (int k = 0; k < walk->n; k++) {
+        lf_veil_crossings *ray = &walk->ray[k];
+        ray->next = 0;
+        if (ray->first > 0.0f) {
+            ray->first = ray->known = 0.0f;
+            ray->n = 0;
         }
+    }
+}
+
+/* The next veils of all rays that want them. */
+static void look_farther(lf_veil_walk *walk)
+{
+    const lf_veils *veils = &walk->veils;
+    for (int k = 0; k < walk->n; k++) {
+        lf_veil_crossings *ray = &walk->ray[k];
+        if (!ray->wanted)
+            continue;
+        ray->first = ray->known;
+        ray->known = INFINITY;
+        ray->n = ray->next = 0;
+    }
+    if (veils->section->rays.on) {
+        lf_section_crossings_by_rays(veils->section, veils->rig, walk->s0, walk->n, walk->c,
+                                     walk->z_end, walk->ray);
+        return;
+    }
+    const line_fan f = {
+        .s0 = walk->s0, .n = walk->n, .c = walk->c, .z_end = walk->z_end, .kept = walk->ray};
+    all_along(veils, &f);
+}
+
+/* Counts the veils before z that are known; true: there may be more of them. */
+static bool count(lf_veil_crossings *ray, float z, float *through)
+{
+    for (; ray->next < ray->n && ray->z[ray->next] < z; ray->next++)
+        *through *= ray->passes[ray->next];
+    return ray->known < z && *through != 0.0f;
+}
+
+void lf_veils_to(lf_veil_walk *walk, const float *z, float *through)
+{
+    bool more = true;
+    while (more) {
+        more = false;
+        for (int k = 0; k < walk->n; k++)
+            more |= walk->ray[k].wanted = count(&walk->ray[k], z[k], &through[k]);
+        if (more)
+            look_farther(walk);
+    }
 }

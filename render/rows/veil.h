@@ -17,6 +17,25 @@ typedef struct lf_veils {
     const lf_row_plane *plane;
 } lf_veils;
 
+/* Of one ray of a fan, the veils that it crosses from depth `first` on, near to far: those before
+ * depth `known`, which is INFINITY where these are all. */
+#define LF_VEILS_KEPT 16
+typedef struct lf_veil_crossings {
+    float first, known;
+    int n, next; /* how many there are, and how many of them lf_veils_to has counted */
+    bool wanted; /* while they are looked for */
+    float z[LF_VEILS_KEPT], passes[LF_VEILS_KEPT];
+} lf_veil_crossings;
+
+/* A fan that asks what veils let through on its way from the cameras to ever greater depths. */
+typedef struct lf_veil_walk {
+    lf_veils veils;
+    float s0;
+    int n;
+    const float *c, *z_end;
+    lf_veil_crossings ray[LF_MAX_LANES];
+} lf_veil_walk;
+
 /* Multiplies scale[k] by what all veils between the point p and the camera position c[k] let
  * through; arguments as of lf_section_hide. */
 void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, const float *c,
@@ -26,5 +45,18 @@ void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, 
  * let through, and sets mirrors[k] where one of them has delta lobes. */
 void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
                     float *through, bool *mirrors);
+
+/* Begins a walk along the same rays; z_end and c must outlive it. */
+void lf_veils_begin(lf_veil_walk *walk, const lf_veils *veils, float s0, int n, const float *c,
+                    const float *z_end);
+/* Back to the cameras. */
+void lf_veils_rewind(lf_veil_walk *walk);
+/* Multiplies through[k] by what the veils between the depth of the call before (the camera) and
+ * z[k] <= z_end[k] let through. z[k] never falls between two calls. A ray of which nothing is left
+ * (through[k] 0) may stay where it is. */
+void lf_veils_to(lf_veil_walk *walk, const float *z, float *through);
+/* Keeps one more crossing, in its place by depth; equal depths become one. Where there are too
+ * many, the farthest goes, and `known` is its depth. */
+void lf_veil_keep(lf_veil_crossings *ray, float z, float passes);
 
 #endif

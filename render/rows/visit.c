@@ -69,11 +69,8 @@ void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, 
     if (visit->worker->glows.n > 0 && suffix->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
         suffix->found_light = lf_light_of_hit(visit->scene, &next.hit);
     suffix->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
-    if (visit->scene->looks.filled) {
-        lf_vec3 left = lf_path_absorbed(visit->scene, &next);
-        suffix->found = lf_mul(suffix->found, left);
-        suffix->scattered = lf_mul(suffix->scattered, left);
-    }
+    if (visit->scene->looks.filled)
+        suffix->found = lf_mul(suffix->found, lf_path_absorbed(visit->scene, &next));
 }
 
 void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out)

@@ -76,6 +76,7 @@ typedef struct lf_channels {
 typedef struct lf_veil_memory {
     lf_section section;
     bool mirrored[LF_MAX_LANES]; /* whether one before ray k has a delta lobe */
+    lf_veil_walk walk;           /* of what volumes emit among them */
 } lf_veil_memory;
 
 /* One worker's memory. */

@@ -78,9 +78,10 @@ static lf_vec3 arriving(lf_tracer *tracer, const lf_event *event, lf_vec3 wi, fl
     if (next.kind == LF_EVENT_SURFACE) {
         float light_pdf;
         const lf_vec3 found = lf_path_light_found(tracer->scene, event, &next, &light_pdf);
-        radiance = lf_madd(radiance, pdf > 0.0f ? pdf / (pdf + light_pdf) : 1.0f, found);
+        radiance = lf_madd(radiance, pdf > 0.0f ? pdf / (pdf + light_pdf) : 1.0f,
+                           lf_mul(found, lf_path_absorbed(tracer->scene, &next)));
     }
-    return lf_mul(radiance, lf_path_absorbed(tracer->scene, &next));
+    return radiance;
 }
 
 /* A light sample, of things that shine. */

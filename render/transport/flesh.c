@@ -1,6 +1,6 @@
 #include "render/transport/flesh.h"
 
-#include "render/transport/interior.h"
+#include "render/transport/coloured.h"
 
 /* A guard against meshes in which a walk finds no end: a white ball of a thousand mean free paths
  * ends one in 10^6 steps. */

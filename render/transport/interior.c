@@ -19,39 +19,9 @@ static lf_vec3 extinction(const lf_material *m)
     return lf_add(m->glass.absorption, m->glass.scattering);
 }
 
-static lf_vec3 transmittance(lf_vec3 sigma, float t)
-{
-    return lf_v3(expf(-sigma.x * t), expf(-sigma.y * t), expf(-sigma.z * t));
-}
-
 lf_vec3 lf_interior_left(const lf_material *in, float t)
 {
-    return transmittance(extinction(in), t);
-}
-
-static float mean_by(lf_vec3 by, lf_vec3 x)
-{
-    return lf_dot(by, x) / (by.x + by.y + by.z);
-}
-
-float lf_coloured_way(lf_tracer *tracer, lf_vec3 sigma, lf_vec3 beta)
-{
-    float u = (beta.x + beta.y + beta.z) * lf_rng(tracer), one = u < beta.x            ? sigma.x
-                                                                 : u < beta.x + beta.y ? sigma.y
-                                                                                       : sigma.z;
-    return one > 0.0f ? lf_rng_exponential(tracer) / one : INFINITY;
-}
-
-lf_vec3 lf_coloured_collision(lf_vec3 beta, lf_vec3 sigma, lf_vec3 keeps, float t)
-{
-    lf_vec3 left = transmittance(sigma, t);
-    return lf_scale(lf_mul(left, keeps), 1.0f / mean_by(beta, lf_mul(left, sigma)));
-}
-
-lf_vec3 lf_coloured_passage(lf_vec3 beta, lf_vec3 sigma, float t)
-{
-    lf_vec3 left = transmittance(sigma, t);
-    return lf_scale(left, 1.0f / mean_by(beta, left));
+    return lf_coloured_transmittance(extinction(in), t);
 }
 
 float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
@@ -66,6 +36,11 @@ float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec
     if (!in || !(lf_max3(in->glass.scattering) > 0.0f))
         return INFINITY;
     return lf_coloured_way(tracer, extinction(in), beta);
+}
+
+lf_dimming lf_interior_dimming(const lf_material *in, lf_vec3 beta)
+{
+    return (lf_dimming){extinction(in), beta, lf_max3(in->glass.scattering) > 0.0f};
 }
 
 void lf_interior_weigh(lf_vec3 beta, lf_event *out)

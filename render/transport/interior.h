@@ -5,6 +5,7 @@
 #ifndef LF_RENDER_INTERIOR_H
 #define LF_RENDER_INTERIOR_H
 
+#include "render/transport/coloured.h"
 #include "render/transport/path.h"
 
 /* The glass in which a path goes on that leaves the event along w; NULL: none. */
@@ -24,11 +25,7 @@ float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec
  * channels (one-sample balance; Veach 1997, 9.2.4): none grows beyond what all had together. */
 void lf_interior_weigh(lf_vec3 beta, lf_event *out);
 
-/* The same for any medium of coloured extinction, along which a path carries beta: a way until it
- * is met, drawn for one channel, and what the light of all is to be multiplied by where that way
- * has led to a collision (keeps: albedo times sigma_t) or where it was longer than t. */
-float lf_coloured_way(lf_tracer *tracer, lf_vec3 sigma_t, lf_vec3 beta);
-lf_vec3 lf_coloured_collision(lf_vec3 beta, lf_vec3 sigma_t, lf_vec3 keeps, float t);
-lf_vec3 lf_coloured_passage(lf_vec3 beta, lf_vec3 sigma_t, float t);
+/* What it leaves of light that volumes emit along a segment, on which a path carries beta. */
+lf_dimming lf_interior_dimming(const lf_material *in, lf_vec3 beta);
 
 #endif

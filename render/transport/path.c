@@ -322,14 +322,20 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     return lf_scale(lf_mul(f, light.radiance), weight);
 }
 
-/* What volumes emit along the segment that ends at `next`. No light sample finds it: a direction
- * alone does, with weight 1. */
-static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next)
+/* What volumes emit along the segment that ends at `next`, which a path came along that carried
+ * beta, what glass takes of it included. No light sample finds it: a direction alone does, with
+ * weight 1. */
+static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next, lf_vec3 beta)
 {
     if (is_in_flesh(tracer->scene, next))
         return lf_v3(0.0f, 0.0f, 0.0f);
+    const float t = lf_min(next->t, next->surface);
+    lf_dimming dimming;
+    const bool is_dimmed = tracer->scene->looks.filled && next->interior;
+    if (is_dimmed)
+        dimming = lf_interior_dimming(next->interior, beta);
     return lf_mul(channels_of(tracer->scene, next),
-                  lf_track_emission(tracer, next->from, next->w, lf_min(next->t, next->surface)));
+                  lf_track_emission(tracer, next->from, next->w, t, is_dimmed ? &dimming : NULL));
 }
 
 /* Chooses between a surface's delta lobes and the rest; returns true when the path goes on along
@@ -361,7 +367,7 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
     lf_event events[2];
     const lf_event *here = event;
     for (; depth <= max_depth; depth++) {
-        lf_vec3 wo = lf_scale(here->w, -1.0f), wi, f;
+        lf_vec3 wo = lf_scale(here->w, -1.0f), wi, f, fire;
         float pdf = 0.0f;
         bool delta = here->kind == LF_EVENT_SURFACE && follows_delta(tracer, here, wo, &wi, &beta);
         if (!delta) {
@@ -377,6 +383,8 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
             break;
         lf_event *next = here == &events[0] ? &events[1] : &events[0];
         next_event(tracer, here, wi, beta, next);
+        if (tracer->scene->flames.n > 0)
+            fire = lf_mul(beta, emitted(tracer, next, beta));
         if (tracer->scene->looks.filled)
             beta = lf_mul(beta, lf_path_absorbed(tracer->scene, next));
         float light_pdf;
@@ -384,7 +392,7 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
         float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
         radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
         if (tracer->scene->flames.n > 0)
-            radiance = lf_add(radiance, lf_mul(beta, emitted(tracer, next)));
+            radiance = lf_add(radiance, fire);
         if (depth < max_depth && tracer->scene->glows.n > 0)
             radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, next)));
         if (next->kind == LF_EVENT_ESCAPE)
@@ -400,8 +408,9 @@ lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int
 {
     lf_vec3 radiance = depth <= max_depth ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
     if (tracer->scene->flames.n > 0)
-        radiance = lf_add(radiance, emitted(tracer, next));
+        radiance = lf_add(radiance, emitted(tracer, next, lf_v3(1.0f, 1.0f, 1.0f)));
     return next->kind == LF_EVENT_ESCAPE
                ? radiance
-               : lf_add(radiance, lf_path_scattered(tracer, next, depth, max_depth));
+               : lf_add(radiance, lf_mul(lf_path_scattered(tracer, next, depth, max_depth),
+                                         lf_path_absorbed(tracer->scene, next)));
 }

@@ -100,7 +100,8 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
 lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next);
 
 /* All that is scattered along the segment that ends at `next`, at it and behind it, and what
- * volumes emit along it, times its channels; arguments as in lf_path_scattered. */
+ * volumes emit along it, times its channels and what glass or flesh leaves of it; arguments as in
+ * lf_path_scattered. `next` comes from lf_path_next. */
 lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth);
 
 /* Radiance scattered at `event` back along the path, by next-event estimation and a random walk;

@@ -6,6 +6,7 @@
 #include "render/scene/geometry.h"
 #include "render/scene/look_up.h"
 #include "render/scene/ray.h"
+#include "render/transport/coloured.h"
 #include "render/transport/flame.h"
 #include "render/transport/placed_hit.h"
 
@@ -611,7 +612,7 @@ lf_vec3 lf_track_transmittances(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t
 /* The integral of a flame's grid, from one of its bricks by what the brightest value there makes of
  * the way through it, at a point of that way. */
 static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *flame, const lf_flame_light *light,
-                         const lf_local_ray *r)
+                         const lf_local_ray *r, const lf_dimming *dimming)
 {
     lf_walk k;
     float sum = 0.0f, reached = 0.0f, power;
@@ -631,10 +632,20 @@ static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *flame, const lf_fla
     } while (reached < wanted && walk_next(&k));
     float t = lf_max(k.t1 - (reached - wanted) / power, k.t0);
     tracer->lookups++;
-    return lf_scale(lf_flame_radiance(light, look_up(&k, r, t)), sum / power);
+    lf_vec3 radiance = lf_scale(lf_flame_radiance(light, look_up(&k, r, t)), sum / power);
+    return dimming ? lf_mul(radiance, lf_dimming_at(dimming, t)) : radiance;
 }
 
-lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t)
+/* A flame's shape between t0 and t1. */
+static lf_vec3 emit_shape(lf_tracer *tracer, const lf_flame_light *light, float t0, float t1,
+                          const lf_dimming *dimming)
+{
+    return dimming ? lf_mul(light->colour, lf_dimming_between(dimming, tracer, t0, t1))
+                   : lf_scale(light->colour, t1 - t0);
+}
+
+lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t,
+                          const lf_dimming *dimming)
 {
     const lf_scene *scene = tracer->scene;
     lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f);
@@ -645,9 +656,9 @@ lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t)
         to_local(flame, o, w, t, &r);
         if (!(flame->sigma_max > 0.0f) || !clip_volume(flame, &r))
             continue;
-        radiance = flame->kind == LF_VOLUME_GRID
-                       ? lf_add(radiance, emit_grid(tracer, flame, light, &r))
-                       : lf_madd(radiance, r.t1 - r.t0, light->colour);
+        radiance = lf_add(radiance, flame->kind == LF_VOLUME_GRID
+                                        ? emit_grid(tracer, flame, light, &r, dimming)
+                                        : emit_shape(tracer, light, r.t0, r.t1, dimming));
     }
     return radiance;
 }

@@ -106,11 +106,14 @@ lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w, float 
 
 /* First collision with t < t_max, or INFINITY; *out_volume says whose. w unit. */
 float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, int *out_volume);
-/* What volumes emit towards o along [0, t], unattenuated: an unbiased estimate of int eps ds. Where
- * t is that of a collision (or of the surface, where there was none before it) its mean is int T
- * eps ds up to the surface, since a path comes to s with the probability T(s); it sees flames where
- * nothing collides, too. Shapes are exact, of a grid one point is looked up. */
-lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t);
+/* What volumes emit towards o along [0, t], an unbiased estimate of int eps ds, or times what the
+ * glass in which the segment lies leaves of it (dimming, coloured.h; NULL: none). Where t is that
+ * of a collision (or of the surface, where there was none before it) its mean is int T eps ds up to
+ * the surface, since a path comes to s with the probability T(s); it sees flames where nothing
+ * collides, too. Shapes are exact, of a grid one point is looked up. */
+typedef struct lf_dimming lf_dimming;
+lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t,
+                          const lf_dimming *dimming);
 /* Unbiased estimate of the transmittance of the volumes along [0, t_max]. */
 float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 

@@ -1,9 +1,9 @@
 /* Volumes that emit, against pictures that are known: shapes that glow and absorb, in vacuum,
- * behind what absorbs, and before a surface; grids of a known integral; furnaces in which emission
- * makes up for what is absorbed, so that everything is 1; the light that falls on a wall. By both
- * integrators and every answer; replicates are seeds, and blocks of 8 x 8 pixels are compared by
- * Student's t. Negative controls: emission that is 1 % off is rejected, wherever a test is
- * statistical. */
+ * behind what absorbs, and before a surface; behind sheets and panes, and in glass; grids of a
+ * known integral; furnaces in which emission makes up for what is absorbed, so that everything is
+ * 1; the light that falls on a wall. By both integrators and every answer; replicates are seeds,
+ * and blocks of 8 x 8 pixels are compared by Student's t. Negative controls: emission that is 1 %
+ * off is rejected, wherever a test is statistical. */
 #include "tests/testing.h"
 
 #include "render/transport/flame.h"
@@ -360,6 +360,194 @@ static void a_grid_in_a_furnace_makes_up_for_what_it_absorbs(void **state)
     }
 }
 
+/* ---------------------------------------------------------------------------- behind surfaces --
+ */
+
+#define SHEET(name, z)                                                                             \
+    "'" name "': { 'shape': 'quad', 'material': 'black', 'transform': { 'scale': 60, 'rotate': "   \
+    "[90, 0, 0], 'translate': [0, 0, " z "] } }"
+#define BLACK "'materials': { 'black': { 'albedo': 0 } }"
+
+/* Lets so much of the scene's sheets be there, which stop light and send out none. */
+static void thin_out(lf_scene *scene, float alpha)
+{
+    for (int i = 0; i < scene->n_materials; i++) {
+        scene->materials[i].cover = LF_COVER_BLEND;
+        scene->materials[i].alpha = alpha;
+    }
+    scene->looks.veiled = true;
+}
+
+/* A sheet of alpha 0.4 in the middle of the slab, another of 0.3 before it. */
+static double slab_behind_sheets(double x0, double mx, double my)
+{
+    (void)x0;
+    double half = 0.75 * length_of(mx, my), part = 2.0 / 1.5 * (1.0 - exp(-half));
+    return 0.6 * (part + 0.6 * exp(-half) * part);
+}
+
+static void sheets_before_and_within_dim_what_is_behind_them(void **state)
+{
+    (void)state;
+    static const char sheets[] = "{" CAMERA("") ", 'volumes': {" SLAB(
+        "1.5", "0", "") "}, "
+                        "'meshes': { " SHEET("a", "0") ", " SHEET("b", "0.9") " }, " BLACK " }";
+    lf_scene *scene = lf_test_scene(sheets);
+    thin_out(scene, 0.4f);
+    assert_scene(scene, slab_behind_sheets, 5, 24, 1e-4, 0);
+    for (int nearest = 0; nearest < 2; nearest++) {
+        scene = lf_test_grid_scene(
+            "{" CAMERA(
+                "") ", 'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': 0 }, "
+                    "'w': { 'shape': 'box', 'density': 0, 'emission': 1 } }, 'meshes': { " SHEET(
+                        "a", "0") ", " SHEET("b", "0.9") " }, " BLACK " }",
+            lf_test_grid(lf_test_full, 40, 32, 8), 0.125, 0.0, 1.5f, nearest);
+        kindle(scene, lf_grid_ref(scene->volumes[0].grid), 0.125, 0.0, nearest,
+               lf_v3(2.0f, 2.0f, 2.0f), 0.0);
+        thin_out(scene, 0.4f);
+        assert_scene(scene, slab_behind_sheets, 10, 32, 1e-4, 0);
+    }
+}
+
+enum { STACK = 2 * LF_VEILS_KEPT + 7 };
+
+/* Sheets of alpha 0.06, evenly within the slab and as many before it: more than a fan keeps. */
+static double slab_in_a_stack(double x0, double mx, double my)
+{
+    double sum = 0.0, passed = pow(0.94, STACK);
+    for (int i = 0; i <= STACK; i++, passed *= 0.94)
+        sum += passed * (i == 0 || i == STACK ? 0.5 : 1.0) / STACK;
+    return sum * slab_in_vacuum(x0, mx, my);
+}
+
+static void of_many_sheets_none_is_forgotten(void **state)
+{
+    (void)state;
+    char text[STACK * 300 + 1000];
+    for (int grid = 0; grid < 2; grid++) {
+        char *at = text;
+        at += sprintf(at, "{" CAMERA("") ", 'volumes': {" SLAB("0", "1", "") "}, " BLACK
+                                                                             ", 'meshes': { ");
+        for (int i = 0; i < STACK; i++)
+            at +=
+                sprintf(at, SHEET("a%d", "%.9g") ", " SHEET("b%d", "%.9g") "%s", i,
+                        0.5 - (i + 0.5) / STACK, i, 1.5 + 0.05 * i, i + 1 < STACK ? ", " : " } }");
+        lf_scene *scene = lf_test_scene(text);
+        if (grid)
+            kindle(scene, lf_test_grid(lf_test_full, 40, 32, 8), 0.125, 0.0, true,
+                   lf_v3(2.0f, 2.0f, 2.0f), 0.0);
+        thin_out(scene, 0.06f);
+        assert_scene(scene, slab_in_a_stack, 5, 24, 1e-3, 0);
+    }
+}
+
+static double fresnel(double cosine)
+{
+    double c = sqrt(1.0 - (1.0 - cosine * cosine) / 2.25),
+           s = (cosine - 1.5 * c) / (cosine + 1.5 * c), p = (1.5 * cosine - c) / (1.5 * cosine + c);
+    return 0.5 * (s * s + p * p);
+}
+
+static double tilt; /* of the pane, degrees about x */
+
+/* A pane of albedo 0.9 through the origin, a small ball that shines 4 behind it: 9 from the camera.
+ * What the pane reflects passes the ball by. */
+static double ball_behind_a_pane(double x0, double mx, double my)
+{
+    const double radius = 0.4, turn = tilt * 0.017453292519943295;
+    double a = 1.0 + mx * mx + my * my, b = x0 * mx - 9.0, c = x0 * x0 + 81.0 - radius * radius,
+           d = b * b - a * c, cosine = (cos(turn) + my * sin(turn)) / sqrt(a),
+           f = fresnel(fabs(cosine));
+    return 0.9 * (1.0 - 2.0 * f / (1.0 + f)) * (d > 0.0 ? 2.0 * sqrt(d / a) : 0.0);
+}
+
+#define PANE_BEFORE_A_BALL                                                                         \
+    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 2.4, 'aspect': 1.3333333333, "     \
+    "'views': 5, 'cone': 4 }, 'volumes': { 'ball': { 'shape': 'sphere', 'density': 0, "            \
+    "'emission': 1, 'transform': { 'scale': 0.4, 'translate': [0, 0, -4] } } }, 'meshes': { "      \
+    "'pane': { 'shape': 'quad', 'material': 'pane', 'transform': { 'scale': 9, 'rotate': [%g, 0, " \
+    "0] } } }, 'materials': { 'pane': { 'type': 'principled', 'roughness': 0, 'albedo': 0.9, "     \
+    "'transmission': 1, 'glass': 'sheet' } } }"
+
+static void a_pane_dims_what_shines_behind_it_at_every_angle(void **state)
+{
+    (void)state;
+    static const double tilts[] = {0.0, 30.0, 60.0, 75.0};
+    for (int i = 0; i < 4; i++) {
+        char text[2048];
+        tilt = tilts[i];
+        snprintf(text, sizeof text, PANE_BEFORE_A_BALL, 90.0 + tilt);
+        assert_known(text, ball_behind_a_pane, 5, 8, 1e-3);
+    }
+}
+
+/* B of every fourth column, and between. */
+static void coarse_frames_are_dimmed_too(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene("{" CAMERA("") ", 'volumes': {" SLAB(
+        "1.5", "0", "") "}, "
+                        "'meshes': { " SHEET("a", "0.8") ", " SHEET("b", "0.9") " }, " BLACK " }");
+    thin_out(scene, 0.4f);
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
+    lf_assert_ok(lf_renderer_pass_coarse(r, NULL, -1, NULL, NULL, NULL), NULL);
+    for (int row = 0; row < height; row++) {
+        const lf_film_known *known = lf_film_known_at(&r->film, row);
+        for (int k = 0; k < n_views * width; k++) {
+            double mx, my;
+            lf_test_slopes(r, k / width, k % width + 0.5, row + 0.5, &mx, &my);
+            lf_assert_close((double)known[k].b[0], 0.36 * slab(0.0, mx, my), 0.01, 0.0);
+        }
+    }
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+/* -------------------------------------------------------------------------------- in glass -- */
+
+/* Glass of index 1 does not bend light: what fills it is all that it is. */
+#define GLASS(words)                                                                               \
+    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 5, 'aspect': 1.3333333333, "       \
+    "'views': 5, 'cone': 0 }, 'meshes': { 'cube': { 'shape': 'cube', 'material': 'glass' } }, "    \
+    "'materials': { 'glass': { 'type': 'principled', 'transmission': 1, 'roughness': 0, "          \
+    "'albedo': 1, 'ior': 1, 'specular': 0, " words
+
+/* The cube is 2 wide, what shines in it 1 thick, in its middle. */
+static double shine_in_absorbing_glass(double x0, double mx, double my)
+{
+    (void)x0;
+    double s = length_of(mx, my);
+    return 2.0 / 1.5 * (exp(-0.75 * s) - exp(-2.25 * s));
+}
+
+static void glass_dims_what_shines_within_by_its_own_way(void **state)
+{
+    (void)state;
+    static const char text[] = GLASS("'absorption': 1.5 } }, 'volumes': { 'slab': { 'shape': "
+                                     "'box', 'density': 0, 'emission': 2, 'transform': { "
+                                     "'scale': [0.9, 0.9, 0.5] } } } }");
+    assert_known(text, shine_in_absorbing_glass, 5, 4, 1e-4);
+    lf_scene *scene = lf_test_scene(text);
+    kindle(scene, lf_test_grid(lf_test_full, 12, 12, 8), 0.125, 0.0, true, lf_v3(2.0f, 2.0f, 2.0f),
+           0.0);
+    assert_scene(scene, shine_in_absorbing_glass, 15, 24, 1e-4, 0);
+}
+
+/* Of three channels that absorb what they emit, and scatter. */
+static void what_glass_absorbs_is_made_up_for_in_a_furnace(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        GLASS("'absorption': [0.5, 2, 8] } }, 'lights': { 'sky': { 'type': 'environment', "
+              "'radiance': 1 } }, 'volumes': { 'all': { 'shape': 'box', 'density': 0, 'emission': "
+              "[0.5, 2, 8] } } }"),
+        GLASS("'absorption': [0.5, 2, 8], 'scattering': [4, 1, 2] } }, 'lights': { 'sky': { "
+              "'type': 'environment', 'radiance': 1 } }, 'volumes': { 'all': { 'shape': 'box', "
+              "'density': 0, 'emission': [0.5, 2, 8] } } }")};
+    for (int i = 0; i < 2; i++)
+        assert_scene(lf_test_scene(texts[i]), one, 15, 16, 1e-3, 1);
+}
+
 /* -------------------------------------------------------------------------------- black body -- */
 
 static double hot; /* what the next truth is */
@@ -459,6 +647,12 @@ int main(void)
         cmocka_unit_test(a_grid_in_vacuum_is_its_integral),
         cmocka_unit_test(a_surface_hides_what_of_a_grid_is_behind_it),
         cmocka_unit_test(a_grid_in_a_furnace_makes_up_for_what_it_absorbs),
+        cmocka_unit_test(sheets_before_and_within_dim_what_is_behind_them),
+        cmocka_unit_test(of_many_sheets_none_is_forgotten),
+        cmocka_unit_test(a_pane_dims_what_shines_behind_it_at_every_angle),
+        cmocka_unit_test(coarse_frames_are_dimmed_too),
+        cmocka_unit_test(glass_dims_what_shines_within_by_its_own_way),
+        cmocka_unit_test(what_glass_absorbs_is_made_up_for_in_a_furnace),
         cmocka_unit_test(a_grid_of_temperature_glows_as_a_black_body),
         cmocka_unit_test(black_bodies_have_the_colours_of_the_planckian_locus),
         cmocka_unit_test(a_table_of_temperatures_is_what_it_stands_for),

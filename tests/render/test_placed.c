@@ -341,6 +341,61 @@ static void veils_let_through_what_copies_do(void **state)
     }
 }
 
+/* Depths that rise, of rays of their own: what is counted on the way from one to the next is what
+ * is counted up to each. */
+static tally among_veils(bench *b, bool by_rays)
+{
+    const lf_rig *rig = rig_of(b);
+    static lf_veil_walk walk;
+    tally t = {0};
+    for (int i = 0; i < 4 * height; i++) {
+        float c[LF_MAX_LANES], z[LF_MAX_LANES], end[LF_MAX_LANES], passed[LF_MAX_LANES];
+        bool mirrors[LF_MAX_LANES] = {false};
+        if (i % 4 == 0)
+            cut(b, i / 4, LF_CUT_VEILS, by_rays);
+        float s0 = rig->x0 + (float)next_number(&b->random) * (float)width * rig->dx;
+        const lf_veils of = {&b->section[0], lists(b, 0), b->scene[0], rig, &b->plane};
+        for (int k = 0; k < 48; k++) {
+            c[k] = rig->b[k < rig->n_views ? k : rig->n_views - 1];
+            end[k] = (0.5f + (float)next_number(&b->random)) * rig->distance;
+            passed[k] = 1.0f;
+        }
+        lf_veils_begin(&walk, &of, s0 / rig->distance, 48, c, end);
+        for (int step = 1; step <= 20; step++) {
+            if (step == 11) {
+                lf_veils_rewind(&walk);
+                for (int k = 0; k < 48; k++)
+                    passed[k] = 1.0f;
+            }
+            float whole[LF_MAX_LANES];
+            for (int k = 0; k < 48; k++) {
+                z[k] = end[k] * (float)(step % 11 + step / 11) / 10.0f;
+                whole[k] = 1.0f;
+            }
+            lf_veils_to(&walk, z, passed);
+            lf_veils_along(&of, s0 / rig->distance, 48, c, z, whole, mirrors);
+            for (int k = 0; k < rig->n_views; k++) {
+                t.asked++;
+                t.hidden += whole[k] < 1.0f;
+                t.wrong += fabsf(whole[k] - passed[k]) > 1e-5f;
+            }
+        }
+    }
+    return t;
+}
+
+static void veils_are_counted_on_the_way(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        bench b;
+        set_up(&b, "pane", 0.0, "45", ALL);
+        tally t = among_veils(&b, i);
+        assert_same(i ? "veils on the way, by rays" : "veils on the way", &t);
+        tear_down(&b);
+    }
+}
+
 static void a_place_that_is_moved_is_found_out(void **state)
 {
     (void)state;
@@ -483,6 +538,7 @@ int main(void)
         cmocka_unit_test(rays_leave_the_place_that_they_come_from),
         cmocka_unit_test(rows_find_what_they_find_in_copies),
         cmocka_unit_test(veils_let_through_what_copies_do),
+        cmocka_unit_test(veils_are_counted_on_the_way),
         cmocka_unit_test(a_place_that_is_moved_is_found_out),
         cmocka_unit_test(what_is_beside_the_views_is_left_out_and_nothing_else),
         cmocka_unit_test(pictures_are_those_of_copies),
