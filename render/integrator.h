@@ -88,6 +88,8 @@ static inline void lf_integrator_count(lf_render_stats *out, const lf_tracer *tr
     out->rays_traced += tracer->rays;
     out->volume_lookups += tracer->lookups;
     out->nonfinite_dropped += tracer->nonfinite;
+    out->suffixes += tracer->suffixes;
+    out->suffixes_cut += tracer->suffixes_cut;
 }
 
 /* The one that renders such a camera by settings->integrator. LF_E_ARG for an unknown name, with

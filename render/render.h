@@ -538,6 +538,9 @@ typedef struct lf_render_stats {
     /* contributions that were NaN or infinite, or, of cameras listed one by one, too great for
      * their sums: must be 0 */
     int64_t nonfinite_dropped;
+    int64_t suffixes;    /* paths that were followed behind a first scattering */
+    double suffixes_cut; /* those that max_depth has ended, each as the part of its light there */
+    int max_depth;       /* in vertices after the camera */
     /* pivots that the row's section hides from their own base (V_i forced to 1); -1 without meshes
      */
     int64_t base_hidden;
@@ -569,6 +572,13 @@ double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimat
  * docs/reconstruct.md, "How far off it is". */
 double lf_renderer_shown_error(const lf_renderer *renderer, double alpha, double *out_estimate,
                                const lf_cancel *cancel);
+
+/* The share of what is scattered that may be missing as paths end at max_depth: exact where these
+ * would have found as much light as others. 0 without paths. */
+static inline double lf_render_cut(const lf_render_stats *stats)
+{
+    return stats->suffixes > 0 ? stats->suffixes_cut / (double)stats->suffixes : 0.0;
+}
 
 /* Not while a pass or a resolve is under way: it reads what workers count and what resolving a row
  * leaves behind. */

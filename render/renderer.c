@@ -415,6 +415,7 @@ void lf_renderer_stats(const lf_renderer *renderer, lf_render_stats *out)
     bool known = true;
     *out = (lf_render_stats){0};
     renderer->integrator->count(renderer->state, out);
+    out->max_depth = lf_max_depth(renderer->scene, renderer->settings.max_depth);
     for (int row = 0; row < film->height; row++) {
         const lf_film_row *state = &film->rows[row];
         out->passes += state->passes;

@@ -4,6 +4,7 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/engine/engine_internal.h"
+#include "daemon/output/render_job.h"
 
 /* How long a batch may take: short until the picture is complete, then longer, since every frame
  * costs as much, but not so long that a picture that changes would be seen to stand still. */
@@ -59,6 +60,9 @@ static void update_stats(lf_engine *engine, bool now)
     lf_renderer_stats(engine->renderer, &engine->look.stats);
     if (engine->picture.reconstructs && atomic_load_explicit(&engine->cancel, memory_order_relaxed))
         engine->look.stats.rel_mse_estimate = -1; /* some rows are as they were */
+    if (!engine->look.told_of_cut && engine->level >= LF_LEVEL_COMPLETE)
+        engine->look.told_of_cut =
+            lf_render_warn_of_cut(&engine->look.stats, engine->content->file);
     look_at_shown(engine);
     engine->look.at = lf_time_now();
     engine->look.cost = engine->look.at - start;
@@ -548,6 +552,7 @@ lf_status engine_run_commit(lf_engine *engine, engine_request *request)
         return status;
     }
     lf_content *before = engine->content;
+    engine->look.told_of_cut &= before && strcmp(before->file, content->file) == 0;
     engine->content = lf_content_ref(content);
     start_over(engine);
     lf_content_unref(before);

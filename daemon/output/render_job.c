@@ -4,6 +4,8 @@
 #include <math.h>
 #include <sys/resource.h>
 
+#include "base/log.h"
+
 typedef struct run {
     lf_renderer *renderer;
     const lf_budget *budget;
@@ -244,7 +246,20 @@ static void set_rendered(json_t *object, const lf_render_report *report)
     json_object_set_new(object, "volume_lookups", count_or_null(stats.volume_lookups));
     json_object_set_new(object, "contributions", count_or_null(stats.contributions));
     json_object_set_new(object, "nonfinite_dropped", count_or_null(stats.nonfinite_dropped));
+    json_object_set_new(object, "max_depth_loss", json_real(lf_render_cut(&stats)));
     json_object_set_new(object, "skipped", lf_renderer_skipped(report->renderer));
+}
+
+bool lf_render_warn_of_cut(const lf_render_stats *stats, const char *where)
+{
+    const double least = 0.001, cut = lf_render_cut(stats);
+    if (!(cut > least))
+        return false;
+    lf_log(LF_LOG_WARNING,
+           "%s: up to %.2g %% of the scattered light is missing: paths end after max_depth = %d "
+           "vertices; give a greater max_depth",
+           where, 100.0 * cut, stats->max_depth);
+    return true;
 }
 
 json_t *lf_render_report_json(const lf_render_report *report)
@@ -273,6 +288,7 @@ json_t *lf_render_report_json(const lf_render_report *report)
                                        "volume_lookups",
                                        "contributions",
                                        "nonfinite_dropped",
+                                       "max_depth_loss",
                                        "peak_rss_bytes",
                                        "skipped"};
     json_t *object = json_object();

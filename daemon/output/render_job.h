@@ -68,4 +68,8 @@ typedef struct lf_render_report {
 } lf_render_report;
 json_t *lf_render_report_json(const lf_render_report *report);
 
+/* Warns, in a line that begins with `where`, if more than 0.1 % of the scattered light may be
+ * missing because paths end at max_depth. Returns whether it did. */
+bool lf_render_warn_of_cut(const lf_render_stats *stats, const char *where);
+
 #endif

@@ -149,6 +149,11 @@ static lf_status render_row(lf_rendering *r, const lf_budget *budget, float *fil
                                        : lf_renderer_catch(r->renderer, film, r->cancel);
     if (status == LF_OK && layers)
         status = lf_renderer_layers(r->renderer, estimator, layers_of(r), layers, r->cancel);
+    if (status == LF_OK && !r->told_of_cut) {
+        lf_render_stats stats;
+        lf_renderer_stats(r->renderer, &stats);
+        r->told_of_cut = lf_render_warn_of_cut(&stats, r->arguments->scene);
+    }
     r->times.passes += times.passes;
     r->times.seconds += times.seconds;
     r->times.cpu_seconds += times.cpu_seconds;

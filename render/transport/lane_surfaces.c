@@ -30,8 +30,11 @@ static bool meet(void *of, const lf_lane_segment *segment, float out[3])
         return false;
     event.p = event.hit.p;
     event.t = event.surface = event.hit.t;
-    if (segment->depth <= segment->max_depth && lf_path_survives(tracer, &beta))
+    if (segment->depth > segment->max_depth || lf_path_survives(tracer, &beta)) {
+        const double cut = tracer->suffixes_cut;
         found = lf_mul(beta, lf_path_scattered(tracer, &event, segment->depth, segment->max_depth));
+        tracer->suffixes_cut = cut + (tracer->suffixes_cut - cut) * (double)lf_max3(beta);
+    }
     out[0] = found.x;
     out[1] = found.y;
     out[2] = found.z;

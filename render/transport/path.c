@@ -401,12 +401,15 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
             beta = lf_mul(beta, next->channels);
         here = next;
     }
+    if (depth > max_depth)
+        tracer->suffixes_cut += (double)lf_max3(beta);
     return radiance;
 }
 
 lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth)
 {
     lf_vec3 radiance = depth <= max_depth ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
+    tracer->suffixes++;
     if (tracer->scene->flames.n > 0)
         radiance = lf_add(radiance, emitted(tracer, next, lf_v3(1.0f, 1.0f, 1.0f)));
     return next->kind == LF_EVENT_ESCAPE

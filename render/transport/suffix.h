@@ -59,6 +59,7 @@ typedef struct lf_lane_memory {
     lf_lane_exit exit[LF_LANE_SHOTS + LF_LANE_MOST];
     int n_exits;
     lf_lane_surfaces surfaces; /* looked at where the scene `has` surfaces */
+    double cut;                /* adds up what paths carried that max_depth has ended */
 } lf_lane_memory;
 
 /* Paths that leave vertex 1, the pivot, each array of n. */

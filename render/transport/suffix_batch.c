@@ -118,10 +118,15 @@ void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_de
     if (n == 0)
         return;
     const int64_t before = work_of(tracer);
+    const double cut = tracer->suffixes_cut;
+    batch->memory.cut = 0.0;
     batch->memory.surfaces = lf_lane_surfaces_of(tracer);
     const int64_t lookups = batch->suffixes->trace(batch->lanes, &paths, &batch->memory) +
                             batch->suffixes->light(batch->lanes, &points, &batch->memory);
     tracer->lookups += lookups;
+    /* of each pivot's paths the mean */
+    tracer->suffixes += n;
+    tracer->suffixes_cut = cut + (tracer->suffixes_cut - cut + batch->memory.cut) / batch->each;
     batch->traced = batch->n;
     set_most(batch, n, work_of(tracer) - before);
 }

@@ -366,6 +366,14 @@ LF_INLINE mask meet(path *p, const lf_lane_scene *scene, int max_depth, mask m,
     return mask_of(met);
 }
 
+/* Counts what the paths of m carry, which end here. */
+LF_INLINE void cut_off(const path *p, mask m, lf_lane_memory *memory)
+{
+    const lanes largest = most(p->beta[0], most(p->beta[1], p->beta[2]));
+    for (unsigned b = bits_of(m); b; b &= b - 1)
+        memory->cut += (double)largest[__builtin_ctz(b)];
+}
+
 /* Moves collided lanes to their vertex, gives the sky to those that left; returns the lanes whose
  * path is over. */
 LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded,
@@ -387,6 +395,8 @@ LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask s
     p->vertex = choose(vertex, p->vertex + 1.0f, p->vertex);
     p->collided = without(p->collided, shaded);
     mask deep = both(vertex, is_less(all((float)max_depth), p->vertex));
+    if (bits_of(deep))
+        cut_off(p, deep, memory);
     return either(without(shaded, vertex), deep);
 }
 

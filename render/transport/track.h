@@ -21,6 +21,10 @@ typedef struct lf_tracer {
     int64_t rays; /* counters, never reset here */
     int64_t lookups;
     int64_t nonfinite;
+    /* Paths that were followed behind pivots; and how many of them max_depth has ended, each
+     * counted as what its largest channel still carried. */
+    int64_t suffixes;
+    double suffixes_cut;
 } lf_tracer;
 
 /* PCG-XSH-RR (O'Neill 2014): 32 bits. */

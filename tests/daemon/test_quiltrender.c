@@ -267,6 +267,7 @@ static void stats_have_the_stated_keys_and_nothing_made_up(void **state)
                                        "volume_lookups",
                                        "contributions",
                                        "nonfinite_dropped",
+                                       "max_depth_loss",
                                        "peak_rss_bytes",
                                        "skipped"};
     const size_t n = sizeof keys / sizeof keys[0];
