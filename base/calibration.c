@@ -9,6 +9,7 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/text.h"
 
 _Static_assert(sizeof(lf_calibration) == 16 + 64 + 5 * sizeof(double) + 12 * sizeof(int) +
                                              sizeof((lf_calibration *)0)->cells,
@@ -300,12 +301,10 @@ static lf_status take_all(parser *p)
     return status == LF_OK ? take_cells(p) : status;
 }
 
-lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf_calibration *out,
-                               lf_error *err)
+/* Of a text that lf_text_take has been at. */
+static lf_status parse_text(const char *text, size_t n, const char *where, lf_calibration *out,
+                            lf_error *err)
 {
-    if (n > LF_CALIBRATION_MAX_BYTES)
-        return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n,
-                            LF_CALIBRATION_MAX_BYTES);
     json_error_t json;
     json_t *whole = json_loadb(text, n, JSON_REJECT_DUPLICATES, &json), *root = whole;
     if (!root)
@@ -324,6 +323,23 @@ lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf
     json_decref(whole);
     if (status == LF_OK)
         *out = p.c;
+    return status;
+}
+
+lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf_calibration *out,
+                               lf_error *err)
+{
+    if (n > LF_CALIBRATION_MAX_BYTES)
+        return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n,
+                            LF_CALIBRATION_MAX_BYTES);
+    char *own = lf_calloc(n + 1, 1);
+    if (!own)
+        return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
+    memcpy(own, text, n);
+    lf_status status = lf_text_take(own, &n, where, err);
+    if (status == LF_OK)
+        status = parse_text(own, n, where, out, err);
+    lf_free(own);
     return status;
 }
 

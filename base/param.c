@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/parse.h"
 
 #define HELP_COLUMN 25
@@ -211,8 +212,8 @@ static bool read_value(const lf_param *row, const char *text, double *out)
     if (row->type == LF_PARAM_LIST)
         return text && read_list(row, text, out);
     if (has_words(row)) {
-        *out = row->type == LF_PARAM_WHOLE && index >= 0 ? strtod(text, NULL) : index;
-        return index >= 0;
+        *out = index;
+        return index >= 0 && (row->type != LF_PARAM_WHOLE || lf_decimal_is(text, out));
     }
     if (index >= 0) {
         *out = index == 0 ? (double)INFINITY : -(double)INFINITY;
@@ -557,10 +558,12 @@ json_t *lf_param_json(const lf_param *params, const void *object)
 static json_t *words_json(const lf_param *row)
 {
     json_t *words = json_array();
+    int64_t whole;
     for (int i = 0; words && word_of(row, i); i++)
-        json_array_append_new(words, row->type == LF_PARAM_WHOLE
-                                         ? json_integer(strtol(word_of(row, i), NULL, 10))
-                                         : json_string(word_of(row, i)));
+        json_array_append_new(words,
+                              row->type == LF_PARAM_WHOLE && lf_integer_is(word_of(row, i), &whole)
+                                  ? json_integer(whole)
+                                  : json_string(word_of(row, i)));
     return words;
 }
 

@@ -91,6 +91,8 @@ static bool read_suffix(const char *c, int *columns, int *rows, double *aspect)
         if (!(*aspect > 0) || *aspect > 1000)
             return false;
     }
+    if (*c == ',' && c[1] >= '0' && c[1] <= '9') /* "a1,5" says another number than 1 */
+        return false;
     return !((*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z'));
 }
 
