@@ -54,8 +54,7 @@ lf_status lf_parse_pair(const char *option, const char *text, char separator, do
     if (cut && (size_t)(cut - text) < sizeof first) {
         memcpy(first, text, (size_t)(cut - text));
         first[cut - text] = '\0';
-        if (read_double(first, low, high, &pair[0]) &&
-            read_double(cut + 1, low, high, &pair[1])) {
+        if (read_double(first, low, high, &pair[0]) && read_double(cut + 1, low, high, &pair[1])) {
             memcpy(out, pair, sizeof pair);
             return LF_OK;
         }

@@ -272,6 +272,35 @@ openvdb::GridPtrVec bad_values()
             one_voxel("negative", -0.5f)};
 }
 
+/* 10^3 voxels of 0.5, three of which are a little below 0, two are none, one is too much. */
+FloatGrid::Ptr nearly_fog(const char *name)
+{
+    auto grid = FloatGrid::create(0);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    grid->tree().fill(CoordBBox(Coord(0), Coord(9)), 0.5f, true);
+    for (int i = 0; i < 3; i++)
+        grid->tree().setValueOn(Coord(i, 2, 3), i == 1 ? -1e-3f : -1e-7f);
+    grid->tree().setValueOn(Coord(5, 5, 5), nan);
+    grid->tree().setValueOn(Coord(9, 9, 9), nan);
+    grid->tree().setValueOn(Coord(0), std::numeric_limits<float>::infinity());
+    grid->setName(name);
+    return grid;
+}
+
+/* Distances of a ball, which does not say what it is. */
+openvdb::GridPtrVec odd_values()
+{
+    auto ball =
+        openvdb::tools::createLevelSetSphere<FloatGrid>(5.0f, openvdb::Vec3f(0), 0.5f, 3.0f);
+    ball->setName("distance");
+    ball->setGridClass(openvdb::GRID_UNKNOWN);
+    auto wind = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
+    wind->tree().setValueOn(Coord(0), openvdb::Vec3f(1, std::nanf(""), 1));
+    wind->tree().setValueOn(Coord(1), openvdb::Vec3f(1));
+    wind->setName("wind");
+    return {nearly_fog("density"), nearly_fog("heat"), ball, wind};
+}
+
 openvdb::GridPtrVec frustum()
 {
     auto grid = one_voxel("density", 1);
@@ -328,6 +357,7 @@ void write_all(const std::string &folder)
     write(folder, "names.vdb",
           {one_voxel("density", 1), one_voxel("density", 2), one_voxel("density", 3)}, zip);
     write(folder, "values.vdb", bad_values(), zip);
+    write(folder, "odd.vdb", odd_values(), zip);
     write(folder, "flows.vdb", flows(), zip);
     write(folder, "bad_flows.vdb", bad_flows(), zip);
     write(folder, "frustum.vdb", frustum(), zip);

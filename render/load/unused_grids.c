@@ -111,11 +111,12 @@ void lf_warn_of_odd_voxels(lf_warnings *warnings, const lf_grid *grid, const cha
     for (char *end = list; (end = strchr(end, '\n'));)
         *end = '+';
     if (odd->n_negative > 0)
-        lf_warnings_add(warnings, file,
-                        "grid %s: voxels below 0 (%.0f, down to %.3g) count as 0", list,
-                        odd->n_negative, odd->least);
+        lf_warnings_add(warnings, file, "grid %s: voxels below 0 (%.0f, down to %.3g) count as 0",
+                        list, odd->n_negative, odd->least);
     if (odd->n_not_finite > 0)
-        lf_warnings_add(warnings, file,
-                        "grid %s: voxels that are not finite (%.0f) count as 0", list,
-                        odd->n_not_finite);
+        lf_warnings_add(warnings, file, "grid %s: voxels that are not finite (%.0f) count as 0",
+                        list, odd->n_not_finite);
+    if (odd->n_still > 0)
+        lf_warnings_add(warnings, file, "grid %s: velocities that are not finite (%.0f) count as 0",
+                        list, odd->n_still);
 }

@@ -220,7 +220,7 @@ std::string other_grids(const OpenFile &file, const OpenFile::Entry *one)
 
 /* What the values are. */
 struct Values {
-    lf_grid_odd odd = {0, 0, 0};
+    lf_grid_odd odd = {0, 0, 0, 0};
     double n = 0, most = 0;
 };
 

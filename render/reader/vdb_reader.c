@@ -30,10 +30,9 @@ static lf_status put_grid(lf_parcel_writer *parcel, const lf_grid *grid, lf_erro
         status =
             lf_parcel_put(parcel, LF_PARCEL_OTHERS, grid->others, strlen(grid->others) + 1, err);
     if (status == LF_OK && (grid->odd.n_negative > 0 || grid->odd.n_not_finite > 0))
-        status = lf_parcel_put(parcel, LF_PARCEL_ODD,
-                               (double[3]){grid->odd.n_negative, grid->odd.least,
-                                           grid->odd.n_not_finite},
-                               3, err);
+        status = lf_parcel_put(
+            parcel, LF_PARCEL_ODD,
+            (double[3]){grid->odd.n_negative, grid->odd.least, grid->odd.n_not_finite}, 3, err);
     return status == LF_OK ? put_bricks(parcel, grid, err) : status;
 }
 
