@@ -256,7 +256,10 @@ static lf_status read_library(obj *o, const char *name, bool *out_read, lf_error
         status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     } else if (lf_ask_for_file(path, &fd) == LF_OK) {
         *out_read = true;
-        status = lf_mtl_read(fd, own_folder, name, o->soup, err);
+        lf_error inner;
+        status = lf_mtl_read(fd, own_folder, name, o->soup, &inner);
+        if (status != LF_OK)
+            (void)lf_error_set(err, status, LF_HERE, "%.256s: %s", name, inner.what);
         close(fd);
     }
     lf_free(folder);
