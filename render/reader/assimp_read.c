@@ -326,6 +326,8 @@ static lf_status read_with(const lf_mesh_desc *desc, mesh_reading *reading, lf_m
         status = convert_geometry(scene, desc, out, normals, path, err);
     if (status == LF_OK)
         warn(scene, desc, &out->warnings);
+    if (status == LF_OK)
+        lf_3ds_warn(reading->files[0].fd, path, &out->warnings);
     aiReleaseImport(scene);
     return status;
 }

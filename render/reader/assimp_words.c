@@ -3,6 +3,7 @@
 #include "render/reader/assimp_words.h"
 
 #include <stdint.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -52,30 +53,71 @@ static int64_t first_within(int fd, const chunk *c)
     return length < n ? c->at + HEADER + length + 1 : c->end;
 }
 
-/* The first chunk, in the order of the file, that ends behind the one that holds it. A chunk that
- * holds others is followed by its first; what is behind it is found by its end. */
+/* Where a walk through all chunks stands. */
+typedef struct walk {
+    int fd, depth, n;
+    int64_t at, ends[8]; /* of the chunks that hold the next one; the file's first */
+} walk;
+
+/* The next chunk in the order of the file. A chunk that holds others is followed by its first.
+ * false: there are no more, or *out ends behind the one that holds it. */
+static bool next_chunk(walk *w, chunk *out, bool *out_whole)
+{
+    *out_whole = true;
+    while (w->depth > 0 && w->at >= w->ends[w->depth])
+        w->depth--;
+    if (w->n++ == MOST_CHUNKS || w->at + HEADER > w->ends[w->depth] ||
+        !read_chunk(w->fd, w->at, out))
+        return false;
+    *out_whole = out->end >= out->at + HEADER && out->end <= w->ends[w->depth];
+    if (!*out_whole)
+        return false;
+    w->at = first_within(w->fd, out);
+    if (w->at < out->end && w->depth + 1 < (int)(sizeof w->ends / sizeof *w->ends))
+        w->ends[++w->depth] = out->end;
+    else
+        w->at = out->end;
+    return true;
+}
+
+/* The first that ends behind the one that holds it. */
 static bool find_fault(int fd, int64_t size, chunk *out, int64_t *out_room)
 {
-    int64_t ends[8] = {size}, at = 0;
-    int depth = 0;
-    for (int n = 0; n < MOST_CHUNKS; n++) {
-        chunk c;
-        while (depth > 0 && at >= ends[depth])
-            depth--;
-        if (at + HEADER > ends[depth] || !read_chunk(fd, at, &c))
-            return false;
-        if (c.end < c.at + HEADER || c.end > ends[depth]) {
-            *out = c;
-            *out_room = ends[depth] - c.at;
-            return true;
-        }
-        at = first_within(fd, &c);
-        if (at < c.end && depth + 1 < (int)(sizeof ends / sizeof *ends))
-            ends[++depth] = c.end;
-        else
-            at = c.end;
-    }
-    return false;
+    walk w = {.fd = fd, .ends = {size}};
+    bool whole;
+    while (next_chunk(&w, out, &whole))
+        ;
+    *out_room = w.ends[w.depth] - w.at;
+    return !whole;
+}
+
+void lf_3ds_warn(int fd, const char *path, lf_warnings *warnings)
+{
+    static const struct {
+        unsigned what;
+        const char *name;
+    } lost[] = {{0x1101, "1101 background picture"},
+                {0x1201, "1201 background"},
+                {0x1301, "1301 background"},
+                {0x2100, "2100 ambient light"},
+                {0x2201, "2201 fog"},
+                {0x2301, "2301 fog of layers"},
+                {0x2302, "2302 fog of layers"},
+                {0x2303, "2303 fog of layers"},
+                {0x4010, "4010 hidden object"},
+                {0xa085, "a085 wire frame"},
+                {0xa33a, "a33a second texture"}};
+    lf_left_out list = {.names = ""};
+    struct stat info;
+    bool whole;
+    chunk c;
+    if (!lf_path_has_ending(path, ".3ds") || fstat(fd, &info) != 0)
+        return;
+    for (walk w = {.fd = fd, .ends = {info.st_size}}; next_chunk(&w, &c, &whole);)
+        for (size_t i = 0; i < sizeof lost / sizeof *lost; i++)
+            if (c.what == lost[i].what)
+                lf_leave_out(&list, lost[i].name, strlen(lost[i].name));
+    lf_left_out_warn(&list, "chunks that are left out", warnings);
 }
 
 static bool refuse_chunks(int fd, const char *path, int64_t size, lf_error *err)

@@ -347,9 +347,10 @@ static void spp_is_so_many_passes_a_view(void **state)
 static void the_last_of_a_budget_given_twice_counts(void **state)
 {
     const qr_files *f = *state;
-    qr_succeed("%s -o %s/twice.exr --view-size 12x16 --spp 3 --spp 1 --seed 5", f->scene,
+    qr_succeed("%s -o %s/twice_qs2x3a0.75.exr --quilt 2x3 --view-size 15x20 --spp 3 --spp 1",
+               f->scene, f->folder);
+    qr_succeed("%s -o %s/once_qs2x3a0.75.exr --quilt 2x3 --view-size 15x20 --spp 1", f->scene,
                f->folder);
-    qr_succeed("%s -o %s/once.exr --view-size 12x16 --spp 1 --seed 5", f->scene, f->folder);
     qr_assert_same_files(lf_test_path(f->folder, "twice_qs2x3a0.75.exr"),
                          lf_test_path(f->folder, "once_qs2x3a0.75.exr"));
 }
