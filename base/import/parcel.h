@@ -46,7 +46,7 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_PLACES,    /* double: 3x4, row-major, of each place that a mesh stands in */
     LF_PARCEL_PARTS, /* uint32_t: first triangle, triangles, first vertex, vertices of each part */
     LF_PARCEL_PART_OF, /* uint32_t: which of them stands in a place */
-    LF_PARCEL_ODD,     /* double: three, lf_grid_odd (render/scene/grid.h); absent: none */
+    LF_PARCEL_ODD,     /* double: four, lf_grid_odd (render/scene/grid.h); absent: none */
     LF_PARCEL_TAGS
 } lf_parcel_tag;
 

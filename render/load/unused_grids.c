@@ -119,4 +119,8 @@ void lf_warn_of_odd_voxels(lf_warnings *warnings, const lf_grid *grid, const cha
     if (odd->n_still > 0)
         lf_warnings_add(warnings, file, "grid %s: velocities that are not finite (%.0f) count as 0",
                         list, odd->n_still);
+    if (odd->background != 0.0)
+        lf_warnings_add(warnings, file,
+                        "grid %s: its background of %.3g counts as 0: nothing is where no voxel is",
+                        list, odd->background);
 }

@@ -26,9 +26,10 @@ static lf_status take_others(const lf_parcel *parcel, lf_grid *grid)
 /* Numbers of words alone: whatever they are, no voxel depends on them. */
 static void take_odd(const lf_parcel *parcel, lf_grid *grid)
 {
-    const double *odd = exactly(parcel, LF_PARCEL_ODD, 3);
+    const double *odd = exactly(parcel, LF_PARCEL_ODD, 4);
     if (odd && odd[0] >= 0 && odd[1] <= 0 && odd[2] >= 0)
-        grid->odd = (lf_grid_odd){.n_negative = odd[0], .least = odd[1], .n_not_finite = odd[2]};
+        grid->odd = (lf_grid_odd){
+            .n_negative = odd[0], .least = odd[1], .n_not_finite = odd[2], .background = odd[3]};
 }
 
 static lf_status take_grid(const lf_parcel *parcel, bool is_signed, lf_grid **out_grid,

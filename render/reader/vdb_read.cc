@@ -220,7 +220,7 @@ std::string other_grids(const OpenFile &file, const OpenFile::Entry *one)
 
 /* What the values are. */
 struct Values {
-    lf_grid_odd odd = {0, 0, 0, 0};
+    lf_grid_odd odd = {0, 0, 0, 0, 0};
     double n = 0, most = 0;
 };
 
@@ -327,7 +327,9 @@ template <typename Tree> lf_status fill(Import &import, const Tree &tree, const 
 
 template <typename Grid> lf_status convert(Import &import, const Grid &grid)
 {
-    const Values values = look_at(import, grid.tree());
+    Values values = look_at(import, grid.tree());
+    if (!import.is_velocity)
+        values.odd.background = double(grid.background());
     if (looks_signed(values))
         return refuse_signed(import, values);
     CoordBBox box = support(import, grid.tree());

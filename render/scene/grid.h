@@ -21,7 +21,8 @@ typedef struct lf_grid lf_grid;
 typedef struct lf_grid_odd {
     double n_negative, least; /* of densities */
     double n_not_finite;
-    double n_still; /* velocities that are not finite, of what moves it */
+    double background; /* what the file says of all voxels that it does not list; 0: nothing */
+    double n_still;    /* velocities that are not finite, of what moves it */
 } lf_grid_odd;
 
 /* An empty grid of size voxels (x, y, z), reference count 1. local_to_file: row-major 3x4, from
