@@ -141,8 +141,10 @@ static const lf_format_row rows[] = {
         .whole = "{\"calibration\": \"{\\\"pitch\\\": 40, \\\"slope\\\": -7, "
                  "\\\"center\\\": 0, \\\"DPI\\\": 324, \\\"screenW\\\": 1536, "
                  "\\\"screenH\\\": 2048}\"}"),
-    KEY("any other key", "told", SAID("lensRadius", "3"), "what it says of lensRadius has no effect"),
-    KEY("a key that is missing", "refused", SAID("pitch", NULL), "expected a number from 1 to 1000"),
+    KEY("any other key", "told", SAID("lensRadius", "3"),
+        "what it says of lensRadius has no effect"),
+    KEY("a key that is missing", "refused", SAID("pitch", NULL),
+        "expected a number from 1 to 1000"),
     KEY("a number out of range", "refused", SAID("DPI", "0"), "expected a number from 1 to 10000"),
     KEY("a text in place of a number", "refused", SAID("pitch", "\"50\""), "expected a number"),
     KEY("a key twice", "refused", SAID("fringe", "0, \"fringe\": 0"), "duplicate"),
