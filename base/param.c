@@ -367,7 +367,7 @@ static lf_status take_seed(const lf_param *row, const char *text, void *object, 
 
 static lf_status take_parts(const lf_param *row, const char *text, void *object, lf_error *err)
 {
-    double value[MAX_JOINED][2];
+    double value[MAX_JOINED][2] = {{0}};
     assert(lf_param_next(row) - row <= MAX_JOINED);
     if (!read_parts(row, text, value))
         return refuse(row, text, err);
