@@ -162,6 +162,7 @@ static inline void is_refused(const lf_format_row *row)
     result with = read_said(s->text);
     if (with.status != LF_E_FORMAT || !strstr(with.err.what, s->words))
         fail_msg("%s: %s \"%s\"", row->name, lf_status_name(with.status), with.err.what);
+    lf_mesh_data_finish(&with.data);
 }
 
 /* clang-format off */

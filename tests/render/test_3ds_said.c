@@ -24,7 +24,7 @@ static void put_bytes(chunks *c, const void *bytes, size_t n)
     c->n += n;
 }
 
-static void put_whole(chunks *c, unsigned value, int n)
+static void put_whole(chunks *c, uint64_t value, int n)
 {
     for (int i = 0; i < n; i++)
         put_bytes(c, &(unsigned char){(unsigned char)(value >> 8 * i)}, 1);

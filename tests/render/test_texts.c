@@ -25,8 +25,10 @@ static lf_status read_mesh(const char *folder, const char *name, double *out, lf
     lf_mesh_data data = {0};
     *err = (lf_error){0};
     lf_status status = lf_mesh_import(&desc, folder, NULL, &data, err);
-    if (status != LF_OK)
+    if (status != LF_OK) {
+        lf_mesh_data_finish(&data);
         return status;
+    }
     *out = data.n_triangles + (double)data.materials[0].albedo.x;
     for (int v = 0; v < 3 * data.n_vertices; v++)
         *out += data.positions[v] * (v + 1);
