@@ -9,6 +9,7 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/text.h"
 
 _Static_assert(sizeof(lf_calibration) == 16 + 64 + 5 * sizeof(double) + 12 * sizeof(int) +
                                              sizeof((lf_calibration *)0)->cells,
@@ -281,6 +282,46 @@ static void take_quilt(parser *p, const json_t *value)
     }
 }
 
+static bool is_known(const char *key)
+{
+    static const char *const others[] = {"configVersion",   "serial",       "subpixelCells",
+                                         "cellPatternMode", "defaultQuilt", "calibration"};
+    bool known = false;
+    for (size_t i = 0; i < sizeof number_rules / sizeof *number_rules; i++)
+        known = known || strcmp(key, number_rules[i].key) == 0;
+    for (size_t i = 0; i < sizeof integer_rules / sizeof *integer_rules; i++)
+        known = known || strcmp(key, integer_rules[i].key) == 0;
+    for (size_t i = 0; i < sizeof flag_rules / sizeof *flag_rules; i++)
+        known = known || strcmp(key, flag_rules[i].key) == 0;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        known = known || strcmp(key, others[i]) == 0;
+    return known;
+}
+
+/* Of keys that no formula takes: those of every calibration where they say more than 0, others
+ * whatever they say. */
+static void tell_unused(const parser *p)
+{
+    static const char *const idle[] = {"fringe", "verticalAngle", "flipImageY", NULL};
+    char names[256] = "";
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)(uintptr_t)p->root, key, value)
+    {
+        const size_t at = strlen(names);
+        double number = 1;
+        int i = 0;
+        while (idle[i] && strcmp(key, idle[i]) != 0)
+            i++;
+        if (is_known(key) || (idle[i] && to_number(value, &number) && number == 0.0))
+            continue;
+        snprintf(names + at, sizeof names - at, "%s%.40s", at ? ", " : "", key);
+    }
+    remove_controls(names);
+    if (names[0])
+        lf_log(LF_LOG_WARNING, "%s: what it says of %s has no effect", p->where, names);
+}
+
 static lf_status take_all(parser *p)
 {
     if (!json_is_object(p->root))
@@ -293,19 +334,15 @@ static lf_status take_all(parser *p)
         status = take_text(p, "configVersion", p->c.config_version, sizeof p->c.config_version);
     if (status == LF_OK)
         status = take_text(p, "serial", p->c.serial, sizeof p->c.serial);
-    double flip_y;
-    if (to_number(json_object_get(p->root, "flipImageY"), &flip_y) && flip_y >= 0.5)
-        lf_log(LF_LOG_DEBUG, "%s: flipImageY is not known to mean anything and has no effect",
-               p->where);
+    if (status == LF_OK)
+        tell_unused(p);
     return status == LF_OK ? take_cells(p) : status;
 }
 
-lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf_calibration *out,
-                               lf_error *err)
+/* Of a text that lf_text_take has been at. */
+static lf_status parse_text(const char *text, size_t n, const char *where, lf_calibration *out,
+                            lf_error *err)
 {
-    if (n > LF_CALIBRATION_MAX_BYTES)
-        return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n,
-                            LF_CALIBRATION_MAX_BYTES);
     json_error_t json;
     json_t *whole = json_loadb(text, n, JSON_REJECT_DUPLICATES, &json), *root = whole;
     if (!root)
@@ -324,6 +361,23 @@ lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf
     json_decref(whole);
     if (status == LF_OK)
         *out = p.c;
+    return status;
+}
+
+lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf_calibration *out,
+                               lf_error *err)
+{
+    if (n > LF_CALIBRATION_MAX_BYTES)
+        return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n,
+                            LF_CALIBRATION_MAX_BYTES);
+    char *own = lf_calloc(n + 1, 1);
+    if (!own)
+        return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
+    memcpy(own, text, n);
+    lf_status status = lf_text_take(own, &n, where, err);
+    if (status == LF_OK)
+        status = parse_text(own, n, where, out, err);
+    lf_free(own);
     return status;
 }
 

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/parse.h"
 
 #define HELP_COLUMN 25
@@ -95,11 +96,25 @@ static double settle(const lf_param *row, double degrees)
     return fabs(degrees - row->high) <= 1e-9 * fabs(row->high) ? row->high : degrees;
 }
 
+/* Both numbers of a raster. */
+static void raster_at(const lf_param *row, const void *object, double out[2])
+{
+    memcpy(out, (const char *)object + row->place, 2 * sizeof *out);
+    out[1] = out[1] == 0.0 ? out[0] : out[1];
+}
+
+static void put_raster(const lf_param *row, const double value[2], void *object)
+{
+    const double kept[2] = {value[0], value[1] == value[0] ? 0.0 : value[1]};
+    memcpy((char *)object + row->place, kept, sizeof kept);
+}
+
 static double number_at(const lf_param *row, const void *object)
 {
     const char *field = (const char *)object + row->place;
     switch (row->type) {
     case LF_PARAM_NUMBER:
+    case LF_PARAM_RASTER:
         return *(const double *)(const void *)field;
     case LF_PARAM_ANGLE:
         return settle(row, *(const double *)(const void *)field * (180.0 / M_PI));
@@ -133,6 +148,9 @@ static void put_number(const lf_param *row, double value, void *object)
         break;
     case LF_PARAM_LIST:
         *(unsigned *)(void *)field = (unsigned)value;
+        break;
+    case LF_PARAM_RASTER:
+        put_raster(row, (double[2]){value, value}, object);
         break;
     default:
         *(int *)(void *)field = (int)value;
@@ -203,7 +221,20 @@ static bool read_list(const lf_param *row, const char *text, double *out)
     return true;
 }
 
-/* The value that a text stands for. */
+/* "N" or "NxM". */
+static bool read_raster(const lf_param *row, const char *text, double out[2])
+{
+    double pair[2];
+    if (lf_parse_pair("", text, 'x', row->low, row->high, pair, NULL) != LF_OK) {
+        if (lf_parse_double("", text, row->low, row->high, &pair[0], NULL) != LF_OK)
+            return false;
+        pair[1] = pair[0];
+    }
+    memcpy(out, pair, sizeof pair);
+    return true;
+}
+
+/* The value that a text stands for; of no raster. */
 static bool read_value(const lf_param *row, const char *text, double *out)
 {
     const int index = word_of(row, 0) && text ? word_index(row, text) : -1;
@@ -211,8 +242,8 @@ static bool read_value(const lf_param *row, const char *text, double *out)
     if (row->type == LF_PARAM_LIST)
         return text && read_list(row, text, out);
     if (has_words(row)) {
-        *out = row->type == LF_PARAM_WHOLE && index >= 0 ? strtod(text, NULL) : index;
-        return index >= 0;
+        *out = index;
+        return index >= 0 && (row->type != LF_PARAM_WHOLE || lf_decimal_is(text, out));
     }
     if (index >= 0) {
         *out = index == 0 ? (double)INFINITY : -(double)INFINITY;
@@ -263,9 +294,10 @@ static char *describe(const lf_param *row, char *buf, size_t size)
     const bool list = row->type == LF_PARAM_LIST;
     buf[0] = '\0';
     if (!has_words(row))
-        snprintf(buf, size, "a%s number from %.10g to %.10g%s%s",
+        snprintf(buf, size, "a%s number from %.10g to %.10g%s%s%s",
                  row->type == LF_PARAM_WHOLE ? " whole" : "", row->low, row->high,
-                 row->unit ? " " : "", row->unit ? row->unit : "");
+                 row->unit ? " " : "", row->unit ? row->unit : "",
+                 row->type == LF_PARAM_RASTER ? ", or XxY of two" : "");
     else if (list)
         snprintf(buf, size, "all, none or some of ");
     if (is_mixed(row))
@@ -302,8 +334,14 @@ static lf_status refuse(const lf_param *row, const char *text, lf_error *err)
     return lf_error_set(err, LF_E_ARG, where, "expects %s%s, not \"%s\"", argument, expected, text);
 }
 
+static bool read_part(const lf_param *row, const char *text, double value[2])
+{
+    return row->type == LF_PARAM_RASTER ? read_raster(row, text, value)
+                                        : read_value(row, text, value);
+}
+
 /* Reads the parts of an option's text into value[0], value[1] …. */
-static bool read_parts(const lf_param *row, const char *text, double *value)
+static bool read_parts(const lf_param *row, const char *text, double (*value)[2])
 {
     char part[64];
     for (; row->joined; row++, value++) {
@@ -313,11 +351,11 @@ static bool read_parts(const lf_param *row, const char *text, double *value)
             return false;
         memcpy(part, text, n);
         part[n] = '\0';
-        if (!read_value(row, part, value))
+        if (!read_part(row, part, *value))
             return false;
         text = cut + strlen(row->joined);
     }
-    return read_value(row, text, value);
+    return read_part(row, text, *value);
 }
 
 static lf_status take_seed(const lf_param *row, const char *text, void *object, lf_error *err)
@@ -329,12 +367,15 @@ static lf_status take_seed(const lf_param *row, const char *text, void *object, 
 
 static lf_status take_parts(const lf_param *row, const char *text, void *object, lf_error *err)
 {
-    double value[MAX_JOINED];
+    double value[MAX_JOINED][2] = {{0}};
     assert(lf_param_next(row) - row <= MAX_JOINED);
     if (!read_parts(row, text, value))
         return refuse(row, text, err);
     for (const lf_param *r = row; r < lf_param_next(row); r++)
-        put_number(r, value[r - row], object);
+        if (r->type == LF_PARAM_RASTER)
+            put_raster(r, value[r - row], object);
+        else
+            put_number(r, value[r - row][0], object);
     return LF_OK;
 }
 
@@ -455,6 +496,13 @@ static bool take_json(const lf_param *row, const json_t *value, void *object)
     const bool worded = has_words(row) || (is_mixed(row) && json_is_string(value));
     if (row->type == LF_PARAM_POINT)
         return take_point(row, value, object);
+    if (row->type == LF_PARAM_RASTER && json_is_string(value)) {
+        double raster[2];
+        if (!read_raster(row, json_string_value(value), raster))
+            return false;
+        put_raster(row, raster, object);
+        return true;
+    }
     if (row->type == LF_PARAM_TEXT) {
         if (json_is_string(value))
             *text_place(row, object) = json_string_value(value);
@@ -511,7 +559,11 @@ lf_status lf_param_check(const lf_param *params, const void *object, const char 
     for (const lf_param *row = params; !is_end(row); row++) {
         if (!row->name || is_text(row) || row->type == LF_PARAM_POINT)
             continue;
-        const double value = number_at(row, object);
+        double value = number_at(row, object), raster[2];
+        if (row->type == LF_PARAM_RASTER) {
+            raster_at(row, object, raster);
+            value = is_allowed(row, value) ? raster[1] : value;
+        }
         if (!is_allowed(row, value) && (row->required || value != row->initial))
             return lf_error_set(err, LF_E_ARG, where, "%s %g: expected %s", row->name, value,
                                 describe(row, expected, sizeof expected));
@@ -519,8 +571,22 @@ lf_status lf_param_check(const lf_param *params, const void *object, const char 
     return LF_OK;
 }
 
+/* A whole number as it is written; two as the option has them. */
+static json_t *raster_json(const lf_param *row, const void *object)
+{
+    double raster[2];
+    raster_at(row, object, raster);
+    if (raster[0] != raster[1])
+        return json_sprintf("%.10gx%.10g", raster[0], raster[1]);
+    return raster[0] == floor(raster[0]) ? json_integer((json_int_t)raster[0])
+                                         : json_real(raster[0]);
+}
+
 static json_t *value_json(const lf_param *row, const void *object)
 {
+    if (row->type == LF_PARAM_RASTER)
+        return raster_json(row, object);
+
     if (is_text(row)) {
         const char *text = *text_place(row, object);
         json_t *string = text ? json_string(text) : NULL;
@@ -557,10 +623,12 @@ json_t *lf_param_json(const lf_param *params, const void *object)
 static json_t *words_json(const lf_param *row)
 {
     json_t *words = json_array();
+    int64_t whole;
     for (int i = 0; words && word_of(row, i); i++)
-        json_array_append_new(words, row->type == LF_PARAM_WHOLE
-                                         ? json_integer(strtol(word_of(row, i), NULL, 10))
-                                         : json_string(word_of(row, i)));
+        json_array_append_new(words,
+                              row->type == LF_PARAM_WHOLE && lf_integer_is(word_of(row, i), &whole)
+                                  ? json_integer(whole)
+                                  : json_string(word_of(row, i)));
     return words;
 }
 
@@ -584,7 +652,7 @@ static json_t *row_schema(const lf_param *row)
     if (row->type == LF_PARAM_SWITCH || row->type == LF_PARAM_TEXT)
         return json_pack("{s:s}", "type", type);
     /* strings first: what quiltctl reads as text is told apart behind it */
-    if (is_mixed(row))
+    if (is_mixed(row) || row->type == LF_PARAM_RASTER)
         return json_pack("{s:[s, s], s:f, s:f}", "type", "string", type, "minimum", row->low,
                          "maximum", row->high);
     json_t *number =

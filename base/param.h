@@ -25,6 +25,9 @@ typedef enum lf_param_type {
     /* unsigned, bit k for word k: "all", "none" or words parted by commas; on the command line
      * alone */
     LF_PARAM_LIST,
+    /* double[2], two numbers: "N", both the same, or "NxM"; in JSON a number, or a string of two. 0
+     * as the second: that of the first */
+    LF_PARAM_RASTER,
     /* in scene files alone: */
     LF_PARAM_COLOUR,    /* double[3], one number or three */
     LF_PARAM_DIRECTION, /* double[3], unit; of any length but 0 in the file */

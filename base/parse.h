@@ -1,5 +1,5 @@
-/* parse: numbers from text that was typed. The whole text must be the number. The decimal point is
- * a point as long as nobody calls setlocale, which quiltd's programs do not. Pure functions; out
+/* parse: numbers from text that was typed. The whole text must be the number
+ * (base/number.h), and a number of the range. Pure functions; out
  * untouched on failure. */
 #ifndef LF_BASE_PARSE_H
 #define LF_BASE_PARSE_H

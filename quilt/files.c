@@ -106,6 +106,20 @@ static lf_status cut_quilt(const char *path, const lf_raster *p, lf_quilt_file *
     return status;
 }
 
+/* A name without tiles; what only begins as they do is shown. */
+static lf_status refuse_name(const char *path, lf_error *err)
+{
+    const char *slash = strrchr(path, '/'), *part = strstr(slash ? slash : path, "_qs");
+    if (part && part[3] >= '0' && part[3] <= '9')
+        return lf_error_set(err, LF_E_ARG, path,
+                            "\"%.40s\" in the name is no quilt suffix, such as _qs8x6a0.75 (rename "
+                            "the file, or give its tiles with --quilt COLUMNSxROWS)",
+                            part);
+    return lf_error_set(err, LF_E_ARG, path,
+                        "the name says no tiles, such as _qs8x6a0.75 (give them with "
+                        "--quilt COLUMNSxROWS)");
+}
+
 static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows,
                             lf_quilt_file *q, lf_error *err)
 {
@@ -114,9 +128,7 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
     bool named = lf_layout_from_name(path, &named_columns, &named_rows, &aspect);
     if (columns <= 0 || rows <= 0) {
         if (!named)
-            return lf_error_set(err, LF_E_ARG, path,
-                                "the name says no tiles, such as _qs8x6a0.75 (give them with "
-                                "--quilt COLUMNSxROWS)");
+            return refuse_name(path, err);
         columns = named_columns;
         rows = named_rows;
     }

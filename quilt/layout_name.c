@@ -4,6 +4,7 @@
 
 #include "base/alloc.h"
 #include "base/image_io.h"
+#include "base/number.h"
 #include "quilt/quilt.h"
 
 /* A count of 1..LF_MAX_TILES at *at, which moves behind it; 0 when there is none. */
@@ -19,25 +20,21 @@ static int take_count(const char **at)
     return value;
 }
 
-/* A plain decimal ("0.75", never "1e3" and never the dot of an ending); 0 when there is none. Own
- * digits, as strtod's depend on the locale and would take the dot of "a2.png". */
+/* A plain decimal ("0.75", never "1e3" and never the dot of an ending); 0 when there is none. */
 static double take_decimal(const char **at)
 {
-    double value = 0, unit = 1;
-    const char *c = *at;
-    while (*c >= '0' && *c <= '9')
-        value = value * 10 + (*c++ - '0');
-    if (c == *at)
+    static const char digits[] = "0123456789";
+    char number[64];
+    double value = 0;
+    size_t n = strspn(*at, digits), fraction = (*at)[n] == '.' ? strspn(*at + n + 1, digits) : 0;
+    size_t length = n + (fraction > 0 ? 1 + fraction : 0);
+    if (n == 0 || length >= sizeof number)
         return 0;
-    if (*c == '.' && c[1] >= '0' && c[1] <= '9') {
-        double digits = 0;
-        for (c++; *c >= '0' && *c <= '9'; c++) {
-            digits = digits * 10 + (*c - '0');
-            unit *= 10;
-        }
-        value += digits / unit;
-    }
-    *at = c;
+    memcpy(number, *at, length);
+    number[length] = '\0';
+    if (!lf_decimal_is(number, &value))
+        return 0;
+    *at += length;
     return value;
 }
 
@@ -91,6 +88,8 @@ static bool read_suffix(const char *c, int *columns, int *rows, double *aspect)
         if (!(*aspect > 0) || *aspect > 1000)
             return false;
     }
+    if (*c == ',' && c[1] >= '0' && c[1] <= '9') /* "a1,5" says another number than 1 */
+        return false;
     return !((*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z'));
 }
 

@@ -208,6 +208,8 @@ LF_NODISCARD lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *vie
  * right. With horizontal lenses the same holds along y: view 0 is the TOPMOST camera, and from top
  * to bottom of a cell lie view n_views-1 ... 0. Pixel j of the raster covers [j - width/2, j + 1 -
  * width/2] * 25.4/dpi: positions follow from the index and dpi alone, never from the rounded page.
+ * Where the raster is not the same both ways, dpi here is that across the lenses: dpi of vertical
+ * ones, dpi_down of horizontal ones.
  *
  * Fractional stripes: a pixel is the mix, in linear light after tone mapping, of the stripes it
  * overlaps, by exact area. Nearest: a pixel is the stripe that holds its centre; stripes are
@@ -220,7 +222,8 @@ typedef enum lf_compress { LF_COMPRESS_NONE, LF_COMPRESS_LZW, LF_COMPRESS_DEFLAT
 /* Zeroed fields below the line are a valid default. */
 typedef struct lf_print {
     double lpi;                 /* measured visual pitch, lenses per inch: 5..600 */
-    int dpi;                    /* printer raster, the same both ways: 50..9600 */
+    double dpi;                 /* printer raster, dots per inch across the page: 50..9600 … */
+    double dpi_down;            /* … and down the page; 0: the same */
     double width_mm, height_mm; /* trim size, without bleed: 1..5000 */
     double bleed_mm;            /* on each side, rendered, stripes continue: 0..100 */
     /* moves the lens that is centred on the middle of the print, to the right (down): -100..100 */
@@ -284,12 +287,13 @@ LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const 
  * transposing before. Horizontal lenses, not rolled (pictures that stand upright): view_width is
  * the raster's width, view_height the number of lenses. */
 typedef struct lf_print_shape {
-    /* pixels of the picture, bleed included: round((size + 2 bleed) * dpi / 25.4) */
+    /* pixels of the picture, bleed included: round((size + 2 bleed) * dpi / 25.4), each
+     * way by its own dpi */
     int raster_width, raster_height;
     /* pixels of white and marks that the TIFF has on every side of that; 0 without marks */
-    int margin_px;
-    int view_width, view_height; /* samples of a view */
-    int n_lenses, n_along;       /* the same two numbers, across the lenses and along them */
+    int margin_px, margin_down_px; /* at the left and right, above and below */
+    int view_width, view_height;   /* samples of a view */
+    int n_lenses, n_along;         /* the same two numbers, across the lenses and along them */
     /* number of the lens of sample 0; lens 0 is centred on the middle (plus phase) */
     int first_lens;
     double window_width_mm, window_height_mm;

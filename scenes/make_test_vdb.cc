@@ -3,6 +3,7 @@
  * which the test computes again. */
 #pragma GCC visibility push(default) /* as in render/load/vdb_import.cc */
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #pragma GCC visibility pop
 
@@ -272,6 +273,113 @@ openvdb::GridPtrVec bad_values()
             one_voxel("negative", -0.5f)};
 }
 
+/* 10^3 voxels of 0.5, three of which are a little below 0, two are none, one is too much. */
+FloatGrid::Ptr nearly_fog(const char *name)
+{
+    auto grid = FloatGrid::create(0);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    grid->tree().fill(CoordBBox(Coord(0), Coord(9)), 0.5f, true);
+    for (int i = 0; i < 3; i++)
+        grid->tree().setValueOn(Coord(i, 2, 3), i == 1 ? -1e-3f : -1e-7f);
+    grid->tree().setValueOn(Coord(5, 5, 5), nan);
+    grid->tree().setValueOn(Coord(9, 9, 9), nan);
+    grid->tree().setValueOn(Coord(0), std::numeric_limits<float>::infinity());
+    grid->setName(name);
+    return grid;
+}
+
+/* Distances of a ball, which does not say what it is. */
+openvdb::GridPtrVec odd_values()
+{
+    auto ball =
+        openvdb::tools::createLevelSetSphere<FloatGrid>(5.0f, openvdb::Vec3f(0), 0.5f, 3.0f);
+    ball->setName("distance");
+    ball->setGridClass(openvdb::GRID_UNKNOWN);
+    auto wind = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
+    wind->tree().setValueOn(Coord(0), openvdb::Vec3f(1, std::nanf(""), 1));
+    wind->tree().setValueOn(Coord(1), openvdb::Vec3f(1));
+    wind->setName("wind");
+    return {nearly_fog("density"), nearly_fog("heat"), ball, wind};
+}
+
+/* 4^3 voxels of 0.5. */
+template <typename Grid> typename Grid::Ptr small_block(const char *name)
+{
+    auto grid = Grid::create();
+    grid->fill(CoordBBox(Coord(0), Coord(3)), typename Grid::ValueType(0.5));
+    grid->setName(name);
+    return grid;
+}
+
+/* A grid for each thing that a file can say of one (docs/formats/volumes.md). */
+openvdb::GridPtrVec said_of_grids()
+{
+    auto fog = small_block<FloatGrid>("fog"), half = small_block<FloatGrid>("half"),
+         moved = small_block<FloatGrid>("moved"), scaled = small_block<FloatGrid>("scaled"),
+         turned = small_block<FloatGrid>("turned"), frustum = small_block<FloatGrid>("frustum"),
+         wide = small_block<FloatGrid>("background"), words = small_block<FloatGrid>("words"),
+         tile = FloatGrid::create(0), inactive = small_block<FloatGrid>("inactive");
+    fog->setGridClass(openvdb::GRID_FOG_VOLUME);
+    half->setSaveFloatAsHalf(true);
+    moved->setTransform(voxels_of(1, 5, 6, 7));
+    scaled->setTransform(voxels_of(0.25, 0, 0, 0));
+    turned->setTransform(skewed(1));
+    frustum->setTransform(openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10, 1));
+    openvdb::tools::changeBackground(wide->tree(), 0.25f);
+    words->setCreator("a program");
+    words->setIsInWorldSpace(false);
+    words->insertMeta("author", openvdb::StringMetadata("somebody"));
+    words->insertMeta("frame", openvdb::Int32Metadata(7));
+    tile->tree().addTile(1, Coord(0), 0.5f, true);
+    tile->setName("tile");
+    inactive->tree().setValueOff(Coord(9), 0.7f);
+    auto same = small_block<FloatGrid>("same"), shared = same->copy();
+    shared->setName("shared");
+    auto vec3s = openvdb::Vec3SGrid::create();
+    auto vec3d = openvdb::Vec3DGrid::create();
+    vec3s->fill(CoordBBox(Coord(0), Coord(3)), openvdb::Vec3f(0.5f, 0.25f, 0));
+    vec3d->fill(CoordBBox(Coord(0), Coord(3)), openvdb::Vec3d(0.5, 0.25, 0));
+    vec3s->setName("vec3s");
+    vec3d->setName("vec3d");
+    vec3s->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+    auto vec3i = openvdb::Vec3IGrid::create();
+    auto whole = openvdb::Int32Grid::create();
+    auto longer = openvdb::Int64Grid::create();
+    auto logical = openvdb::BoolGrid::create();
+    auto mask = openvdb::MaskGrid::create();
+    vec3i->setName("vec3i");
+    whole->setName("int32");
+    longer->setName("int64");
+    logical->setName("bool");
+    mask->setName("mask");
+    auto empty = FloatGrid::create(0);
+    empty->setName("empty");
+    return {small_block<FloatGrid>("density"),
+            fog,
+            half,
+            small_block<openvdb::DoubleGrid>("double"),
+            moved,
+            scaled,
+            turned,
+            frustum,
+            wide,
+            words,
+            tile,
+            inactive,
+            same,
+            shared,
+            vec3s,
+            vec3d,
+            vec3i,
+            whole,
+            longer,
+            logical,
+            mask,
+            empty,
+            small_block<FloatGrid>("density")};
+}
+
 openvdb::GridPtrVec frustum()
 {
     auto grid = one_voxel("density", 1);
@@ -328,6 +436,8 @@ void write_all(const std::string &folder)
     write(folder, "names.vdb",
           {one_voxel("density", 1), one_voxel("density", 2), one_voxel("density", 3)}, zip);
     write(folder, "values.vdb", bad_values(), zip);
+    write(folder, "odd.vdb", odd_values(), zip);
+    write(folder, "said.vdb", said_of_grids(), zip);
     write(folder, "flows.vdb", flows(), zip);
     write(folder, "bad_flows.vdb", bad_flows(), zip);
     write(folder, "frustum.vdb", frustum(), zip);

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/import/import.h"
+#include "base/number.h"
 
 static struct {
     _Atomic uint64_t memory;
@@ -29,7 +30,8 @@ static uint64_t group_memory(const char *group)
         return UINT64_MAX;
     bool read = fgets(text, sizeof text, file);
     fclose(file);
-    return read && text[0] >= '0' && text[0] <= '9' ? strtoull(text, NULL, 10) : UINT64_MAX;
+    uint64_t bytes = UINT64_MAX;
+    return read && lf_whole_read(text, &bytes) ? bytes : UINT64_MAX;
 }
 
 /* Of the process's own group in the unified hierarchy, "0::/a/b" in /proc/self/cgroup, and of those

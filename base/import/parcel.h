@@ -17,7 +17,7 @@ extern "C" {
 
 #include "base/status.h"
 
-#define LF_PARCEL_MAGIC UINT64_C(0x356c637270746c71) /* "qltprcl5" */
+#define LF_PARCEL_MAGIC UINT64_C(0x366c637270746c71) /* "qltprcl6" */
 
 /* What a section holds, and what one of its elements is. */
 typedef enum lf_parcel_tag {
@@ -46,6 +46,7 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_PLACES,    /* double: 3x4, row-major, of each place that a mesh stands in */
     LF_PARCEL_PARTS, /* uint32_t: first triangle, triangles, first vertex, vertices of each part */
     LF_PARCEL_PART_OF, /* uint32_t: which of them stands in a place */
+    LF_PARCEL_ODD,     /* double: four, lf_grid_odd (render/scene/grid.h); absent: none */
     LF_PARCEL_TAGS
 } lf_parcel_tag;
 

@@ -1,11 +1,13 @@
 /* Folders of views: view_000.exr, view_001.exr, …, or .png. Each file becomes visible whole, and
  * none before all are written. */
 #include <dirent.h>
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/number.h"
 #include "daemon/output/output_internal.h"
 
 static char *name_of(const char *folder, int i, const char *ending)
@@ -28,12 +30,12 @@ static char *png_name(const char *folder, int i)
 /* The number in "view_NNN" with this ending, else -1. */
 static int view_number(const char *name, const char *ending)
 {
-    int number = -1;
+    uint64_t number;
     char again[32];
-    if (sscanf(name, "view_%d", &number) != 1 || number < 0)
+    if (strncmp(name, "view_", 5) != 0 || !lf_whole_read(name + 5, &number) || number > INT_MAX)
         return -1;
-    snprintf(again, sizeof again, "view_%03d%s", number, ending);
-    return strcmp(name, again) == 0 ? number : -1;
+    snprintf(again, sizeof again, "view_%03d%s", (int)number, ending);
+    return strcmp(name, again) == 0 ? (int)number : -1;
 }
 
 /* Views numbered n and above, and those of the other kind, would make another light field of the

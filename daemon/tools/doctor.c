@@ -6,6 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/number.h"
+
 typedef struct report {
     const lf_doctor_facts *facts;
     FILE *out;
@@ -133,9 +135,8 @@ static char *unit_value(const char *unit, const char *key, char *value, size_t s
 /* UINT64_MAX: there is no limit, or an old systemd that knows none. */
 static uint64_t unit_number(const char *text)
 {
-    char *end;
-    unsigned long long number = strtoull(text, &end, 10);
-    return end != text && *end == '\0' ? number : UINT64_MAX;
+    uint64_t number;
+    return lf_whole_is(text, &number) ? number : UINT64_MAX;
 }
 
 static void judge_memory(const report *r, const char *memory, const char *oom)

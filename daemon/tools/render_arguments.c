@@ -75,7 +75,7 @@ static void print_help(void)
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
 {
-    a->n_budgets++;
+    a->budgets |= 1u << (code == OPTION_PASSES ? 0 : code == OPTION_SPP ? 1 : 2);
     if (!a->render_option)
         a->render_option = code == OPTION_PASSES ? "passes" : code == OPTION_SPP ? "spp" : "time";
     switch (code) {
@@ -323,8 +323,9 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "-o", "missing: where to write");
     a->budget.target_error = a->options.target_error;
     a->budget.target_shown_error = a->options.target_shown_error;
-    a->n_budgets += (a->options.target_error > 0) + (a->options.target_shown_error > 0);
-    if (a->n_budgets > 1)
+    int n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +
+                    (a->options.target_shown_error > 0);
+    if (n_budgets > 1)
         return lf_error_set(err, LF_E_ARG,
                             "--passes, --spp, --time, --target-error, --target-shown-error",
                             "only one of them");
@@ -333,7 +334,7 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
                             "only goes with --reconstruct on");
     if (a->options.reconstruct == LF_RECONSTRUCT_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
         return lf_error_set(err, LF_E_ARG, "--reconstruct", "on only goes with --estimator mwis");
-    if (a->n_budgets == 0)
+    if (n_budgets == 0)
         a->spp = DEFAULT_SPP;
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)

@@ -21,7 +21,7 @@ typedef struct lf_render_arguments {
     const lf_output_kind *asked, *asked_too; /* kinds whose options were given: two of them */
     lf_budget budget; /* passes stay 0 for --spp until the number of views is known */
     int64_t spp;
-    int n_budgets;             /* of --passes, --spp, --time and targets */
+    unsigned budgets; /* bits: --passes, --spp, --time; of one given twice the last counts */
     const char *render_option; /* the first option that only makes sense where paths are traced */
     const char *print_option;  /* the first option that only makes sense with --print or --chart */
     const char *panel_option;  /* the first option that only makes sense with --panel */

@@ -46,7 +46,8 @@ static lf_status prepare_print(lf_rendering *r, int n_views_most, lf_error *err)
     if (status == LF_OK)
         status = r->arguments->kind->check_print(&r->print, &warning, err);
     if (status == LF_OK && warning && !r->pool) /* while it opens, not for every frame */
-        lf_log(LF_LOG_WARNING, "--views: %s", warning);
+        lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->options.views > 0 ? "--views" : "--print",
+               warning);
     return status;
 }
 

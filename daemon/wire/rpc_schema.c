@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/nearest.h"
+#include "base/number.h"
 
 /* More keys than a method has are not looked at. */
 #define MAX_KEYS 64
@@ -227,35 +228,29 @@ static const char *type_name(const json_t *schema)
 
 static json_t *number_of(const char *text, bool integer)
 {
-    char *end;
-    errno = 0;
-    if (integer) {
-        long long value = strtoll(text, &end, 10);
-        return end != text && *end == '\0' && errno == 0 ? json_integer(value) : NULL;
-    }
-    double value = strtod(text, &end);
-    return end != text && *end == '\0' && isfinite(value) ? json_real(value) : NULL;
+    int64_t whole;
+    double value;
+    if (integer)
+        return lf_integer_is(text, &whole) ? json_integer(whole) : NULL;
+    return lf_decimal_is(text, &value) ? json_real(value) : NULL;
 }
 
 static json_t *typed_value(const json_t *schema, const char *text);
 
+/* What commas part, each whole; NULL: one of them is not of its type. */
 static json_t *list_of(const json_t *items, const char *text)
 {
     json_t *list = json_array();
-    char *copy = strdup(text);
-    char *rest = NULL;
-    for (char *word = copy ? strtok_r(copy, ",", &rest) : NULL; word;
-         word = strtok_r(NULL, ",", &rest)) {
+    char *copy = strdup(text), *rest = *text ? copy : NULL;
+    bool good = list && copy;
+    for (const char *word; good && (word = strsep(&rest, ","));) {
         json_t *element = typed_value(items, word);
-        if (!element) {
-            json_decref(list);
-            list = NULL;
-            break;
-        }
-        json_array_append_new(list, element);
+        good = element && json_array_append_new(list, element) == 0;
     }
     free(copy);
-    return list;
+    if (!good)
+        json_decref(list);
+    return good ? list : NULL;
 }
 
 /* Whether it is one of the words, which blanks part. */
@@ -285,6 +280,26 @@ static json_t *typed_value(const json_t *schema, const char *text)
     return json_string(text);
 }
 
+/* What a text of the type is. */
+static const char *example_of(const json_t *schema)
+{
+    static const char *const examples[][2] = {
+        {"integer", "a whole number in decimal digits, such as 12"},
+        {"number", "a decimal number, such as 0.5 or 1e-3"},
+        {"boolean", "true or false"},
+        {"object", "a JSON object"}};
+    const json_t *items = json_object_get(schema, "items");
+    const char *type = type_name(schema);
+    if (strcmp(type, "array") == 0)
+        return strchr("in", type_name(items)[0]) ? "decimal numbers with a comma between two, such "
+                                                   "as 0,0.5,1"
+                                                 : "values with a comma between two";
+    for (size_t i = 0; i < sizeof examples / sizeof *examples; i++)
+        if (strcmp(type, examples[i][0]) == 0)
+            return examples[i][1];
+    return type;
+}
+
 lf_status lf_schema_argument(const json_t *schema, const char *text, json_t *params, lf_error *err)
 {
     const char *equals = strchr(text, '=');
@@ -304,9 +319,8 @@ lf_status lf_schema_argument(const json_t *schema, const char *text, json_t *par
     if (!value)
         return raw ? lf_error_set(err, LF_E_ARG, key, "not JSON: column %d: %s", error.column,
                                   error.text)
-                   : lf_error_set(err, LF_E_ARG, key, "\"%s\" is not %s %s", equals + 1,
-                                  strchr("aio", type_name(property)[0]) ? "an" : "a",
-                                  type_name(property));
+                   : lf_error_set(err, LF_E_ARG, key, "\"%s\" is not %s", equals + 1,
+                                  example_of(property));
     return json_object_set_new(params, key, value) == 0
                ? LF_OK
                : lf_error_set(err, LF_E_NOMEM, key, "out of memory");

@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/number.h"
 #include "device/device_table.h"
 #include "device/drm/drm.h"
 #include "device/find/find.h"
@@ -39,15 +40,18 @@ static bool is_connector_name(const char *s)
 lf_status lf_drm_name_parse(const char *argument, lf_drm_name *out, lf_error *err)
 {
     lf_drm_name name = {.card = -1};
-    const char *connector = argument;
-    int used = 0;
+    const char *connector = argument, *slash = NULL;
+    uint64_t card;
     if (argument[0] == 0) {
         *out = name;
         return LF_OK;
     }
-    if (sscanf(argument, "card%3d/%n", &name.card, &used) == 1 && used > 0 &&
-        strchr("0123456789", argument[4]))
-        connector = argument + used;
+    if (strncmp(argument, "card", 4) == 0)
+        slash = lf_whole_read(argument + 4, &card);
+    if (slash && *slash == '/') {
+        name.card = card > MAX_CARD ? MAX_CARD + 1 : (int)card;
+        connector = slash + 1;
+    }
     if (name.card > MAX_CARD || !is_connector_name(connector))
         return lf_error_set(
             err, LF_E_ARG, "drm",

@@ -16,6 +16,8 @@
 #include <xf86drm.h>
 #include <xf86drmMode.h>
 
+#include "base/number.h"
+
 /* ------------------------------------------------------------------------------------- cards -- */
 
 static int order(const void *a, const void *b)
@@ -30,9 +32,10 @@ static int kernel_cards(int out[LF_KMS_CARDS])
     const struct dirent *entry;
     int n = 0;
     while (dir && n < LF_KMS_CARDS && (entry = readdir(dir))) {
-        char rest;
-        if (sscanf(entry->d_name, "card%3d%c", &out[n], &rest) == 1 && out[n] >= 0)
-            n++;
+        uint64_t card;
+        if (strncmp(entry->d_name, "card", 4) == 0 && lf_whole_is(entry->d_name + 4, &card) &&
+            card < 1000)
+            out[n++] = (int)card;
     }
     if (dir)
         closedir(dir);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "device/sim/sim.h"
 
 #define MAX_NUMBER UINT64_C(1000000000000)
@@ -59,9 +60,7 @@ static bool parse_eye(const char *text, const char *end, double *out)
         return false;
     memcpy(number, text, length);
     number[length] = 0;
-    char *rest = NULL;
-    *out = strtod(number, &rest);
-    return *rest == 0 && fabs(*out) <= 90;
+    return lf_decimal_is(number, out) && fabs(*out) <= 90;
 }
 
 /* One "name=value" of `length` bytes. */

@@ -9,6 +9,7 @@
 
 #include "base/alloc.h"
 #include "base/image_io.h"
+#include "base/log.h"
 #include "base/thread.h"
 #include "device/device_table.h"
 #include "device/sim/optics.h"
@@ -84,6 +85,14 @@ static void set_problem(const lf_sim_writer *w, char *out, size_t size, const lf
     lf_device_text(out, size, text);
 }
 
+/* Said once, until it is over: nobody may be asking. `known` is what was said last. Without the
+ * lock, which nothing of the panel's waits for; this thread alone writes problems. */
+static void tell_problem(const char *known, const char *problem)
+{
+    if (problem[0] != 0 && known[0] == 0)
+        lf_log(LF_LOG_WARNING, "sim: %s", problem);
+}
+
 /* ------------------------------------------------------------------------ pictures and lines -- */
 
 static lf_status write_png(const lf_sim_writer *w, const char *name, const lf_image8 *image,
@@ -149,16 +158,18 @@ static void write_pictures(lf_sim_writer *w, bool *quilt_owed)
         *quilt_owed = status != LF_OK;
     }
     uint64_t pause = (thread_cpu_ns() - began) * PAUSE_PER_WORK;
+    char problem[sizeof w->picture_problem] = "";
+    if (status != LF_OK)
+        set_problem(w, problem, sizeof problem, &err);
+    tell_problem(w->picture_problem, problem);
 
     pthread_mutex_lock(&w->lock);
     w->progress.attempted = taken;
-    if (status == LF_OK) {
+    memcpy(w->picture_problem, problem, sizeof problem);
+    if (status == LF_OK)
         w->progress.written = taken;
-        w->picture_problem[0] = 0;
-    } else {
+    else
         w->errors++;
-        set_problem(w, w->picture_problem, sizeof w->picture_problem, &err);
-    }
     w->due_ns = lf_time_now_ns() + (pause > LEAST_PAUSE_NS ? pause : LEAST_PAUSE_NS);
 }
 

@@ -30,10 +30,10 @@ static lf_status check(const lf_print *print, lf_error *err)
     if (print->lpi - print->chart_range < 5.0)
         return lf_error_set(err, LF_E_ARG, "chart", "range %g: expected pitches of at least 5 lpi",
                             print->chart_range);
-    if (print->dpi < 2.0 * (print->lpi + print->chart_range))
+    if (lf_print_dpi_across(print) < 2.0 * (print->lpi + print->chart_range))
         return lf_error_set(err, LF_E_ARG, "chart",
-                            "%g lpi at %d dpi: expected at least 2 pixels a line",
-                            print->lpi + print->chart_range, print->dpi);
+                            "%g lpi at %.10g dpi: expected at least 2 pixels a line",
+                            print->lpi + print->chart_range, lf_print_dpi_across(print));
     if (print->n_views > 0 || print->bleed_mm != 0.0 || print->phase_mm != 0.0 || print->reverse ||
         print->marks || print->stripes != LF_STRIPES_FRACTIONAL)
         return lf_error_set(err, LF_E_ARG, "chart",
@@ -61,10 +61,11 @@ lf_status lf_chart_layout(const lf_print *print, lf_chart *out, lf_error *err)
 {
     const lf_status status = check(print, err);
     const double steps = floor(print->chart_range / print->chart_step + 1e-6);
-    lf_chart chart = {.lpi = print->lpi, .step = print->chart_step, .dpi = print->dpi};
+    lf_chart chart = {.lpi = print->lpi, .step = print->chart_step};
     char widest[32];
     if (status != LF_OK)
         return status;
+    lf_print_dpi_text(print, chart.dpi, sizeof chart.dpi);
     chart.width = print->horizontal ? print->height_mm : print->width_mm;
     chart.height = print->horizontal ? print->width_mm : print->height_mm;
     chart.top = HEADER_MM;
@@ -113,10 +114,10 @@ static double ink_before(double x, double pitch)
 
 static bool header_ink(const lf_chart *chart, double x, double y)
 {
-    char text[32];
+    char text[64];
     if (fabs(y - MARGIN_MM - 0.5 * TEXT_MM) > 0.5 * TEXT_MM)
         return false;
-    snprintf(text, sizeof text, "%d dpi 100%%", chart->dpi);
+    snprintf(text, sizeof text, "%s dpi 100%%", chart->dpi);
     return lf_label_ink(text, TEXT_MM, x + 0.5 * lf_label_width(text, TEXT_MM), y - MARGIN_MM);
 }
 
@@ -167,19 +168,20 @@ double lf_chart_ink(const lf_chart *chart, double x0, double x1, double y)
 typedef struct drawing {
     lf_chart chart;
     int width, height;
-    double pixel;
+    double right, down; /* mm of a pixel */
     bool turned; /* horizontal lenses: by 90 degrees, the chart's right is the print's lower end */
 } drawing;
 
 static void draw_row(void *context, int y, float *row)
 {
     const drawing *d = context;
+    const double pixel = d->turned ? d->down : d->right;
     for (int x = 0; x < d->width; x++) {
-        const double left = (d->turned ? y - 0.5 * d->height : x - 0.5 * d->width) * d->pixel;
-        const double down =
-            (d->turned ? 0.5 * d->width - x - 0.5 : y + 0.5 - 0.5 * d->height) * d->pixel +
-            0.5 * d->chart.height;
-        const float light = (float)(1.0 - lf_chart_ink(&d->chart, left, left + d->pixel, down));
+        const double left = (d->turned ? y - 0.5 * d->height : x - 0.5 * d->width) * pixel;
+        const double down = (d->turned ? (0.5 * d->width - x - 0.5) * d->right
+                                       : (y + 0.5 - 0.5 * d->height) * d->down) +
+                            0.5 * d->chart.height;
+        const float light = (float)(1.0 - lf_chart_ink(&d->chart, left, left + pixel, down));
         for (int c = 0; c < 3; c++)
             row[3 * x + c] = light;
     }
@@ -200,7 +202,9 @@ static json_t *chart_part(const lf_chart *chart)
 lf_status lf_chart_write(const lf_print *print, const lf_print_run *run, lf_outfile *tiff,
                          lf_outfile *manifest, lf_error *err)
 {
-    drawing d = {.pixel = 25.4 / print->dpi, .turned = print->horizontal};
+    drawing d = {.right = 25.4 / print->dpi,
+                 .down = 25.4 / lf_print_dpi_down(print),
+                 .turned = print->horizontal};
     lf_print_shape shape;
     lf_print_colour *colour = NULL;
     char description[160];
@@ -213,8 +217,8 @@ lf_status lf_chart_write(const lf_print *print, const lf_print_run *run, lf_outf
     d.width = shape.raster_width;
     d.height = shape.raster_height;
     snprintf(description, sizeof description,
-             "pitch test chart of %.10g to %.10g lenses per inch at %d dpi: print at 100 %%",
-             lf_chart_lpi(&d.chart, 0), lf_chart_lpi(&d.chart, d.chart.n_bands - 1), print->dpi);
+             "pitch test chart of %.10g to %.10g lenses per inch at %s dpi: print at 100 %%",
+             lf_chart_lpi(&d.chart, 0), lf_chart_lpi(&d.chart, d.chart.n_bands - 1), d.chart.dpi);
     const lf_print_page page = {print, d.width, d.height, description, draw_row, &d};
     status = lf_print_page_write(&page, colour, run, 0, tiff, err);
     if (status == LF_OK) {

@@ -21,7 +21,7 @@ typedef struct lf_chart {
     double half_width;       /* of the gratings */
     double label_height;
     double half_ruler;
-    int dpi;
+    char dpi[48]; /* as it is written above the bands */
 } lf_chart;
 
 /* Lays the chart of a print out; its size is the print's. LF_E_ARG where a row of the table is out

@@ -1,5 +1,6 @@
 /* Private to quilt/print: small text on prints, in millimetres. Characters are 5 x 7 squares, one
- * square apart; there are the digits, '.', ' ', '%' and the letters of "lpi", "dpi" and "mm".
+ * square apart; there are the digits, '.', ' ', '%', 'x' and the letters of "lpi", "dpi" and
+ * "mm".
  * Pure functions. */
 #ifndef LF_QUILT_LABEL_H
 #define LF_QUILT_LABEL_H

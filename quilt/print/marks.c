@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "quilt/print/print.h"
+
 #define LINE_MM 0.2
 #define STRIP_FROM 1.0
 #define STRIP_TO 5.0
@@ -19,10 +21,12 @@ lf_marks lf_marks_of(const lf_print *print, const lf_print_shape *shape)
     const double along = print->horizontal ? print->width_mm : print->height_mm;
     return (lf_marks){
         .width = shape->raster_width + 2 * shape->margin_px,
-        .height = shape->raster_height + 2 * shape->margin_px,
+        .height = shape->raster_height + 2 * shape->margin_down_px,
         .margin_px = shape->margin_px,
+        .margin_down_px = shape->margin_down_px,
         .horizontal = print->horizontal,
-        .pixel = 25.4 / print->dpi,
+        .right = 25.4 / print->dpi,
+        .down = 25.4 / lf_print_dpi_down(print),
         .pitch = 25.4 / print->lpi,
         .phase = print->phase_mm,
         .trim_across = 0.5 * across,
@@ -33,11 +37,22 @@ lf_marks lf_marks_of(const lf_print *print, const lf_print_shape *shape)
 }
 
 /* How much of a pixel about x lies on a line of this width about `at`. */
-static double on_line(const lf_marks *marks, double x, double at, double width)
+static double on_line(double pixel, double x, double at, double width)
 {
-    const double half = 0.5 * marks->pixel;
+    const double half = 0.5 * pixel;
     const double covered = fmin(x + half, at + 0.5 * width) - fmax(x - half, at - 0.5 * width);
-    return fmax(covered, 0.0) / marks->pixel;
+    return fmax(covered, 0.0) / pixel;
+}
+
+/* mm of a pixel across the lenses, and along them. */
+static double pixel_across(const lf_marks *marks)
+{
+    return marks->horizontal ? marks->down : marks->right;
+}
+
+static double pixel_along(const lf_marks *marks)
+{
+    return marks->horizontal ? marks->right : marks->down;
 }
 
 static bool within(double x, double from, double to)
@@ -51,20 +66,24 @@ static double end_ink(const lf_marks *marks, double across, double out)
     if (within(out, STRIP_FROM, STRIP_TO) && fabs(across) < marks->trim_across - 1.0) {
         const double lens =
             marks->phase + marks->pitch * round((across - marks->phase) / marks->pitch);
-        return on_line(marks, across, lens, 0.25 * marks->pitch);
+        return on_line(pixel_across(marks), across, lens, 0.25 * marks->pitch);
     }
-    return within(out, TICK_FROM, TICK_TO) ? on_line(marks, across, marks->phase, LINE_MM) : 0.0;
+    return within(out, TICK_FROM, TICK_TO)
+               ? on_line(pixel_across(marks), across, marks->phase, LINE_MM)
+               : 0.0;
 }
 
 /* Beyond the first or last lens. */
 static double side_ink(const lf_marks *marks, double out, double along)
 {
     const double x = out - REGISTER_AT, radius = hypot(x, along);
-    double ink = on_line(marks, radius, REGISTER_RADIUS, LINE_MM);
+    /* a pixel of the ring, which runs in every direction, is as wide as the finer of both */
+    const double finer = fmin(marks->right, marks->down);
+    double ink = on_line(finer, radius, REGISTER_RADIUS, LINE_MM);
     if (fabs(along) < REGISTER_ARM)
-        ink = fmax(ink, on_line(marks, x, 0.0, LINE_MM));
+        ink = fmax(ink, on_line(pixel_across(marks), x, 0.0, LINE_MM));
     if (fabs(x) < REGISTER_ARM)
-        ink = fmax(ink, on_line(marks, along, 0.0, LINE_MM));
+        ink = fmax(ink, on_line(pixel_along(marks), along, 0.0, LINE_MM));
     return ink;
 }
 
@@ -73,9 +92,9 @@ static double crop_ink(const lf_marks *marks, double across, double along)
 {
     double ink = 0.0;
     if (within(fabs(along) - marks->bleed_along, CROP_FROM, CROP_TO))
-        ink = on_line(marks, fabs(across), marks->trim_across, LINE_MM);
+        ink = on_line(pixel_across(marks), fabs(across), marks->trim_across, LINE_MM);
     if (within(fabs(across) - marks->bleed_across, CROP_FROM, CROP_TO))
-        ink = fmax(ink, on_line(marks, fabs(along), marks->trim_along, LINE_MM));
+        ink = fmax(ink, on_line(pixel_along(marks), fabs(along), marks->trim_along, LINE_MM));
     return ink;
 }
 
@@ -93,12 +112,13 @@ static double ink_at(const lf_marks *marks, double across, double along)
 
 void lf_marks_row(const lf_marks *marks, int y, float *row)
 {
-    const double down = (y + 0.5 - 0.5 * marks->height) * marks->pixel;
-    const bool beside_picture = y >= marks->margin_px && y < marks->height - marks->margin_px;
+    const double down = (y + 0.5 - 0.5 * marks->height) * marks->down;
+    const bool beside_picture =
+        y >= marks->margin_down_px && y < marks->height - marks->margin_down_px;
     for (int x = 0; x < marks->width; x++) {
         if (beside_picture && x == marks->margin_px)
             x = marks->width - marks->margin_px;
-        const double right = (x + 0.5 - 0.5 * marks->width) * marks->pixel;
+        const double right = (x + 0.5 - 0.5 * marks->width) * marks->right;
         const float light = (float)(1.0 - (marks->horizontal ? ink_at(marks, down, right)
                                                              : ink_at(marks, right, down)));
         for (int c = 0; c < 3; c++)

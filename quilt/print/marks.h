@@ -17,9 +17,10 @@
 #define LF_MARKS_MM 8.0
 
 typedef struct lf_marks {
-    int width, height, margin_px; /* of the file */
+    int width, height, margin_px, margin_down_px; /* of the file */
     bool horizontal;
-    double pixel, pitch, phase;       /* mm */
+    double right, down;               /* mm of a pixel */
+    double pitch, phase;              /* mm */
     double trim_across, trim_along;   /* from the middle to the trim edge, mm */
     double bleed_across, bleed_along; /* from the middle to the edge of the bleed */
 } lf_marks;

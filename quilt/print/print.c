@@ -9,15 +9,22 @@
 
 /* ----------------------------------------------------------------------------- what is asked -- */
 
+char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size)
+{
+    const double down = lf_print_dpi_down(print);
+    snprintf(buf, size, down == print->dpi ? "%.10g" : "%.10gx%.10g", print->dpi, down);
+    return buf;
+}
+
 static lf_status check_views(const lf_print *print, const char **out_warning, lf_error *err)
 {
-    const double pixels_per_lens = print->dpi / print->lpi;
+    const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
     const int most = (int)fmax(floor(pixels_per_lens + 0.5), 1.0);
     if (print->n_views < 1 || print->n_views > most)
         return lf_error_set(
             err, LF_E_ARG, "print",
-            "%d views: a lens of %g lpi has %.4g pixels at %d dpi, expected 1 to %d",
-            print->n_views, print->lpi, pixels_per_lens, print->dpi, most);
+            "%d views: a lens of %g lpi has %.4g pixels at %.10g dpi, expected 1 to %d",
+            print->n_views, print->lpi, pixels_per_lens, lf_print_dpi_across(print), most);
     if (out_warning)
         *out_warning = print->n_views > 1 && print->n_views > 0.8 * pixels_per_lens
                            ? "more than 0.8 dpi/lpi views: neighbouring views ghost; fewer views "
@@ -48,7 +55,8 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
         return lf_error_set_at(err, LF_E_ARG, where, 0, pointer,
                                "%d views asked for, but there are only %d", print->n_views, n_most);
     if (print->n_views == 0)
-        print->n_views = (int)fmax(1, fmin(floor(print->dpi / print->lpi + 1e-9), n_most));
+        print->n_views =
+            (int)fmax(1, fmin(floor(lf_print_dpi_across(print) / print->lpi + 1e-9), n_most));
     return LF_OK;
 }
 
@@ -58,7 +66,7 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
  * p]. */
 static void lenses_of(const lf_print *print, int raster_across, int *out_first, int *out_last)
 {
-    const double half = 0.5 * raster_across * print->lpi / print->dpi; /* in lenses */
+    const double half = 0.5 * raster_across * print->lpi / lf_print_dpi_across(print); /* lenses */
     const double phase = print->phase_mm * print->lpi / 25.4;
     *out_first = (int)floor(-half - phase + 0.5);
     *out_last = (int)ceil(half - phase + 0.5) - 1;
@@ -66,18 +74,21 @@ static void lenses_of(const lf_print *print, int raster_across, int *out_first, 
 
 void lf_print_shape_of(const lf_print *print, lf_print_shape *out)
 {
-    const double pixel_mm = 25.4 / print->dpi, pitch_mm = 25.4 / print->lpi;
+    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print),
+                 pitch_mm = 25.4 / print->lpi;
     int last;
     memset(out, 0, sizeof *out);
-    out->raster_width = (int)lround((print->width_mm + 2.0 * print->bleed_mm) / pixel_mm);
-    out->raster_height = (int)lround((print->height_mm + 2.0 * print->bleed_mm) / pixel_mm);
-    out->margin_px = print->marks ? (int)lround(LF_MARKS_MM / pixel_mm) : 0;
+    out->raster_width = (int)lround((print->width_mm + 2.0 * print->bleed_mm) / right_mm);
+    out->raster_height = (int)lround((print->height_mm + 2.0 * print->bleed_mm) / down_mm);
+    out->margin_px = print->marks ? (int)lround(LF_MARKS_MM / right_mm) : 0;
+    out->margin_down_px = print->marks ? (int)lround(LF_MARKS_MM / down_mm) : 0;
     lenses_of(print, print->horizontal ? out->raster_height : out->raster_width, &out->first_lens,
               &last);
     out->n_lenses = last - out->first_lens + 1;
     out->n_along = print->horizontal ? out->raster_width : out->raster_height;
 
-    const double across_mm = out->n_lenses * pitch_mm, along_mm = out->n_along * pixel_mm;
+    const double across_mm = out->n_lenses * pitch_mm,
+                 along_mm = out->n_along * (25.4 / lf_print_dpi_along(print));
     const double center_mm = print->phase_mm + 0.5 * (out->first_lens + last) * pitch_mm;
     if (print->horizontal && !print->rolled) {
         out->view_width = out->n_along;
@@ -204,7 +215,7 @@ static void draw_row(void *context, int y, float *row)
     const int margin = j->shape.margin_px;
     if (margin > 0)
         lf_marks_row(&j->marks, y, row);
-    y -= margin;
+    y -= j->shape.margin_down_px;
     row += (size_t)margin * 3;
     if (y < 0 || y >= j->shape.raster_height)
         return;
@@ -217,12 +228,12 @@ static void draw_row(void *context, int y, float *row)
 static lf_status write_raster(job *j, const lf_print_run *run, int rows_per_strip, lf_outfile *tiff,
                               lf_error *err)
 {
-    char description[160];
+    char description[160], dpi[48];
     const lf_print_page page = {j->print,    j->marks.width, j->marks.height,
                                 description, draw_row,       j};
     snprintf(description, sizeof description,
-             "%d views interlaced for %.10g lenses per inch at %d dpi: print at 100 %%",
-             j->print->n_views, j->print->lpi, j->print->dpi);
+             "%d views interlaced for %.10g lenses per inch at %s dpi: print at 100 %%",
+             j->print->n_views, j->print->lpi, lf_print_dpi_text(j->print, dpi, sizeof dpi));
     return lf_print_page_write(&page, j->colour, run, rows_per_strip, tiff, err);
 }
 

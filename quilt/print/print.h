@@ -11,6 +11,27 @@
 
 #include "quilt/quilt.h"
 
+/* ------------------------------------------------------------------------------------ raster -- */
+
+/* Dots per inch down the page, across the lenses and along them. */
+static inline double lf_print_dpi_down(const lf_print *print)
+{
+    return print->dpi_down > 0.0 ? print->dpi_down : print->dpi;
+}
+
+static inline double lf_print_dpi_across(const lf_print *print)
+{
+    return print->horizontal ? lf_print_dpi_down(print) : print->dpi;
+}
+
+static inline double lf_print_dpi_along(const lf_print *print)
+{
+    return print->horizontal ? print->dpi : lf_print_dpi_down(print);
+}
+
+/* "600", "720x1440", as options have it; returns buf. */
+char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size);
+
 /* ----------------------------------------------------------------------------------- stripes -- */
 
 /* What one printer pixel shows: at most three stripes, weights sum to 1; unused entries repeat the

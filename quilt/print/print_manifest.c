@@ -1,5 +1,6 @@
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <nettle/sha2.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,21 +87,32 @@ static json_t *file_part(const lf_outfile *tiff)
     return json_pack("{s:s?, s:I, s:s}", "name", name, "bytes", (json_int_t)size, "sha256", hash);
 }
 
+/* One number where both are the same, whole where it is. */
+static json_t *both_ways(double right, double down)
+{
+    if (right != down)
+        return json_pack("[f,f]", right, down);
+    return right == floor(right) ? json_integer((json_int_t)right) : json_real(right);
+}
+
 /* Boxes are in the file as it is, marks included. */
 static json_t *size_part(const lf_print *print, const lf_print_shape *shape)
 {
-    const double pixel_mm = 25.4 / print->dpi;
+    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
     const int width = shape->raster_width + 2 * shape->margin_px,
-              height = shape->raster_height + 2 * shape->margin_px;
-    const double left = 0.5 * (width - print->width_mm / pixel_mm);
-    const double top = 0.5 * (height - print->height_mm / pixel_mm);
-    return json_pack("{s:[f,f], s:f, s:f, s:i, s:[i,i], s:[f,f], s:[f,f,f,f], s:[f,f,f,f]}",
+              height = shape->raster_height + 2 * shape->margin_down_px;
+    const double left = 0.5 * (width - print->width_mm / right_mm);
+    const double top = 0.5 * (height - print->height_mm / down_mm);
+    const double margin_mm[2] = {shape->margin_px * right_mm, shape->margin_down_px * down_mm};
+    return json_pack("{s:[f,f], s:f, s:o, s:o, s:[i,i], s:[f,f], s:[f,f,f,f], s:[f,f,f,f]}",
                      "trim_mm", print->width_mm, print->height_mm, "bleed_mm", print->bleed_mm,
-                     "marks_mm", shape->margin_px * pixel_mm, "dpi", print->dpi, "raster_px", width,
-                     height, "raster_mm", width * pixel_mm, height * pixel_mm, "trim_box_px", left,
-                     top, width - left, height - top, "trim_box_mm", left * pixel_mm,
-                     top * pixel_mm, left * pixel_mm + print->width_mm,
-                     top * pixel_mm + print->height_mm);
+                     "marks_mm",
+                     margin_mm[0] == margin_mm[1] ? json_real(margin_mm[0])
+                                                  : both_ways(margin_mm[0], margin_mm[1]),
+                     "dpi", both_ways(print->dpi, lf_print_dpi_down(print)), "raster_px", width,
+                     height, "raster_mm", width * right_mm, height * down_mm, "trim_box_px", left,
+                     top, width - left, height - top, "trim_box_mm", left * right_mm, top * down_mm,
+                     left * right_mm + print->width_mm, top * down_mm + print->height_mm);
 }
 
 /* Views in the order of the stripes of a cell in the file as it is, from left to right (top to
@@ -119,9 +131,9 @@ static json_t *lens_part(const lf_print *print, const lf_print_shape *shape, con
     const double pitch_mm = 25.4 / print->lpi;
     return json_pack("{s:f, s:f, s:s, s:f, s:f, s:O, s:i, s:i, s:f}", "lpi", print->lpi, "pitch_mm",
                      pitch_mm, "pitch_kind", "visual, as measured", "pixels_per_lens",
-                     print->dpi / print->lpi, "phase_mm", print->phase_mm, "orientation",
-                     json_object_get(options, "orientation"), "n_lenses", shape->n_lenses,
-                     "first_lens", shape->first_lens, "first_lens_mm",
+                     lf_print_dpi_across(print) / print->lpi, "phase_mm", print->phase_mm,
+                     "orientation", json_object_get(options, "orientation"), "n_lenses",
+                     shape->n_lenses, "first_lens", shape->first_lens, "first_lens_mm",
                      print->phase_mm + shape->first_lens * pitch_mm);
 }
 

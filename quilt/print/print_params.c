@@ -5,7 +5,7 @@
 /* Said by two options. */
 #define LPI .argument = "LPI", PLACE(lpi), .unit = "lpi", .low = 5, .high = 600
 #define DPI                                                                                        \
-    .argument = "DPI", PLACE(dpi), .type = LF_PARAM_WHOLE, .unit = "dpi", .low = 50, .high = 9600
+    .argument = "DPI", PLACE(dpi), .type = LF_PARAM_RASTER, .unit = "dpi", .low = 50, .high = 9600
 
 static const char *const stripes[] = {
     [LF_STRIPES_FRACTIONAL] = "fractional", [LF_STRIPES_NEAREST] = "nearest", NULL};
@@ -19,7 +19,8 @@ static const char *const bits[] = {"8", "16", NULL};
 /* clang-format off */
 const lf_param lf_print_params[] = {
     {.name = "lpi", .option = "print", .joined = "@", LPI, .required = true,
-     .help = "lenticular print into OUT.tif; LPI is the measured visual pitch, e.g. 60.13@600"},
+     .help = "lenticular print into OUT.tif; LPI is the measured visual pitch, e.g. 60.13@600; "
+             "DPI may be XxY, across the page and down it, 60.13@720x1440"},
     {.name = "dpi", .option = "print", DPI, .initial = 600},
     {.option = "chart", .joined = "+-", LPI,
      .help = "instead of a picture, a chart: bands of lines at pitches to find the sheet's by"},

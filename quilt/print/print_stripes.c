@@ -16,8 +16,9 @@ static double snapped(double s)
  * stripe 0 is the leftmost of lens 0's cell. */
 static double stripe_coordinate(const lf_print *print, int raster_across, double pixel)
 {
-    const double pixels_per_lens = print->dpi / print->lpi;
-    const double phase_px = print->phase_mm * print->dpi / 25.4;
+    const double dpi = lf_print_dpi_across(print);
+    const double pixels_per_lens = dpi / print->lpi;
+    const double phase_px = print->phase_mm * dpi / 25.4;
     const double x = pixel - 0.5 * raster_across - phase_px;
     return snapped(print->n_views * (x / pixels_per_lens + 0.5));
 }

@@ -1,4 +1,5 @@
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -16,6 +17,8 @@ struct lf_print_tiff {
     TIFF *tiff;
     lf_outfile *file;
     int rows_per_strip;
+    double dpi[2];  /* across the page and down it */
+    bool at_end;    /* what is written is the directory */
     lf_error error; /* the first thing that went wrong; status LF_OK = none */
 };
 
@@ -39,11 +42,54 @@ static tmsize_t read_bytes(thandle_t handle, void *data, tmsize_t n)
     return read(tiff->file->fd, data, (size_t)n);
 }
 
+/* The fraction of the least denominator that a resolution is, as decimals say it: 4064 / 5. */
+static void exact_fraction(double dpi, uint32_t out[2])
+{
+    uint32_t below = 1;
+    while (below < 100000 && fabs(round(dpi * below) - dpi * below) > 1e-9 * below)
+        below++;
+    out[0] = (uint32_t)lround(dpi * below);
+    out[1] = below;
+}
+
+/* libtiff keeps a resolution as a float: where that is none, the fraction that it writes becomes
+ * the one that was asked for. value: 8 bytes, little endian. */
+static void put_fraction(const lf_print_tiff *tiff, unsigned char *value)
+{
+    uint32_t is[2] = {0, 0}, exact[2];
+    for (int i = 7; i >= 0; i--)
+        is[i / 4] = is[i / 4] << 8 | value[i];
+    for (int k = 0; k < 2; k++) {
+        if (is[1] == 0 || fabs((double)is[0] / is[1] - tiff->dpi[k]) > 1e-7 * tiff->dpi[k])
+            continue;
+        exact_fraction(tiff->dpi[k], exact);
+        for (int i = 0; i < 8; i++)
+            value[i] = (unsigned char)(exact[i / 4] >> 8 * (i % 4));
+        return;
+    }
+}
+
+/* Values of 8 bytes stand beside the directory of a TIFF, within that of a BigTIFF: a number of
+ * entries in 8 bytes, then 20 each. */
+static void put_fractions(const lf_print_tiff *tiff, unsigned char *data, size_t n)
+{
+    enum { ENTRY = 20, VALUE = 12, X_RESOLUTION = 282 };
+    if (n == 8)
+        put_fraction(tiff, data);
+    for (size_t at = 8; n > 8 && n % ENTRY == 16 && at + ENTRY <= n; at += ENTRY) {
+        unsigned tag = data[at] | (unsigned)data[at + 1] << 8;
+        if ((tag == X_RESOLUTION || tag == X_RESOLUTION + 1) && data[at + 2] == TIFF_RATIONAL)
+            put_fraction(tiff, data + at + VALUE);
+    }
+}
+
 static tmsize_t write_bytes(thandle_t handle, void *data, tmsize_t n)
 {
     lf_print_tiff *tiff = handle;
     if (tiff->error.status != LF_OK)
         return -1;
+    if (tiff->at_end)
+        put_fractions(tiff, data, (size_t)n);
     return lf_outfile_write(tiff->file, data, (size_t)n, &tiff->error) == LF_OK ? n : -1;
 }
 
@@ -142,8 +188,8 @@ static bool set_tags(const lf_print_tiff *out, const lf_print_page *page,
            TIFFSetField(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) &&
            set_compression(tiff, print->compress) &&
            TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, (uint32_t)out->rows_per_strip) &&
-           TIFFSetField(tiff, TIFFTAG_XRESOLUTION, (double)print->dpi) &&
-           TIFFSetField(tiff, TIFFTAG_YRESOLUTION, (double)print->dpi) &&
+           TIFFSetField(tiff, TIFFTAG_XRESOLUTION, print->dpi) &&
+           TIFFSetField(tiff, TIFFTAG_YRESOLUTION, lf_print_dpi_down(print)) &&
            TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH) &&
            TIFFSetField(tiff, TIFFTAG_ICCPROFILE, (uint32_t)profile_size, profile) &&
            TIFFSetField(tiff, TIFFTAG_SOFTWARE, "quiltd " LF_VERSION) &&
@@ -188,6 +234,8 @@ lf_status lf_print_tiff_open(lf_outfile *file, const lf_print_page *page,
         return lf_error_set(err, LF_E_NOMEM, file_name(file), "out of memory");
     lf_print_colour_profile(colour, &profile_size);
     tiff->file = file;
+    tiff->dpi[0] = page->print->dpi;
+    tiff->dpi[1] = lf_print_dpi_down(page->print);
     if (rows_per_strip == 0)
         rows_per_strip = row_bytes < STRIP_BYTES ? (int)(STRIP_BYTES / row_bytes) : 1;
     tiff->rows_per_strip = rows_per_strip < page->height ? rows_per_strip : page->height;
@@ -218,6 +266,7 @@ lf_status lf_print_tiff_strip(lf_print_tiff *tiff, int strip, void *data, size_t
 lf_status lf_print_tiff_close(lf_print_tiff *tiff, lf_error *err)
 {
     lf_status status = LF_OK;
+    tiff->at_end = true;
     if (!TIFFWriteDirectory(tiff->tiff) || tiff->error.status != LF_OK)
         status = report(tiff, err);
     lf_print_tiff_abandon(tiff);

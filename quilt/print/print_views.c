@@ -103,9 +103,9 @@ static lf_status identity_filters(lf_print_source *source, const lf_print_shape 
 static lf_status covering_filters(lf_print_source *source, const lf_print *print,
                                   const lf_print_shape *shape, bool backwards)
 {
-    const double pixel_mm = 25.4 / print->dpi, pitch_mm = 25.4 / print->lpi;
-    double picture_width = shape->raster_width * pixel_mm,
-           picture_height = shape->raster_height * pixel_mm;
+    const double pixel_mm = 25.4 / lf_print_dpi_along(print), pitch_mm = 25.4 / print->lpi;
+    double picture_width = shape->raster_width * (25.4 / print->dpi),
+           picture_height = shape->raster_height * (25.4 / lf_print_dpi_down(print));
     if (print->view_aspect > 0.0) {
         /* A rolled rig's picture lies on its side. */
         const double aspect = print->rolled ? 1.0 / print->view_aspect : print->view_aspect;

@@ -52,7 +52,17 @@ json_t *lf_bare_document(const char *path)
     return document;
 }
 
-/* From the front and a little above. */
+/* Whether the front shows nothing but the edge of something flat. */
+static bool is_flat_across(const lf_scene *scene)
+{
+    double bounds[2][3], size[3];
+    if (!lf_scene_bounds(scene, NULL, bounds))
+        return false;
+    lf_sub_double(bounds[1], bounds[0], size);
+    return size[0] < 1e-3 * fmin(size[1], size[2]);
+}
+
+/* From the front and a little above; what is flat from its right. */
 static json_t *make_camera(const lf_scene *scene)
 {
     lf_render_settings settings = {.camera = *lf_scene_camera(scene), .width = 420, .height = 560};
@@ -61,9 +71,10 @@ static json_t *make_camera(const lf_scene *scene)
     camera->cone = LF_RADIANS(35.0);
     for (int i = 0; i < 3; i++)
         camera->target[i] = 0.0;
-    from[0] = 0.0;
+    const bool flat = is_flat_across(scene);
+    from[0] = flat ? 1.0 : 0.0;
     from[1] = 0.16;
-    from[2] = 1.0;
+    from[2] = flat ? 0.0 : 1.0;
     if (lf_camera_fit(scene, &settings, NULL, LF_CAMERA_FILL, 0.0, to, from, NULL) != LF_OK)
         return json_object();
     return json_pack("{s:[f,f,f], s:[f,f,f], s:f}", "target", to[0], to[1], to[2], "position",

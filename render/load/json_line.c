@@ -1,7 +1,7 @@
 /* Finds the line of a JSON pointer by walking the text beside it: the parser keeps no positions. */
-#include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "render/load/json_reader.h"
 
 typedef struct cursor {
@@ -107,11 +107,14 @@ static bool enter_object(cursor *c, const char *key)
     }
 }
 
-static bool enter_array(cursor *c, size_t index)
+static bool enter_array(cursor *c, const char *token)
 {
+    uint64_t index;
+    if (!lf_whole_is(token, &index))
+        return false;
     step(c);
     skip_space(c);
-    for (size_t i = 0; i < index; i++) {
+    for (uint64_t i = 0; i < index; i++) {
         skip_value(c);
         skip_space(c);
         if (c->at >= c->end || *c->at != ',')
@@ -131,7 +134,7 @@ int lf_json_line(const char *text, size_t size, const char *pointer)
         char token[256];
         pointer = next_token(pointer, token, sizeof token);
         bool found = *c.at == '{'   ? enter_object(&c, token)
-                     : *c.at == '[' ? enter_array(&c, strtoul(token, NULL, 10))
+                     : *c.at == '[' ? enter_array(&c, token)
                                     : false;
         if (!found)
             break;

@@ -506,6 +506,20 @@ static void warn_of_dense_grids(const commit *c)
     }
 }
 
+/* Of every grid that the volume is made of. */
+static void warn_of_odd_voxels(const commit *c, int i)
+{
+    const lf_volume *volume = &c->scene->volumes[i];
+    const lf_volume_desc *desc = &c->desc->volumes[i];
+    lf_warnings *warnings = &c->scene->warnings;
+    if (volume->grid && desc->file)
+        lf_warn_of_odd_voxels(warnings, volume->grid, desc->grid, desc->file);
+    for (int k = 0; k < 3 && volume->albedo_fields && desc->file; k++)
+        if (volume->albedo_fields[k].grid)
+            lf_warn_of_odd_voxels(warnings, volume->albedo_fields[k].grid, desc->albedo_grid[k],
+                                  desc->file);
+}
+
 /* What parts that may be shared with other scenes know, and what only the whole does. */
 static void collect_warnings(const commit *c)
 {
@@ -516,6 +530,14 @@ static void collect_warnings(const commit *c)
         if (scene->volumes[i].grid && c->desc->volumes[i].file)
             lf_warn_of_unused_grids(&scene->warnings, c->desc, scene->volumes[i].grid,
                                     c->desc->volumes[i].file);
+    for (int i = 0; i < scene->n_volumes; i++)
+        warn_of_odd_voxels(c, i);
+    for (int i = 0; i < scene->flames.n; i++) {
+        const lf_volume_desc *desc = &c->desc->volumes[scene->flames.light[i].volume];
+        if (scene->flames.field[i].grid && desc->file)
+            lf_warn_of_odd_voxels(&scene->warnings, scene->flames.field[i].grid, desc->flame_grid,
+                                  desc->file);
+    }
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     warn_of_dense_grids(c);

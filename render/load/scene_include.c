@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "render/scene/scene.h"
 
 #define MAX_PATH 4095
@@ -36,9 +37,10 @@ lf_status lf_scene_text_read(const char *path, const lf_roots *roots, lf_scene_t
     lf_status status = lf_file_read(path, roots, LF_SCENE_MAX_BYTES, &out->text, &size, err);
     if (status != LF_OK)
         return status;
-    size_t mark =
-        size >= 3 && memcmp(out->text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* UTF-8's, of editors */
-    out->source = (lf_json_source){out->path, out->text + mark, size - mark, NULL};
+    status = lf_text_take(out->text, &size, path, err);
+    if (status != LF_OK)
+        return status;
+    out->source = (lf_json_source){out->path, out->text, size, NULL};
     out->source.doc =
         json_loadb(out->source.text, out->source.size, JSON_REJECT_DUPLICATES, &problem);
     return out->source.doc ? LF_OK : refuse_text(path, out->source.text, &problem, err);

@@ -101,3 +101,26 @@ void lf_warn_of_unused_grids(lf_warnings *warnings, const lf_scene_desc *desc, c
     if (unused[0])
         lf_warnings_add(warnings, file, "grids that no volume is made of: %s", unused);
 }
+
+void lf_warn_of_odd_voxels(lf_warnings *warnings, const lf_grid *grid, const char *names,
+                           const char *file)
+{
+    const lf_grid_odd *odd = &grid->odd;
+    char list[LF_GRID_NAME_BYTES];
+    snprintf(list, sizeof list, "%s", names);
+    for (char *end = list; (end = strchr(end, '\n'));)
+        *end = '+';
+    if (odd->n_negative > 0)
+        lf_warnings_add(warnings, file, "grid %s: voxels below 0 (%.0f, down to %.3g) count as 0",
+                        list, odd->n_negative, odd->least);
+    if (odd->n_not_finite > 0)
+        lf_warnings_add(warnings, file, "grid %s: voxels that are not finite (%.0f) count as 0",
+                        list, odd->n_not_finite);
+    if (odd->n_still > 0)
+        lf_warnings_add(warnings, file, "grid %s: velocities that are not finite (%.0f) count as 0",
+                        list, odd->n_still);
+    if (odd->background != 0.0)
+        lf_warnings_add(warnings, file,
+                        "grid %s: its background of %.3g counts as 0: nothing is where no voxel is",
+                        list, odd->background);
+}

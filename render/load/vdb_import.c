@@ -23,6 +23,15 @@ static lf_status take_others(const lf_parcel *parcel, lf_grid *grid)
     return lf_grid_set_others(grid, others && others[n - 1] == '\0' ? others : "");
 }
 
+/* Numbers of words alone: whatever they are, no voxel depends on them. */
+static void take_odd(const lf_parcel *parcel, lf_grid *grid)
+{
+    const double *odd = exactly(parcel, LF_PARCEL_ODD, 4);
+    if (odd && odd[0] >= 0 && odd[1] <= 0 && odd[2] >= 0)
+        grid->odd = (lf_grid_odd){
+            .n_negative = odd[0], .least = odd[1], .n_not_finite = odd[2], .background = odd[3]};
+}
+
 static lf_status take_grid(const lf_parcel *parcel, bool is_signed, lf_grid **out_grid,
                            lf_error *err)
 {
@@ -39,11 +48,13 @@ static lf_status take_grid(const lf_parcel *parcel, bool is_signed, lf_grid **ou
         status = lf_grid_put(grid, n, bricks, values, is_signed, err);
     if (status == LF_OK && take_others(parcel, grid) != LF_OK)
         status = lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
-    if (status != LF_OK)
+    if (status != LF_OK) {
         lf_grid_unref(grid);
-    else
-        *out_grid = grid;
-    return status;
+        return status;
+    }
+    take_odd(parcel, grid);
+    *out_grid = grid;
+    return LF_OK;
 }
 
 static lf_status import(int fd, const char *path, const char *name, bool is_velocity,

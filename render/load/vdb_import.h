@@ -13,9 +13,10 @@
  * carry the name, the first is taken; "NAME[1]" is the second, and so on. An empty or all-zero grid
  * gives LF_OK and a grid without bricks. fd stays the caller's. On LF_OK the caller owns a
  * reference to *out_grid. Errors, LF_E_FORMAT: not a VDB file, no such grid (the message lists
- * those there are), a grid of another kind, a map that is not affine, NaN, infinite or negative
- * values; LF_E_NOMEM: more than LF_GRID_MAX_BYTES; and what lf_import_run gives. Thread: any,
- * several at once. */
+ * those there are), a grid of another kind, a map that is not affine,
+ * signed distances without their class (voxels that are no densities count as 0 else, in odd);
+ * LF_E_NOMEM: more than LF_GRID_MAX_BYTES; and what lf_import_run gives. Thread: any, several at
+ * once. */
 LF_NODISCARD lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
                                      lf_error *err);
 

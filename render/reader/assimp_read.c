@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "base/reader/reader.h"
 #include "render/reader/assimp_material.h"
+#include "render/reader/assimp_words.h"
 #include "render/reader/mesh_build.h"
 #include "render/reader/mesh_read.h"
 
@@ -282,7 +283,7 @@ static const struct aiScene *read_scene(const char *path, lf_normals wanted, mes
     if (scene)
         scene = join_vertices(scene);
     if (!scene)
-        lf_error_set(err, LF_E_FORMAT, path, "cannot be read as a mesh: %s", aiGetErrorString());
+        lf_assimp_refuse(state->files[0].fd, path, aiGetErrorString(), err);
     return scene;
 }
 
@@ -325,6 +326,8 @@ static lf_status read_with(const lf_mesh_desc *desc, mesh_reading *reading, lf_m
         status = convert_geometry(scene, desc, out, normals, path, err);
     if (status == LF_OK)
         warn(scene, desc, &out->warnings);
+    if (status == LF_OK)
+        lf_3ds_warn(reading->files[0].fd, path, &out->warnings);
     aiReleaseImport(scene);
     return status;
 }

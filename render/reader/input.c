@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/reader/reader.h"
+#include "base/text.h"
 
 #define BLOCK ((size_t)256 << 10)
 
@@ -60,13 +61,12 @@ static bool input_has(lf_input *in, size_t n)
     return true;
 }
 
-/* By the first line: '\r' where nothing else is behind it. */
-static char line_ends(const lf_input *in)
+/* By the first line: a CR with nothing else behind it. */
+static bool has_lone_cr(const lf_input *in)
 {
     const unsigned char *first = memchr(in->buffer, '\r', in->end);
-    bool alone = first && !memchr(in->buffer, '\n', (size_t)(first - in->buffer)) &&
-                 (first + 1 == in->buffer + in->end || first[1] != '\n');
-    return alone ? '\r' : '\n';
+    return first && !memchr(in->buffer, '\n', (size_t)(first - in->buffer)) &&
+           (first + 1 == in->buffer + in->end || first[1] != '\n');
 }
 
 lf_status lf_input_open(lf_input *in, int fd, lf_error *err)
@@ -80,13 +80,9 @@ lf_status lf_input_open(lf_input *in, int fd, lf_error *err)
         in->status = LF_E_NOMEM;
     if ((in->size > 0 && !fill_input(in)) || in->status != LF_OK)
         return lf_input_ended(in, "a byte", err);
-    if (in->end >= 3 && memcmp(in->buffer, "\xef\xbb\xbf", 3) == 0)
-        in->at = 3;
-    if (in->end >= 2 &&
-        (memcmp(in->buffer, "\xff\xfe", 2) == 0 || memcmp(in->buffer, "\xfe\xff", 2) == 0))
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "text of UTF-16; expected UTF-8");
-    in->ends = line_ends(in);
-    return LF_OK;
+    in->is_alone = has_lone_cr(in);
+    in->ends = in->is_alone ? '\r' : '\n';
+    return lf_text_begin((const char *)in->buffer, in->end, LF_HERE, &in->at, err);
 }
 
 void lf_input_close(lf_input *in)
@@ -126,43 +122,51 @@ bool lf_input_skip(lf_input *in, uint64_t n)
 }
 
 /* Where the line ends that begins at `at`, from byte `from` of it on; the end where nothing ends
- * it.
- */
+ * it. What is behind a CR is in the buffer. */
 static size_t line_end(lf_input *in, size_t from)
 {
     for (;;) {
-        unsigned char *stop = memchr(in->buffer + in->at + from, in->ends, in->end - in->at - from);
-        if (stop)
-            return (size_t)(stop - in->buffer) - in->at;
-        from = in->end - in->at;
+        size_t here = in->end - in->at,
+               stop = from + lf_text_line_end((const char *)in->buffer + in->at + from, here - from,
+                                              &in->ends);
+        if (stop + 1 < here || (stop < here && in->buffer[in->at + stop] == '\n'))
+            return stop;
         if (!fill_input(in))
-            return from;
+            return stop;
+        from = stop;
     }
+}
+
+/* Bytes that end a line behind its n. */
+static size_t end_length(const lf_input *in, size_t n)
+{
+    const unsigned char *text = in->buffer + in->at;
+    const size_t here = in->end - in->at;
+    bool both = !in->is_alone && n + 1 < here && text[n] == '\r' && text[n + 1] == '\n';
+    return n == here ? 0 : both ? 2 : 1;
 }
 
 char *lf_input_line(lf_input *in, bool joins)
 {
     if (!input_has(in, 1))
         return NULL;
-    size_t n = line_end(in, 0);
+    size_t n = line_end(in, 0), end;
     in->line++;
-    while (joins && in->at + n < in->end && in->buffer[in->at] != '#') {
+    while (joins && (end = end_length(in, n)) > 0 && in->buffer[in->at] != '#') {
         unsigned char *text = in->buffer + in->at;
-        size_t last = n > 0 && text[n - 1] == '\r' ? n - 1 : n;
-        if (last == 0 || text[last - 1] != '\\')
+        if (n == 0 || text[n - 1] != '\\')
             break;
-        memset(text + last - 1, ' ', n - last + 2);
-        n = line_end(in, n + 1);
+        memset(text + n - 1, ' ', end + 1);
+        n = line_end(in, n + end);
         in->line++;
     }
     if (in->status != LF_OK)
         return NULL;
-    unsigned char *text = in->buffer + in->at;
-    in->at += in->at + n < in->end ? n + 1 : n;
+    char *text = (char *)in->buffer + in->at;
+    in->at += n + end_length(in, n);
+    lf_text_blank(text, n);
     text[n] = '\0';
-    if (n > 0 && text[n - 1] == '\r')
-        text[n - 1] = '\0';
-    return (char *)text;
+    return text;
 }
 
 uint64_t lf_input_offset(const lf_input *in)

@@ -14,12 +14,14 @@ typedef struct lf_input {
     uint64_t before;      /* bytes of the file in front of the buffer */
     uint64_t size;        /* of the file */
     int64_t line;         /* the number of the line that was read last, 1 is the first */
-    char ends;            /* what ends a line: '\n', or '\r' where there are none */
+    char ends;            /* what ended the last line (base/text.h) */
+    bool is_alone;        /* the CR of the first line is: no LF belongs to one */
     lf_status status;     /* LF_OK, or why there is no more */
 } lf_input;
 
 /* Begins at the first byte behind a byte order mark. Release with lf_input_close in any case.
- * LF_E_IO; LF_E_NOMEM; LF_E_FORMAT: text of UTF-16. */
+ * LF_E_IO; LF_E_NOMEM; LF_E_FORMAT: text that is
+ * not UTF-8 (base/text.h). */
 LF_NODISCARD lf_status lf_input_open(lf_input *in, int fd, lf_error *err);
 /* Accepts a zeroed one. */
 void lf_input_close(lf_input *in);

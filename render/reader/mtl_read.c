@@ -3,9 +3,11 @@
 #include "render/reader/mtl_read.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
+#include "base/number.h"
 #include "base/reader/reader.h"
 #include "render/reader/input.h"
 #include "render/reader/words.h"
@@ -18,7 +20,11 @@ typedef struct mtl {
     lf_soup *soup;
     const char *folder;
     unsigned choice; /* the material at hand */
-    bool in_material, has_opacity, has_filter;
+    bool in_material, has_opacity, has_filter, has_roughness;
+    lf_left_out statements; /* that no material of ours has */
+    lf_left_out wrong;      /* whose numbers are none */
+    int64_t wrong_line;     /* the first of those */
+    const lf_input *in;
 } mtl;
 
 lf_status lf_mtl_find(lf_soup *soup, const char *name, unsigned *out, lf_error *err)
@@ -39,6 +45,13 @@ lf_status lf_mtl_find(lf_soup *soup, const char *name, unsigned *out, lf_error *
 /* ------------------------------------------------------------------------------------- values --
  */
 
+/* Whether a line ends there. */
+static bool ends(const char *at)
+{
+    at = lf_skip_blanks(at);
+    return *at == '\0' || *at == '#';
+}
+
 /* Red alone is grey. Spectra and CIE's XYZ are neither. */
 static bool take_colour(const char *at, lf_vec3 *out)
 {
@@ -47,6 +60,8 @@ static bool take_colour(const char *at, lf_vec3 *out)
         return false;
     if (!lf_numbers(&at, 2, c + 1))
         c[1] = c[2] = c[0];
+    if (!ends(at) || !isfinite(c[0] + c[1] + c[2]))
+        return false;
     *out = lf_to_vec3(c);
     return true;
 }
@@ -54,7 +69,7 @@ static bool take_colour(const char *at, lf_vec3 *out)
 static bool take_number(const char *at, float *out)
 {
     double v;
-    if (!lf_number(&at, &v))
+    if (!lf_number(&at, &v) || !ends(at) || !isfinite(v))
         return false;
     *out = (float)v;
     return true;
@@ -68,46 +83,78 @@ static void lose(lf_said *said, lf_lost what, bool lost)
 
 /* d, or Tr as 1 - d. Nothing at all is what no file means: programs disagree on which way Tr runs.
  */
-static void take_opacity(const char *at, bool reversed, mtl *m)
+static bool take_opacity(const char *at, bool reversed, mtl *m)
 {
     float v;
     size_t n;
     const char *rest = at, *word = lf_word(&rest, &n);
     lf_said *said = &m->soup->said[m->choice];
-    if (lf_word_is(word, n, "-halo"))
+    bool halo = lf_word_is(word, n, "-halo");
+    if (halo)
         at = rest;
-    if ((reversed && m->has_opacity) || !take_number(at, &v))
-        return;
+    if (!take_number(at, &v))
+        return false;
+    if (halo)
+        lf_leave_out(&m->statements, "d -halo", strlen("d -halo"));
+    if (reversed && m->has_opacity)
+        return true;
     v = reversed ? 1 - v : v;
     m->has_opacity = m->has_opacity || !reversed;
     said->alpha = v > 0 && v < 1 ? v : 1;
     said->cover = said->alpha < 1 ? LF_COVER_BLEND : LF_COVER_OPAQUE;
     said->lost &= ~(1u << LF_LOST_TRANSPARENCY); /* of another line */
     lose(said, LF_LOST_TRANSPARENCY, v <= 0 || m->has_filter);
+    return true;
 }
 
 /* Light that is let through whole is what a file says that has no word for opaque. */
-static void take_filter(const char *at, mtl *m)
+static bool take_filter(const char *at, mtl *m)
 {
     lf_vec3 c = lf_v3(1, 1, 1);
-    (void)take_colour(at, &c);
-    m->has_filter = c.x != 1 || c.y != 1 || c.z != 1;
+    bool read = take_colour(at, &c);
+    m->has_filter = !read || c.x != 1 || c.y != 1 || c.z != 1;
     lose(&m->soup->said[m->choice], LF_LOST_TRANSPARENCY, m->has_filter);
+    return true;
 }
 
 /* glTF's model takes the place of Phong's; a roughness alone does not. */
-static void take_metallic(const char *at, lf_said *said)
+static bool take_metallic(const char *at, lf_said *said)
 {
-    if (!take_number(at, &said->metallic))
-        return;
-    said->is_metallic = true;
+    bool read = take_number(at, &said->metallic);
+    said->is_metallic = said->is_metallic || read;
+    return read;
 }
 
-static void take_other(const char *at, lf_lost what, lf_said *said)
+static bool take_diffuse(const char *at, lf_said *said)
+{
+    bool read = take_colour(at, &said->diffuse);
+    said->has_diffuse = said->has_diffuse || read;
+    return read;
+}
+
+static bool take_other(const char *at, lf_lost what, lf_said *said)
 {
     float v;
-    if (take_number(at, &v))
-        lose(said, what, v > 0);
+    if (!take_number(at, &v))
+        return false;
+    lose(said, what, v > 0);
+    return true;
+}
+
+/* Models with a highlight or without; those of glass and of shadows alone are no surface here. */
+static bool take_model(const char *at, mtl *m)
+{
+    char name[16] = "illum ";
+    uint64_t model;
+    const char *rest = lf_whole_read(lf_skip_blanks(at), &model);
+    if (!rest || !ends(rest))
+        return false;
+    lose(&m->soup->said[m->choice], LF_LOST_UNLIT, model == 0);
+    if (model == 4 || model == 6 || model == 7 || model >= 9) {
+        snprintf(name, sizeof name, "illum %d", model < 100 ? (int)model : 100);
+        lf_leave_out(&m->statements, name, strlen(name));
+    }
+    return true;
 }
 
 /* --------------------------------------------------------------------------------- pictures -- */
@@ -211,8 +258,8 @@ static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at,
         at++;
         length -= 2;
     }
-    if (length == 0 || lf_word_reads(key, n, "map_Ka")) /* ambient light is nothing of ours */
-        return LF_OK;
+    if (length == 0 || lf_word_reads(key, n, "map_Ka") || lf_word_reads(key, n, "map_aat"))
+        return LF_OK; /* ambient light and smoother edges are nothing of ours */
     lose(said, LF_LOST_MAPS, use_of(key, n) == LF_MAP_USES || length >= sizeof name);
     if (use_of(key, n) == LF_MAP_USES || length >= sizeof name)
         return LF_OK;
@@ -232,70 +279,108 @@ static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at,
 /* -------------------------------------------------------------------------------------- lines --
  */
 
-/* A line about a material, behind its key. */
-static void take_key(mtl *m, const char *key, size_t n, const char *at)
+static bool take_roughness(const char *at, mtl *m)
+{
+    bool read = take_number(at, &m->soup->said[m->choice].roughness);
+    m->has_roughness = m->has_roughness || read;
+    return read;
+}
+
+/* A line about a material, behind its key. false: its numbers are none. */
+static bool take_key(mtl *m, const char *key, size_t n, const char *at)
 {
     lf_said *said = &m->soup->said[m->choice];
     if (lf_word_reads(key, n, "Kd"))
-        said->has_diffuse = take_colour(at, &said->diffuse) || said->has_diffuse;
-    else if (lf_word_reads(key, n, "Ks"))
-        (void)take_colour(at, &said->highlight);
-    else if (lf_word_reads(key, n, "Ke"))
-        (void)take_colour(at, &said->emission);
-    else if (lf_word_reads(key, n, "Ns"))
-        (void)take_number(at, &said->exponent);
-    else if (lf_word_reads(key, n, "Ni"))
-        (void)take_number(at, &said->ior);
-    else if (lf_word_reads(key, n, "d"))
-        take_opacity(at, false, m);
-    else if (lf_word_reads(key, n, "Tr"))
-        take_opacity(at, true, m);
-    else if (lf_word_reads(key, n, "Tf"))
-        take_filter(at, m);
-    else if (lf_word_reads(key, n, "Pm"))
-        take_metallic(at, said);
-    else if (lf_word_reads(key, n, "Pr"))
-        (void)take_number(at, &said->roughness);
-    else if (lf_word_reads(key, n, "Pc"))
-        take_other(at, LF_LOST_COAT, said);
-    else if (lf_word_reads(key, n, "Ps"))
-        take_other(at, LF_LOST_SHEEN, said);
-    else if (lf_word_reads(key, n, "aniso"))
-        take_other(at, LF_LOST_BRUSHED, said);
-    else if (lf_word_reads(key, n, "illum"))
-        lose(said, LF_LOST_UNLIT, strcmp(lf_skip_blanks(at), "0") == 0);
+        return take_diffuse(at, said);
+    if (lf_word_reads(key, n, "Ks"))
+        return take_colour(at, &said->highlight);
+    if (lf_word_reads(key, n, "Ke"))
+        return take_colour(at, &said->emission);
+    if (lf_word_reads(key, n, "Ns"))
+        return take_number(at, &said->exponent);
+    if (lf_word_reads(key, n, "Ni"))
+        return take_number(at, &said->ior);
+    if (lf_word_reads(key, n, "d") || lf_word_reads(key, n, "Tr"))
+        return take_opacity(at, n == 2, m);
+    if (lf_word_reads(key, n, "Tf"))
+        return take_filter(at, m);
+    if (lf_word_reads(key, n, "Pm"))
+        return take_metallic(at, said);
+    if (lf_word_reads(key, n, "Pr"))
+        return take_roughness(at, m);
+    if (lf_word_reads(key, n, "Pc"))
+        return take_other(at, LF_LOST_COAT, said);
+    if (lf_word_reads(key, n, "Ps"))
+        return take_other(at, LF_LOST_SHEEN, said);
+    if (lf_word_reads(key, n, "aniso"))
+        return take_other(at, LF_LOST_BRUSHED, said);
+    if (lf_word_reads(key, n, "illum"))
+        return take_model(at, m);
+    /* ambient light is nothing of ours; the others say how what is told lies */
+    if (!lf_word_reads(key, n, "Ka") && !lf_word_reads(key, n, "Pcr") &&
+        !lf_word_reads(key, n, "anisor"))
+        lf_leave_out(&m->statements, key, n);
+    return true;
+}
+
+/* What only all lines of a material say. */
+static void end_material(mtl *m)
+{
+    if (m->in_material && m->has_roughness && !m->soup->said[m->choice].is_metallic)
+        lf_leave_out(&m->statements, "Pr without Pm", strlen("Pr without Pm"));
+}
+
+static lf_status begin_material(mtl *m, const char *name, lf_error *err)
+{
+    end_material(m);
+    lf_status status = lf_mtl_find(m->soup, name, &m->choice, err);
+    if (status == LF_OK)
+        m->soup->said[m->choice].is_missing = false;
+    m->in_material = status == LF_OK;
+    m->has_opacity = m->has_filter = m->has_roughness = false;
+    return status;
 }
 
 static lf_status take_line(mtl *m, char *line, lf_error *err)
 {
     size_t n;
     const char *at = lf_rest(line), *key = lf_word(&at, &n);
-    if (lf_word_reads(key, n, "newmtl")) {
-        lf_status status = lf_mtl_find(m->soup, lf_skip_blanks(at), &m->choice, err);
-        if (status == LF_OK)
-            m->soup->said[m->choice].is_missing = false;
-        m->in_material = true;
-        m->has_opacity = m->has_filter = false;
-        return status;
-    }
+    if (lf_word_reads(key, n, "newmtl"))
+        return begin_material(m, lf_skip_blanks(at), err);
     if (!m->in_material || n == 0 || key[0] == '#')
         return LF_OK;
     if (is_texture(key, n))
         return take_texture(m, key, n, at, err);
-    take_key(m, key, n, at);
+    if (!take_key(m, key, n, at)) {
+        lf_leave_out(&m->wrong, key, n);
+        m->wrong_line = m->wrong_line > 0 ? m->wrong_line : m->in->line;
+    }
     return LF_OK;
 }
 
-lf_status lf_mtl_read(int fd, const char *folder, lf_soup *soup, lf_error *err)
+static void warn_of_rest(const mtl *m, const char *name)
+{
+    char what[160];
+    snprintf(what, sizeof what, "%.80s: statements that are left out", name);
+    lf_left_out_warn(&m->statements, what, &m->soup->warnings);
+    snprintf(what, sizeof what,
+             "%.80s: statements that do not say numbers (the first in line %lld) are left out",
+             name, (long long)m->wrong_line);
+    lf_left_out_warn(&m->wrong, what, &m->soup->warnings);
+}
+
+lf_status lf_mtl_read(int fd, const char *folder, const char *name, lf_soup *soup, lf_error *err)
 {
     lf_input in = {.fd = -1};
-    mtl m = {.soup = soup, .folder = folder};
+    mtl m = {.soup = soup, .folder = folder, .in = &in};
     char *line;
     lf_status status = lf_input_open(&in, fd, err);
     while (status == LF_OK && (line = lf_input_line(&in, true)))
         status = take_line(&m, line, err);
     if (status == LF_OK && in.status != LF_OK)
         status = lf_input_ended(&in, "more lines", err);
+    end_material(&m);
+    warn_of_rest(&m, name);
     if (status == LF_OK)
         soup->has_library = true;
     lf_input_close(&in);

@@ -1,5 +1,5 @@
 /* Wavefront OBJ: points, normals, texture coordinates, faces, and materials by name out of MTL
- * libraries. Curves, surfaces and smoothing groups are left out. */
+ * libraries. Of all other statements it is told that they are left out. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -22,12 +22,51 @@ typedef struct obj {
     char *group, *material;            /* those at hand; the latter where the scene has one */
     uint32_t *corners, *normals, *uvs; /* of the face at hand */
     size_t n_corners, corners_room, normals_room, uvs_room;
-    size_t n_astray; /* corners whose texture coordinate there is not */
+    /* corners whose texture coordinate or normal there is not */
+    size_t n_no_uv, n_no_normal;
+    bool face_astray;       /* the one at hand names a vertex that there is not */
+    bool is_smooth;         /* a smoothing group is on */
+    size_t n_smooth;        /* faces of one that have no normals */
+    size_t n_more;          /* lines with more numbers than are known */
+    lf_left_out statements; /* that are no part of a picture here */
 } obj;
 
 static lf_status bad_line(const obj *o, const char *what, lf_error *err)
 {
     return lf_error_set(err, LF_E_FORMAT, LF_HERE, "line %lld: %s", (long long)o->in.line, what);
+}
+
+/* Of a line that goes on with a word which no number is. */
+static lf_status bad_number(const obj *o, const char *at, const char *expected, lf_error *err)
+{
+    size_t n;
+    const char *word = lf_word(&at, &n);
+    if (n == 0)
+        return bad_line(o, expected, err);
+    return lf_error_set(err, LF_E_FORMAT, LF_HERE, "line %lld: %s, found \"%.*s\"",
+                        (long long)o->in.line, expected, (int)(n < 40 ? n : 40), word);
+}
+
+static bool ends(const char *at)
+{
+    at = lf_skip_blanks(at);
+    return *at == '\0' || *at == '#';
+}
+
+/* Up to `most` numbers, at least `least`, and nothing else; more of them are counted. */
+static lf_status take_numbers(obj *o, const char *at, int least, int most, double *out, int *out_n,
+                              const char *expected, lf_error *err)
+{
+    double more;
+    int n = 0;
+    while (n < most && lf_number(&at, &out[n]))
+        n++;
+    *out_n = n;
+    if (n == most && !ends(at))
+        o->n_more++;
+    while (n == most && lf_number(&at, &more))
+        ;
+    return n >= least && ends(at) ? LF_OK : bad_number(o, at, expected, err);
 }
 
 /* -------------------------------------------------------------------------------------- points --
@@ -48,12 +87,12 @@ static lf_status take_point_colour(obj *o, const double c[3], lf_error *err)
 static lf_status take_point(obj *o, const char *at, lf_error *err)
 {
     double v[6];
-    int n = 0;
-    while (n < 6 && lf_number(&at, &v[n]))
-        n++;
-    if (n < 3)
-        return bad_line(o, "expected three numbers behind v", err);
-    lf_status status = n == 6 ? take_point_colour(o, v + 3, err) : LF_OK;
+    int n;
+    lf_status status = take_numbers(o, at, 3, 6, v, &n, "expected three numbers behind v", err);
+    if (status != LF_OK)
+        return status;
+    o->n_more += n == 5;
+    status = n == 6 ? take_point_colour(o, v + 3, err) : LF_OK;
     if (status != LF_OK)
         return status;
     if (n == 4 && v[3] != 0)
@@ -65,19 +104,20 @@ static lf_status take_point(obj *o, const char *at, lf_error *err)
 static lf_status take_normal(obj *o, const char *at, lf_error *err)
 {
     double v[3];
-    if (!lf_numbers(&at, 3, v))
-        return bad_line(o, "expected three numbers behind vn", err);
+    int n;
+    lf_status status = take_numbers(o, at, 3, 3, v, &n, "expected three numbers behind vn", err);
+    if (status != LF_OK)
+        return status;
     return lf_soup_normal(o->soup, (float[3]){(float)v[0], (float)v[1], (float)v[2]}, err);
 }
 
 /* vt u, with or without v and w */
 static lf_status take_uv(obj *o, const char *at, lf_error *err)
 {
-    double uv[2] = {0, 0};
-    if (!lf_number(&at, &uv[0]))
-        return bad_line(o, "expected a number behind vt", err);
-    (void)lf_number(&at, &uv[1]);
-    return lf_soup_uv(o->soup, uv, err);
+    double uv[3] = {0, 0, 0};
+    int n;
+    lf_status status = take_numbers(o, at, 1, 3, uv, &n, "expected numbers behind vt", err);
+    return status == LF_OK ? lf_soup_uv(o->soup, uv, err) : status;
 }
 
 /* --------------------------------------------------------------------------------------- faces --
@@ -121,15 +161,17 @@ static lf_status take_corner(obj *o, const char **at, lf_error *err)
         !index_behind_slash(at, &smooth, &normal) || (**at && !lf_is_blank(**at)))
         return bad_line(o, "expected numbers such as 1, 1/2, 1//3 or 1/2/3", err);
     if (!to_number(point, o->soup->n_points, corner))
-        return bad_line(o, "a face names a vertex that there is not", err);
+        o->face_astray = true;
     *own = LF_NO_NORMAL;
     *uv = LF_NO_UV;
     if (textured && o->desc->material < 0 && !to_number(texture, o->soup->uvs.n, uv)) {
         *uv = LF_NO_UV;
-        o->n_astray++;
+        o->n_no_uv++;
     }
-    if (smooth && !to_number(normal, o->soup->n_normals, own))
-        return bad_line(o, "a face names a normal that there is not", err);
+    if (smooth && !to_number(normal, o->soup->n_normals, own)) {
+        *own = LF_NO_NORMAL;
+        o->n_no_normal++;
+    }
     return LF_OK;
 }
 
@@ -137,6 +179,7 @@ static lf_status take_corners(obj *o, const char *at, lf_error *err)
 {
     lf_status status = LF_OK;
     o->n_corners = 0;
+    o->face_astray = false;
     while (status == LF_OK && *(at = lf_skip_blanks(at)) && *at != '#')
         status = take_corner(o, &at, err);
     return status;
@@ -155,8 +198,13 @@ static lf_status choose_none(obj *o, lf_error *err)
 static lf_status take_face(obj *o, const char *at, lf_error *err)
 {
     lf_status status = take_corners(o, at, err);
+    if (status == LF_OK && o->face_astray) {
+        o->soup->n_astray++;
+        return LF_OK;
+    }
     if (status == LF_OK && !o->has_choice && o->desc->material < 0)
         status = choose_none(o, err);
+    o->n_smooth += o->is_smooth && o->n_corners > 0 && o->normals[0] == LF_NO_NORMAL;
     const lf_soup_face face = {o->corners, o->normals, o->soup->uvs.n > 0 ? o->uvs : NULL,
                                o->choice};
     return status == LF_OK ? lf_soup_polygon(o->soup, o->n_corners, &face, err) : status;
@@ -208,7 +256,10 @@ static lf_status read_library(obj *o, const char *name, bool *out_read, lf_error
         status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     } else if (lf_ask_for_file(path, &fd) == LF_OK) {
         *out_read = true;
-        status = lf_mtl_read(fd, own_folder, o->soup, err);
+        lf_error inner;
+        status = lf_mtl_read(fd, own_folder, name, o->soup, &inner);
+        if (status != LF_OK)
+            (void)lf_error_set(err, status, LF_HERE, "%.256s: %s", name, inner.what);
         close(fd);
     }
     lf_free(folder);
@@ -257,6 +308,49 @@ static lf_status take_libraries(obj *o, char *names, lf_error *err)
 /* ---------------------------------------------------------------------------------------- lines --
  */
 
+/* s 1, s on; s off, s 0 */
+static void take_smoothing(obj *o, const char *at)
+{
+    size_t n;
+    const char *word = lf_word(&at, &n);
+    o->is_smooth = n > 0 && !lf_word_reads(word, n, "off") && !lf_word_is(word, n, "0");
+}
+
+/* What only curves and surfaces look at, and what says nothing of a picture. */
+static bool is_quiet(const char *key, size_t n, const char *rest)
+{
+    static const char *const with[] = {"vp",   "deg",  "bmat", "step", "cstype", "parm", "trim",
+                                       "hole", "scrv", "sp",   "end",  "con",    "mg"};
+    static const char *const states[] = {"bevel", "c_interp", "d_interp", "lod"};
+    size_t length;
+    const char *word = lf_word(&rest, &length);
+    bool off = lf_word_reads(word, length, "off") || lf_word_is(word, length, "0");
+    for (size_t i = 0; i < sizeof with / sizeof *with; i++)
+        if (lf_word_is(key, n, with[i]))
+            return true;
+    for (size_t i = 0; i < sizeof states / sizeof *states; i++)
+        if (lf_word_is(key, n, states[i]))
+            return off;
+    return n == 0 || key[0] == '#';
+}
+
+/* Statements that the scene's own material leaves nothing to. */
+static lf_status read_looks(obj *o, const char *key, size_t n, char *rest, lf_error *err)
+{
+    const bool wanted = o->desc->material < 0;
+    if (lf_word_is(key, n, "vt"))
+        return wanted ? take_uv(o, rest, err) : LF_OK;
+    if (lf_word_is(key, n, "mtllib"))
+        return wanted ? take_libraries(o, lf_rest(rest), err) : LF_OK;
+    if (lf_word_is(key, n, "usemtl"))
+        return choose(o, lf_rest(rest), err);
+    if (lf_word_is(key, n, "s"))
+        take_smoothing(o, rest);
+    else if (!is_quiet(key, n, rest))
+        lf_leave_out(&o->statements, key, n);
+    return LF_OK;
+}
+
 static lf_status read_line(obj *o, char *line, lf_error *err)
 {
     size_t n;
@@ -266,8 +360,6 @@ static lf_status read_line(obj *o, char *line, lf_error *err)
         return take_point(o, at, err);
     if (lf_word_is(key, n, "vn"))
         return take_normal(o, at, err);
-    if (lf_word_is(key, n, "vt"))
-        return o->desc->material < 0 ? take_uv(o, at, err) : LF_OK;
     if (lf_word_is(key, n, "f") || lf_word_is(key, n, "fo"))
         return take_face(o, at, err);
     if (lf_word_is(key, n, "l") || lf_word_is(key, n, "p"))
@@ -276,11 +368,30 @@ static lf_status read_line(obj *o, char *line, lf_error *err)
         return lf_soup_part(o->soup, err);
     if (lf_word_is(key, n, "g"))
         return take_name(&o->group, lf_rest(rest), o->soup, err);
-    if (lf_word_is(key, n, "usemtl"))
-        return choose(o, lf_rest(rest), err);
-    if (lf_word_is(key, n, "mtllib") && o->desc->material < 0)
-        return take_libraries(o, lf_rest(rest), err);
-    return LF_OK;
+    return read_looks(o, key, n, rest, err);
+}
+
+static void warn_of_rest(const obj *o)
+{
+    lf_warnings *warnings = &o->soup->warnings;
+    if (o->n_no_uv > 0)
+        lf_warnings_add(warnings, LF_HERE,
+                        "%zu corners name texture coordinates that there are not", o->n_no_uv);
+    if (o->n_no_normal > 0)
+        lf_warnings_add(warnings, LF_HERE,
+                        "corners that name normals that there are not (%zu) have none",
+                        o->n_no_normal);
+    if (o->n_more > 0)
+        lf_warnings_add(warnings, LF_HERE,
+                        "lines of v, vn or vt with more numbers than are known (%zu): what is "
+                        "behind is left out",
+                        o->n_more);
+    if (o->n_smooth > 0 && o->desc->normals == LF_NORMALS_FILE)
+        lf_warnings_add(warnings, LF_HERE,
+                        "faces of smoothing groups without normals (%zu) are flat; \"normals\": "
+                        "\"smooth\" rounds a mesh",
+                        o->n_smooth);
+    lf_left_out_warn(&o->statements, "statements that are left out", warnings);
 }
 
 lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error *err)
@@ -295,9 +406,7 @@ lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
     if (status == LF_OK && soup->n_points == 0)
         status = lf_error_set(err, LF_E_FORMAT, LF_HERE,
                               "cannot be read as a mesh: not OBJ, it has no vertices");
-    if (o.n_astray > 0)
-        lf_warnings_add(&soup->warnings, LF_HERE,
-                        "%zu corners name texture coordinates that there are not", o.n_astray);
+    warn_of_rest(&o);
     lf_input_close(&o.in);
     lf_free(o.group);
     lf_free(o.material);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/number.h"
 #include "base/reader/reader.h"
 #include "render/load/places_import.h"
 #include "render/reader/input.h"
@@ -157,9 +158,9 @@ static int read_tuple(const char *at, size_t out[3])
         return 0;
     at = lf_skip_blanks(at + 1);
     for (; n < 3 && *at >= '0' && *at <= '9'; n++) {
-        char *end;
-        unsigned long long value = strtoull(at, &end, 10);
-        if (value > LF_MAX_PLACES + 1ull)
+        uint64_t value;
+        const char *end = lf_whole_read(at, &value);
+        if (!end || value > LF_MAX_PLACES + 1ull)
             return 0;
         out[n] = (size_t)value;
         at = lf_skip_blanks(end);

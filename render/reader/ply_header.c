@@ -1,5 +1,6 @@
 #include "render/reader/ply_header.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "base/reader/reader.h"
@@ -119,11 +120,40 @@ static lf_status read_element(const lf_input *in, const char *at, lf_ply_header 
         return bad_line(in, "expected an element's name and how many there are", err);
     if (out->n_elements == LF_PLY_MAX_ELEMENTS)
         return bad_line(in, "too many elements; at most 64 are possible", err);
-    out->elements[out->n_elements++] =
-        (lf_ply_element){.kind = (lf_ply_kind)value_of(kinds, word, n, LF_PLY_OTHER),
-                         .count = (uint64_t)count,
-                         .first = out->n_properties};
+    int kind = value_of(kinds, word, n, LF_PLY_OTHER);
+    if (kind == LF_PLY_OTHER && count > 0)
+        lf_leave_out(&out->elements_left, word, n);
+    out->elements[out->n_elements++] = (lf_ply_element){
+        .kind = (lf_ply_kind)kind, .count = (uint64_t)count, .first = out->n_properties};
     return LF_OK;
+}
+
+/* What was measured or edited, which nobody sees; and, of materials, ambient light. */
+static bool is_quiet(const char *word, size_t n)
+{
+    static const char *const names[] = {"confidence",    "intensity",    "quality",
+                                        "flags",         "curvature",    "ambient_red",
+                                        "ambient_green", "ambient_blue", "ambient_power"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (lf_word_is(word, n, names[i]))
+            return true;
+    return false;
+}
+
+/* One that has no role: of elements that have one, it is told. */
+static void leave_property(const lf_ply_element *element, const char *word, size_t n,
+                           lf_ply_header *out)
+{
+    static const char *const of[] = {[LF_PLY_VERTEX] = "vertex",
+                                     [LF_PLY_FACE] = "face",
+                                     [LF_PLY_STRIPS] = "tristrips",
+                                     [LF_PLY_MATERIAL] = "material"};
+    char name[64];
+    if (element->kind == LF_PLY_OTHER || element->count == 0 || is_quiet(word, n))
+        return;
+    int length =
+        snprintf(name, sizeof name, "%.*s of %s", (int)(n < 24 ? n : 24), word, of[element->kind]);
+    lf_leave_out(&out->properties_left, name, (size_t)length);
 }
 
 static lf_status read_property(const lf_input *in, const char *at, lf_ply_header *out,
@@ -157,6 +187,8 @@ static lf_status read_property(const lf_input *in, const char *at, lf_ply_header
         LF_PLY_UNUSED);
     if (p.is_list != (p.role == LF_PLY_INDICES || p.role == LF_PLY_UVS))
         p.role = LF_PLY_UNUSED;
+    if (p.role == LF_PLY_UNUSED)
+        leave_property(element, word, n, out);
     out->properties[out->n_properties++] = p;
     element->n_properties++;
     return LF_OK;

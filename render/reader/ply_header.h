@@ -3,6 +3,7 @@
 #define LF_RENDER_PLY_HEADER_H
 
 #include "render/reader/input.h"
+#include "render/reader/soup.h"
 
 typedef enum lf_ply_type {
     LF_PLY_INT8,
@@ -83,6 +84,7 @@ typedef struct lf_ply_header {
      * there were */
     int n_textures;
     char textures[LF_PLY_MAX_TEXTURES][LF_PLY_MAX_NAME];
+    lf_left_out elements_left, properties_left; /* that are no part of a picture here */
 } lf_ply_header;
 
 /* Reads it, up to the first byte behind its last line. LF_E_FORMAT: it is none, or promises more

@@ -106,11 +106,13 @@ static lf_status put_coordinate(ply *p, double value, lf_error *err)
     return LF_OK;
 }
 
+#define NO_POINT (UINT32_MAX - 1) /* in place of a point's number that no point has */
+
 /* -1, which ends a strip, is UINT32_MAX. */
 static lf_status put_index(ply *p, double value, lf_error *err)
 {
-    if (!(value >= -1 && value < UINT32_MAX) || value != floor(value))
-        return bad_place(p, "not the number of a vertex", err);
+    if (!(value >= -1 && value < NO_POINT) || value != floor(value))
+        value = NO_POINT;
     if (!lf_grow(&p->indices, &p->indices_room, p->n_indices + 1, sizeof *p->indices))
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     p->indices[p->n_indices++] = value < 0 ? UINT32_MAX : (uint32_t)value;
@@ -198,21 +200,24 @@ static lf_status take_uvs(ply *p, const uint32_t **out, lf_error *err)
     return status;
 }
 
-static lf_status check_indices(const ply *p, bool strip, lf_error *err)
+/* Whether all of them are points; a face of others is counted. */
+static bool are_there(const ply *p, bool strip)
 {
     for (size_t i = 0; i < p->n_indices; i++)
-        if (p->indices[i] >= p->soup->n_points && !(strip && p->indices[i] == UINT32_MAX))
-            return bad_place(p, "a face names a vertex that there is not", err);
-    return LF_OK;
+        if (p->indices[i] >= p->soup->n_points && !(strip && p->indices[i] == UINT32_MAX)) {
+            p->soup->n_astray++;
+            return false;
+        }
+    return true;
 }
 
 static lf_status take_face(ply *p, lf_error *err)
 {
     double material = p->values[LF_PLY_MATERIAL_INDEX], texture = p->values[LF_PLY_TEXTURE_INDEX];
     lf_soup_face face = {.corners = p->indices};
-    lf_status status = check_indices(p, false, err);
-    if (status == LF_OK)
-        status = take_uvs(p, &face.uvs, err);
+    if (!are_there(p, false))
+        return LF_OK;
+    lf_status status = take_uvs(p, &face.uvs, err);
     if (status != LF_OK)
         return status;
     if (material == 0 && p->header.n_textures > 0)
@@ -224,8 +229,10 @@ static lf_status take_face(ply *p, lf_error *err)
 /* Every second triangle runs the other way. */
 static lf_status take_strip(ply *p, lf_error *err)
 {
-    lf_status status = check_indices(p, true, err);
+    lf_status status = LF_OK;
     const uint32_t *c = p->indices;
+    if (!are_there(p, true))
+        return LF_OK;
     size_t begin = 0;
     for (size_t i = 0; i < p->n_indices && status == LF_OK; i++) {
         bool odd = (i - begin) % 2 == 1;
@@ -397,6 +404,8 @@ lf_status lf_ply_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
     if (status == LF_OK)
         status = put_textures(p, err);
     check_choices(soup);
+    lf_left_out_warn(&p->header.elements_left, "elements that are left out", &soup->warnings);
+    lf_left_out_warn(&p->header.properties_left, "properties that are left out", &soup->warnings);
     lf_input_close(&p->in);
     free(p->indices);
     free(p->coordinates);

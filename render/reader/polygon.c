@@ -171,10 +171,37 @@ static lf_status split_by_ears(lf_soup *soup, size_t n, const lf_soup_face *face
     return status;
 }
 
+/* The first corner that is nowhere, n: there is none. Its triangles are no good, whatever cuts it.
+ */
+static size_t odd_corner(const lf_soup *soup, size_t n, const lf_soup_face *face)
+{
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < 3; k++)
+            if (!(fabs(corner_at(soup, face->corners[i])[k]) <= LF_MAX_COORDINATE))
+                return i;
+    return n;
+}
+
+/* All of its triangles have that corner, so that none of the face is seen. */
+static lf_status split_about(lf_soup *soup, size_t n, size_t corner, const lf_soup_face *face,
+                             lf_error *err)
+{
+    lf_status status = LF_OK;
+    for (size_t i = 1; i + 1 < n && status == LF_OK; i++)
+        status = put_corners(soup, face,
+                             (uint32_t[]){(uint32_t)corner, (uint32_t)((corner + i) % n),
+                                          (uint32_t)((corner + i + 1) % n)},
+                             err);
+    return status;
+}
+
 lf_status lf_soup_polygon(lf_soup *soup, size_t n, const lf_soup_face *face, lf_error *err)
 {
+    size_t odd = odd_corner(soup, n, face);
     if (n == 3)
         return lf_soup_triangle(soup, face, err);
+    if (n > 3 && odd < n)
+        return split_about(soup, n, odd, face, err);
     if (n == 4)
         return split_quad(soup, face, err);
     if (n > LF_MAX_CORNERS)

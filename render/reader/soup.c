@@ -1,6 +1,7 @@
 #include "render/reader/soup.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,6 +33,31 @@ void lf_soup_finish(lf_soup *soup)
     free(soup->said);
     lf_warnings_finish(&soup->warnings);
     *soup = (lf_soup){0};
+}
+
+void lf_leave_out(lf_left_out *list, const char *name, size_t n)
+{
+    char one[40];
+    size_t length = 0, at = strlen(list->names);
+    for (; length < n && length + 1 < sizeof one; length++)
+        one[length] = name[length] >= ' ' && name[length] <= '~' ? name[length] : '?';
+    one[length] = '\0';
+    for (const char *found = list->names; length > 0 && (found = strstr(found, one)); found++)
+        if ((found == list->names || found[-1] == ' ') &&
+            (found[length] == ',' || found[length] == '\0'))
+            return;
+    if (length == 0 || at + length + sizeof ", ..." > sizeof list->names) {
+        if (length > 0 && (at < 3 || strcmp(list->names + at - 3, "...") != 0))
+            memcpy(list->names + at, at ? ", ..." : "...", at ? sizeof ", ..." : sizeof "...");
+        return;
+    }
+    snprintf(list->names + at, sizeof list->names - at, "%s%s", at ? ", " : "", one);
+}
+
+void lf_left_out_warn(const lf_left_out *list, const char *what, lf_warnings *warnings)
+{
+    if (list->names[0])
+        lf_warnings_add(warnings, LF_HERE, "%s: %s", what, list->names);
 }
 
 lf_status lf_soup_point(lf_soup *soup, const double at[3], lf_error *err)

@@ -23,6 +23,16 @@ typedef struct lf_soup_colours {
     size_t n, room; /* n: n_points, or they do not count */
 } lf_soup_colours;
 
+/* Names of what a reader leaves out, each once. A zeroed one is empty. */
+typedef struct lf_left_out {
+    char names[256];
+} lf_left_out;
+
+/* name: n bytes; what is not printable is '?'. */
+void lf_leave_out(lf_left_out *list, const char *name, size_t n);
+/* One line, if there are any: "WHAT: a, b". */
+void lf_left_out_warn(const lf_left_out *list, const char *what, lf_warnings *warnings);
+
 /* A zeroed one is empty. Arrays are realloc's. */
 typedef struct lf_soup {
     double *points; /* [n_points][3] */
@@ -48,6 +58,7 @@ typedef struct lf_soup {
     bool has_library;  /* one of its material libraries was read */
     size_t n_coloured; /* parts with a colour a vertex */
     size_t n_beside;   /* points and lines */
+    size_t n_astray;   /* faces that name vertices that there are not */
     lf_warnings warnings;
 } lf_soup;
 

@@ -32,6 +32,7 @@ static lf_status put_corner(lf_soup *soup, const double at[3], uint32_t *out, lf
  * which the highest bit chooses, and its own the other way round. */
 typedef struct facet_colours {
     bool wanted, of_magics, some; /* some: a facet had one */
+    bool lost;                    /* the title says more than a colour */
     float whole[4];               /* of facets without */
 } facet_colours;
 
@@ -42,6 +43,7 @@ static facet_colours begin_colours(const unsigned char *title, bool wanted)
     if (!at || at + 10 > title + HEADER_BYTES - 4)
         return c;
     c.of_magics = true;
+    c.lost = at[9] < 255 || memmem(title, HEADER_BYTES - 4, "MATERIAL=", 9);
     for (int i = 0; i < 3; i++)
         c.whole[i] = lf_soup_light(at[6 + i] / 255.0);
     return c;
@@ -99,6 +101,9 @@ static lf_status read_binary(lf_input *in, bool colours_wanted, lf_soup *soup, l
                             "the header promises %llu triangles, the file has room for %llu",
                             (unsigned long long)n, (unsigned long long)room);
     facet_colours colours = begin_colours(header, colours_wanted);
+    if (colours.lost && colours_wanted)
+        lf_warnings_add(&soup->warnings, LF_HERE,
+                        "of the title's COLOR= and MATERIAL= the colour alone is used");
     lf_status status = LF_OK;
     for (uint64_t i = 0; i < n && status == LF_OK; i++) {
         const unsigned char *facet = lf_input_bytes(in, FACET_BYTES);

@@ -10,6 +10,7 @@
 #include <openvdb/tools/LevelSetUtil.h>
 #pragma GCC visibility pop
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ext/stdio_filebuf.h>
@@ -217,37 +218,60 @@ std::string other_grids(const OpenFile &file, const OpenFile::Entry *one)
     return list;
 }
 
-template <typename Tree>
-bool check_values(const Import &import, const Tree &tree, lf_status *out_status)
+/* What the values are. */
+struct Values {
+    lf_grid_odd odd = {0, 0, 0, 0, 0};
+    double n = 0, most = 0;
+};
+
+template <typename Tree> Values look_at(const Import &import, const Tree &tree)
 {
+    Values values;
     for (auto value = tree.cbeginValueOn(); value; ++value) {
-        double v = double(*value);
-        if ((v >= 0 || import.is_velocity) && std::isfinite(float(v)))
-            continue;
-        Coord at = value.getCoord();
-        char what[256];
-        std::snprintf(what, sizeof what, "grid %s holds %g at voxel %d %d %d; %s", import.name, v,
-                      at.x(), at.y(), at.z(),
-                      import.is_velocity ? "velocities are finite"
-                                         : "densities are finite and not negative");
-        *out_status = import.fail(LF_E_FORMAT, what);
-        return false;
+        const double v = double(*value), n = double(value.getVoxelCount());
+        values.n += n;
+        if (!std::isfinite(float(v))) {
+            values.odd.n_not_finite += n;
+        } else if (v < 0 && !import.is_velocity) {
+            values.odd.n_negative += n;
+            values.odd.least = std::min(values.odd.least, v);
+        } else {
+            values.most = std::max(values.most, v);
+        }
     }
-    return true;
+    return values;
 }
 
-/* Whether a value is anything; densities are not negative. */
-template <typename Value> bool counts(Value value)
+/* Filters that resample ring a little below 0, at few voxels or by little; signed distances are
+ * negative everywhere inside. */
+bool looks_signed(const Values &values)
 {
-    return value > 0 || value < 0;
+    return values.odd.n_negative > 0.1 * values.n && -values.odd.least > 0.1 * values.most;
+}
+
+lf_status refuse_signed(const Import &import, const Values &values)
+{
+    char what[512];
+    std::snprintf(what, sizeof what,
+                  "grid %s is below 0 at %.0f of %.0f active voxels (down to %g): it looks like a "
+                  "level set; give it the class \"level set\" in the program that wrote it, or "
+                  "convert it to a fog volume there",
+                  import.name, values.odd.n_negative, values.n, values.odd.least);
+    return import.fail(LF_E_FORMAT, what);
+}
+
+/* Whether a value is anything: an odd one is 0. */
+template <typename Value> bool counts(const Import &import, Value value)
+{
+    return (value > 0 || (value < 0 && import.is_velocity)) && std::isfinite(float(value));
 }
 
 /* Box of everything but 0, tiles included. */
-template <typename Tree> CoordBBox support(const Tree &tree)
+template <typename Tree> CoordBBox support(const Import &import, const Tree &tree)
 {
     CoordBBox all;
     for (auto value = tree.cbeginValueOn(); value; ++value) {
-        if (!counts(*value))
+        if (!counts(import, *value))
             continue;
         CoordBBox box;
         value.getBoundingBox(box);
@@ -285,7 +309,7 @@ template <typename Tree> lf_status fill(Import &import, const Tree &tree, const 
         CoordBBox bbox;
         value.getBoundingBox(bbox);
         Box box = to_box(bbox, origin);
-        if (counts(*value))
+        if (counts(import, *value))
             lf_grid_mark(import.grid, box.first, box.last);
     }
     lf_error problem;
@@ -295,7 +319,7 @@ template <typename Tree> lf_status fill(Import &import, const Tree &tree, const 
         CoordBBox bbox;
         value.getBoundingBox(bbox);
         Box box = to_box(bbox, origin);
-        if (counts(*value))
+        if (counts(import, *value))
             lf_grid_fill(import.grid, box.first, box.last, float(*value));
     }
     return LF_OK;
@@ -303,10 +327,12 @@ template <typename Tree> lf_status fill(Import &import, const Tree &tree, const 
 
 template <typename Grid> lf_status convert(Import &import, const Grid &grid)
 {
-    lf_status status = LF_OK;
-    if (!check_values(import, grid.tree(), &status))
-        return status;
-    CoordBBox box = support(grid.tree());
+    Values values = look_at(import, grid.tree());
+    if (!import.is_velocity)
+        values.odd.background = double(grid.background());
+    if (looks_signed(values))
+        return refuse_signed(import, values);
+    CoordBBox box = support(import, grid.tree());
     /* Big active tiles cost nothing in the file; find out before anything is made of them. */
     if (grid.activeVoxelCount() > LF_GRID_MAX_BYTES / sizeof(float))
         return import.fail(LF_E_NOMEM, std::string("grid ") + import.name + " has " +
@@ -327,6 +353,7 @@ template <typename Grid> lf_status convert(Import &import, const Grid &grid)
     lf_error problem;
     if (lf_grid_create(size, local_to_file, &import.grid, &problem) != LF_OK)
         return import.fail(problem);
+    lf_grid_set_odd(import.grid, &values.odd);
     return fill(import, grid.tree(), box.min());
 }
 

@@ -29,6 +29,11 @@ static lf_status put_grid(lf_parcel_writer *parcel, const lf_grid *grid, lf_erro
     if (status == LF_OK && grid->others)
         status =
             lf_parcel_put(parcel, LF_PARCEL_OTHERS, grid->others, strlen(grid->others) + 1, err);
+    const lf_grid_odd *odd = &grid->odd;
+    if (status == LF_OK && (odd->n_negative > 0 || odd->n_not_finite > 0 || odd->background != 0))
+        status = lf_parcel_put(
+            parcel, LF_PARCEL_ODD,
+            (double[4]){odd->n_negative, odd->least, odd->n_not_finite, odd->background}, 4, err);
     return status == LF_OK ? put_bricks(parcel, grid, err) : status;
 }
 

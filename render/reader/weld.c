@@ -295,6 +295,10 @@ static void warn_of_rest(const lf_soup *soup, bool coloured, const lf_mesh_desc 
     if (desc->material < 0 && soup->n_coloured > 0 && !coloured)
         lf_warnings_add(&out->warnings, LF_HERE,
                         "%zu parts have colours a vertex, which are not used", soup->n_coloured);
+    if (soup->n_astray > 0)
+        lf_warnings_add(&out->warnings, LF_HERE,
+                        "faces that name vertices that there are not (%zu) are left out",
+                        soup->n_astray);
     if (soup->n_beside > 0)
         lf_warnings_add(&out->warnings, LF_HERE, "%zu points and lines are left out",
                         soup->n_beside);
@@ -323,6 +327,10 @@ lf_status lf_weld(lf_soup *soup, const lf_mesh_desc *desc, lf_mesh_data *out, lf
 {
     lf_status status = LF_OK;
     bool colours = desc->material < 0 && colours_count(soup);
+    if (soup->n_triangles == 0 && soup->n_astray > 0)
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "no triangles: all faces (%zu) name vertices that there are not",
+                            soup->n_astray);
     if (soup->n_triangles == 0)
         return lf_mesh_complete(out, desc, 0, err);
     if (desc->material < 0)

@@ -28,9 +28,9 @@ bool lf_word_reads(const char *word, size_t n, const char *expected);
 /* What is left of a line without blanks around it, in place. */
 char *lf_rest(char *at);
 
-/* The next word as a number, rounded as strtod does: 1, -.5, 1e-3, with a comma for the point (as
- * programs write it that follow a locale), and what printf makes of what is none (nan, -inf,
- * 1.#QNAN), which gives NaN or an infinity. */
+/* The next word as a number, as lf_decimal_read (base/number.h) does: 1, -.5, 1e-3, with a comma
+ * for the point (as programs write it that follow a locale), and what printf makes of what is none
+ * (nan, -inf, 1.#QNAN), which gives NaN or an infinity. */
 bool lf_number(const char **at, double *out);
 /* n of them. */
 bool lf_numbers(const char **at, int n, double *out);

@@ -17,6 +17,14 @@ extern "C" {
 
 typedef struct lf_grid lf_grid;
 
+/* Voxels of the file that no grid holds and that count as 0: how many, and the least of them. */
+typedef struct lf_grid_odd {
+    double n_negative, least; /* of densities */
+    double n_not_finite;
+    double background; /* what the file says of all voxels that it does not list; 0: nothing */
+    double n_still;    /* velocities that are not finite, of what moves it */
+} lf_grid_odd;
+
 /* An empty grid of size voxels (x, y, z), reference count 1. local_to_file: row-major 3x4, from
  * voxel indices of this grid to the file's world. LF_E_NOMEM (limits too), LF_E_FORMAT (size or map
  * out of range). */
@@ -55,6 +63,7 @@ LF_NODISCARD lf_status lf_grid_sum(const lf_grid *a, const lf_grid *b, lf_grid *
 LF_NODISCARD lf_status lf_grid_set_key(lf_grid *grid, const char *key);
 /* The same for the names of the file's other grids (scene.h). */
 LF_NODISCARD lf_status lf_grid_set_others(lf_grid *grid, const char *others);
+void lf_grid_set_odd(lf_grid *grid, const lf_grid_odd *odd);
 lf_grid *lf_grid_ref(lf_grid *grid);
 /* Accepts NULL. */
 void lf_grid_unref(lf_grid *grid);

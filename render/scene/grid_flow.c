@@ -349,6 +349,7 @@ static lf_status make_steps(flowing *f, lf_error *err)
             status = lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
         if (status == LF_OK)
             grid->digest = f->grid->digest;
+        grid->odd = f->grid->odd;
     }
     return status;
 }

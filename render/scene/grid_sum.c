@@ -117,6 +117,10 @@ lf_status lf_grid_sum(const lf_grid *a, const lf_grid *b, lf_grid **out_grid, lf
         return status;
     }
     lf_grid_finish(sum);
+    sum->odd = (lf_grid_odd){.n_negative = a->odd.n_negative + b->odd.n_negative,
+                             .least = fmin(a->odd.least, b->odd.least),
+                             .background = a->odd.background + b->odd.background,
+                             .n_not_finite = a->odd.n_not_finite + b->odd.n_not_finite};
     *out_grid = sum;
     return LF_OK;
 }

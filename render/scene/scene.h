@@ -13,6 +13,7 @@
 #include "render/render.h"
 #include "render/scene/affine.h"
 #include "render/scene/embree.h"
+#include "render/scene/grid.h"
 #include "render/scene/shape.h"
 #include "render/scene/texture.h"
 #include "render/scene/vec.h"
@@ -61,6 +62,7 @@ typedef struct lf_grid {
     lf_digest digest; /* of the file */
     /* names of the file's other grids, each with a newline behind it; NULL = none */
     char *others;
+    lf_grid_odd odd;
 } lf_grid;
 
 /* The value that 16 bits stand for: exact, and 0 for 0. */

@@ -239,6 +239,11 @@ lf_status lf_grid_set_others(lf_grid *grid, const char *others)
     return replace_text(&grid->others, others);
 }
 
+void lf_grid_set_odd(lf_grid *grid, const lf_grid_odd *odd)
+{
+    grid->odd = *odd;
+}
+
 lf_grid *lf_grid_ref(lf_grid *grid)
 {
     atomic_fetch_add_explicit(&grid->refs, 1, memory_order_relaxed);

@@ -36,7 +36,8 @@ static const struct {
     {"%S -o %D/x.png --bleed 3", "--bleed: only goes with --print"},
     {"%S -o %D/x.tif --print 60@600", "needs --print-size"},
     {"%S -o %D/x.tif --print 60 --print-size 20x20", "--print: expects"},
-    {"%S -o %D/x.tif --print 60@600.5 --print-size 20x20", "DPI a whole number"},
+    {"%S -o %D/x.tif --print 60@600,5 --print-size 20x20",
+     "DPI a number from 50 to 9600 dpi, or XxY of two"},
     {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --bits 12", "--bits: expects 8 or 16"},
     {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --compress zip",
      "--compress: expects none, lzw or deflate"},
@@ -343,6 +344,18 @@ static void spp_is_so_many_passes_a_view(void **state)
                          lf_test_path(f->folder, "e2_qs2x3a0.75.exr"));
 }
 
+/* As of every other option. */
+static void the_last_of_a_budget_given_twice_counts(void **state)
+{
+    const qr_files *f = *state;
+    qr_succeed("%s -o %s/twice_qs2x3a0.75.exr --quilt 2x3 --view-size 15x20 --spp 3 --spp 1",
+               f->scene, f->folder);
+    qr_succeed("%s -o %s/once_qs2x3a0.75.exr --quilt 2x3 --view-size 15x20 --spp 1", f->scene,
+               f->folder);
+    qr_assert_same_files(lf_test_path(f->folder, "twice_qs2x3a0.75.exr"),
+                         lf_test_path(f->folder, "once_qs2x3a0.75.exr"));
+}
+
 static void every_budget_ends(void **state)
 {
     const qr_files *f = *state;
@@ -579,6 +592,7 @@ int main(void)
         cmocka_unit_test(stats_have_the_stated_keys_and_nothing_made_up),
         cmocka_unit_test(the_same_bytes_for_any_number_of_threads),
         cmocka_unit_test(spp_is_so_many_passes_a_view),
+        cmocka_unit_test(the_last_of_a_budget_given_twice_counts),
         cmocka_unit_test(every_budget_ends),
         cmocka_unit_test(a_scene_becomes_what_the_options_say),
         cmocka_unit_test(what_a_scene_lacks_is_a_line_on_stderr),

@@ -172,6 +172,41 @@ static void words_are_typed_by_the_schema(void **state)
     json_decref(params);
 }
 
+/* Whole, in decimal digits; the words say which was wrong and what was expected. */
+static void numbers_are_read_whole_or_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *method, *argument, *words;
+    } wrong[] = {
+        {"camera.set", "position=0x10,0,0", "\"0x10,0,0\" is not decimal numbers with a comma"},
+        {"camera.set", "position=0,,0", "\"0,,0\" is not decimal numbers"},
+        {"camera.set", "position=0,0,0,", "is not decimal numbers"},
+        {"camera.set", "position=1 2 3", "is not decimal numbers"},
+        {"camera.set", "position=inf,0,0", "is not decimal numbers"},
+        {"render.set", "threads=1e9",
+         "\"1e9\" is not a whole number in decimal digits, such as 12"},
+        {"render.set", "threads= 4", "\" 4\" is not a whole number"},
+        {"render.set", "threads=0x4", "\"0x4\" is not a whole number"},
+        {"render.set", "threads=99999999999999999999", "is not a whole number"},
+        {"camera.orbit", "yaw=3.1+e2", "\"3.1+e2\" is not a decimal number, such as 0.5 or 1e-3"},
+        {"camera.orbit", "yaw=1,5", "\"1,5\" is not a decimal number"},
+        {"camera.orbit", "yaw=5deg", "\"5deg\" is not a decimal number"},
+        {"camera.orbit", "yaw=0x1p3", "is not a decimal number"},
+        {"camera.orbit", "yaw=infinity", "is not a decimal number"},
+    };
+    json_t *params = json_object();
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        lf_error err = {0};
+        lf_status status =
+            lf_schema_argument(schema_of(wrong[i].method), wrong[i].argument, params, &err);
+        if (status != LF_E_ARG || !strstr(err.what, wrong[i].words))
+            fail_msg("%s: %s \"%s\"", wrong[i].argument, lf_status_name(status), err.what);
+    }
+    assert_int_equal(json_object_size(params), 0);
+    json_decref(params);
+}
+
 static void failures_have_the_codes_promised(void **state)
 {
     (void)state;
@@ -207,6 +242,7 @@ int main(void)
         cmocka_unit_test(every_method_has_a_schema_that_parses),
         cmocka_unit_test(parameters_are_held_to_the_schema),
         cmocka_unit_test(words_are_typed_by_the_schema),
+        cmocka_unit_test(numbers_are_read_whole_or_refused),
         cmocka_unit_test(failures_have_the_codes_promised),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -481,6 +481,43 @@ static void unwritable_folder_ends_nothing(void **state)
     assert_true(panel_shows(dir, 4));
 }
 
+/* How many lines of a text hold these words. */
+static int lines_with(const char *path, const char *words)
+{
+    char line[1024];
+    int n = 0;
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file))
+        n += !!strstr(line, words);
+    fclose(file);
+    return n;
+}
+
+/* The log has one line for a folder that was deleted, however many pictures are lost. */
+static void a_folder_that_is_gone_is_told_once(void **state)
+{
+    char dir[PATH_MAX], said[PATH_MAX];
+    snprintf(dir, sizeof dir, "%s/gone", (char *)*state);
+    snprintf(said, sizeof said, "%s/said", (char *)*state);
+    lf_device *device = open_sim(dir, "");
+    const int before = dup(STDERR_FILENO),
+              file = open(said, O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
+    assert_true(before >= 0 && file >= 0);
+    assert_true(dup2(file, STDERR_FILENO) >= 0);
+    assert_int_equal(nftw(dir, lf_test_remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
+    for (int i = 1; i < 4; i++) {
+        show(device, i);
+        (void)device->ops->flush(device, DEVICE_WAIT_MS);
+    }
+    assert_true(dup2(before, STDERR_FILENO) >= 0);
+    close(before);
+    close(file);
+    lf_device_destroy(device);
+    assert_int_equal(lines_with(said, "panel.png"), 1);
+    assert_int_equal(lines_with(said, "the files are behind"), 1);
+}
+
 /* A link stands where the folder was opened; what is written goes on beside it. */
 static void a_folder_that_is_swapped_leads_nothing_away(void **state)
 {
@@ -590,6 +627,7 @@ int main(void)
         lf_test_in_folder(destroy_writes_what_is_owed),
         lf_test_in_folder(calibration_is_the_callers_then_the_folders_then_a_portraits),
         lf_test_in_folder(unwritable_folder_ends_nothing),
+        lf_test_in_folder(a_folder_that_is_gone_is_told_once),
         lf_test_in_folder(a_folder_that_is_swapped_leads_nothing_away),
         lf_test_in_folder(links_are_followed_unless_it_is_said),
         lf_test_in_folder(lens_that_cannot_be_looked_through_is_a_problem_only),

@@ -25,7 +25,7 @@ typedef struct light_row {
     double *light;
 } light_row;
 
-static light_row row_of(const lf_printed *printed, int dpi, int y, int c)
+static light_row row_of(const lf_printed *printed, double dpi, int y, int c)
 {
     light_row row = {printed->width, 25.4 / dpi,
                      malloc((size_t)printed->width * sizeof *row.light)};

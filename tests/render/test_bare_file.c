@@ -187,10 +187,37 @@ static void it_lies_beneath_the_roots_and_is_what_it_ends_as(void **state)
     lf_test_folder_remove(outside);
 }
 
+/* The share of a card that lies across each axis which the middle camera sees: the cosine between
+ * its normal and the way to it. A card whose edge is towards the front is seen from its right. */
+static void a_flat_file_shows_its_face(void **state)
+{
+    (void)state;
+    static const char *const cards[] = {"v 5 0 0\nv 5 2 0\nv 5 2 3\nv 5 0 3\nf 1 2 3 4\n",
+                                        "v 0 1 0\nv 2 1 0\nv 2 1 3\nv 0 1 3\nf 1 2 3 4\n",
+                                        "v 0 0 7\nv 2 0 7\nv 2 3 7\nv 0 3 7\nf 1 2 3 4\n"};
+    static const double least[] = {0.98, 0.15, 0.98};
+    char *folder = lf_test_folder();
+    for (int axis = 0; axis < 3; axis++) {
+        lf_scene *scene = load(lf_test_write(folder, "card.obj", cards[axis]), NULL, NULL);
+        const lf_camera *camera = lf_scene_camera(scene);
+        double way[3], length = 0.0;
+        for (int i = 0; i < 3; i++) {
+            way[i] = camera->position[i] - camera->target[i];
+            length += way[i] * way[i];
+        }
+        if (fabs(way[axis]) / sqrt(length) < least[axis])
+            fail_msg("axis %d: %g", axis, fabs(way[axis]) / sqrt(length));
+        lf_assert_close(filled(scene), 0.9, 0.15, 0);
+        lf_scene_unref(scene);
+    }
+    lf_test_folder_remove(folder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_mesh_is_in_all_views_and_lit_the_same_whatever_its_size),
+        cmocka_unit_test(a_flat_file_shows_its_face),
         cmocka_unit_test(a_volume_is_dense_enough_to_be_seen),
         cmocka_unit_test(frames_are_seen_by_one_camera_in_one_light),
         cmocka_unit_test(a_patch_wins),

@@ -296,9 +296,9 @@ static void ply_that_is_not_whole_says_where(void **state)
     /* a point cloud, an index, a word, a file that was cut off in download */
     static const struct {
         const char *body, *expected;
-    } bodies[] = {{"3 0 1 4\n", "line 16: a face names a vertex that there is not"},
+    } bodies[] = {{"3 0 1 4\n", "all faces (1) name vertices that there are not"},
                   {"3 0 1 x\n", "line 16: not a number"},
-                  {"3 0 1 1.5\n", "line 16: not the number of a vertex"},
+                  {"3 0 1 1.5\n", "all faces (1) name vertices that there are not"},
                   {"-3 0 1 2\n", "line 16: not the length of a list"},
                   {"3 0 1", "expected a number"},
                   {"2 0 1\n", "no triangles in this file"}};

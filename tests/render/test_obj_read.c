@@ -155,11 +155,12 @@ static void what_is_wrong_is_told_by_its_line(void **state)
     static const char *const wrong[][2] = {
         {"v 0 0 0\nv 1 0\n", "line 2: expected three numbers"},
         {"v 0 0 0\nvn 1 x 0\n", "line 2: expected three numbers"},
-        {SQUARE "f 1 2 5\n", "line 5: a face names a vertex"},
-        {SQUARE "f 1 2 0\n", "line 5: a face names a vertex"},
-        {SQUARE "f 1 2 -5\n", "line 5: a face names a vertex"},
+        {"v 0 3.1+e2 0\n", "line 1: expected three numbers behind v, found \"3.1+e2\""},
+        {"v 0 0x10 0\n", "line 1: expected three numbers behind v, found \"0x10\""},
+        {"v 1 2 3 red\n", "line 1: expected three numbers behind v, found \"red\""},
+        {"v 0 0 0\nvn 0 0 1up\n", "line 2: expected three numbers behind vn, found \"1up\""},
+        {"vt 0 .\n", "line 1: expected numbers behind vt, found \".\""},
         {SQUARE "f 1 2 99999999999999999999\n", "line 5: expected numbers such as"},
-        {SQUARE "f 1//1 2//1 3//1\n", "line 5: a face names a normal"},
         {SQUARE "f 1 2 three\n", "line 5: expected numbers such as"},
         {SQUARE "f 1/1/1/1 2 3\n", "line 5: expected numbers such as"},
         {SQUARE "f 1/x 2 3\n", "line 5: expected numbers such as"},
@@ -168,6 +169,58 @@ static void what_is_wrong_is_told_by_its_line(void **state)
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
         assert_wrong(*state, wrong[i][0], wrong[i][1]);
+}
+
+static bool warns(const lf_soup *soup, const char *words)
+{
+    for (int i = 0; lf_warnings_at(&soup->warnings, i); i++)
+        if (strstr(lf_warnings_at(&soup->warnings, i), words))
+            return true;
+    return false;
+}
+
+/* What a face names and the file lacks: a vertex leaves the face out, a normal or a texture
+ * coordinate itself alone. */
+static void what_is_not_there_is_left_out_and_counted(void **state)
+{
+    lf_soup soup = soup_of(*state, SQUARE "f 1 2 5\nf 1 2 3\nf 1 0 2\nf -5 1 2\nf 1 2 3 4 9\n");
+    assert_int_equal(soup.n_triangles, 1);
+    assert_int_equal(soup.n_astray, 4);
+    lf_soup_finish(&soup);
+    soup = soup_of(*state, SQUARE "f 1/1/1 2//1 3\n");
+    assert_int_equal(soup.n_triangles, 1);
+    for (int c = 0; c < 3; c++)
+        assert_true(soup.normals_of[c] == LF_NO_NORMAL);
+    assert_true(warns(&soup, "corners that name normals that there are not (2) have none"));
+    assert_true(warns(&soup, "1 corners name texture coordinates that there are not"));
+    lf_soup_finish(&soup);
+}
+
+/* None of a face whose corner is nowhere is made of its other corners. */
+static void a_polygon_with_an_odd_corner_is_odd_as_a_whole(void **state)
+{
+    static const char *const odd[] = {"nan 0 0", "0 inf 0", "0 0 1e30", "1e999 0 0"};
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++)
+        for (int n = 3; n <= 7; n++) {
+            char text[512] = "";
+            for (int c = 0; c < n; c++) {
+                const size_t at = strlen(text);
+                if (c == 1)
+                    snprintf(text + at, sizeof text - at, "v %s\n", odd[i]);
+                else
+                    snprintf(text + at, sizeof text - at, "v %g %g 0\n", cos(c), sin(c));
+            }
+            strcat(text, "f");
+            for (int c = 1; c <= n; c++)
+                snprintf(text + strlen(text), sizeof text - strlen(text), " %d", c);
+            strcat(text, "\n");
+            lf_soup soup = soup_of(*state, text);
+            assert_int_equal(soup.n_triangles, n - 2);
+            for (size_t t = 0; t < soup.n_triangles; t++)
+                assert_true(soup.corners[3 * t] == 1 || soup.corners[3 * t + 1] == 1 ||
+                            soup.corners[3 * t + 2] == 1);
+            lf_soup_finish(&soup);
+        }
 }
 
 static void another_group_begins_a_part(void **state)
@@ -361,6 +414,8 @@ int main(void)
         lf_test_in_folder(normals_are_those_of_corners),
         lf_test_in_folder(points_lines_and_colours_are_counted),
         lf_test_in_folder(what_is_wrong_is_told_by_its_line),
+        lf_test_in_folder(what_is_not_there_is_left_out_and_counted),
+        lf_test_in_folder(a_polygon_with_an_odd_corner_is_odd_as_a_whole),
         lf_test_in_folder(a_library_says_what_materials_are),
         lf_test_in_folder(options_of_a_picture_say_how_it_lies),
         lf_test_in_folder(opacity_is_said_in_two_ways),

@@ -214,12 +214,75 @@ static void case_23_what_is_no_density_is_refused_in_words(void **state)
     assert_refused(kinds, "flags", LF_E_FORMAT, "velocity (vec3s)");
     assert_refused(kinds, "mask", LF_E_FORMAT, "mask (bool)");
     assert_refused(kinds, "density", LF_E_FORMAT, "no grid \"density\"; the file holds");
-    assert_refused(data_file("values.vdb"), "nan", LF_E_FORMAT, "nan at voxel 0 0 0");
-    assert_refused(data_file("values.vdb"), "infinite", LF_E_FORMAT, "inf at voxel 0 0 0");
-    assert_refused(data_file("values.vdb"), "negative", LF_E_FORMAT, "-0.5 at voxel 0 0 0");
+    assert_refused(data_file("values.vdb"), "negative", LF_E_FORMAT,
+                   "grid negative is below 0 at 1 of 1 active voxels (down to -0.5): it looks like "
+                   "a level set; give it the class \"level set\"");
+    assert_refused(data_file("odd.vdb"), "distance", LF_E_FORMAT, "it looks like a level set");
     assert_refused(data_file("frustum.vdb"), "density", LF_E_FORMAT, "not affine");
     assert_refused(data_file("sizes.vdb"), "far", LF_E_FORMAT, "voxels along x");
     assert_refused(data_file("sizes.vdb"), "full", LF_E_NOMEM, "68719476736 active voxels");
+}
+
+/* Of 1000 voxels of 0.5, six are odd: each counts as 0, and the others are as they were. */
+static void odd_voxels_are_counted_and_count_as_0(void **state)
+{
+    (void)state;
+    static const int odd[6][3] = {{0, 2, 3}, {1, 2, 3}, {2, 2, 3}, {5, 5, 5}, {9, 9, 9}, {0, 0, 0}};
+    lf_grid *grid = imported(data_file("odd.vdb"), "density"), *twice = NULL;
+    lf_error err;
+    int n = 0;
+    for (int k = 0; k < 6; k++)
+        assert_true(at(grid, odd[k][0], odd[k][1], odd[k][2]) == 0.0f);
+    for (int k = 0; k < 1000; k++)
+        n += at(grid, k % 10, k / 10 % 10, k / 100) == 0.5f;
+    assert_int_equal(n, 994);
+    assert_true(grid->odd.n_negative == 3 && grid->odd.n_not_finite == 3);
+    lf_assert_close(grid->odd.least, -1e-3, 1e-6, 0);
+    lf_assert_ok(lf_grid_sum(grid, grid, &twice, &err), &err);
+    assert_true(twice->odd.n_negative == 6 && twice->odd.n_not_finite == 6);
+    lf_grid_unref(twice);
+    lf_grid_unref(grid);
+    grid = imported(data_file("values.vdb"), "nan");
+    assert_true(grid->n_bricks == 0 && grid->odd.n_not_finite == 1 && grid->odd.n_negative == 0);
+    lf_grid_unref(grid);
+}
+
+static int count_warnings(const char *keys, const char *words)
+{
+    char path[PATH_MAX], text[PATH_MAX + 512];
+    lf_error err;
+    lf_scene *out = NULL;
+    int n = 0;
+    assert_non_null(realpath(data_file("odd.vdb"), path));
+    snprintf(text, sizeof text, "{'camera': {'shutter': 1}, 'volumes': {'v': {'file': '%s', %s}}}",
+             path, keys);
+    for (char *c = text; *c; c++)
+        *c = *c == '\'' ? '"' : *c;
+    json_t *doc = json_loads(text, 0, NULL);
+    assert_non_null(doc);
+    lf_assert_ok(lf_scene_from_json(doc, "/", "t", NULL, NULL, &out, &err), &err);
+    for (int i = 0; lf_scene_warning(out, i); i++)
+        n += !!strstr(lf_scene_warning(out, i), words);
+    lf_scene_unref(out);
+    json_decref(doc);
+    return n;
+}
+
+/* Of densities, of what glows, of a sum of both, of velocities. */
+static void a_warning_counts_the_odd_voxels_of_each_grid(void **state)
+{
+    (void)state;
+    static const char glows[] = "'scale': 1, 'emission': {'grid': 'heat', 'scale': 1}",
+                      sum[] = "'grid': ['density', 'heat']", moves[] = "'velocity': 'wind'";
+    assert_int_equal(
+        count_warnings(glows, "grid density: voxels below 0 (3, down to -0.001) count as 0"), 1);
+    assert_int_equal(
+        count_warnings(glows, "grid density: voxels that are not finite (3) count as 0"), 1);
+    assert_int_equal(
+        count_warnings(glows, "grid heat: voxels below 0 (3, down to -0.001) count as 0"), 1);
+    assert_int_equal(
+        count_warnings(sum, "grid density+heat: voxels below 0 (6, down to -0.001) count as 0"), 1);
+    assert_int_equal(count_warnings(moves, "velocities that are not finite (1) count as 0"), 1);
 }
 
 /* The first n bytes of a file, as another file. */
@@ -314,6 +377,8 @@ int main(void)
         cmocka_unit_test(a_level_set_becomes_fog_that_is_full_inside),
         cmocka_unit_test(empty_and_zero_grids_are_grids_without_bricks),
         cmocka_unit_test(case_23_what_is_no_density_is_refused_in_words),
+        cmocka_unit_test(odd_voxels_are_counted_and_count_as_0),
+        cmocka_unit_test(a_warning_counts_the_odd_voxels_of_each_grid),
         cmocka_unit_test(damaged_files_are_refused_and_never_crash),
         cmocka_unit_test(the_shared_volumes_are_read_or_refused_as_they_should_be),
     };
