@@ -516,6 +516,9 @@ static void collect_warnings(const commit *c)
         if (scene->volumes[i].grid && c->desc->volumes[i].file)
             lf_warn_of_unused_grids(&scene->warnings, c->desc, scene->volumes[i].grid,
                                     c->desc->volumes[i].file);
+    for (int i = 0; i < scene->n_lights; i++)
+        if (scene->lights[i].environment)
+            lf_warnings_add_all(&scene->warnings, &scene->lights[i].environment->warnings);
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     warn_of_dense_grids(c);
