@@ -155,8 +155,8 @@ static void clamp(const lf_image_source *source, lf_image32 *image)
     }
     if (pixels > 0 && source->said)
         lf_image_note(&source->said->notes,
-                      "%zu %s no finite numbers: +Inf is taken as %g, NaN and -Inf as 0", pixels,
-                      pixels == 1 ? "pixel has" : "pixels have", (double)largest);
+                      "%zu %s not finite: +Inf is taken as %g, NaN and -Inf as 0", pixels,
+                      pixels == 1 ? "pixel is" : "pixels are", (double)largest);
 }
 
 static void convert(const lf_image_colours *colours, lf_image32 *image)

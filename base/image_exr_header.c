@@ -14,6 +14,8 @@ typedef struct parts {
     int n;
 } parts;
 
+enum { NAME = 160, LIST = 300 };
+
 void lf_exr_list(char *list, size_t size, const char *name)
 {
     size_t used = strlen(list), n = strlen(name);
@@ -119,15 +121,15 @@ static bool is_alpha(const char *channel)
     return false;
 }
 
-/* All channels but alpha, of which the last is taken as grey. */
-static int find_channels(const parts *p)
+/* All channels, with or without alpha, of which the last is taken as grey. */
+static int find_channels(const parts *p, bool alpha)
 {
     int n = 0;
     lf_exr_input *in = p->in;
     for (int part = 0; part < p->n; part++) {
         const exr_attr_chlist_t *channels = channels_of(in, part);
         for (int i = 0; channels && i < channels->num_channels; i++) {
-            if (is_alpha(channels->entries[i].name.str))
+            if (!alpha && is_alpha(channels->entries[i].name.str))
                 continue;
             n++;
             in->part = part;
@@ -147,29 +149,27 @@ static bool is_taken(const lf_exr_input *in, const char *channel)
     return in->chroma && (strcmp(channel, "RY") == 0 || strcmp(channel, "BY") == 0);
 }
 
-/* "DEPTH: Z" for the parts that have names. */
-static const char *called(const lf_exr_input *in, int part, const char *channel, char *buf,
-                          size_t size)
+/* Appends "DEPTH: Z", of files of several parts with their names. */
+static void list_channel(const parts *p, int part, const char *channel, char list[LIST])
 {
     const char *name = NULL;
-    if (exr_get_name(in->exr, part, &name) != EXR_ERR_SUCCESS || !name || !name[0])
-        return channel;
-    snprintf(buf, size, "%.60s: %.60s", name, channel);
-    return buf;
+    char text[NAME];
+    bool named = p->n > 1 && exr_get_name(p->in->exr, part, &name) == EXR_ERR_SUCCESS && name;
+    snprintf(text, sizeof text, "%.60s%s%.60s", named ? name : "", named ? ": " : "", channel);
+    lf_exr_list(list, LIST, text);
 }
 
 /* What a picture would have had to have; there are too many channels to choose from, or none. */
 static lf_status refuse(const parts *p)
 {
     const lf_exr_session *s = p->in->session;
-    char list[300] = "", name[160];
+    char list[LIST] = "";
     bool deep = p->n > 0;
     for (int part = 0; part < p->n; part++) {
         const exr_attr_chlist_t *channels = channels_of(p->in, part);
         deep = deep && !channels;
         for (int i = 0; channels && i < channels->num_channels; i++)
-            lf_exr_list(list, sizeof list,
-                        called(p->in, part, channels->entries[i].name.str, name, sizeof name));
+            list_channel(p, part, channels->entries[i].name.str, list);
     }
     if (deep)
         return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
@@ -186,25 +186,27 @@ static lf_status choose(const parts *p)
         return LF_OK;
     if (find_layers(p, false) > 1)
         return refuse(p);
-    return find_layers(p, true) == 1 || find_channels(p) == 1 ? LF_OK : refuse(p);
+    if (find_layers(p, true) == 1 || find_channels(p, false) == 1)
+        return LF_OK;
+    return find_channels(p, true) == 1 ? LF_OK : refuse(p);
 }
 
 /* Alpha is no loss: colours are multiplied by it, so that they are those before black. */
 static void note_others(const parts *p)
 {
     const lf_exr_input *in = p->in;
-    char list[300] = "", name[160];
+    char list[LIST] = "";
     if (!in->session->source->said)
         return;
     for (int part = 0; part < p->n; part++) {
         const exr_attr_chlist_t *channels = channels_of(in, part);
         if (!channels)
-            lf_exr_list(list, sizeof list, called(in, part, "deep pixels", name, sizeof name));
+            list_channel(p, part, "deep pixels", list);
         for (int i = 0; channels && i < channels->num_channels; i++) {
             const char *channel = channels->entries[i].name.str;
             if (part == in->part && (is_taken(in, channel) || is_alpha(channel)))
                 continue;
-            lf_exr_list(list, sizeof list, called(in, part, channel, name, sizeof name));
+            list_channel(p, part, channel, list);
         }
     }
     if (list[0])
