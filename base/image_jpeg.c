@@ -58,7 +58,7 @@ static void note_marker(const struct jpeg_decompress_struct *jpeg,
     if (begins(marker, JPEG_APP0 + 1, "Exif\0", 6))
         lf_exif_note(data + 6, n - 6, notes);
     /* the first part of a profile, behind its number and how many there are */
-    if (begins(marker, JPEG_APP0 + 2, "ICC_PROFILE", 14) && data[12] == 1 &&
+    if (begins(marker, JPEG_APP0 + 2, "ICC_PROFILE", 12) && n > 14 && data[12] == 1 &&
         !lf_icc_is_srgb(data + 14, n - 14))
         lf_image_note(notes, "the ICC profile is not applied: colours are taken as %s",
                       jpeg->num_components == 4 ? "plain CMYK" : "sRGB");
@@ -154,10 +154,10 @@ static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FI
     if (status != LF_OK)
         return lf_error_set(s->err, status, s->source->where, "no memory for the picture");
     read_rows(jpeg, out);
+    note_markers(jpeg, s->source); /* which do not outlive the end */
     jpeg_finish_decompress(jpeg);
     if (s->damaged)
         return lf_error_set(s->err, LF_E_FORMAT, s->source->where, "JPEG: damaged or cut off");
-    note_markers(jpeg, s->source);
     return LF_OK;
 }
 
