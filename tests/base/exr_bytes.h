@@ -1,12 +1,12 @@
 /* EXR files byte by byte, for tests that need what no library writes: any attribute, part and
- * channel. Pixels lie in them as plain scan lines, every one of the same numbers but the first.
- * After "OpenEXR File Layout" (openexr.com). */
+ * channel. Pixels lie in them as plain scan lines, every one of the same numbers but the first, or
+ * of a function. After "OpenEXR File Layout" (openexr.com). */
 #ifndef LF_TESTS_BASE_EXR_BYTES_H
 #define LF_TESTS_BASE_EXR_BYTES_H
 
 #include "tests/base/pictures.h"
 
-enum { EXR_BYTES = 1 << 16, EXR_CHANNELS = 8 };
+enum { EXR_BYTES = 1 << 20, EXR_CHANNELS = 8 };
 enum { EXR_UINT, EXR_HALF, EXR_FLOAT };
 
 typedef struct exr_attribute_bytes {
@@ -20,6 +20,8 @@ typedef struct exr_part_bytes {
     float value[EXR_CHANNELS];          /* of every pixel */
     float first[EXR_CHANNELS];          /* of the first, where `odd` */
     bool odd;
+    /* NULL, or the number of channel c at a pixel, in place of these */
+    float (*at)(int c, int x, int y);
     int type;         /* of all channels */
     int display[4];   /* x0, y0, x1, y1, ends included; all 0: as the data window */
     int data[4];      /* all 0: 0 0 3 2 */
@@ -121,6 +123,14 @@ static inline void exr_put_number(exr_file_bytes *f, int type, float value)
         exr_put(f, type == EXR_UINT ? (const void *)&whole : (const void *)&value, 4);
 }
 
+static inline float exr_number_of(const exr_part_bytes *part, int c, int x, int y)
+{
+    const int *w = exr_window(part, false);
+    if (part->at)
+        return part->at(c, x, y);
+    return part->odd && x == w[0] && y == w[1] ? part->first[c] : part->value[c];
+}
+
 static inline void exr_put_line(exr_file_bytes *f, const exr_part_bytes *part, int y)
 {
     const int *w = exr_window(part, false);
@@ -131,8 +141,7 @@ static inline void exr_put_line(exr_file_bytes *f, const exr_part_bytes *part, i
     exr_put_int(f, n * width * (part->type == EXR_HALF ? 2 : 4));
     for (int c = 0; c < n; c++)
         for (int x = 0; x < width; x++)
-            exr_put_number(f, part->type,
-                           part->odd && x == 0 && y == w[1] ? part->first[c] : part->value[c]);
+            exr_put_number(f, part->type, exr_number_of(part, c, x + w[0], y));
 }
 
 /* A file of one part, or of several, which have names. */
