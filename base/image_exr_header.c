@@ -180,12 +180,29 @@ static lf_status refuse(const parts *p)
                         list[0] ? list : "none");
 }
 
+/* The first of a part's views, where even that one is a layer (OpenEXR's ImfMultiView.h). */
+static bool find_first_view(const parts *p)
+{
+    for (int part = 0; part < p->n; part++) {
+        const exr_attribute_t *views = NULL;
+        if (!channels_of(p->in, part) ||
+            exr_get_attribute_by_name(p->in->exr, part, "multiView", &views) != EXR_ERR_SUCCESS ||
+            !views || views->type != EXR_ATTR_STRING_VECTOR || views->stringvector->n_strings < 1)
+            continue;
+        const exr_attr_string_t *first = &views->stringvector->strings[0];
+        if (take_colours(p->in, part, (layer){first->str, first->length}, false))
+            return true;
+    }
+    return false;
+}
+
 static lf_status choose(const parts *p)
 {
-    if (find_named(p) || find_layers(p, false) == 1)
+    if (find_named(p) || find_first_view(p))
         return LF_OK;
-    if (find_layers(p, false) > 1)
-        return refuse(p);
+    int layers = find_layers(p, false);
+    if (layers > 0)
+        return layers == 1 ? LF_OK : refuse(p);
     if (find_layers(p, true) == 1 || find_channels(p, false) == 1)
         return LF_OK;
     return find_channels(p, true) == 1 ? LF_OK : refuse(p);
@@ -252,6 +269,7 @@ lf_status lf_exr_read_header(lf_exr_input *in)
     lf_status status = choose(&p);
     if (status != LF_OK)
         return status;
+    in->session->message[0] = 0; /* the library complains of attributes that are not there */
     rv = exr_get_storage(in->exr, in->part, &storage);
     if (rv == EXR_ERR_SUCCESS)
         rv = exr_get_compression(in->exr, in->part, &in->compression);

@@ -213,5 +213,5 @@ void lf_exr_read_attributes(lf_exr_input *in)
     note_windows(in);
     note_numbers(in);
     note_texts(in);
-    in->session->message[0] = 0; /* the library complains of attributes that are not there */
+    in->session->message[0] = 0;
 }

@@ -162,6 +162,24 @@ static void views(const lf_format_row *row)
     expect(&part, 1, "views that are not read: right", plain, 1e-7);
 }
 
+/* Though its channels have one. */
+static void first_view(const lf_format_row *row)
+{
+    (void)row;
+    static const unsigned char names[] = {1, 0, 0, 0, 'r', 1, 0, 0, 0, 'l'};
+    const exr_part_bytes part = {
+        .channels = {"l.B", "l.G", "l.R", "r.B", "r.G", "r.R"},
+        .value = {5, 5, 5, 0.1f, 0.1f, 0.8f},
+        .type = EXR_FLOAT,
+        .attributes = {{"multiView", "stringvector", names, sizeof names}}};
+    lf_image_said said;
+    exr_write(file(), &part, 1);
+    lf_image32 image = lf_picture_said(file(), &said);
+    lf_pixel_is(&image, 0, 0, plain, 1e-7);
+    assert_non_null(strstr(said.notes.text, "channels that are not read: l.B, l.G, l.R\n"));
+    lf_image32_finish(&image);
+}
+
 /* ---------------------------------------------------------------------------------- channels -- */
 
 /* The picture of a part, and what is told. */
@@ -418,6 +436,7 @@ static const lf_format_row rows[] = {
     {"name", "ignored", one_name, NULL},
     {"view", "told", view_of_part, NULL},
     {"multiView", "told", views, NULL},
+    {"multiView of layers alone", "used", first_view, NULL},
     {"NO_COMPRESSION", "used", compression, &kinds[0]},
     {"RLE_COMPRESSION", "used", compression, &kinds[1]},
     {"ZIPS_COMPRESSION", "used", compression, &kinds[2]},
