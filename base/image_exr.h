@@ -32,7 +32,7 @@ typedef struct lf_exr_input {
 } lf_exr_input;
 
 /* The error that a result of the library is; returns its status. */
-lf_status lf_exr_fail(const lf_exr_session *session, exr_result_t result);
+lf_status lf_exr_fail(const lf_exr_session *s, exr_result_t code);
 
 /* Fills all but session and exr, of a file that is open. LF_E_FORMAT: it is no flat picture, has no
  * channels to take, or is too large. What is not read is noted. */
