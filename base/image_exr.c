@@ -9,31 +9,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include <openexr.h>
-
 #include <ImfCRgbaFile.h>
 
 #include "base/alloc.h"
-#include "base/image_formats.h"
-#include "base/log.h"
-
-/* What OpenEXRCore's callbacks reach. */
-typedef struct exr_session {
-    const lf_image_source *source; /* reading */
-    lf_outfile *file;              /* writing */
-    lf_error *err;
-    lf_status status;  /* of our own I/O */
-    char message[200]; /* the library's first complaint */
-} exr_session;
-
-typedef struct exr_input {
-    exr_session *session;
-    exr_context_t exr;
-    exr_attr_box2i_t data, display;
-    int data_width, data_height;
-    exr_compression_t compression;
-    bool tiled, grey, chroma, half;
-} exr_input;
+#include "base/image_exr.h"
 
 static bool recognises_exr(const uint8_t *head, size_t n)
 {
@@ -45,13 +24,13 @@ static void on_error(exr_const_context_t exr, exr_result_t code, const char *mes
     void *data = NULL;
     if (exr_get_user_data(exr, &data) != EXR_ERR_SUCCESS || !data)
         return;
-    exr_session *s = data;
+    lf_exr_session *s = data;
     if (s->message[0] == 0)
         snprintf(s->message, sizeof s->message, "%s",
                  message ? message : exr_get_default_error_message(code));
 }
 
-static lf_status bad(const exr_session *s, exr_result_t code)
+lf_status lf_exr_fail(const lf_exr_session *s, exr_result_t code)
 {
     const char *where = s->source ? s->source->where : lf_outfile_name(s->file);
     if (s->status != LF_OK)
@@ -68,7 +47,7 @@ static int64_t read_bytes(exr_const_context_t exr, void *data, void *to, uint64_
 {
     (void)exr;
     (void)report;
-    exr_session *s = data;
+    lf_exr_session *s = data;
     uint64_t done = 0;
     while (done < n) {
         ssize_t got = pread(s->source->fd, (char *)to + done, n - done, (off_t)(offset + done));
@@ -89,98 +68,13 @@ static int64_t read_bytes(exr_const_context_t exr, void *data, void *to, uint64_
 static int64_t file_size(exr_const_context_t exr, void *data)
 {
     (void)exr;
-    const exr_session *s = data;
+    const lf_exr_session *s = data;
     return (int64_t)s->source->size_bytes;
-}
-
-static bool has_channel(const exr_attr_chlist_t *channels, const char *name)
-{
-    for (int i = 0; i < channels->num_channels; i++)
-        if (strcmp(channels->entries[i].name.str, name) == 0)
-            return true;
-    return false;
-}
-
-static bool has_half(const exr_attr_chlist_t *channels)
-{
-    for (int i = 0; i < channels->num_channels; i++)
-        if (channels->entries[i].pixel_type == EXR_PIXEL_HALF)
-            return true;
-    return false;
-}
-
-static bool is_subsampled(const exr_attr_chlist_t *channels)
-{
-    for (int i = 0; i < channels->num_channels; i++)
-        if (channels->entries[i].x_sampling != 1 || channels->entries[i].y_sampling != 1)
-            return true;
-    return false;
-}
-
-static lf_status check_channels(exr_input *in)
-{
-    const exr_attr_chlist_t *channels = NULL;
-    const char *where = in->session->source->where;
-    exr_result_t rv = exr_get_channels(in->exr, 0, &channels);
-    if (rv != EXR_ERR_SUCCESS || !channels)
-        return bad(in->session, rv);
-    bool rgb =
-        has_channel(channels, "R") && has_channel(channels, "G") && has_channel(channels, "B");
-    in->grey = !rgb && has_channel(channels, "Y");
-    in->half = has_half(channels);
-    in->chroma = in->grey && has_channel(channels, "RY") && has_channel(channels, "BY");
-    if (!rgb && !in->grey)
-        return lf_error_set(in->session->err, LF_E_FORMAT, where,
-                            "an EXR with neither the channels R, G, B nor Y");
-    if (is_subsampled(channels) && !in->chroma)
-        return lf_error_set(in->session->err, LF_E_FORMAT, where,
-                            "an EXR with subsampled channels that are not Y, RY, BY");
-    int n_used = rgb || in->chroma ? 3 : 1;
-    if (channels->num_channels > n_used)
-        lf_log(LF_LOG_DEBUG, "%s: %d further channels are not read", where,
-               channels->num_channels - n_used);
-    return LF_OK;
-}
-
-static lf_status check_windows(exr_input *in)
-{
-    int64_t data_w = (int64_t)in->data.max.x - in->data.min.x + 1,
-            data_h = (int64_t)in->data.max.y - in->data.min.y + 1;
-    int64_t width = (int64_t)in->display.max.x - in->display.min.x + 1;
-    int64_t height = (int64_t)in->display.max.y - in->display.min.y + 1;
-    const exr_session *s = in->session;
-    lf_status status = lf_image_check_shape(s->source, width, height, 12, s->err);
-    if (status == LF_OK)
-        status = lf_image_check_shape(s->source, data_w, data_h, 12, s->err);
-    in->data_width = (int)data_w;
-    in->data_height = (int)data_h;
-    return status;
-}
-
-/* A header that is what the pixel readers take for granted. */
-static lf_status read_header(exr_input *in)
-{
-    exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
-    exr_result_t rv = exr_get_storage(in->exr, 0, &storage);
-    if (rv == EXR_ERR_SUCCESS)
-        rv = exr_get_compression(in->exr, 0, &in->compression);
-    if (rv == EXR_ERR_SUCCESS)
-        rv = exr_get_data_window(in->exr, 0, &in->data);
-    if (rv == EXR_ERR_SUCCESS)
-        rv = exr_get_display_window(in->exr, 0, &in->display);
-    if (rv != EXR_ERR_SUCCESS)
-        return bad(in->session, rv);
-    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
-        return lf_error_set(in->session->err, LF_E_FORMAT, in->session->source->where,
-                            "a deep EXR (expected scan lines or tiles of flat pixels)");
-    in->tiled = storage == EXR_STORAGE_TILED;
-    lf_status status = check_windows(in);
-    return status == LF_OK ? check_channels(in) : status;
 }
 
 /* The part of a block that lies in the display window; (x, y) is its corner in the file's
  * coordinates. */
-static void place_block(const exr_input *in, const float *block, int x, int y, int width,
+static void place_block(const lf_exr_input *in, const float *block, int x, int y, int width,
                         int height, lf_image32 *out)
 {
     for (int row = 0; row < height; row++) {
@@ -206,17 +100,17 @@ static void spread_grey(float *block, size_t n)
 }
 
 /* Points the channels that are wanted at the block; the library converts half and uint to float. */
-static void aim_channels(const exr_input *in, exr_decode_pipeline_t *decode, float *block,
+static void aim_channels(const lf_exr_input *in, exr_decode_pipeline_t *decode, float *block,
                          int width)
 {
-    const char *const wanted[] = {in->grey ? "Y" : "R", "G", "B"};
+    const int n = in->grey ? 1 : 3;
     for (int c = 0; c < decode->channel_count; c++) {
         exr_coding_channel_info_t *channel = &decode->channels[c];
         int slot = 0;
-        while (slot < 3 && strcmp(channel->channel_name, wanted[slot]) != 0)
+        while (slot < n && strcmp(channel->channel_name, in->channel[slot]) != 0)
             slot++;
         channel->decode_to_ptr = NULL;
-        if (slot == 3 || (in->grey && slot > 0))
+        if (slot == n)
             continue;
         channel->decode_to_ptr = (uint8_t *)(block + slot);
         channel->user_bytes_per_element = 4;
@@ -226,25 +120,26 @@ static void aim_channels(const exr_input *in, exr_decode_pipeline_t *decode, flo
     }
 }
 
-static exr_result_t decode_chunk(const exr_input *in, const exr_chunk_info_t *chunk,
+static exr_result_t decode_chunk(const lf_exr_input *in, const exr_chunk_info_t *chunk,
                                  exr_decode_pipeline_t *decode, bool first, float *block)
 {
-    exr_result_t rv = first ? exr_decoding_initialize(in->exr, 0, chunk, decode)
-                            : exr_decoding_update(in->exr, 0, chunk, decode);
+    exr_result_t rv = first ? exr_decoding_initialize(in->exr, in->part, chunk, decode)
+                            : exr_decoding_update(in->exr, in->part, chunk, decode);
     if (rv != EXR_ERR_SUCCESS)
         return rv;
     aim_channels(in, decode, block, chunk->width);
     if (first)
-        rv = exr_decoding_choose_default_routines(in->exr, 0, decode);
-    return rv == EXR_ERR_SUCCESS ? exr_decoding_run(in->exr, 0, decode) : rv;
+        rv = exr_decoding_choose_default_routines(in->exr, in->part, decode);
+    return rv == EXR_ERR_SUCCESS ? exr_decoding_run(in->exr, in->part, decode) : rv;
 }
 
-static exr_result_t read_scan_lines(const exr_input *in, exr_decode_pipeline_t *decode,
+static exr_result_t read_scan_lines(const lf_exr_input *in, exr_decode_pipeline_t *decode,
                                     float *block, int lines, lf_image32 *out)
 {
     for (int y = 0; y < in->data_height; y += lines) {
         exr_chunk_info_t chunk = {0};
-        exr_result_t rv = exr_read_scanline_chunk_info(in->exr, 0, in->data.min.y + y, &chunk);
+        exr_result_t rv =
+            exr_read_scanline_chunk_info(in->exr, in->part, in->data.min.y + y, &chunk);
         if (rv == EXR_ERR_SUCCESS &&
             (chunk.width != in->data_width || chunk.height > lines || chunk.height < 1))
             rv = EXR_ERR_BAD_CHUNK_LEADER;
@@ -259,14 +154,14 @@ static exr_result_t read_scan_lines(const exr_input *in, exr_decode_pipeline_t *
     return EXR_ERR_SUCCESS;
 }
 
-static exr_result_t read_tiles(const exr_input *in, exr_decode_pipeline_t *decode, float *block,
+static exr_result_t read_tiles(const lf_exr_input *in, exr_decode_pipeline_t *decode, float *block,
                                int tile_w, int tile_h, lf_image32 *out)
 {
     for (int y = 0; y < in->data_height; y += tile_h) {
         for (int x = 0; x < in->data_width; x += tile_w) {
             exr_chunk_info_t chunk = {0};
             exr_result_t rv =
-                exr_read_tile_chunk_info(in->exr, 0, x / tile_w, y / tile_h, 0, 0, &chunk);
+                exr_read_tile_chunk_info(in->exr, in->part, x / tile_w, y / tile_h, 0, 0, &chunk);
             if (rv == EXR_ERR_SUCCESS && (chunk.width > tile_w || chunk.height > tile_h ||
                                           chunk.width < 1 || chunk.height < 1))
                 rv = EXR_ERR_BAD_CHUNK_LEADER;
@@ -284,11 +179,11 @@ static exr_result_t read_tiles(const exr_input *in, exr_decode_pipeline_t *decod
 }
 
 /* Blocks of the file's own shape, never larger than the data window. */
-static exr_result_t block_shape(const exr_input *in, int *out_width, int *out_height)
+static exr_result_t block_shape(const lf_exr_input *in, int *out_width, int *out_height)
 {
     int32_t width = in->data_width, height = 1;
-    exr_result_t rv = in->tiled ? exr_get_tile_sizes(in->exr, 0, 0, 0, &width, &height)
-                                : exr_get_scanlines_per_chunk(in->exr, 0, &height);
+    exr_result_t rv = in->tiled ? exr_get_tile_sizes(in->exr, in->part, 0, 0, &width, &height)
+                                : exr_get_scanlines_per_chunk(in->exr, in->part, &height);
     if (rv == EXR_ERR_SUCCESS && (width < 1 || height < 1))
         rv = EXR_ERR_INVALID_ATTR;
     *out_width = width < in->data_width ? width : in->data_width;
@@ -296,12 +191,12 @@ static exr_result_t block_shape(const exr_input *in, int *out_width, int *out_he
     return rv;
 }
 
-static lf_status read_by_core(const exr_input *in, lf_image32 *out)
+static lf_status read_by_core(const lf_exr_input *in, lf_image32 *out)
 {
     int width, height;
     exr_result_t rv = block_shape(in, &width, &height);
     if (rv != EXR_ERR_SUCCESS)
-        return bad(in->session, rv);
+        return lf_exr_fail(in->session, rv);
     float *block = lf_calloc((size_t)width * (size_t)height * 3, sizeof *block);
     if (!block)
         return lf_error_set(in->session->err, LF_E_NOMEM, in->session->source->where,
@@ -311,12 +206,12 @@ static lf_status read_by_core(const exr_input *in, lf_image32 *out)
                    : read_scan_lines(in, &decode, block, height, out);
     exr_decoding_destroy(in->exr, &decode);
     lf_free(block);
-    return rv == EXR_ERR_SUCCESS ? LF_OK : bad(in->session, rv);
+    return rv == EXR_ERR_SUCCESS ? LF_OK : lf_exr_fail(in->session, rv);
 }
 
 #define BAND_LINES 256 /* DWAB's block: each is unpacked once */
 
-static lf_status read_bands(const exr_input *in, ImfInputFile *file, ImfRgba *half, float *block,
+static lf_status read_bands(const lf_exr_input *in, ImfInputFile *file, ImfRgba *half, float *block,
                             lf_image32 *out)
 {
     size_t width = (size_t)in->data_width;
@@ -344,7 +239,7 @@ static lf_status read_bands(const exr_input *in, ImfInputFile *file, ImfRgba *ha
 /* That library keeps its message in one global buffer. */
 static pthread_mutex_t rgba_library = PTHREAD_MUTEX_INITIALIZER;
 
-static lf_status read_by_rgba_library(const exr_input *in, lf_image32 *out)
+static lf_status read_by_rgba_library(const lf_exr_input *in, lf_image32 *out)
 {
     const lf_image_source *source = in->session->source;
     size_t n = (size_t)in->data_width * BAND_LINES;
@@ -372,7 +267,7 @@ static lf_status read_by_rgba_library(const exr_input *in, lf_image32 *out)
     return status;
 }
 
-static bool is_beyond_core(const exr_input *in)
+static bool is_beyond_core(const lf_exr_input *in)
 {
     switch (in->compression) {
     case EXR_COMPRESSION_DWAA:
@@ -386,23 +281,30 @@ static bool is_beyond_core(const exr_input *in)
     }
 }
 
-static lf_status read_part(exr_input *in, lf_image32 *out)
+static lf_status read_part(lf_exr_input *in, lf_image32 *out)
 {
-    lf_status status = read_header(in);
+    lf_status status = lf_exr_read_header(in);
     if (status != LF_OK)
         return status;
+    if (is_beyond_core(in) && !in->named)
+        return lf_error_set(in->session->err, LF_E_FORMAT, in->session->source->where,
+                            "layers and later parts are not read in DWA, B44 and luminance-chroma "
+                            "coding; save the EXR with ZIP compression");
     int width = in->display.max.x - in->display.min.x + 1,
         height = in->display.max.y - in->display.min.y + 1;
     status = lf_image32_init(out, width, height, 3);
     if (status != LF_OK)
         return lf_error_set(in->session->err, status, in->session->source->where,
                             "no memory for the picture");
-    return is_beyond_core(in) ? read_by_rgba_library(in, out) : read_by_core(in, out);
+    status = is_beyond_core(in) ? read_by_rgba_library(in, out) : read_by_core(in, out);
+    if (status == LF_OK)
+        lf_image_settle(in->session->source, &in->colours, out);
+    return status;
 }
 
 static lf_status read_exr(const lf_image_source *source, lf_image32 *out, lf_error *err)
 {
-    exr_session session = {.source = source, .err = err};
+    lf_exr_session session = {.source = source, .err = err};
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
     setup.error_handler_fn = on_error;
     setup.user_data = &session;
@@ -411,10 +313,10 @@ static lf_status read_exr(const lf_image_source *source, lf_image32 *out, lf_err
     setup.max_image_width = setup.max_image_height = setup.max_tile_width = setup.max_tile_height =
         65536;
     setup.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
-    exr_input in = {.session = &session};
+    lf_exr_input in = {.session = &session};
     exr_result_t rv = exr_start_read(&in.exr, source->where, &setup);
     if (rv != EXR_ERR_SUCCESS)
-        return bad(&session, rv);
+        return lf_exr_fail(&session, rv);
     lf_image32 image = {0};
     lf_status status = read_part(&in, &image);
     exr_finish(&in.exr);
@@ -440,7 +342,7 @@ static int64_t write_bytes(exr_const_context_t exr, void *data, const void *from
 {
     (void)exr;
     (void)report;
-    exr_session *s = data;
+    lf_exr_session *s = data;
     uint64_t done = 0;
     while (done < n && s->status == LF_OK) {
         ssize_t put =
@@ -580,7 +482,7 @@ lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
         channels->n > LF_EXR_MAX_CHANNELS)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels cannot be an EXR",
                             width, height);
-    exr_session session = {.file = file, .err = err};
+    lf_exr_session session = {.file = file, .err = err};
     exr_job job = {.width = width,
                    .height = height,
                    .rows = channels->rows,
@@ -601,7 +503,7 @@ lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
     exr_result_t end = exr ? exr_finish(&exr) : EXR_ERR_SUCCESS;
     if (rv == EXR_ERR_SUCCESS)
         rv = end;
-    return rv == EXR_ERR_SUCCESS && session.status == LF_OK ? LF_OK : bad(&session, rv);
+    return rv == EXR_ERR_SUCCESS && session.status == LF_OK ? LF_OK : lf_exr_fail(&session, rv);
 }
 
 lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_fn rows,

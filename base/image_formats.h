@@ -8,6 +8,7 @@
 #define LF_BASE_IMAGE_FORMATS_H
 
 #include "base/image_io.h"
+#include "base/image_said.h"
 
 typedef struct lf_image_source {
     int fd;
@@ -15,6 +16,7 @@ typedef struct lf_image_source {
     const char *where;
     const uint8_t *data; /* the whole file, of 8-bit formats alone; NULL: it is behind fd */
     int channels;        /* that read8 is asked for: 3, or 4 with coverage */
+    lf_image_said *said; /* filled; NULL: nobody listens */
 } lf_image_source;
 
 typedef struct lf_image_format {
@@ -24,7 +26,7 @@ typedef struct lf_image_format {
     bool (*recognises)(const uint8_t *head, size_t n);
     /* kind LF_IMAGE_8BIT */
     lf_status (*read8)(const lf_image_source *source, lf_image8 *out, lf_error *err);
-    /* kind LF_IMAGE_FLOAT */
+    /* kind LF_IMAGE_FLOAT; ends with lf_image_settle (image_colours.h) */
     lf_status (*read32)(const lf_image_source *source, lf_image32 *out, lf_error *err);
 } lf_image_format;
 

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/image_colours.h"
 #include "base/image_formats.h"
 
 #define MAX_HEADER_LINES 1000
@@ -26,6 +27,9 @@ typedef struct hdr_header {
     bool scans_are_columns; /* the first axis was X */
     bool flip_x, flip_y;    /* stored from the right, from the bottom */
     double gain[3];         /* to undo EXPOSURE and COLORCORR */
+    bool xyz;               /* pixels are X, Y, Z */
+    bool has_primaries;
+    lf_chromaticities primaries;
 } hdr_header;
 
 static bool recognises_hdr(const uint8_t *head, size_t n)
@@ -91,13 +95,50 @@ static bool divide_gain(double *gain, double by)
     return by > 0 && isfinite(by) && isfinite(*gain);
 }
 
+static lf_image_notes *notes_of(const reader *r)
+{
+    return r->source->said ? &r->source->said->notes : NULL;
+}
+
+static lf_status take_format(const reader *r, const char *line, hdr_header *h)
+{
+    h->xyz = strcmp(line + 7, "32-bit_rle_xyze") == 0;
+    if (!h->xyz && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
+        return lf_error_set(r->err, LF_E_FORMAT, r->source->where,
+                            "Radiance HDR: %.60s (expected 32-bit_rle_rgbe or 32-bit_rle_xyze)",
+                            line);
+    return LF_OK;
+}
+
+static void take_primaries(const reader *r, const char *line, hdr_header *h)
+{
+    lf_chromaticities *c = &h->primaries;
+    h->has_primaries =
+        sscanf(line + 10, "%lf %lf %lf %lf %lf %lf %lf %lf", &c->red[0], &c->red[1], &c->green[0],
+               &c->green[1], &c->blue[0], &c->blue[1], &c->white[0], &c->white[1]) == 8;
+    if (!h->has_primaries)
+        lf_image_note(notes_of(r), "PRIMARIES is not eight numbers: taken as Rec. 709");
+}
+
+/* Of pixels that are not square, and of those that are no light. */
+static void note_variable(const reader *r, const char *line)
+{
+    if (strncmp(line, "PIXASPECT=", 10) == 0 && fabs(strtod(line + 10, NULL) - 1) > 1e-3)
+        lf_image_note(notes_of(r), "%.60s is not used: pixels are taken as square", line);
+    if (strncmp(line, "GAMMA=", 6) == 0 && fabs(strtod(line + 6, NULL) - 1) > 1e-3)
+        lf_image_note(notes_of(r), "%.60s is not used: the numbers are taken as linear light",
+                      line);
+}
+
 static lf_status take_variable(const reader *r, const char *line, hdr_header *h)
 {
     double c[3];
-    if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
-        return lf_error_set(r->err, LF_E_FORMAT, r->source->where,
-                            "Radiance HDR: %.60s (expected 32-bit_rle_rgbe)", line);
-    if (strncmp(line, "EXPOSURE=", 9) == 0) {
+    if (strncmp(line, "FORMAT=", 7) == 0)
+        return take_format(r, line, h);
+    note_variable(r, line);
+    if (strncmp(line, "PRIMARIES=", 10) == 0) {
+        take_primaries(r, line, h);
+    } else if (strncmp(line, "EXPOSURE=", 9) == 0) {
         double exposure = strtod(line + 9, NULL);
         for (int i = 0; i < 3; i++)
             if (!divide_gain(&h->gain[i], exposure))
@@ -260,6 +301,16 @@ static lf_status read_pixels(reader *r, const hdr_header *h, lf_image32 *out)
     return status;
 }
 
+/* X, Y, Z have their primaries, whatever is said besides. */
+static lf_image_colours colours_of(const reader *r, const hdr_header *h)
+{
+    lf_image_colours colours = {0};
+    const lf_chromaticities *c = h->xyz ? &lf_xyz : h->has_primaries ? &h->primaries : &lf_rec709;
+    if (lf_colours_from(c, NULL, &colours) != LF_OK)
+        lf_image_note(notes_of(r), "PRIMARIES span no colours: taken as Rec. 709");
+    return colours;
+}
+
 static lf_status read_hdr(const lf_image_source *source, lf_image32 *out, lf_error *err)
 {
     reader *r = lf_calloc(1, sizeof *r);
@@ -272,6 +323,10 @@ static lf_status read_hdr(const lf_image_source *source, lf_image32 *out, lf_err
     lf_status status = read_header(r, &header);
     if (status == LF_OK)
         status = read_pixels(r, &header, &image);
+    if (status == LF_OK) {
+        lf_image_colours colours = colours_of(r, &header);
+        lf_image_settle(source, &colours, &image);
+    }
     lf_free(r);
     if (status == LF_OK)
         *out = image;

@@ -1,7 +1,6 @@
 #include "base/image_io.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -167,12 +166,23 @@ lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out
     return status;
 }
 
-lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err)
+lf_status lf_image8_read_said(int fd, const char *path, lf_image8 *out, lf_image_said *said,
+                              lf_error *err)
 {
     lf_image_source source;
     const lf_image_format *format;
+    if (said)
+        *said = (lf_image_said){0};
     lf_status status = look_at(fd, path, &source, &format, err);
-    return status == LF_OK ? read8_from(&source, format, out, err) : status;
+    if (status != LF_OK)
+        return status;
+    source.said = said;
+    return read8_from(&source, format, out, err);
+}
+
+lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err)
+{
+    return lf_image8_read_said(fd, path, out, NULL, err);
 }
 
 static lf_status decode_srgb(const lf_image8 *in, const char *where, lf_image32 *out, lf_error *err)
@@ -193,19 +203,6 @@ static lf_status decode_srgb(const lf_image8 *in, const char *where, lf_image32 
     return LF_OK;
 }
 
-static lf_status check_finite(const lf_image32 *image, const char *where, lf_error *err)
-{
-    size_t n = (size_t)image->width * (size_t)image->height * (size_t)image->channels;
-    for (size_t i = 0; i < n; i++) {
-        if (!isfinite(image->data[i])) {
-            size_t pixel = i / (size_t)image->channels;
-            return lf_error_set(err, LF_E_FORMAT, where, "pixel (%zu, %zu) is not a finite number",
-                                pixel % (size_t)image->width, pixel / (size_t)image->width);
-        }
-    }
-    return LF_OK;
-}
-
 static lf_status read32_from(const lf_image_source *source, const lf_image_format *format,
                              lf_image32 *out, lf_error *err)
 {
@@ -214,8 +211,6 @@ static lf_status read32_from(const lf_image_source *source, const lf_image_forma
     lf_status status;
     if (format->read32) {
         status = format->read32(source, &image, err);
-        if (status == LF_OK)
-            status = check_finite(&image, source->where, err);
     } else {
         status = format->read8(source, &encoded, err);
         if (status == LF_OK)
@@ -241,10 +236,21 @@ lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *o
     return status;
 }
 
-lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out, lf_error *err)
+lf_status lf_image32_read_said(int fd, const char *path, lf_image32 *out, lf_image_said *said,
+                               lf_error *err)
 {
     lf_image_source source;
     const lf_image_format *format;
+    if (said)
+        *said = (lf_image_said){0};
     lf_status status = look_at(fd, path, &source, &format, err);
-    return status == LF_OK ? read32_from(&source, format, out, err) : status;
+    if (status != LF_OK)
+        return status;
+    source.said = said;
+    return read32_from(&source, format, out, err);
+}
+
+lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out, lf_error *err)
+{
+    return lf_image32_read_said(fd, path, out, NULL, err);
 }

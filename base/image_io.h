@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/image.h"
+#include "base/image_said.h"
 
 #define LF_IMAGE_MAX_BYTES ((uint64_t)1 << 32)
 #define LF_IMAGE_MAX_SIDE 65536
@@ -37,14 +38,22 @@ LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, l
                                       lf_error *err);
 LF_NODISCARD lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err);
 
-/* Linear float RGB (3 channels). EXR: scan lines and tiles, half, float and uint, every compression
- * of OpenEXRCore (DWA too), channels R,G,B or Y (layers ignored with a debug line), first part;
- * data window placed in the display window. HDR: Radiance RGBE, new and old run lengths, flipped
- * axes. 8-bit pictures are decoded from sRGB. NaN and Inf are refused. */
+/* Linear float RGB (3 channels) of Rec. 709, all finite. docs/formats/images.md says what becomes
+ * of everything that the formats know. EXR: scan lines and tiles, half, float and uint, every
+ * compression of OpenEXRCore (DWA too), the channels R,G,B or Y of the first part that has them,
+ * else of the only layer, else the only channel; data window placed in the display window. HDR:
+ * Radiance RGBE and XYZE, new and old run lengths, flipped axes. Both are converted from the
+ * primaries that they name. 8-bit pictures are decoded from sRGB. */
 LF_NODISCARD lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *out,
                                        lf_error *err);
 LF_NODISCARD lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out,
                                             lf_error *err);
+
+/* The same two, and what else the file says: *said is filled anew, whatever comes of it. */
+LF_NODISCARD lf_status lf_image8_read_said(int fd, const char *path, lf_image8 *out,
+                                           lf_image_said *said, lf_error *err);
+LF_NODISCARD lf_status lf_image32_read_said(int fd, const char *path, lf_image32 *out,
+                                            lf_image_said *said, lf_error *err);
 
 /* A text attribute written into an EXR header or PNG tEXt chunk. */
 typedef struct lf_attribute {

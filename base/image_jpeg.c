@@ -8,6 +8,7 @@
 #include <jpeglib.h>
 
 #include "base/image_formats.h"
+#include "base/image_profile.h"
 
 /* libjpeg's error manager first, so that its callbacks find the rest. */
 typedef struct jpeg_session {
@@ -42,36 +43,118 @@ static void on_message(j_common_ptr jpeg, int level)
         s->damaged = true;
 }
 
+/* -------------------------------------------------------------------------- what is not used -- */
+
+static bool begins(const struct jpeg_marker_struct *marker, int code, const char *word, size_t n)
+{
+    return marker->marker == code && marker->data_length >= n && memcmp(marker->data, word, n) == 0;
+}
+
+static void note_marker(const struct jpeg_decompress_struct *jpeg,
+                        const struct jpeg_marker_struct *marker, lf_image_notes *notes)
+{
+    const uint8_t *data = marker->data;
+    size_t n = marker->data_length;
+    if (begins(marker, JPEG_APP0 + 1, "Exif\0", 6))
+        lf_exif_note(data + 6, n - 6, notes);
+    /* the first part of a profile, behind its number and how many there are */
+    if (begins(marker, JPEG_APP0 + 2, "ICC_PROFILE", 12) && n > 14 && data[12] == 1 &&
+        !lf_icc_is_srgb(data + 14, n - 14))
+        lf_image_note(notes, "the ICC profile is not applied: colours are taken as %s",
+                      jpeg->num_components == 4 ? "plain CMYK" : "sRGB");
+    if (begins(marker, JPEG_APP0 + 2, "MPF", 4))
+        lf_image_note(notes, "further pictures behind the first (MPF) are not read");
+}
+
+static void note_markers(const struct jpeg_decompress_struct *jpeg, const lf_image_source *source)
+{
+    if (!source->said)
+        return;
+    lf_image_notes *notes = &source->said->notes;
+    for (const struct jpeg_marker_struct *m = jpeg->marker_list; m; m = m->next)
+        note_marker(jpeg, m, notes);
+    if (jpeg->saw_JFIF_marker && jpeg->X_density > 0 && jpeg->Y_density > 0 &&
+        jpeg->X_density != jpeg->Y_density)
+        lf_image_note(notes, "density %u x %u is not used: pixels are taken as square",
+                      jpeg->X_density, jpeg->Y_density);
+}
+
+/* ------------------------------------------------------------------------------------- pixels --
+ */
+
+/* In place. Each ink takes from the light what it covers. Adobe's programs store 255 for no ink,
+ * and say that they wrote the file. */
+static void row_from_cmyk(uint8_t *row, int width, int channels, bool inverted)
+{
+    for (int x = 0; x < width; x++) {
+        const uint8_t *ink = row + 4 * (size_t)x;
+        uint8_t *to = row + (size_t)channels * (size_t)x;
+        unsigned black = inverted ? ink[3] : 255u - ink[3];
+        uint8_t rgb[3];
+        for (int c = 0; c < 3; c++)
+            rgb[c] = (uint8_t)(((inverted ? ink[c] : 255u - ink[c]) * black + 127) / 255);
+        memcpy(to, rgb, 3);
+        if (channels == 4)
+            to[3] = 255;
+    }
+}
+
+/* CMYK has a row of its own: it is wider than RGB. */
+static void read_rows(struct jpeg_decompress_struct *jpeg, lf_image8 *out)
+{
+    const bool cmyk = jpeg->out_color_space == JCS_CMYK;
+    JSAMPARRAY wide =
+        cmyk ? jpeg->mem->alloc_sarray((j_common_ptr)jpeg, JPOOL_IMAGE, 4 * jpeg->output_width, 1)
+             : NULL;
+    while (jpeg->output_scanline < jpeg->output_height) {
+        uint8_t *to = out->data + (size_t)jpeg->output_scanline * out->stride;
+        JSAMPROW row = cmyk ? wide[0] : to;
+        jpeg_read_scanlines(jpeg, &row, 1);
+        if (!cmyk)
+            continue;
+        row_from_cmyk(row, out->width, out->channels, jpeg->saw_Adobe_marker);
+        memcpy(to, row, (size_t)out->width * (size_t)out->channels);
+    }
+}
+
+static void open_jpeg(struct jpeg_decompress_struct *jpeg, const jpeg_session *s, FILE *stream)
+{
+    jpeg_create_decompress(jpeg);
+    if (stream)
+        jpeg_stdio_src(jpeg, stream);
+    else
+        jpeg_mem_src(jpeg, s->source->data, (unsigned long)s->source->size_bytes);
+    for (int i = 1; i <= 2 && s->source->said; i++)
+        jpeg_save_markers(jpeg, JPEG_APP0 + i, 0xffff);
+    jpeg_read_header(jpeg, TRUE);
+}
+
 /* stream: NULL where the file is in memory. */
 static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FILE *stream,
                         lf_image8 *out)
 {
     if (setjmp(s->escape))
         return LF_E_FORMAT;
-    jpeg_create_decompress(jpeg);
-    if (stream)
-        jpeg_stdio_src(jpeg, stream);
-    else
-        jpeg_mem_src(jpeg, s->source->data, (unsigned long)s->source->size_bytes);
-    jpeg_read_header(jpeg, TRUE);
+    open_jpeg(jpeg, s, stream);
     const int channels = s->source->channels;
     lf_status status = lf_image_check_shape(s->source, jpeg->image_width, jpeg->image_height,
                                             (size_t)channels, s->err);
     if (status != LF_OK)
         return status;
-    if (jpeg->num_components != 1 && jpeg->num_components != 3)
+    if (jpeg->num_components != 1 && jpeg->num_components != 3 && jpeg->num_components != 4)
         return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
-                            "a JPEG of %d components (expected grey or RGB)", jpeg->num_components);
-    jpeg->out_color_space = channels == 4 ? JCS_EXT_RGBA : JCS_RGB;
+                            "a JPEG of %d components (expected grey, RGB or CMYK)",
+                            jpeg->num_components);
+    jpeg->out_color_space = jpeg->num_components == 4 ? JCS_CMYK
+                            : channels == 4           ? JCS_EXT_RGBA
+                                                      : JCS_RGB;
     jpeg->dct_method = JDCT_ISLOW;
     jpeg_start_decompress(jpeg);
     status = lf_image8_init(out, (int)jpeg->output_width, (int)jpeg->output_height, channels);
     if (status != LF_OK)
         return lf_error_set(s->err, status, s->source->where, "no memory for the picture");
-    while (jpeg->output_scanline < jpeg->output_height) {
-        JSAMPROW row = out->data + (size_t)jpeg->output_scanline * out->stride;
-        jpeg_read_scanlines(jpeg, &row, 1);
-    }
+    read_rows(jpeg, out);
+    note_markers(jpeg, s->source); /* which do not outlive the end */
     jpeg_finish_decompress(jpeg);
     if (s->damaged)
         return lf_error_set(s->err, LF_E_FORMAT, s->source->where, "JPEG: damaged or cut off");

@@ -7,7 +7,7 @@
 #include <png.h>
 
 #include "base/alloc.h"
-#include "base/image_formats.h"
+#include "base/image_png.h"
 
 /* What libpng's callbacks reach; its errors leave by longjmp, so nothing else may change between
  * setjmp and there. */
@@ -91,6 +91,37 @@ static void ask_for_rgb8(png_structp png, png_infop info, int channels)
         png_set_gray_to_rgb(png);
 }
 
+static bool has_alpha(const png_session *s)
+{
+    return (png_get_color_type(s->png, s->info) & PNG_COLOR_MASK_ALPHA) ||
+           png_get_valid(s->png, s->info, PNG_INFO_tRNS);
+}
+
+/* From four channels to three, in place. The memory stays as large as it was. */
+static void drop_alpha(const png_session *s, lf_image8 *out)
+{
+    size_t n = (size_t)out->width * (size_t)out->height, clear = 0;
+    for (size_t i = 0; i < n; i++) {
+        clear += out->data[4 * i + 3] < 255;
+        memmove(out->data + 3 * i, out->data + 4 * i, 3);
+    }
+    out->channels = 3;
+    out->stride = 3 * (size_t)out->width;
+    if (clear > 0)
+        lf_image_note(&s->source->said->notes, "%zu %s not opaque: alpha is not used", clear,
+                      clear == 1 ? "pixel is" : "pixels are");
+}
+
+static void note_chunks(const png_session *s)
+{
+    png_charp name = NULL;
+    png_bytep profile = NULL;
+    png_uint_32 size = 0;
+    int method = 0;
+    (void)png_get_iCCP(s->png, s->info, &name, &method, &profile, &size);
+    lf_png_note(s->source, profile, size);
+}
+
 static lf_status read_rows(png_session *s, lf_image8 *out)
 {
     if (setjmp(png_jmpbuf(s->png)))
@@ -98,9 +129,11 @@ static lf_status read_rows(png_session *s, lf_image8 *out)
     png_set_read_fn(s->png, s, s->source->data ? copy_bytes : read_bytes);
     png_set_user_limits(s->png, 65536, 65536);
     png_read_info(s->png, s->info);
-    const int channels = s->source->channels;
     int64_t width = png_get_image_width(s->png, s->info),
             height = png_get_image_height(s->png, s->info);
+    /* whether alpha is a loss its numbers alone tell */
+    const bool looks = s->source->said && has_alpha(s) && width * height <= (int64_t)1 << 29;
+    const int channels = looks ? 4 : s->source->channels;
     s->status = lf_image_check_shape(s->source, width, height, (size_t)channels, s->err);
     if (s->status != LF_OK)
         return s->status;
@@ -116,6 +149,9 @@ static lf_status read_rows(png_session *s, lf_image8 *out)
         for (int y = 0; y < out->height; y++)
             png_read_row(s->png, out->data + (size_t)y * out->stride, NULL);
     png_read_end(s->png, NULL);
+    if (looks && s->source->channels == 3)
+        drop_alpha(s, out);
+    note_chunks(s);
     return LF_OK;
 }
 

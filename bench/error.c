@@ -7,6 +7,7 @@
 #include "base/import/raster.h"
 #include "bench/bench.h"
 #include "bench/metrics.h"
+#include "daemon/output/content.h"
 #include "daemon/output/options.h"
 
 typedef struct arguments {
@@ -155,6 +156,7 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
         lf_status status = lf_quilt_read(path, NULL, a->columns, a->rows, &field->quilt, err);
         if (status != LF_OK)
             return status;
+        lf_log_notes(&field->quilt.notes, path);
         if (!field->quilt.is_float)
             return decode(field, path, err);
         field->views = field->quilt.views32;
@@ -163,6 +165,7 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
     lf_status status = lf_raster_open(path, NULL, true, &field->image, err);
     if (status == LF_OK) {
         size_t width = (size_t)field->image.width * 3;
+        lf_log_notes(&field->image.said.notes, path);
         field->views = (lf_views32){.n_views = 1,
                                     .width = field->image.width,
                                     .height = field->image.height,

@@ -137,6 +137,7 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
     lf_status status = lf_raster_open(path, roots, false, &p, err);
     if (status == LF_OK)
         status = cut_quilt(path, &p, q, err);
+    lf_image_note_lines(&q->notes, p.said.notes.text, p.said.notes.length);
     lf_raster_close(&p);
     return status;
 }
@@ -235,6 +236,7 @@ static lf_status take_picture(const char *folder, const name_list *list, int vie
             lf_error_set(err, LF_E_FORMAT, name, "pictures of 8 bits and of floats in one folder");
     if (status == LF_OK)
         take_view(q, view, &p, 0, 0);
+    lf_image_note_lines(&q->notes, p.said.notes.text, p.said.notes.length);
     lf_raster_close(&p);
     return status;
 }

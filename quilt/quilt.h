@@ -169,6 +169,8 @@ typedef struct lf_quilt_file {
     lf_image32 image32;
     lf_views8 views8;   /* valid when !is_float */
     lf_views32 views32; /* valid when is_float */
+    /* what the picture's file says and is not used, or those of a folder, each line once */
+    lf_image_notes notes;
 } lf_quilt_file;
 
 /* True when path names a picture (PNG, JPEG, EXR by contents) or a folder, and not a scene. */

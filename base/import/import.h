@@ -63,7 +63,7 @@ unsigned lf_import_seconds(void);
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
-#define LF_IMPORT_VERSION UINT32_C(7)
+#define LF_IMPORT_VERSION UINT32_C(8)
 #define LF_IMPORT_LEAST_MEMORY ((uint64_t)192 << 20) /* of a reader: OpenVDB starts with 128 MB */
 #define LF_IMPORT_MAX_NAME 256
 #define LF_IMPORT_MAX_FILES 64 /* that a reader has open at once */

@@ -3,6 +3,7 @@
 #define LF_BASE_RASTER_H
 
 #include "base/file.h"
+#include "base/image_said.h"
 #include "base/import/parcel.h"
 
 /* A picture in the memory that its reader handed over: not copied, read-only. */
@@ -11,6 +12,7 @@ typedef struct lf_raster {
     /* one of both, [height][width][3]: display encoded, or linear and finite */
     const uint8_t *data8;
     const float *data32;
+    lf_image_said said; /* what else the file says */
     lf_parcel parcel;
 } lf_raster;
 

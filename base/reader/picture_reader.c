@@ -3,18 +3,23 @@
 #include "base/image_io.h"
 #include "base/reader/reader.h"
 
-static lf_status put_shape(lf_parcel_writer *parcel, int width, int height, lf_error *err)
+static lf_status put_said(lf_parcel_writer *parcel, int width, int height,
+                          const lf_image_said *said, lf_error *err)
 {
-    const int64_t shape[2] = {width, height};
-    return lf_parcel_put(parcel, LF_PARCEL_SHAPE, shape, 2, err);
+    const int64_t shape[3] = {width, height, said->layout};
+    lf_status status = lf_parcel_put(parcel, LF_PARCEL_SHAPE, shape, 3, err);
+    return status == LF_OK ? lf_parcel_put(parcel, LF_PARCEL_WARNINGS, said->notes.text,
+                                           said->notes.length, err)
+                           : status;
 }
 
 static lf_status read_floats(int fd, lf_parcel_writer *parcel, lf_error *err)
 {
     lf_image32 image = {0};
-    lf_status status = lf_image32_read_open(fd, LF_HERE, &image, err);
+    lf_image_said said;
+    lf_status status = lf_image32_read_said(fd, LF_HERE, &image, &said, err);
     if (status == LF_OK)
-        status = put_shape(parcel, image.width, image.height, err);
+        status = put_said(parcel, image.width, image.height, &said, err);
     if (status == LF_OK)
         status = lf_parcel_put(parcel, LF_PARCEL_PIXELS32, image.data,
                                3 * (size_t)image.width * (size_t)image.height, err);
@@ -25,9 +30,10 @@ static lf_status read_floats(int fd, lf_parcel_writer *parcel, lf_error *err)
 static lf_status read_bytes(int fd, lf_parcel_writer *parcel, lf_error *err)
 {
     lf_image8 image = {0};
-    lf_status status = lf_image8_read_open(fd, LF_HERE, &image, err);
+    lf_image_said said;
+    lf_status status = lf_image8_read_said(fd, LF_HERE, &image, &said, err);
     if (status == LF_OK)
-        status = put_shape(parcel, image.width, image.height, err);
+        status = put_said(parcel, image.width, image.height, &said, err);
     for (int y = 0; y < image.height && status == LF_OK; y++)
         status = lf_parcel_append(parcel, LF_PARCEL_PIXELS8, image.data + (size_t)y * image.stride,
                                   3 * (size_t)image.width, err);

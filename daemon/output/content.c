@@ -59,6 +59,7 @@ lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const l
         lf_content_unref(content);
         return status;
     }
+    lf_log_notes(&content->quilt.notes, file);
     content->layout = content->quilt.layout;
     *out_content = content;
     return LF_OK;
@@ -114,6 +115,13 @@ void lf_log_warnings(const lf_scene *scene, const lf_scene *before)
     for (int i = 0; lf_scene_warning(scene, i); i++)
         if (!has_warned(before, lf_scene_warning(scene, i)))
             lf_log(LF_LOG_WARNING, "%s", lf_scene_warning(scene, i));
+}
+
+void lf_log_notes(const lf_image_notes *notes, const char *file)
+{
+    char line[512];
+    for (size_t at = 0; lf_image_notes_next(notes, &at, line, sizeof line);)
+        lf_log(LF_LOG_WARNING, "%s: %s", file, line);
 }
 
 lf_content *lf_content_ref(lf_content *content)

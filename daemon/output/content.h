@@ -37,6 +37,8 @@ void lf_content_write_document(lf_content *content);
 #define LF_CONTENT_MAX_DOCUMENT ((size_t)1 << 20)
 /* Logs what the scene warns of, but for what `before` (may be NULL) has warned of already. */
 void lf_log_warnings(const lf_scene *scene, const lf_scene *before);
+/* Logs what a finished picture's file says and is not used. */
+void lf_log_notes(const lf_image_notes *notes, const char *file);
 
 /* What is to be said of a depth that is exceeded; returns buf. width: of a view. */
 char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size);

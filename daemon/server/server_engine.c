@@ -1,4 +1,5 @@
 #include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -269,6 +270,15 @@ int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *
 
 /* ------------------------------------------------------------------------------------ loader -- */
 
+static void append_notes(json_t *lines, const lf_content *content)
+{
+    char line[512], text[PATH_MAX + sizeof line];
+    for (size_t at = 0; lf_image_notes_next(&content->quilt.notes, &at, line, sizeof line);) {
+        snprintf(text, sizeof text, "%s: %s", content->file, line);
+        (void)json_array_append_new(lines, lf_rpc_text(text));
+    }
+}
+
 /* The answer to a load, and with it what is to be said of the scene's files. */
 static json_t *load_answer(const lf_server *server, const lf_load *load)
 {
@@ -280,6 +290,7 @@ static json_t *load_answer(const lf_server *server, const lf_load *load)
     lines = json_array();
     for (int i = 0; scene && lf_scene_warning(scene, i); i++)
         (void)json_array_append_new(lines, lf_rpc_text(lf_scene_warning(scene, i)));
+    append_notes(lines, server->content);
     if (server->content->depth.exceeded)
         (void)json_array_append_new(
             lines,

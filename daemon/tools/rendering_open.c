@@ -92,6 +92,7 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     lf_status status = lf_quilt_read(a->scene, NULL, o->columns, o->rows, &r->quilt, err);
     if (status != LF_OK)
         return status;
+    lf_log_notes(&r->quilt.notes, a->scene);
     r->is_quilt = true;
     if (a->kind->check_print)
         status = prepare_print(r, r->quilt.layout.n_views, err);

@@ -8,6 +8,7 @@
 #include "base/image_io.h"
 #include "base/import/raster.h"
 #include "base/log.h"
+#include "render/load/environment_cube.h"
 #include "render/load/file_identity.h"
 #include "render/transport/light.h"
 
@@ -61,14 +62,39 @@ static lf_environment *create(int width, int height)
     return environment;
 }
 
+static void take_warnings(const lf_image_notes *notes, const char *path, lf_warnings *warnings)
+{
+    char line[512];
+    for (size_t at = 0; lf_image_notes_next(notes, &at, line, sizeof line);)
+        lf_warnings_add(warnings, path, "%s", line);
+}
+
+/* Of the picture's pixels, or of what it shows where it is a cube. */
+static lf_environment *fill(const lf_raster *picture, const char *path)
+{
+    const bool cube = picture->said.layout == LF_IMAGE_CUBE;
+    int width = picture->width, height = picture->height;
+    if (cube)
+        lf_cube_unfolded(picture->width, &width, &height);
+    lf_environment *environment = create(width, height);
+    if (!environment)
+        return NULL;
+    if (cube && !lf_cube_unfold(picture->data32, picture->width, width, height, environment->rgb)) {
+        lf_environment_unref(environment);
+        return NULL;
+    }
+    copy_positive(cube ? environment->rgb : picture->data32, 3 * (size_t)width * (size_t)height,
+                  environment->rgb, path);
+    take_warnings(&picture->said.notes, path, &environment->warnings);
+    return environment;
+}
+
 static lf_status make_environment(const lf_raster *picture, const char *path, lf_environment **out,
                                   lf_error *err)
 {
-    size_t n = 3 * (size_t)picture->width * (size_t)picture->height;
-    lf_environment *environment = create(picture->width, picture->height);
+    lf_environment *environment = fill(picture, path);
     if (!environment)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    copy_positive(picture->data32, n, environment->rgb, path);
     lf_status status = lf_environment_commit(environment);
     if (status != LF_OK) {
         lf_environment_unref(environment);
@@ -85,7 +111,9 @@ static lf_status read_environment(int fd, const char *path, lf_environment **out
     lf_status status = lf_raster_import(fd, path, true, &picture, err);
     if (status != LF_OK)
         return status;
-    if (picture.width > LF_MAX_ENVIRONMENT_SIDE || picture.height > LF_MAX_ENVIRONMENT_SIDE)
+    const bool plain = picture.said.layout == LF_IMAGE_PLAIN;
+    if (plain &&
+        (picture.width > LF_MAX_ENVIRONMENT_SIDE || picture.height > LF_MAX_ENVIRONMENT_SIDE))
         status = lf_error_set(err, LF_E_FORMAT, path,
                               "%d x %d pixels; an environment has at most %d a side", picture.width,
                               picture.height, LF_MAX_ENVIRONMENT_SIDE);

@@ -10,9 +10,10 @@
 
 /* Has an EXR or HDR picture under roots read (base/import/raster.h). Shares the environment
  * of scene, which is being made, or of previous (may be NULL) when path, time, size and inode are
- * the same. Values below 0 become 0
- * (a debug line counts them). On LF_OK the caller owns a reference. Errors: LF_E_IO, LF_E_PATH,
- * LF_E_FORMAT, LF_E_NOMEM, and what lf_import_run gives. */
+ * the same. Values below 0 become 0 (a debug line counts them), cubes are unfolded
+ * (environment_cube.h), and what the file says without effect is in its warnings. On LF_OK the
+ * caller owns a reference. Errors: LF_E_IO, LF_E_PATH, LF_E_FORMAT, LF_E_NOMEM, and what
+ * lf_import_run gives. */
 LF_NODISCARD lf_status lf_environment_load(const char *path, const lf_roots *roots,
                                            const lf_scene *scene, const lf_scene *previous,
                                            lf_environment **out_environment, lf_error *err);

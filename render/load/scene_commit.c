@@ -538,6 +538,9 @@ static void collect_warnings(const commit *c)
             lf_warn_of_odd_voxels(&scene->warnings, scene->flames.field[i].grid, desc->flame_grid,
                                   desc->file);
     }
+    for (int i = 0; i < scene->n_lights; i++)
+        if (scene->lights[i].environment)
+            lf_warnings_add_all(&scene->warnings, &scene->lights[i].environment->warnings);
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     warn_of_dense_grids(c);

@@ -19,6 +19,7 @@ void lf_environment_unref(lf_environment *e)
     lf_free(e->conditional);
     lf_free(e->pdf);
     lf_free(e->key);
+    lf_warnings_finish(&e->warnings);
     lf_free(e);
 }
 

@@ -360,7 +360,8 @@ typedef struct lf_environment {
     float *pdf;         /* [height][width] per unit solid angle */
     float above_mean;   /* what is drawn from: radiance above the mean, mean over the sphere */
     char *key;
-    lf_digest digest; /* of the file */
+    lf_digest digest;     /* of the file */
+    lf_warnings warnings; /* what the file says and the picture lacks */
 } lf_environment;
 /* Accepts NULL. */
 void lf_environment_unref(lf_environment *environment);

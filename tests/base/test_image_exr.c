@@ -248,35 +248,59 @@ static void channels_are_found_by_name_and_converted(void **state)
     }
 }
 
-static void an_exr_without_colour_is_refused(void **state)
+/* core_value tells channels by the first letter of their names. */
+static void the_only_layer_or_channel_is_the_picture(void **state)
 {
     const char *path = lf_test_path(*state, "n.exr");
-    const char *const depth[] = {"Z"}, *const layer[] = {"l.B", "l.G", "l.R"},
-                      *const two[] = {"G", "R"};
+    const char *const depth[] = {"Z"}, *const mask[] = {"A"}, *const clear[] = {"A", "M"},
+                      *const layer[] = {"1.A", "1.B", "1.G", "1.R"},
+                      *const normals[] = {"C.B", "C.G", "C.R", "N.X", "N.Y", "N.Z"},
+                      *const luminance[] = {"l.Y", "m.u"};
     make_core_exr(path, depth, 1, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
-    lf_picture_refused(path, "channels R, G, B");
-    make_core_exr(path, layer, 3, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
-    lf_picture_refused(path, "channels R, G, B");
-    make_core_exr(path, two, 2, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
-    lf_picture_refused(path, "channels R, G, B");
+    assert_core_values(path, "ZZZ", 0.25, 0);
+    make_core_exr(path, mask, 1, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
+    assert_core_values(path, "AAA", 0.25, 0);
+    make_core_exr(path, clear, 2, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
+    assert_core_values(path, "MMM", 0.25, 0);
+    make_core_exr(path, layer, 4, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
+    assert_core_values(path, "111", 0.25, 0);
+    make_core_exr(path, normals, 6, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
+    assert_core_values(path, "CCC", 0.25, 0);
+    make_core_exr(path, luminance, 2, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
+    assert_core_values(path, "lll", 0.25, 0);
 }
 
-static void what_is_not_finite_is_refused(void **state)
+static void an_exr_of_several_pictures_is_refused_with_their_names(void **state)
+{
+    const char *path = lf_test_path(*state, "n.exr");
+    const char *const two[] = {"G", "R"}, *const normals[] = {"N.X", "N.Y", "N.Z"},
+                      *const layers[] = {"a.B", "a.G", "a.R", "b.B", "b.G", "b.R"};
+    make_core_exr(path, two, 2, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
+    lf_picture_refused(path, "without the channels R, G, B or Y; it has G, R.");
+    make_core_exr(path, normals, 3, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
+    lf_picture_refused(path, "it has N.X, N.Y, N.Z.");
+    make_core_exr(path, layers, 6, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
+    lf_picture_refused(path, "it has a.B, a.G, a.R, b.B, b.G, b.R.");
+}
+
+/* A float may be larger than any half: infinity is then as bright as the brightest. */
+static void what_is_not_finite_is_clamped(void **state)
 {
     const char *path = lf_test_path(*state, "nan.exr");
-    lf_image32 image = {0};
-    assert_int_equal(lf_image32_init(&image, 5, 4, 3), LF_OK);
-    const float bad[] = {NAN, INFINITY, -INFINITY};
-    for (int i = 0; i < 3; i++) {
-        image.data[(2 * 5 + 3) * 3 + i] = bad[i];
-        lf_picture_save_exr(path, &image, NULL, 0);
-        lf_picture_refused(path, "pixel (3, 2)");
-        image.data[(2 * 5 + 3) * 3 + i] = 3e38f;
+    const float bad[] = {NAN, INFINITY, -INFINITY}, good[][3] = {{0, 65504, 0}, {0, 3e38f, 0}};
+    for (int k = 0; k < 2; k++) {
+        lf_image32 image = {0};
+        assert_int_equal(lf_image32_init(&image, 5, 4, 3), LF_OK);
+        memcpy(image.data + (2 * 5 + 3) * 3, bad, sizeof bad);
+        image.data[0] = k ? 3e38f : 7;
+        image.data[1] = -3e38f;
         lf_picture_save_exr(path, &image, NULL, 0);
         lf_image32 back = lf_picture_load32(path);
+        memcpy(image.data + (2 * 5 + 3) * 3, good[k], sizeof good[k]);
+        assert_memory_equal(back.data, image.data, 5 * 4 * 3 * sizeof(float));
         lf_image32_finish(&back);
+        lf_image32_finish(&image);
     }
-    lf_image32_finish(&image);
 }
 
 int main(void)
@@ -289,8 +313,9 @@ int main(void)
         cmocka_unit_test(the_data_window_is_placed_in_the_display_window),
         cmocka_unit_test(luminance_and_chroma_are_read),
         cmocka_unit_test(channels_are_found_by_name_and_converted),
-        cmocka_unit_test(an_exr_without_colour_is_refused),
-        cmocka_unit_test(what_is_not_finite_is_refused),
+        cmocka_unit_test(the_only_layer_or_channel_is_the_picture),
+        cmocka_unit_test(an_exr_of_several_pictures_is_refused_with_their_names),
+        cmocka_unit_test(what_is_not_finite_is_clamped),
     };
     return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }

@@ -95,7 +95,7 @@ static void a_bad_hdr_says_what_is_wrong(void **state)
 {
     const char *path = lf_test_path(*state, "bad.hdr");
     const char *const cases[][2] = {
-        {"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\nabcd", "32-bit_rle_rgbe"},
+        {"#?RADIANCE\nFORMAT=Radiance_spectra\n\n-Y 1 +X 1\nabcd", "32-bit_rle_rgbe"},
         {"#?RADIANCE\nEXPOSURE=0\n\n-Y 1 +X 1\nabcd", "EXPOSURE"},
         {"#?RADIANCE\nEXPOSURE=nan\n\n-Y 1 +X 1\nabcd", "EXPOSURE"},
         {"#?RADIANCE\n\n-Y 1 +Z 1\nabcd", "resolution"},

@@ -366,6 +366,24 @@ static void what_a_scene_lacks_is_told_with_the_answer_and_logged_once(void **st
     live_finish(&l);
 }
 
+static void what_a_quilt_says_in_vain_is_told_and_logged(void **state)
+{
+    (void)state;
+    static const char quilt[] = "#?RADIANCE\nPIXASPECT=2\n\n-Y 1 +X 2\nabcdabcd";
+    live l;
+    live_prepare(&l);
+    const char *path = lf_test_write(l.folder, "scene/said_qs2x1a1.hdr", quilt);
+    live_start(&l, l.scene, "--device", "none", NULL);
+    live_client c;
+    live_connect(&l, &c);
+    assert_int_equal(warnings_of(&c, "scene.load", json_pack("{s:s}", "file", path),
+                                 "said_qs2x1a1.hdr: PIXASPECT=2 is not used"),
+                     1);
+    assert_int_equal(lines_logged(&l, "said_qs2x1a1.hdr: PIXASPECT=2 is not used"), 1);
+    live_close(&c);
+    live_finish(&l);
+}
+
 static void without_a_scene_nothing_may_be_read(void **state)
 {
     (void)state;
@@ -542,6 +560,7 @@ int main(void)
         cmocka_unit_test(quiltctl_calls_and_prints),
         cmocka_unit_test(reads_stay_beneath_the_scene_and_the_allowed_paths),
         cmocka_unit_test(what_a_scene_lacks_is_told_with_the_answer_and_logged_once),
+        cmocka_unit_test(what_a_quilt_says_in_vain_is_told_and_logged),
         cmocka_unit_test(without_a_scene_nothing_may_be_read),
         cmocka_unit_test(a_client_waits_only_so_often),
         cmocka_unit_test(a_client_opens_simulated_panels_only_where_it_may_write),

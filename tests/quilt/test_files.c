@@ -281,6 +281,31 @@ static void views_that_do_not_fit_the_layout_are_not_written(void **state)
     lf_free(data);
 }
 
+static void assert_notes(const char *path, const char *line)
+{
+    lf_quilt_file q = {0};
+    lf_error err;
+    lf_assert_ok(lf_quilt_read(path, NULL, 0, 0, &q, &err), &err);
+    assert_int_equal(q.notes.length, strlen(line));
+    assert_memory_equal(q.notes.text, line, strlen(line));
+    lf_quilt_finish(&q);
+}
+
+/* Of a folder each line once. */
+static void what_pictures_say_in_vain_is_noted(void **state)
+{
+    static const char plain[] = "#?RADIANCE\n\n-Y 1 +X 2\nabcdabcd",
+                      said[] = "#?RADIANCE\nPIXASPECT=2\n\n-Y 1 +X 2\nabcdabcd",
+                      line[] = "PIXASPECT=2 is not used: pixels are taken as square\n";
+    assert_notes(lf_test_write(*state, "plain_qs2x1a1.hdr", plain), "");
+    assert_notes(lf_test_write(*state, "said_qs2x1a1.hdr", said), line);
+    assert_int_equal(mkdir(lf_test_path(*state, "noted"), 0700), 0);
+    lf_test_write(*state, "noted/0.hdr", plain);
+    lf_test_write(*state, "noted/1.hdr", said);
+    lf_test_write(*state, "noted/2.hdr", said);
+    assert_notes(lf_test_path(*state, "noted"), line);
+}
+
 static void real_quilts_are_read_as_four_by_eight(void **state)
 {
     (void)state;
@@ -321,6 +346,7 @@ int main(void)
         cmocka_unit_test(what_is_no_quilt_is_refused),
         cmocka_unit_test(quilts_outside_the_roots_are_not_read),
         cmocka_unit_test(views_that_do_not_fit_the_layout_are_not_written),
+        cmocka_unit_test(what_pictures_say_in_vain_is_noted),
         cmocka_unit_test(real_quilts_are_read_as_four_by_eight),
     };
     return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);

@@ -1,0 +1,164 @@
+/* The chunks of a PNG (W3C, Portable Network Graphics, third edition, and its registered
+ * extensions) that say what pixels are, by their own bytes: libpng knows few of them, and puts some
+ * in place of others. */
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/image_colours.h"
+#include "base/image_png.h"
+#include "base/image_profile.h"
+
+/* Of a chunk's data; longer ones are cut. */
+enum { HELD = 65536 };
+
+typedef struct walk {
+    const lf_image_source *source;
+    lf_image_notes *notes;
+    uint8_t *data; /* [HELD] */
+    size_t n;
+    /* the strongest alone counts: cICP, then iCCP, then sRGB, then these two */
+    bool has_cicp, has_icc, has_srgb, has_gamma, has_chromaticities, is_rec709;
+    uint32_t gamma;
+    uint8_t cicp[4];
+} walk;
+
+static uint32_t be32(const uint8_t *p)
+{
+    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+}
+
+static bool read_at(const lf_image_source *source, uint64_t at, void *to, size_t n)
+{
+    if (at > source->size_bytes || n > source->size_bytes - at)
+        return false;
+    if (source->data)
+        memcpy(to, source->data + at, n);
+    return source->data || pread(source->fd, to, n, (off_t)at) == (ssize_t)n;
+}
+
+/* ------------------------------------------------------------------------------------ chunks -- */
+
+static void take_gamma(walk *w)
+{
+    w->has_gamma = w->n >= 4;
+    w->gamma = w->has_gamma ? be32(w->data) : 0;
+}
+
+static void take_chromaticities(walk *w)
+{
+    double v[8];
+    for (int i = 0; i < 8; i++)
+        v[i] = w->n >= 32 ? be32(w->data + 4 * i) / 1e5 : 0;
+    const lf_chromaticities c = {{v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}, {v[0], v[1]}};
+    w->has_chromaticities = w->n >= 32;
+    w->is_rec709 = lf_is_rec709(&c);
+}
+
+static void take_cicp(walk *w)
+{
+    w->has_cicp = w->n >= 4;
+    memcpy(w->cicp, w->data, 4);
+}
+
+static void take_icc(walk *w)
+{
+    w->has_icc = true;
+}
+
+static void take_srgb(walk *w)
+{
+    w->has_srgb = true;
+}
+
+static void take_exif(walk *w)
+{
+    lf_exif_note(w->data, w->n, w->notes);
+}
+
+static void note_aspect(walk *w)
+{
+    if (w->n >= 9 && be32(w->data) != be32(w->data + 4))
+        lf_image_note(w->notes, "pHYs %u x %u is not used: pixels are taken as square",
+                      be32(w->data), be32(w->data + 4));
+}
+
+static void note_animation(walk *w)
+{
+    if (w->n >= 8)
+        lf_image_note(w->notes, "an animation of %u frames (acTL): the still picture alone is read",
+                      be32(w->data));
+}
+
+static void note_stereo(walk *w)
+{
+    lf_image_note(w->notes, "two views side by side (sTER) are taken as one picture");
+}
+
+static void note_calibration(walk *w)
+{
+    lf_image_note(w->notes, "pCAL, which gives the numbers a unit, is not used");
+}
+
+static const struct {
+    const char *name;
+    void (*take)(walk *w);
+} chunks[] = {
+    {"gAMA", take_gamma},       {"cHRM", take_chromaticities}, {"cICP", take_cicp},
+    {"iCCP", take_icc},         {"sRGB", take_srgb},           {"eXIf", take_exif},
+    {"pHYs", note_aspect},      {"acTL", note_animation},      {"sTER", note_stereo},
+    {"pCAL", note_calibration},
+};
+
+static void walk_chunks(walk *w)
+{
+    uint8_t head[8];
+    uint64_t at = 8;
+    while (read_at(w->source, at, head, 8) && memcmp(head + 4, "IEND", 4) != 0) {
+        uint32_t length = be32(head);
+        for (size_t i = 0; i < sizeof chunks / sizeof *chunks; i++) {
+            if (memcmp(head + 4, chunks[i].name, 4) != 0)
+                continue;
+            w->n = length < HELD ? length : HELD;
+            if (read_at(w->source, at + 8, w->data, w->n))
+                chunks[i].take(w);
+        }
+        at += 12 + (uint64_t)length;
+    }
+}
+
+/* ----------------------------------------------------------------------------------- colours -- */
+
+static void note_colours(const walk *w, const uint8_t *profile, size_t size)
+{
+    static const uint8_t srgb[4] = {1, 13, 0, 1};
+    if (w->has_cicp) {
+        if (memcmp(w->cicp, srgb, 4) != 0)
+            lf_image_note(w->notes, "cICP %u/%u/%u/%u is not applied: colours are taken as sRGB",
+                          w->cicp[0], w->cicp[1], w->cicp[2], w->cicp[3]);
+    } else if (w->has_icc) {
+        if (!profile || !lf_icc_is_srgb(profile, size))
+            lf_image_note(w->notes,
+                          "the ICC profile (iCCP) is not applied: colours are taken as sRGB");
+    } else if (!w->has_srgb) {
+        /* 1/2.2 is how sRGB is said roughly */
+        if (w->has_gamma && fabs(w->gamma / 1e5 - 1 / 2.2) > 0.02)
+            lf_image_note(w->notes, "gAMA %g is not applied: colours are taken as sRGB",
+                          w->gamma / 1e5);
+        if (w->has_chromaticities && !w->is_rec709)
+            lf_image_note(w->notes, "cHRM is not applied: colours are taken as those of Rec. 709");
+    }
+}
+
+void lf_png_note(const lf_image_source *source, const uint8_t *profile, size_t size)
+{
+    if (!source->said)
+        return;
+    walk w = {.source = source, .notes = &source->said->notes, .data = lf_calloc(HELD, 1)};
+    if (!w.data)
+        return;
+    walk_chunks(&w);
+    note_colours(&w, profile, size);
+    lf_free(w.data);
+}

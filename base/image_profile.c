@@ -1,0 +1,128 @@
+#include "base/image_profile.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---------------------------------------------------------------------------------------- ICC --
+ */
+
+static uint32_t be32(const uint8_t *p)
+{
+    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+}
+
+static double fixed(const uint8_t *p)
+{
+    return (int32_t)be32(p) / 65536.0;
+}
+
+/* The element of a tag, of at least `least` bytes; NULL: it is not among these bytes. */
+static const uint8_t *find_tag(const uint8_t *data, size_t size, const char *tag, size_t least,
+                               size_t *out_size)
+{
+    uint32_t n = size >= 132 ? be32(data + 128) : 0;
+    for (uint32_t i = 0; i < n && 132 + 12 * ((size_t)i + 1) <= size; i++) {
+        const uint8_t *entry = data + 132 + 12 * (size_t)i;
+        size_t at = be32(entry + 4), length = be32(entry + 8);
+        if (memcmp(entry, tag, 4) != 0)
+            continue;
+        *out_size = length;
+        return at <= size && length <= size - at && length >= least ? data + at : NULL;
+    }
+    return NULL;
+}
+
+static bool has_colour(const uint8_t *data, size_t size, const char *tag, const double xyz[3])
+{
+    size_t n;
+    const uint8_t *element = find_tag(data, size, tag, 20, &n);
+    for (int i = 0; element && i < 3; i++)
+        if (fabs(fixed(element + 8 + 4 * i) - xyz[i]) > 2e-3)
+            return false;
+    return element;
+}
+
+/* The light of a half by a curve of numbers or one of parameters; below 0: unknown. */
+static double light_of_half(const uint8_t *curve, size_t size)
+{
+    if (memcmp(curve, "curv", 4) == 0) {
+        uint32_t n = be32(curve + 8);
+        if (n == 0)
+            return 0.5;
+        if (n == 1 && size >= 14)
+            return pow(0.5, (curve[12] << 8 | curve[13]) / 256.0);
+        if (n > 1 && n <= 65536 && size >= 12 + 2 * (size_t)n) {
+            const uint8_t *at = curve + 12 + 2 * (size_t)((n - 1) / 2);
+            double low = at[0] << 8 | at[1], high = at[2] << 8 | at[3];
+            return (n % 2 ? low : (low + high) / 2) / 65535;
+        }
+    } else if (memcmp(curve, "para", 4) == 0 && size >= 16) {
+        int kind = curve[8] << 8 | curve[9];
+        double g = fixed(curve + 12);
+        if (kind == 0)
+            return pow(0.5, g);
+        if (kind <= 4 && size >= 24)
+            return pow(fmax(fixed(curve + 16) * 0.5 + fixed(curve + 20), 0), g);
+    }
+    return -1;
+}
+
+bool lf_icc_is_srgb(const uint8_t *data, size_t size)
+{
+    /* as D50 sees them, by Bradford: those of every sRGB profile */
+    static const double red[3] = {0.4361, 0.2225, 0.0139}, green[3] = {0.3851, 0.7169, 0.0971},
+                        blue[3] = {0.1431, 0.0606, 0.7141};
+    size_t n;
+    const uint8_t *curve = find_tag(data, size, "rTRC", 12, &n);
+    return curve && memcmp(data + 16, "RGB ", 4) == 0 && has_colour(data, size, "rXYZ", red) &&
+           has_colour(data, size, "gXYZ", green) && has_colour(data, size, "bXYZ", blue) &&
+           fabs(light_of_half(curve, n) - 0.21404) < 0.005;
+}
+
+/* --------------------------------------------------------------------------------------- EXIF --
+ */
+
+typedef struct tiff {
+    const uint8_t *data;
+    size_t size;
+    bool big;
+} tiff;
+
+static uint32_t number(const tiff *t, size_t at, int bytes)
+{
+    uint32_t value = 0;
+    for (int i = 0; i < bytes; i++)
+        value = value << 8 | t->data[at + (size_t)(t->big ? i : bytes - 1 - i)];
+    return value;
+}
+
+/* A tag of one short or long in the folder at `folder`; 0: it is not there. */
+static uint32_t find_number(const tiff *t, size_t folder, uint32_t tag)
+{
+    if (folder + 2 > t->size)
+        return 0;
+    for (uint32_t i = 0, n = number(t, folder, 2); i < n; i++) {
+        size_t entry = folder + 2 + 12 * (size_t)i;
+        if (entry + 12 > t->size)
+            return 0;
+        if (number(t, entry, 2) == tag)
+            return number(t, entry + 8, number(t, entry + 2, 2) == 3 ? 2 : 4);
+    }
+    return 0;
+}
+
+void lf_exif_note(const uint8_t *data, size_t size, lf_image_notes *notes)
+{
+    enum { ORIENTATION = 0x0112, EXIF_FOLDER = 0x8769, COLOUR_SPACE = 0xa001 };
+    tiff t = {data, size, size >= 2 && data[0] == 'M'};
+    if (size < 8 || (memcmp(data, "II*\0", 4) != 0 && memcmp(data, "MM\0*", 4) != 0))
+        return;
+    uint32_t folder = number(&t, 4, 4), turn = find_number(&t, folder, ORIENTATION);
+    uint32_t more = find_number(&t, folder, EXIF_FOLDER);
+    uint32_t space = more ? find_number(&t, more, COLOUR_SPACE) : 0;
+    if (turn > 1 && turn <= 8)
+        lf_image_note(notes, "EXIF orientation %u is not used: the picture is not turned", turn);
+    if (space > 1 && space != 0xffff) /* that is none of both that EXIF knows: a profile's */
+        lf_image_note(notes, "EXIF colour space %u%s is not used: colours are taken as sRGB", space,
+                      space == 2 ? " (Adobe RGB)" : "");
+}

@@ -1,0 +1,19 @@
+/* What 8-bit pictures say of their colours in foreign words: ICC profiles and EXIF. Private to
+ * base; data is a stranger's. Thread safe. */
+#ifndef LF_BASE_IMAGE_PROFILE_H
+#define LF_BASE_IMAGE_PROFILE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/image_said.h"
+
+/* Whether an ICC profile (ICC.1:2010; its first bytes are enough, where its tags lie in them) is
+ * one of sRGB: its primaries to three digits, and a curve that is sRGB's to 1 %. */
+bool lf_icc_is_srgb(const uint8_t *data, size_t size);
+
+/* Notes what EXIF (a TIFF, beginning with its byte order) says of the pixels that the picture
+ * lacks: an orientation other than 1, and a colour space other than sRGB. */
+void lf_exif_note(const uint8_t *data, size_t size, lf_image_notes *notes);
+
+#endif
