@@ -129,7 +129,7 @@ static bool take_material(const lf_parcel_material *from, lf_material *out)
                          .ior = from->ior,
                          .alpha = from->alpha,
                          .cutoff = from->cutoff};
-    if (!out->kind || !within(from->roughness, 0, 1) || !within(from->ior, 1, 3) ||
+    if (!out->kind || !within(from->roughness, 0, 1) || !within(from->ior, 1, LF_MAX_INDEX) ||
         from->cover >= LF_COVERS || !within(from->alpha, 0, 1) ||
         !within(from->cutoff, 0, LF_MAX_RADIANCE))
         return false;

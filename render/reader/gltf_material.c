@@ -5,7 +5,6 @@
 
 /* Of dielectrics, where nothing is said. */
 #define USUAL_REFLECTANCE 0.04f
-#define GREATEST_INDEX 3.0f
 
 static void lose(lf_said *said, lf_lost what, bool lost)
 {
@@ -70,16 +69,6 @@ static void take_cover(const json_t *json, lf_said *said)
 /* ---------------------------------------------------------------------------------- extensions --
  */
 
-/* The index of a dielectric of this reflectance, and the tint that is left to say. */
-static void reflect(lf_vec3 reflectance, lf_said *said)
-{
-    float most = lf_max3(reflectance), root = sqrtf(fminf(fmaxf(most, 0.0f), 0.99f));
-    said->ior = fminf((1 + root) / (1 - root), GREATEST_INDEX);
-    float had = (said->ior - 1) / (said->ior + 1);
-    said->specular_tint = had > 0 ? lf_scale(reflectance, 1 / (had * had)) : lf_v3(1, 1, 1);
-    said->specular = most > 0 ? 1.0f : 0.0f;
-}
-
 static void take_specular(const lf_gltf *gltf, const json_t *json, lf_said *said)
 {
     const json_t *index = lf_gltf_extension(json, "KHR_materials_ior"),
@@ -90,8 +79,6 @@ static void take_specular(const lf_gltf *gltf, const json_t *json, lf_said *said
     take_texture(gltf, specular, "specularTexture", LF_SLOT_SPECULAR, LF_LOST_TEXTURES, said);
     take_texture(gltf, specular, "specularColorTexture", LF_SLOT_SPECULAR_TINT, LF_LOST_TEXTURES,
                  said);
-    if (said->ior == 0) /* the tint is all of the reflectance then */
-        reflect(lf_scale(said->specular_tint, said->specular), said);
 }
 
 static void take_coat_and_sheen(const lf_gltf *gltf, const json_t *json, lf_said *said)
@@ -121,8 +108,11 @@ static void take_brush(const lf_gltf *gltf, const json_t *json, lf_said *said)
         take_texture(gltf, brush, "anisotropyTexture", LF_SLOT_BRUSH, LF_LOST_TEXTURES, said);
 }
 
+/* What lets nothing through absorbs as much as there is. */
 static float absorbed(float colour, float distance)
 {
+    if (!(colour > 0))
+        return (float)LF_MAX_RADIANCE;
     return -logf(fminf(fmaxf(colour, 1e-6f), 1.0f)) / distance;
 }
 
@@ -140,6 +130,40 @@ static void take_volume(const lf_gltf *gltf, const json_t *json, float scale, lf
     if (said->is_solid && distance > 0)
         said->absorption = lf_v3(absorbed(colour.x, distance), absorbed(colour.y, distance),
                                  absorbed(colour.z, distance));
+}
+
+static float reflectance_of(float index)
+{
+    float r = (index - 1) / (index + 1);
+    return r * r;
+}
+
+static bool is_glass(const lf_said *said)
+{
+    return said->transmission > 0 || said->textures.slot[LF_SLOT_TRANSMISSION].picture > 0;
+}
+
+/* An index of 0, which reflects all, and a tint above 1, f0 = min(f0 tint, 1), become the index of
+ * what reflects as much and the tint that is left to say. Of glass the index turns light as well,
+ * so that of a tint above 1 it stays. */
+static void take_reflectance(lf_said *said)
+{
+    const lf_vec3 tint = said->specular_tint;
+    const bool all = said->ior == 0;
+    if (!all && !(lf_max3(tint) > 1 && said->ior > 1 && !is_glass(said)))
+        return;
+    lf_vec3 f0 = lf_scale(tint, all ? 1 : reflectance_of(said->ior));
+    float most = lf_max3(f0), root = sqrtf(fminf(fmaxf(most, 0), 1));
+    said->ior =
+        root < 1 ? fminf((1 + root) / (1 - root), (float)LF_MAX_INDEX) : (float)LF_MAX_INDEX;
+    if (!(most > 0)) {
+        said->specular = 0;
+        said->specular_tint = lf_v3(1, 1, 1);
+        return;
+    }
+    if (said->textures.slot[LF_SLOT_SPECULAR_TINT].picture == 0)
+        f0 = lf_v3(fminf(f0.x, 1), fminf(f0.y, 1), fminf(f0.z, 1));
+    said->specular_tint = lf_scale(f0, 1 / reflectance_of(said->ior));
 }
 
 static float brightness(lf_vec3 c)
@@ -279,6 +303,7 @@ lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, float scale)
     take_cover(json, &said);
     take_coat_and_sheen(gltf, json, &said);
     take_volume(gltf, json, scale, &said);
+    take_reflectance(&said);
     take_brush(gltf, json, &said);
     take_texture(gltf, json, "normalTexture", LF_SLOT_NORMAL, LF_LOST_TEXTURES, &said);
     lose_extensions(json, &said);
