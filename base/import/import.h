@@ -63,7 +63,7 @@ unsigned lf_import_seconds(void);
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
-#define LF_IMPORT_VERSION UINT32_C(7)
+#define LF_IMPORT_VERSION UINT32_C(8)
 #define LF_IMPORT_LEAST_MEMORY ((uint64_t)192 << 20) /* of a reader: OpenVDB starts with 128 MB */
 #define LF_IMPORT_MAX_NAME 256
 #define LF_IMPORT_MAX_FILES 64 /* that a reader has open at once */
@@ -90,6 +90,7 @@ typedef struct lf_import_request {
     char clip[LF_IMPORT_MAX_NAME];
     uint32_t clip_number, clip_chosen, once;
     double seconds_in;
+    char variant[LF_IMPORT_MAX_NAME]; /* of its materials; "": its own look */
     /* of a picture: 1: as linear floats, whatever the file holds */
     uint32_t floats;
     /* of a grid; 1: of velocities, which are of either sign */

@@ -89,7 +89,7 @@ lf_status lf_gltf_lights(const lf_gltf *gltf, const lf_gltf_nodes *nodes, lf_mes
             n_left++;
     }
     if (n_left > 0)
-        lf_warnings_add(&out->warnings, LF_HERE, "%zu lights are left out: %d are possible", n_left,
-                        LF_MAX_PUNCTUAL);
+        lf_warnings_add(&out->warnings, LF_HERE, "%zu %s left out: %d are possible", n_left,
+                        n_left == 1 ? "light is" : "lights are", LF_MAX_PUNCTUAL);
     return LF_OK;
 }

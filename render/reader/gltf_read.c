@@ -7,6 +7,7 @@
 #include "base/reader/reader.h"
 #include "render/reader/gltf_build.h"
 #include "render/reader/gltf_camera.h"
+#include "render/reader/gltf_extensions.h"
 #include "render/reader/gltf_material.h"
 #include "render/reader/gltf_punctual.h"
 #include "render/reader/mesh_read.h"
@@ -20,6 +21,8 @@ typedef struct reading {
     size_t n_said;
     lf_said *said;
     bool *used, *coloured; /* [n_said] */
+    uint32_t variant;
+    size_t n_lacking; /* parts that name a material that is not there */
     lf_gltf_build build;
 } reading;
 
@@ -44,7 +47,8 @@ static lf_status open_meshes(reading *r, lf_error *err)
                                 "nodes[%zu]: meshes[%u] is not there, but %zu are", i, node->mesh,
                                 r->n_meshes);
         if (!r->meshes[node->mesh].primitives)
-            status = lf_gltf_mesh_open(&r->gltf, node->mesh, &r->meshes[node->mesh], err);
+            status =
+                lf_gltf_mesh_open(&r->gltf, node->mesh, r->variant, &r->meshes[node->mesh], err);
         if (status == LF_OK && !node->weights)
             status = lf_gltf_weights(lf_gltf_element(r->gltf.json, "nodes", i), &node->weights,
                                      &node->n_weights, err);
@@ -65,6 +69,7 @@ static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *co
         return LF_OK;
     build->has_normals = build->has_normals || primitive->normal.count > 0;
     build->has_colours = build->has_colours || primitive->colour.count > 0;
+    r->n_lacking += primitive->lacks_material;
     uint32_t material = lf_gltf_build_material(build, primitive);
     r->used[material] = true;
     r->coloured[material] = r->coloured[material] || primitive->colour.count > 0;
@@ -128,21 +133,44 @@ static lf_status open_materials(reading *r, lf_error *err)
 /* ------------------------------------------------------------------------------------------ all --
  */
 
+/* Of what a person may choose, and is not told by the picture. */
+static void warn_of_choices(const reading *r)
+{
+    const json_t *json = r->gltf.json;
+    lf_warnings *w = &r->build.data->warnings;
+    const size_t n_clips = lf_gltf_count(json, "animations"),
+                 n_variants =
+                     lf_gltf_count(lf_gltf_extension(json, "KHR_materials_variants"), "variants");
+    if (n_clips > 1 && !r->build.desc->clip.chosen)
+        lf_warnings_add(w, LF_HERE,
+                        "%zu animations: the first is shown (animation.clip of the mesh shows "
+                        "another)",
+                        n_clips);
+    if (!r->build.desc->variant && r->build.desc->material < 0)
+        lf_warnings_count(w, LF_HERE, (long long)n_variants,
+                          "variant: the file's own look is shown (variant of the mesh shows "
+                          "another)",
+                          "variants: the file's own look is shown (variant of the mesh shows "
+                          "another)");
+}
+
 /* Of things beside triangles and their materials. */
 static void warn(const reading *r)
 {
-    const json_t *json = r->gltf.json;
-    const size_t n_clips = lf_gltf_count(json, "animations");
-    const struct {
-        size_t n;
-        const char *what;
-    } unused[] = {{n_clips > 1 && !r->build.desc->clip.chosen ? n_clips : 0,
-                   "animations: the first is shown (animation.clip of the mesh shows another)"},
-                  {(size_t)r->build.n_beside, "points and lines are left out"}};
-    for (size_t i = 0; i < sizeof unused / sizeof *unused; i++)
-        if (unused[i].n > 0)
-            lf_warnings_add(&r->build.data->warnings, LF_HERE, "%zu %s", unused[i].n,
-                            unused[i].what);
+    lf_warnings *w = &r->build.data->warnings;
+    warn_of_choices(r);
+    lf_warnings_count(w, LF_HERE, r->build.n_beside, "point or line is left out",
+                      "points and lines are left out");
+    lf_warnings_count(w, LF_HERE, r->build.n_astray, "triangle is left out: an index has no vertex",
+                      "triangles are left out: an index has no vertex");
+    lf_warnings_count(w, LF_HERE, r->build.n_odd,
+                      "vertex has a normal, texture coordinates or a colour out of range: cut",
+                      "vertices have normals, texture coordinates or colours out of range: cut");
+    if (r->build.desc->material < 0)
+        lf_warnings_count(w, LF_HERE, (long long)r->n_lacking,
+                          "part names a material that is not there: grey",
+                          "parts name materials that are not there: grey");
+    lf_gltf_warn_of_extensions(&r->gltf, w);
 }
 
 static lf_status complete(reading *r, lf_error *err)
@@ -158,6 +186,8 @@ static lf_status read_opened(reading *r, lf_error *err)
     const lf_mesh_desc *desc = r->build.desc;
     lf_status status = lf_gltf_nodes_open(&r->gltf, &desc->clip, &desc->transform, &r->nodes,
                                           &r->build.data->span, err);
+    if (status == LF_OK)
+        status = lf_gltf_find_variant(&r->gltf, desc->variant, &r->variant, err);
     if (status == LF_OK)
         status = open_meshes(r, err);
     r->build.gltf = &r->gltf;

@@ -295,9 +295,9 @@ lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
     if (status == LF_OK && soup->n_points == 0)
         status = lf_error_set(err, LF_E_FORMAT, LF_HERE,
                               "cannot be read as a mesh: not OBJ, it has no vertices");
-    if (o.n_astray > 0)
-        lf_warnings_add(&soup->warnings, LF_HERE,
-                        "%zu corners name texture coordinates that there are not", o.n_astray);
+    lf_warnings_count(&soup->warnings, LF_HERE, (long long)o.n_astray,
+                      "corner names texture coordinates that there are not",
+                      "corners name texture coordinates that there are not");
     lf_input_close(&o.in);
     lf_free(o.group);
     lf_free(o.material);

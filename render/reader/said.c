@@ -166,6 +166,7 @@ static lf_material convert_said(const lf_said *said, cuts *c)
         convert_phong(said, &out, c);
     if (has_texture(said))
         make_pictured(&out);
+    out.glows_by_colours = said->glows_by_colours;
     if (!(said->lost & 1u << LF_LOST_GLOW)) /* which is black nearly everywhere */
         out.emission = cut_colour(c, "emission", said->emission, (float)LF_MAX_RADIANCE);
     return out;
@@ -191,6 +192,10 @@ static bool convert_textures(const lf_said *said, size_t n, const bool *used, lf
 
 static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_TEXTURES] = "textures are not read, the colours beside them alone count",
+    [LF_LOST_TEXTURE] = "a texture that the file does not have, or that nothing can read, is left "
+                        "out: the colour beside it counts alone",
+    [LF_LOST_UV_SET] = "a texture that lies by a third set of texture coordinates, or by numbers "
+                       "without end, is left out: the colour beside it counts alone",
     [LF_LOST_MAPS] = "textures of anything but colour, glow, normals, coverage are not read",
     [LF_LOST_MAP_OPTIONS] = "options of its textures are left out, but for their place and size",
     [LF_LOST_GLOW] = "the texture of what glows is not read, so nothing of it does",
@@ -198,15 +203,16 @@ static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_COAT] = "the clear coat is left out",
     [LF_LOST_SHEEN] = "the sheen is left out",
     [LF_LOST_BRUSHED] = "anisotropy is left out",
-    [LF_LOST_UNLIT] = "unlit is not possible: lit as others are",
+    [LF_LOST_UNLIT] = "illum 0 (unlit) is not read: lit as others are",
+    [LF_LOST_UNLIT_TEXTURE] = "it is unlit by a texture that is not read: lit as others are",
     [LF_LOST_KTX2] = "textures that are in KTX2 alone are not read",
     [LF_LOST_MORE_TEXTURES] = "textures of thickness, and of specular and glossiness, are not read",
     [LF_LOST_OCCLUSION] = "the occlusion texture is left out, light is followed instead",
-    [LF_LOST_IRIDESCENCE] = "iridescence is left out",
-    [LF_LOST_DISPERSION] = "dispersion is left out",
-    [LF_LOST_TRANSLUCENCE] = "diffuse transmission is left out",
+    [LF_LOST_IRIDESCENCE] = "iridescence is left out (KHR_materials_iridescence)",
+    [LF_LOST_DISPERSION] = "dispersion is left out (KHR_materials_dispersion)",
+    [LF_LOST_TRANSLUCENCE] = "diffuse transmission is left out "
+                             "(KHR_materials_diffuse_transmission)",
     [LF_LOST_GLOSSINESS] = "specular and glossiness are made into metallic and roughness",
-    [LF_LOST_OTHERS] = "extensions that are not known here are left out",
 };
 
 /* The names of materials in one line, of which a few are told. */
@@ -231,9 +237,12 @@ static void list_name(const lf_said *said, size_t number, name_list *out)
 
 static void warn_of(const name_list *names, const char *what, lf_warnings *warnings)
 {
+    char number[16] = "";
+    if (names->n > 1)
+        snprintf(number, sizeof number, "%d ", names->n);
     if (names->n > 0)
-        lf_warnings_add(warnings, LF_HERE, "%s %s: %s", names->n == 1 ? "material" : "materials",
-                        names->text, what);
+        lf_warnings_add(warnings, LF_HERE, "%s%s %s: %s", number,
+                        names->n == 1 ? "material" : "materials", names->text, what);
 }
 
 static void warn_of_cuts(const lf_said *said, size_t number, const char *what,

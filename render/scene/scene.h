@@ -226,9 +226,10 @@ typedef struct lf_material {
     lf_vec3 albedo;
     /* perceptual, 0..1; alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */
     float roughness;
-    float ior;        /* of a coat, 1..LF_MAX_INDEX */
-    lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
-    bool one_sided;   /* it leaves the front alone, where corners run counter-clockwise */
+    float ior;             /* of a coat, 1..LF_MAX_INDEX */
+    lf_vec3 emission;      /* radiance leaving both sides; 0 = not a light */
+    bool glows_by_colours; /* of vertices, which multiply it as they do albedo */
+    bool one_sided;        /* it leaves the front alone, where corners run counter-clockwise */
     /* complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
     lf_vec3 eta, k;
     float metallic;              /* 0..1: how much of a layered surface is metal */

@@ -313,7 +313,27 @@ static void what_is_unlit_emits_its_colour(void **state)
                          "");
     assert_vec(data.materials[0].albedo, 0.5, 0.25, 0);
     assert_vec(data.materials[0].emission, 0, 0, 0);
-    assert_true(gltf_warns(&data, "unlit is not possible"));
+    assert_true(gltf_warns(&data, "picture 1 (images[1]): "));
+    assert_true(gltf_warns(&data, "it is unlit by a texture that is not read: lit as others are"));
+    lf_mesh_data_finish(&data);
+}
+
+/* Colours of vertices count for what is unlit as for what is lit. */
+static void what_is_unlit_emits_the_colours_of_its_vertices(void **state)
+{
+    (void)state;
+    static const float green[12] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+    gltf_text text = {0};
+    gltf_put_floats(&text, corner3, 3, "VEC3");
+    gltf_put_floats(&text, green, 3, "VEC4");
+    lf_mesh_data data = gltf_read(
+        &text, "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1},'material':0}]}],"
+               "'materials':[{'extensions':{'KHR_materials_unlit':{}}}]," GLTF_ONE_NODE);
+    assert_vec(data.materials[0].emission, 1, 1, 1);
+    assert_vec(data.materials[0].albedo, 0, 0, 0);
+    assert_true(data.materials[0].glows_by_colours);
+    assert_memory_equal(data.colours, green, sizeof green);
+    assert_int_equal(data.warnings.n, 0);
     lf_mesh_data_finish(&data);
 }
 
@@ -360,8 +380,8 @@ static void pictures_that_cannot_be_read_leave_the_factors(void **state)
     assert_vec(data.materials[0].emission, 0, 0, 0); /* never white all over */
     assert_null(data.textures);
     assert_null(data.pictures);
-    assert_true(gltf_warns(&data, "images[1]: "));
-    assert_true(gltf_warns(&data, "material \"m\": textures are not read"));
+    assert_true(gltf_warns(&data, "picture 1 (images[1]): "));
+    assert_true(gltf_warns(&data, "left out, the colours beside it count alone"));
     assert_true(gltf_warns(&data, "the texture of what glows is not read"));
     lf_mesh_data_finish(&data);
     data = read_material("'emissiveTexture':{'index':2},'emissiveFactor':[1,1,1]", "");
@@ -373,12 +393,13 @@ static void pictures_that_cannot_be_read_leave_the_factors(void **state)
 static void what_has_no_place_is_told(void **state)
 {
     (void)state;
-    static const char *const words[] = {"the occlusion texture is left out",
-                                        "iridescence is left out",
-                                        "dispersion is left out",
-                                        "diffuse transmission is left out",
-                                        "extensions that are not known",
-                                        "textures of thickness"};
+    static const char *const words[] = {
+        "the occlusion texture is left out",
+        "iridescence is left out",
+        "dispersion is left out",
+        "diffuse transmission is left out",
+        "the extension KHR_materials_whatever of 1 material is not known here",
+        "textures of thickness"};
     lf_mesh_data data = read_material(
         "'name':'m','occlusionTexture':{'index':0},'extensions':{'KHR_materials_iridescence':{"
         "'iridescenceFactor':1},"
@@ -559,6 +580,7 @@ int main(void)
         cmocka_unit_test(what_lets_no_light_through_is_black_at_any_depth),
         cmocka_unit_test(the_older_model_becomes_the_newer),
         cmocka_unit_test(what_is_unlit_emits_its_colour),
+        cmocka_unit_test(what_is_unlit_emits_the_colours_of_its_vertices),
         cmocka_unit_test(textures_lie_as_they_are_told),
         cmocka_unit_test(pictures_that_cannot_be_read_leave_the_factors),
         cmocka_unit_test(what_has_no_place_is_told),
