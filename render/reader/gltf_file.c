@@ -146,16 +146,24 @@ bool lf_gltf_knows(const char *name)
     return false;
 }
 
-static lf_status check_asset(const lf_gltf *gltf, lf_error *err)
+/* minVersion: what a reader has to know at least. */
+static lf_status check_version(const json_t *asset, lf_error *err)
+{
+    const char *version = lf_gltf_text(asset, "version"),
+               *least = lf_gltf_text(asset, "minVersion");
+    if (least[0] && strcmp(least, "2.0") != 0)
+        version = least;
+    else if (!version[0] || strncmp(version, "2.", 2) == 0)
+        return LF_OK;
+    return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                        "cannot be read as a mesh: glTF of version %.16s; expected 2.0", version);
+}
+
+static lf_status check_required(const lf_gltf *gltf, lf_error *err)
 {
     const json_t *required = json_object_get(gltf->json, "extensionsRequired");
-    const char *version = lf_gltf_text(json_object_get(gltf->json, "asset"), "version");
     char names[256] = "";
     size_t at = 0;
-    if (version[0] && strncmp(version, "2.", 2) != 0)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "cannot be read as a mesh: glTF of version %.16s; expected 2.0",
-                            version);
     for (size_t i = 0; i < json_array_size(required) && at < sizeof names; i++) {
         const char *name = json_string_value(json_array_get(required, i));
         if (name && !lf_gltf_knows(name))
@@ -199,7 +207,9 @@ lf_status lf_gltf_open(lf_gltf *gltf, int fd, const char *path, lf_error *err)
     if (status == LF_OK)
         status = load_json(gltf, err);
     if (status == LF_OK)
-        status = check_asset(gltf, err);
+        status = check_version(json_object_get(gltf->json, "asset"), err);
+    if (status == LF_OK)
+        status = check_required(gltf, err);
     return status == LF_OK ? make_tables(gltf, err) : status;
 }
 

@@ -46,6 +46,29 @@ static lf_status open_attribute(lf_gltf *gltf, const json_t *attributes,
     return LF_OK;
 }
 
+/* Attributes are known by their names; those that begin with _ are the file's own matter. */
+static unsigned lost_of(const json_t *json)
+{
+    json_t *value, *attributes = json_object_get(json, "attributes");
+    const json_t *targets = json_object_get(json, "targets");
+    const char *name;
+    unsigned lost = 0;
+    json_object_foreach(attributes, name, value)
+    {
+        bool beyond = strncmp(name, "JOINTS_", 7) == 0 || strncmp(name, "WEIGHTS_", 8) == 0;
+        if (strncmp(name, "COLOR_", 6) == 0 && strcmp(name, "COLOR_0") != 0)
+            lost |= 1u << LF_GLTF_LOST_COLOURS;
+        if (beyond && atoi(strchr(name, '_') + 1) >= LF_GLTF_JOINT_SETS)
+            lost |= 1u << LF_GLTF_LOST_JOINTS;
+    }
+    for (size_t i = 0; i < json_array_size(targets); i++)
+        json_object_foreach(json_array_get(targets, i), name,
+                            value) if (strncmp(name, "TEXCOORD_", 9) == 0 ||
+                                       strncmp(name, "COLOR_", 6) == 0) lost |=
+            1u << LF_GLTF_LOST_MORPHS;
+    return lost;
+}
+
 static lf_status open_attributes(lf_gltf *gltf, const json_t *json, lf_gltf_primitive *p,
                                  const char *place, lf_error *err)
 {
@@ -180,6 +203,7 @@ static lf_status open_primitive(lf_gltf *gltf, const json_t *json, uint32_t vari
     p->material = material_of(json, variant);
     if (p->mode >= MODES)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: no such mode; expected 0 to 6", place);
+    p->lost = lost_of(json);
     p->lacks_material =
         p->material != LF_GLTF_NONE && p->material >= lf_gltf_count(gltf->json, "materials");
     if (p->lacks_material)

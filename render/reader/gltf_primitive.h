@@ -13,6 +13,14 @@ typedef struct lf_gltf_target {
     lf_gltf_accessor position, normal, tangent;
 } lf_gltf_target;
 
+/* What a primitive may have and is not read. */
+typedef enum lf_gltf_lost {
+    LF_GLTF_LOST_COLOURS, /* COLOR_1 and so on */
+    LF_GLTF_LOST_JOINTS,  /* beyond LF_GLTF_JOINT_SETS */
+    LF_GLTF_LOST_MORPHS,  /* of texture coordinates and colours */
+    LF_GLTF_LOST_KINDS
+} lf_gltf_lost;
+
 /* Arrays that compression hid. */
 typedef struct lf_gltf_decoded lf_gltf_decoded;
 
@@ -25,6 +33,7 @@ typedef struct lf_gltf_primitive {
     uint32_t material;   /* LF_GLTF_NONE */
     bool lacks_material; /* it names one that is not there, and has none */
     size_t n_astray;     /* indices without a vertex */
+    unsigned lost;       /* 1 << lf_gltf_lost each */
     size_t n_triangles;  /* 0: points or lines … */
     size_t n_beside;     /* … so many */
     size_t n_targets;

@@ -22,6 +22,7 @@ typedef struct reading {
     lf_said *said;
     bool *used, *coloured; /* [n_said] */
     uint32_t variant;
+    size_t n_lost[LF_GLTF_LOST_KINDS];
     size_t n_lacking; /* parts that name a material that is not there */
     lf_gltf_build build;
 } reading;
@@ -70,6 +71,8 @@ static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *co
     build->has_normals = build->has_normals || primitive->normal.count > 0;
     build->has_colours = build->has_colours || primitive->colour.count > 0;
     r->n_lacking += primitive->lacks_material;
+    for (unsigned i = 0; i < LF_GLTF_LOST_KINDS; i++)
+        r->n_lost[i] += primitive->lost >> i & 1;
     uint32_t material = lf_gltf_build_material(build, primitive);
     r->used[material] = true;
     r->coloured[material] = r->coloured[material] || primitive->colour.count > 0;
@@ -146,12 +149,34 @@ static void warn_of_choices(const reading *r)
                         "%zu animations: the first is shown (animation.clip of the mesh shows "
                         "another)",
                         n_clips);
+    if (lf_gltf_count(json, "scenes") > 1)
+        lf_warnings_add(w, LF_HERE, "%zu scenes: the %s is shown", lf_gltf_count(json, "scenes"),
+                        json_object_get(json, "scene") ? "default one" : "first");
     if (!r->build.desc->variant && r->build.desc->material < 0)
         lf_warnings_count(w, LF_HERE, (long long)n_variants,
                           "variant: the file's own look is shown (variant of the mesh shows "
                           "another)",
                           "variants: the file's own look is shown (variant of the mesh shows "
                           "another)");
+}
+
+static void warn_of_attributes(const reading *r, lf_warnings *w)
+{
+    static const struct {
+        const char *one, *many;
+    } lost[LF_GLTF_LOST_KINDS] = {
+        [LF_GLTF_LOST_COLOURS] = {"part has more colours than COLOR_0, which are not used",
+                                  "parts have more colours than COLOR_0, which are not used"},
+        [LF_GLTF_LOST_JOINTS] =
+            {"part has more than eight joints a vertex: the others are left out",
+             "parts have more than eight joints a vertex: the others are left "
+             "out"},
+        [LF_GLTF_LOST_MORPHS] = {"part has morph targets of texture coordinates or colours, which "
+                                 "are not used",
+                                 "parts have morph targets of texture coordinates or colours, "
+                                 "which are not used"}};
+    for (int i = 0; i < LF_GLTF_LOST_KINDS; i++)
+        lf_warnings_count(w, LF_HERE, (long long)r->n_lost[i], lost[i].one, lost[i].many);
 }
 
 /* Of things beside triangles and their materials. */
@@ -170,6 +195,7 @@ static void warn(const reading *r)
         lf_warnings_count(w, LF_HERE, (long long)r->n_lacking,
                           "part names a material that is not there: grey",
                           "parts name materials that are not there: grey");
+    warn_of_attributes(r, w);
     lf_gltf_warn_of_extensions(&r->gltf, w);
 }
 
