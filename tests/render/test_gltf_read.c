@@ -475,6 +475,36 @@ static void what_points_beyond_is_refused_in_words(void **state)
     }
 }
 
+/* One odd thing does not stop a file. */
+static void what_is_odd_is_left_out_or_cut_and_counted(void **state)
+{
+    (void)state;
+    static const float positions[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, NAN, 0, 0, 2, 0, 0},
+                       uvs[12] = {0, 0, NAN, 1, 1e9f, 0, -1e9f, 1, 0, 0, 0, 0},
+                       colours[18] = {1, 1, 1, 2, 0, 0, -1, 0, 0, 0, NAN, 0, 1, 1, 1, 1, 1, 1};
+    static const uint16_t indices[12] = {0, 1, 2, 1, 3, 2, 1, 9, 2, 0, 4, 2};
+    gltf_text text = {0};
+    gltf_put_floats(&text, positions, 6, "VEC3");
+    gltf_put_floats(&text, uvs, 6, "VEC2");
+    gltf_put_floats(&text, colours, 6, "VEC3");
+    gltf_accessor(&text, gltf_view(&text, indices, sizeof indices, ""), 5123, 12, "SCALAR", "");
+    lf_mesh_data data = gltf_read(
+        &text, "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':1,'COLOR_0':2},"
+               "'indices':3,'material':0},{'attributes':{'POSITION':0},'material':7}]}],"
+               "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}}],"
+               "'textures':[{'source':0}],'images':[{'uri':'" GLTF_PNG "'}]," GLTF_ONE_NODE);
+    assert_int_equal(data.n_triangles, 3); /* two of four, one of two */
+    assert_true(gltf_warns(&data, "1 triangle is left out: an index has no vertex"));
+    assert_true(gltf_warns(&data, "2 of 6 triangles are left out: a vertex is not finite"));
+    assert_true(gltf_warns(&data, "3 vertices have normals, texture coordinates or colours out of "
+                                  "range: cut"));
+    assert_true(gltf_warns(&data, "1 part names a material that is not there: grey"));
+    assert_int_equal(data.warnings.n, 4);
+    assert_true(data.uvs[2] == 0 && data.uvs[4] == LF_MAX_UV && data.uvs[6] == -LF_MAX_UV);
+    assert_true(data.colours[4] == 1 && data.colours[8] == 0 && data.colours[13] == 0);
+    lf_mesh_data_finish(&data);
+}
+
 static void nodes_that_are_no_tree_are_refused(void **state)
 {
     (void)state;
@@ -614,6 +644,7 @@ int main(void)
         cmocka_unit_test(a_clip_that_is_not_there_is_refused_with_those_that_are),
         cmocka_unit_test(vertices_follow_their_bones),
         cmocka_unit_test(what_points_beyond_is_refused_in_words),
+        cmocka_unit_test(what_is_odd_is_left_out_or_cut_and_counted),
         cmocka_unit_test(nodes_that_are_no_tree_are_refused),
         cmocka_unit_test(extensions_that_it_requires_must_be_known),
     };
