@@ -176,6 +176,11 @@ static float solve_metallic(float diffuse, float specular, float rest)
     return specular < a ? 0 : (sqrtf(fmaxf(b * b - 4 * a * c, 0)) - b) / (2 * a);
 }
 
+static float share(float v)
+{
+    return fminf(fmaxf(v, 0), 1);
+}
+
 /* KHR_materials_pbrSpecularGlossiness, a model that glTF no longer has. */
 static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *said)
 {
@@ -195,7 +200,7 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *sai
     }
     float rest = 1 - fminf(lf_max3(specular), 1.0f),
           metallic = solve_metallic(brightness(said->diffuse), brightness(specular), rest);
-    metallic = fminf(fmaxf(metallic, 0.0f), 1.0f);
+    metallic = share(metallic);
     lf_vec3 left = lf_v3(USUAL_REFLECTANCE, USUAL_REFLECTANCE, USUAL_REFLECTANCE),
             dull = lf_scale(said->diffuse,
                             rest / (1 - USUAL_REFLECTANCE) / fmaxf(1 - metallic, 1e-3f)),
@@ -203,6 +208,8 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *sai
                              1 / fmaxf(metallic, 1e-3f));
     said->metallic = metallic;
     said->diffuse = lf_madd(lf_scale(dull, 1 - metallic * metallic), metallic * metallic, shiny);
+    /* what the model below has no room for is no word of the file */
+    said->diffuse = lf_v3(share(said->diffuse.x), share(said->diffuse.y), share(said->diffuse.z));
     said->specular = 1;
     said->specular_tint = lf_v3(1, 1, 1);
     said->ior = 1.5f;

@@ -202,6 +202,10 @@ static void warn(const reading *r)
 static lf_status complete(reading *r, lf_error *err)
 {
     lf_mesh_data *data = r->build.data;
+    if (r->build.n_triangles == 0 && r->build.n_beside > 0)
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "no triangles in this file, but points and lines alone: %lld",
+                            (long long)r->build.n_beside);
     lf_status status =
         lf_mesh_complete_twins(data, r->build.desc, r->build.n_triangles, r->build.same, err);
     return status == LF_OK ? lf_mesh_tangents(data, err) : status;

@@ -20,6 +20,11 @@
 #define GREEN "AP8A/wD/AP8A/wD/"
 #define RAINBOW "/wAA/wD/AP8AAP//"
 
+static double channel(lf_vec3 v, int k)
+{
+    return (double)(k == 0 ? v.x : k == 1 ? v.y : v.z);
+}
+
 static lf_scene *load(const char *folder, const char *text, const char *more)
 {
     char scene[1024];
@@ -80,7 +85,7 @@ static void it_shines_by_the_colours_of_its_vertices(void **state)
     assert_int_equal(scene->n_lights, 1);
     const lf_light *light = &scene->lights[0];
     for (int i = 0; i < 3; i++) /* the mean of the three */
-        lf_assert_close((double)(&light->radiance.x)[i], 1.0 / 3, 1e-6, 0);
+        lf_assert_close(channel(light->radiance, i), 1.0 / 3, 1e-6, 0);
     lf_moments sum[3] = {{0}};
     for (int i = 0; i < N; i++) {
         lf_sampler s;
@@ -91,11 +96,11 @@ static void it_shines_by_the_colours_of_its_vertices(void **state)
         u[2] = lf_sampler_1d(&s);
         bool any = lf_light_draw(scene, p, u, &drawn);
         for (int k = 0; k < 3; k++)
-            lf_moments_add(&sum[k], any ? (double)((&drawn.radiance.x)[k] / drawn.pdf) : 0.0);
+            lf_moments_add(&sum[k], any ? channel(drawn.radiance, k) / (double)drawn.pdf : 0.0);
     }
     const lf_vec3 truth = received(p);
     for (int k = 0; k < 3; k++)
-        lf_assert_close(sum[k].mean, (double)(&truth.x)[k], 2e-3, 0);
+        lf_assert_close(sum[k].mean, channel(truth, k), 2e-3, 0);
     assert_true(truth.x > 1.5f * truth.z); /* nearer to red: an even light would not do */
     lf_scene_unref(scene);
 }
