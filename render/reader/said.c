@@ -192,10 +192,8 @@ static bool convert_textures(const lf_said *said, size_t n, const bool *used, lf
 
 static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_TEXTURES] = "textures are not read, the colours beside them alone count",
-    [LF_LOST_TEXTURE] = "a texture that the file does not have, or that nothing can read, is left "
-                        "out: the colour beside it counts alone",
-    [LF_LOST_UV_SET] = "a texture that lies by a third set of texture coordinates, or by numbers "
-                       "without end, is left out: the colour beside it counts alone",
+    [LF_LOST_TEXTURE] = "a texture that is not there is left out, the colour beside it counts",
+    [LF_LOST_UV_SET] = "a texture by a third set of coordinates, or far off, is left out",
     [LF_LOST_MAPS] = "textures of anything but colour, glow, normals, coverage are not read",
     [LF_LOST_MAP_OPTIONS] = "options of its textures are left out, but for their place and size",
     [LF_LOST_GLOW] = "the texture of what glows is not read, so nothing of it does",
@@ -210,8 +208,8 @@ static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_OCCLUSION] = "the occlusion texture is left out, light is followed instead",
     [LF_LOST_IRIDESCENCE] = "iridescence is left out (KHR_materials_iridescence)",
     [LF_LOST_DISPERSION] = "dispersion is left out (KHR_materials_dispersion)",
-    [LF_LOST_TRANSLUCENCE] = "diffuse transmission is left out "
-                             "(KHR_materials_diffuse_transmission)",
+    [LF_LOST_TRANSLUCENCE] =
+        "diffuse transmission is left out (KHR_materials_diffuse_transmission)",
     [LF_LOST_GLOSSINESS] = "specular and glossiness are made into metallic and roughness",
 };
 

@@ -177,7 +177,7 @@ static const lf_format_row rows[] = {
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':1}}")),
     TOLD("primitives.attributes.TEXCOORD_n",
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':2}}"),
-         "a texture that lies by a third set"),
+         "a texture by a third set"),
     USED("primitives.attributes.COLOR_0", ATTRIBUTES(",'COLOR_0':3"), ""),
     TOLD("primitives.attributes.COLOR_n", ATTRIBUTES(",'COLOR_0':3,'COLOR_1':3"),
          "1 part has more colours than COLOR_0"),
