@@ -58,12 +58,11 @@ static inline size_t lf_formats_find(const char *line, const lf_format_row *rows
 static inline void lf_formats_walk(const char *page, const char *heading, const lf_format_row *rows,
                                    size_t count)
 {
-    char name[128];
-    snprintf(name, sizeof name, "docs/formats/%s", page);
-    FILE *f = fopen(lf_test_source(name), "r");
+    char path[256], line[4096];
+    snprintf(path, sizeof path, "docs/formats/%s", page);
+    FILE *f = fopen(lf_test_source(path), "r");
     if (!f)
         fail_msg("docs/formats/%s is not there", page);
-    char line[4096];
     bool within = false, seen[512] = {0};
     assert_true(count <= 512);
     while (fgets(line, sizeof line, f)) {

@@ -90,6 +90,7 @@ typedef struct lf_import_request {
     char clip[LF_IMPORT_MAX_NAME];
     uint32_t clip_number, clip_chosen, once;
     double seconds_in;
+    char variant[LF_IMPORT_MAX_NAME]; /* of its materials; "": its own look */
     /* of a picture: 1: as linear floats, whatever the file holds */
     uint32_t floats;
     /* of a grid; 1: of velocities, which are of either sign */

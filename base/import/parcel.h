@@ -74,6 +74,7 @@ typedef struct lf_parcel_material {
     float transmission, absorption[3];
     float brush, brush_turn[2];
     uint32_t is_solid;
+    uint32_t glows_by_colours;
     lf_parcel_texture texture[13]; /* a slot each (render/scene/texture.h) */
 } lf_parcel_material;
 

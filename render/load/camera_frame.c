@@ -206,8 +206,10 @@ void lf_camera_frame_warn(const lf_scene_desc *desc, lf_scene *scene)
     const lf_geometry *geometry = scene->geometry;
     for (int i = 0; geometry && i < geometry->n_meshes && !desc->framing.mesh; i++)
         if (geometry->cameras[i].n > 0)
-            lf_warnings_add(&scene->warnings, lf_geometry_file(geometry, i),
-                            "%d cameras are not used, the scene has its own (\"from\" of its "
-                            "camera looks through one)",
-                            geometry->cameras[i].n);
+            lf_warnings_count(&scene->warnings, lf_geometry_file(geometry, i),
+                              geometry->cameras[i].n,
+                              "camera is not used, the scene has its own (\"from\" of its camera "
+                              "looks through it)",
+                              "cameras are not used, the scene has its own (\"from\" of its camera "
+                              "looks through one)");
 }

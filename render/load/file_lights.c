@@ -87,12 +87,14 @@ void lf_file_lights_warn(const lf_scene_desc *desc, lf_scene *scene)
     int n_left = count_all(desc, geometry) - lf_file_lights_count(desc, geometry);
     for (int i = 0; geometry && i < geometry->n_meshes; i++)
         if (geometry->lights[i].n > 0 && desc->meshes[i].lights < 0 && has_own(desc))
-            lf_warnings_add(&scene->warnings, lf_geometry_file(geometry, i),
-                            "%d lights are not used, the scene has its own (\"lights\": true of "
-                            "the mesh lets them shine)",
-                            geometry->lights[i].n);
+            lf_warnings_count(&scene->warnings, lf_geometry_file(geometry, i),
+                              geometry->lights[i].n,
+                              "light is not used, the scene has its own (\"lights\": true of the "
+                              "mesh lets it shine)",
+                              "lights are not used, the scene has its own (\"lights\": true of the "
+                              "mesh lets them shine)");
     if (n_left > 0)
-        lf_warnings_add(&scene->warnings, scene->file.where,
-                        "%d lights of mesh files are left out: %d are possible", n_left,
-                        LF_MAX_LIGHTS);
+        lf_warnings_add(
+            &scene->warnings, scene->file.where, "%d %s of mesh files %s left out: %d are possible",
+            n_left, n_left == 1 ? "light" : "lights", n_left == 1 ? "is" : "are", LF_MAX_LIGHTS);
 }

@@ -130,9 +130,12 @@ static void mark(search *s, const char *where)
         }
         if (count > 0)
             lf_warnings_add(&s->data[i].warnings, where,
-                            "mesh \"%s\": %u of its triangles are left out, the same stand in "
-                            "\"%s\" (in one place there is one face)",
-                            s->data[i].name, count, s->data[mesh_of(s, other)].name);
+                            "mesh \"%s\": %u of its triangles %s in \"%s\" (in one place there "
+                            "is one face)",
+                            s->data[i].name, count,
+                            count == 1 ? "is left out, the same stands"
+                                       : "are left out, the same stand",
+                            s->data[mesh_of(s, other)].name);
     }
 }
 

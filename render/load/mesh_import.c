@@ -126,6 +126,7 @@ bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
     return strcmp(a->file, b->file) == 0 && a->normals == b->normals &&
            (a->material < 0) == (b->material < 0) && a->shines == b->shines &&
            memcmp(&a->transform, &b->transform, sizeof a->transform) == 0 &&
+           strcmp(a->variant ? a->variant : "", b->variant ? b->variant : "") == 0 &&
            strcmp(c->name ? c->name : "", d->name ? d->name : "") == 0 && c->number == d->number &&
            c->chosen == d->chosen && c->once == d->once && c->seconds == d->seconds;
 }
@@ -156,6 +157,8 @@ static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *st
         return lf_error_set(err, LF_E_FORMAT, path, "the path is too long");
     memcpy(request.path, path, strlen(path) + 1);
     put_clip(&desc->clip, &request);
+    if (desc->variant)
+        memcpy(request.variant, desc->variant, strlen(desc->variant) + 1);
     memcpy(request.transform, desc->transform.m, sizeof request.transform);
     lf_status status = open_asked(state, path, true, &fd);
     const bool opened = status == LF_OK;

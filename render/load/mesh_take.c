@@ -108,6 +108,7 @@ static bool take_layers(const lf_parcel_material *from, lf_material *out)
     out->sheen_roughness = from->sheen_roughness;
     out->transmission = from->transmission;
     out->is_solid = from->is_solid == 1;
+    out->glows_by_colours = from->glows_by_colours == 1;
     const float c = from->brush_turn[0], s = from->brush_turn[1];
     const bool turns = within(c * c + s * s, 1.0f - UNIT_SLACK, 1.0f + UNIT_SLACK);
     out->brush.strength = from->brush;
@@ -117,7 +118,8 @@ static bool take_layers(const lf_parcel_material *from, lf_material *out)
            within(from->metallic, 0, 1) && within(from->specular, 0, 1) &&
            within(from->coat, 0, 1) && within(from->coat_roughness, 0, 1) &&
            within(from->sheen_roughness, 0, 1) && within(from->transmission, 0, 1) &&
-           from->is_solid <= 1 && take_vector(from->specular_tint, 1, &out->specular_tint) &&
+           from->is_solid <= 1 && from->glows_by_colours <= 1 &&
+           take_vector(from->specular_tint, 1, &out->specular_tint) &&
            take_vector(from->sheen, 1, &out->sheen) &&
            take_vector(from->absorption, LF_MAX_RADIANCE, &out->glass.absorption);
 }
@@ -129,7 +131,7 @@ static bool take_material(const lf_parcel_material *from, lf_material *out)
                          .ior = from->ior,
                          .alpha = from->alpha,
                          .cutoff = from->cutoff};
-    if (!out->kind || !within(from->roughness, 0, 1) || !within(from->ior, 1, 3) ||
+    if (!out->kind || !within(from->roughness, 0, 1) || !within(from->ior, 1, LF_MAX_INDEX) ||
         from->cover >= LF_COVERS || !within(from->alpha, 0, 1) ||
         !within(from->cutoff, 0, LF_MAX_RADIANCE))
         return false;

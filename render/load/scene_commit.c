@@ -224,6 +224,13 @@ static void place_flame(const commit *c, int i)
 
 /* ------------------------------------------------------------------------------------ meshes -- */
 
+/* What a mesh chose that its file does not have: lf_gltf_find_variant begins so. */
+static const char *choice_of(const lf_error *err)
+{
+    static const char variant[] = "no variant";
+    return strncmp(err->what, variant, sizeof variant - 1) == 0 ? "variant" : "animation";
+}
+
 static void import_meshes(const commit *c, lf_mesh_data *data)
 {
     int wrong = -1;
@@ -240,7 +247,7 @@ static void import_meshes(const commit *c, lf_mesh_data *data)
     err.status = status == LF_E_ARG ? LF_E_FORMAT : status;
     fail_at(c, mesh->lamp ? "lights" : "meshes", mesh->name,
             mesh->shape          ? ""
-            : status == LF_E_ARG ? "animation"
+            : status == LF_E_ARG ? choice_of(&err)
                                  : "file",
             &err);
 }

@@ -526,11 +526,20 @@ static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, l
         speed * seconds;
 }
 
+/* Which look of a file (KHR_materials_variants). */
+static const char *parse_variant(lf_reader *reader, const lf_node *node)
+{
+    const lf_node variant = lf_node_child(node, "variant");
+    if (variant.value && !is_gltf(node))
+        lf_read_fail(reader, &variant, "only a glTF file has variants");
+    return variant.value ? lf_read_string(reader, node, "variant", NULL, LF_MAX_CLIP) : NULL;
+}
+
 static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
     static const char *const keys[] = {"file",      "shape",     "material", "normals",
                                        "transform", "animation", "units",    "catcher",
-                                       "lights",    "instances", NULL};
+                                       "lights",    "instances", "variant",  NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
     const char *shapes[LF_MAX_KINDS + 1] = {NULL};
@@ -550,6 +559,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
         lf_read_fail(reader, &units, "only what is in a file has units of its own");
     parse_catcher(reader, node, mesh);
     parse_clip(reader, node, desc->seconds, &mesh->clip);
+    mesh->variant = parse_variant(reader, node);
     mesh->lights = parse_lights_of(reader, node);
     lf_read_places(reader, node, &mesh->places);
     const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);

@@ -75,8 +75,9 @@ typedef struct lf_mesh_desc {
     int material;               /* index into materials; -1 = the file's own */
     lf_normals normals;
     lf_affine transform;
-    lf_clip clip; /* of a file */
-    double area;  /* a shape's, to which it is scaled about its middle; 0 = what it comes to */
+    lf_clip clip;        /* of a file */
+    const char *variant; /* of a file: which look, by name; NULL: its own */
+    double area; /* a shape's, to which it is scaled about its middle; 0 = what it comes to */
     /* how much the lights of a glTF file shine; below 0: where the scene has none of its own, 1 */
     double lights;
     bool lamp;   /* of a light that is faces: the name is the light's */

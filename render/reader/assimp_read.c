@@ -298,17 +298,21 @@ static void warn(const struct aiScene *scene, const lf_mesh_desc *desc, lf_warni
     }
     const struct {
         unsigned n;
-        const char *what;
+        const char *one, *many;
     } unused[] = {
-        {scene->mNumCameras, "cameras are not used, the scene has its own"},
-        {scene->mNumLights, "lights are not used, the scene has its own"},
-        {scene->mNumAnimations, "animations are not used"},
-        {boned, "parts with bones are shown as they are without"},
-        {desc->material < 0 ? coloured : 0, "parts have colours a vertex, which are not used"},
-        {beside, "points and lines are left out"}};
+        {scene->mNumCameras, "camera is not used: of such files none is read",
+         "cameras are not used: of such files none is read"},
+        {scene->mNumLights, "light is not used: of such files none is read",
+         "lights are not used: of such files none is read"},
+        {scene->mNumAnimations, "animation is not used", "animations are not used"},
+        {boned, "part with bones is shown as it is without",
+         "parts with bones are shown as they are without"},
+        {desc->material < 0 ? coloured : 0,
+         "part has colours of vertices, which are not used: such files have them of materials",
+         "parts have colours of vertices, which are not used: such files have them of materials"},
+        {beside, "point or line is left out", "points and lines are left out"}};
     for (size_t i = 0; i < sizeof unused / sizeof *unused; i++)
-        if (unused[i].n > 0)
-            lf_warnings_add(warnings, LF_HERE, "%u %s", unused[i].n, unused[i].what);
+        lf_warnings_count(warnings, LF_HERE, unused[i].n, unused[i].one, unused[i].many);
 }
 
 static lf_status read_with(const lf_mesh_desc *desc, mesh_reading *reading, lf_mesh_data *out,

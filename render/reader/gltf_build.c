@@ -136,32 +136,39 @@ static vertex vertex_of(const part *p, size_t v)
     return out;
 }
 
-static float finite_or(float v, float other)
+/* Of what a material looks at; NaN gives the lower one. Counts in *odd. */
+static float within(float v, float low, float high, int *odd)
 {
-    return isfinite(v) ? v : other;
+    *odd += !(v >= low && v <= high);
+    return v >= low ? fminf(v, high) : low;
 }
 
-static void put_coordinates(const part *p, size_t v, size_t to)
+static int put_coordinates(const part *p, size_t v, size_t to)
 {
     lf_mesh_data *data = p->build->data;
+    int odd = 0;
     for (int set = 0; set < data->n_uv_sets; set++) {
         float *uv = data->uvs + 2 * ((size_t)set * (size_t)p->build->n_vertices + to);
         if (p->primitive->uv[set].count > 0)
             lf_gltf_floats(&p->primitive->uv[set], v, 2, uv);
-        uv[0] = finite_or(uv[0], 0);
-        uv[1] = finite_or(uv[1], 0);
+        for (int i = 0; i < 2; i++)
+            uv[i] =
+                isnan(uv[i]) ? within(NAN, 0, 0, &odd) : within(uv[i], -LF_MAX_UV, LF_MAX_UV, &odd);
     }
+    return odd;
 }
 
-static void put_colour(const part *p, size_t v, size_t to)
+static int put_colour(const part *p, size_t v, size_t to)
 {
     float *colour = p->build->data->colours + 4 * to;
+    int odd = 0;
     for (int i = 0; i < 4; i++)
         colour[i] = 1;
     if (p->primitive->colour.count > 0)
         lf_gltf_floats(&p->primitive->colour, v, 4, colour);
     for (int i = 0; i < 4; i++)
-        colour[i] = colour[i] > 0 ? fminf(colour[i], 1) : 0;
+        colour[i] = within(colour[i], 0, 1, &odd);
+    return odd;
 }
 
 /* w stays 0 where there is none, or it is a tangent of other normals. */
@@ -192,9 +199,12 @@ static void put_vertex(const part *p, size_t v)
     lf_mesh_place own = p->skin ? lf_gltf_skin_place(p->skin, p->primitive, v) : p->place;
     lf_mesh_put_vertex(data, &own, from.position,
                        p->primitive->normal.count > 0 ? from.normal : NULL);
-    put_coordinates(p, v, to);
+    int odd = put_coordinates(p, v, to);
     if (data->colours)
-        put_colour(p, v, to);
+        odd += put_colour(p, v, to);
+    for (int i = 0; i < 3; i++)
+        odd += !isfinite(from.normal[i]);
+    p->build->n_odd += odd > 0;
     if (data->tangents)
         put_tangent(p, &from, &own, to);
 }
@@ -214,13 +224,15 @@ static void put_part(const part *p)
         put_vertex(p, v);
     for (size_t t = 0; t < from->n_triangles; t++) {
         uint32_t corners[3];
-        lf_gltf_corners(from, t, corners);
+        bool is_there = lf_gltf_corners(from, t, corners);
         for (uint32_t c = 0; c < 3; c++) {
             if (faceted)
                 put_vertex(p, corners[c]);
             corners[c] = base + (faceted ? 3 * (uint32_t)t + c : corners[c]);
         }
-        lf_mesh_put_triangle(data, &p->place, corners, material);
+        p->build->n_astray += !is_there;
+        if (is_there)
+            lf_mesh_put_triangle(data, &p->place, corners, material);
     }
 }
 

@@ -59,9 +59,10 @@ static bool take_camera(const json_t *json, const lf_affine *to_world, lf_file_c
 lf_status lf_gltf_cameras(const lf_gltf *gltf, const lf_gltf_nodes *nodes, lf_mesh_data *out,
                           lf_error *err)
 {
-    size_t n = 0;
+    size_t n = 0, n_odd = 0, n_left;
     for (size_t i = 0; i < nodes->n; i++)
         n += nodes->node[i].is_shown && camera_of(gltf, i);
+    n_left = n > LF_MAX_FILE_CAMERAS ? n - LF_MAX_FILE_CAMERAS : 0;
     n = n < LF_MAX_FILE_CAMERAS ? n : LF_MAX_FILE_CAMERAS;
     if (n == 0)
         return LF_OK;
@@ -72,12 +73,22 @@ lf_status lf_gltf_cameras(const lf_gltf *gltf, const lf_gltf_nodes *nodes, lf_me
         const json_t *json = nodes->node[i].is_shown ? camera_of(gltf, i) : NULL,
                      *node = lf_gltf_element(gltf->json, "nodes", i);
         lf_file_camera *camera = &out->cameras.open[out->cameras.n];
-        if (!json || !take_camera(json, &nodes->node[i].to_world, camera))
+        if (!json)
             continue;
+        if (!take_camera(json, &nodes->node[i].to_world, camera)) {
+            n_odd++;
+            continue;
+        }
         camera->number = (int)lf_gltf_index(node, "camera");
         take_name(json, camera->name);
         take_name(node, camera->node_name);
         out->cameras.n++;
     }
+    lf_warnings_count(&out->warnings, LF_HERE, (long long)n_odd,
+                      "camera is left out: it looks nowhere",
+                      "cameras are left out: they look nowhere");
+    lf_warnings_count(&out->warnings, LF_HERE, (long long)n_left,
+                      "camera is left out, there are too many",
+                      "cameras are left out, there are too many");
     return LF_OK;
 }

@@ -24,7 +24,24 @@ static bool read_words(int fd, uint64_t at, uint32_t *words, size_t n)
     return pread(fd, words, n * sizeof *words, (off_t)at) == (ssize_t)(n * sizeof *words);
 }
 
-/* A GLB: 12 bytes, then chunks of a length, a kind, and as many bytes. */
+static bool is_kind(uint32_t word)
+{
+    return word == JSON_CHUNK || word == BINARY_CHUNK;
+}
+
+/* Where the next chunk begins: where this one's length says. Some writers count the bytes that pad
+ * a chunk to a multiple of four, some do not have them, and some have them and do not count. */
+static uint64_t behind_chunk(int fd, uint64_t at, uint32_t length)
+{
+    uint64_t end = at + length, padded = end + (4 - length % 4) % 4;
+    uint32_t here[2] = {0}, there[2] = {0};
+    if (padded == end || (read_words(fd, end, here, 2) && is_kind(here[1])))
+        return end;
+    return read_words(fd, padded, there, 2) && is_kind(there[1]) ? padded : end;
+}
+
+/* A GLB: 12 bytes, then chunks of a length, a kind, and as many bytes. Of other kinds nothing is
+ * looked at, nor is what lies behind the last one. */
 static lf_status find_chunks(lf_gltf *gltf, lf_error *err)
 {
     uint32_t header[3] = {0}, chunk[2];
@@ -37,6 +54,8 @@ static lf_status find_chunks(lf_gltf *gltf, lf_error *err)
     for (uint64_t at = sizeof header, end = header[2];
          at + sizeof chunk <= end && read_words(gltf->fd, at, chunk, 2);) {
         at += sizeof chunk;
+        if (chunk[0] > end - at && !is_kind(chunk[1]) && gltf->length > 0)
+            break;
         if (chunk[0] > end - at)
             return refuse(err, "a chunk of", chunk[0], end - at);
         if (chunk[1] == JSON_CHUNK && gltf->length == 0) {
@@ -47,7 +66,7 @@ static lf_status find_chunks(lf_gltf *gltf, lf_error *err)
             gltf->binary = chunk[0];
             gltf->has_binary = true;
         }
-        at += (uint64_t)chunk[0] + (4 - chunk[0] % 4) % 4;
+        at = behind_chunk(gltf->fd, at, chunk[0]);
     }
     return LF_OK;
 }
@@ -114,10 +133,12 @@ static const char *const known_extensions[] = {"EXT_mesh_gpu_instancing",
                                                "KHR_materials_variants",
                                                "KHR_materials_volume",
                                                "KHR_mesh_quantization",
+                                               "KHR_node_visibility",
                                                "KHR_texture_basisu",
-                                               "KHR_texture_transform"};
+                                               "KHR_texture_transform",
+                                               "KHR_xmp_json_ld"};
 
-static bool is_known(const char *name)
+bool lf_gltf_knows(const char *name)
 {
     for (size_t i = 0; i < sizeof known_extensions / sizeof *known_extensions; i++)
         if (strcmp(name, known_extensions[i]) == 0)
@@ -125,19 +146,27 @@ static bool is_known(const char *name)
     return false;
 }
 
-static lf_status check_asset(const lf_gltf *gltf, lf_error *err)
+/* minVersion: what a reader has to know at least. */
+static lf_status check_version(const json_t *asset, lf_error *err)
+{
+    const char *version = lf_gltf_text(asset, "version"),
+               *least = lf_gltf_text(asset, "minVersion");
+    if (least[0] && strcmp(least, "2.0") != 0)
+        version = least;
+    else if (!version[0] || strncmp(version, "2.", 2) == 0)
+        return LF_OK;
+    return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                        "cannot be read as a mesh: glTF of version %.16s; expected 2.0", version);
+}
+
+static lf_status check_required(const lf_gltf *gltf, lf_error *err)
 {
     const json_t *required = json_object_get(gltf->json, "extensionsRequired");
-    const char *version = lf_gltf_text(json_object_get(gltf->json, "asset"), "version");
     char names[256] = "";
     size_t at = 0;
-    if (version[0] && strncmp(version, "2.", 2) != 0)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "cannot be read as a mesh: glTF of version %.16s; expected 2.0",
-                            version);
     for (size_t i = 0; i < json_array_size(required) && at < sizeof names; i++) {
         const char *name = json_string_value(json_array_get(required, i));
-        if (name && !is_known(name))
+        if (name && !lf_gltf_knows(name))
             at += (size_t)snprintf(names + at, sizeof names - at, "%s%.80s", at ? ", " : "", name);
     }
     if (names[0])
@@ -178,7 +207,9 @@ lf_status lf_gltf_open(lf_gltf *gltf, int fd, const char *path, lf_error *err)
     if (status == LF_OK)
         status = load_json(gltf, err);
     if (status == LF_OK)
-        status = check_asset(gltf, err);
+        status = check_version(json_object_get(gltf->json, "asset"), err);
+    if (status == LF_OK)
+        status = check_required(gltf, err);
     return status == LF_OK ? make_tables(gltf, err) : status;
 }
 

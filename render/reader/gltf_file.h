@@ -36,6 +36,9 @@ LF_NODISCARD lf_status lf_gltf_open(lf_gltf *gltf, int fd, const char *path, lf_
 /* Accepts a zeroed one. */
 void lf_gltf_close(lf_gltf *gltf);
 
+/* Whether an extension of this name is read, or told of where it is used. */
+bool lf_gltf_knows(const char *extension);
+
 /* What a buffer view holds, decompressed where it is EXT_meshopt_compression. */
 LF_NODISCARD lf_status lf_gltf_view_open(lf_gltf *gltf, uint64_t number, lf_gltf_view *out,
                                          lf_error *err);

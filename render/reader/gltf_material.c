@@ -5,7 +5,6 @@
 
 /* Of dielectrics, where nothing is said. */
 #define USUAL_REFLECTANCE 0.04f
-#define GREATEST_INDEX 3.0f
 
 static void lose(lf_said *said, lf_lost what, bool lost)
 {
@@ -32,12 +31,13 @@ static void take_base(const json_t *object, const char *key, lf_said *said)
 }
 
 static void take_texture(const lf_gltf *gltf, const json_t *object, const char *key, lf_slot slot,
-                         lf_lost loss, lf_said *said)
+                         lf_said *said)
 {
-    bool lost = false, ktx2 = false;
-    said->textures.slot[slot] = lf_gltf_texture(gltf, object, key, &lost, &ktx2);
-    lose(said, loss, lost);
-    lose(said, LF_LOST_KTX2, ktx2);
+    lf_lost why = LF_LOST_KINDS;
+    said->textures.slot[slot] = lf_gltf_texture(gltf, object, key, &why);
+    lose(said, why, why < LF_LOST_KINDS);
+    said->lacks_base = said->lacks_base || (why < LF_LOST_KINDS && slot == LF_SLOT_BASE);
+    lose(said, LF_LOST_GLOW, why < LF_LOST_KINDS && slot == LF_SLOT_EMISSION);
 }
 
 static void take_metallic_roughness(const lf_gltf *gltf, const json_t *pbr, lf_said *said)
@@ -45,9 +45,8 @@ static void take_metallic_roughness(const lf_gltf *gltf, const json_t *pbr, lf_s
     take_base(pbr, "baseColorFactor", said);
     said->metallic = lf_gltf_number(pbr, "metallicFactor", 1);
     said->roughness = lf_gltf_number(pbr, "roughnessFactor", 1);
-    take_texture(gltf, pbr, "baseColorTexture", LF_SLOT_BASE, LF_LOST_TEXTURES, said);
-    take_texture(gltf, pbr, "metallicRoughnessTexture", LF_SLOT_METAL_ROUGH, LF_LOST_TEXTURES,
-                 said);
+    take_texture(gltf, pbr, "baseColorTexture", LF_SLOT_BASE, said);
+    take_texture(gltf, pbr, "metallicRoughnessTexture", LF_SLOT_METAL_ROUGH, said);
 }
 
 static void take_emission(const lf_gltf *gltf, const json_t *json, lf_said *said)
@@ -55,7 +54,7 @@ static void take_emission(const lf_gltf *gltf, const json_t *json, lf_said *said
     const json_t *strong = lf_gltf_extension(json, "KHR_materials_emissive_strength");
     take_colour(json, "emissiveFactor", &said->emission);
     said->emission = lf_scale(said->emission, lf_gltf_number(strong, "emissiveStrength", 1));
-    take_texture(gltf, json, "emissiveTexture", LF_SLOT_EMISSION, LF_LOST_GLOW, said);
+    take_texture(gltf, json, "emissiveTexture", LF_SLOT_EMISSION, said);
 }
 
 static void take_cover(const json_t *json, lf_said *said)
@@ -70,16 +69,6 @@ static void take_cover(const json_t *json, lf_said *said)
 /* ---------------------------------------------------------------------------------- extensions --
  */
 
-/* The index of a dielectric of this reflectance, and the tint that is left to say. */
-static void reflect(lf_vec3 reflectance, lf_said *said)
-{
-    float most = lf_max3(reflectance), root = sqrtf(fminf(fmaxf(most, 0.0f), 0.99f));
-    said->ior = fminf((1 + root) / (1 - root), GREATEST_INDEX);
-    float had = (said->ior - 1) / (said->ior + 1);
-    said->specular_tint = had > 0 ? lf_scale(reflectance, 1 / (had * had)) : lf_v3(1, 1, 1);
-    said->specular = most > 0 ? 1.0f : 0.0f;
-}
-
 static void take_specular(const lf_gltf *gltf, const json_t *json, lf_said *said)
 {
     const json_t *index = lf_gltf_extension(json, "KHR_materials_ior"),
@@ -87,11 +76,8 @@ static void take_specular(const lf_gltf *gltf, const json_t *json, lf_said *said
     said->ior = lf_gltf_number(index, "ior", 1.5f);
     said->specular = lf_gltf_number(specular, "specularFactor", 1);
     take_colour(specular, "specularColorFactor", &said->specular_tint);
-    take_texture(gltf, specular, "specularTexture", LF_SLOT_SPECULAR, LF_LOST_TEXTURES, said);
-    take_texture(gltf, specular, "specularColorTexture", LF_SLOT_SPECULAR_TINT, LF_LOST_TEXTURES,
-                 said);
-    if (said->ior == 0) /* the tint is all of the reflectance then */
-        reflect(lf_scale(said->specular_tint, said->specular), said);
+    take_texture(gltf, specular, "specularTexture", LF_SLOT_SPECULAR, said);
+    take_texture(gltf, specular, "specularColorTexture", LF_SLOT_SPECULAR_TINT, said);
 }
 
 static void take_coat_and_sheen(const lf_gltf *gltf, const json_t *json, lf_said *said)
@@ -102,14 +88,12 @@ static void take_coat_and_sheen(const lf_gltf *gltf, const json_t *json, lf_said
     said->coat_roughness = lf_gltf_number(coat, "clearcoatRoughnessFactor", 0);
     take_colour(sheen, "sheenColorFactor", &said->sheen);
     said->sheen_roughness = lf_gltf_number(sheen, "sheenRoughnessFactor", 0);
-    take_texture(gltf, coat, "clearcoatTexture", LF_SLOT_COAT, LF_LOST_TEXTURES, said);
-    take_texture(gltf, coat, "clearcoatRoughnessTexture", LF_SLOT_COAT_ROUGH, LF_LOST_TEXTURES,
-                 said);
+    take_texture(gltf, coat, "clearcoatTexture", LF_SLOT_COAT, said);
+    take_texture(gltf, coat, "clearcoatRoughnessTexture", LF_SLOT_COAT_ROUGH, said);
     if (said->coat > 0)
-        take_texture(gltf, coat, "clearcoatNormalTexture", LF_SLOT_COAT_NORMAL, LF_LOST_TEXTURES,
-                     said);
-    take_texture(gltf, sheen, "sheenColorTexture", LF_SLOT_SHEEN, LF_LOST_TEXTURES, said);
-    take_texture(gltf, sheen, "sheenRoughnessTexture", LF_SLOT_SHEEN_ROUGH, LF_LOST_TEXTURES, said);
+        take_texture(gltf, coat, "clearcoatNormalTexture", LF_SLOT_COAT_NORMAL, said);
+    take_texture(gltf, sheen, "sheenColorTexture", LF_SLOT_SHEEN, said);
+    take_texture(gltf, sheen, "sheenRoughnessTexture", LF_SLOT_SHEEN_ROUGH, said);
 }
 
 static void take_brush(const lf_gltf *gltf, const json_t *json, lf_said *said)
@@ -118,11 +102,14 @@ static void take_brush(const lf_gltf *gltf, const json_t *json, lf_said *said)
     said->brush = lf_gltf_number(brush, "anisotropyStrength", 0);
     said->brush_turn = lf_gltf_number(brush, "anisotropyRotation", 0);
     if (said->brush > 0)
-        take_texture(gltf, brush, "anisotropyTexture", LF_SLOT_BRUSH, LF_LOST_TEXTURES, said);
+        take_texture(gltf, brush, "anisotropyTexture", LF_SLOT_BRUSH, said);
 }
 
+/* What lets nothing through absorbs as much as there is. */
 static float absorbed(float colour, float distance)
 {
+    if (!(colour > 0))
+        return (float)LF_MAX_RADIANCE;
     return -logf(fminf(fmaxf(colour, 1e-6f), 1.0f)) / distance;
 }
 
@@ -133,13 +120,46 @@ static void take_volume(const lf_gltf *gltf, const json_t *json, float scale, lf
     float distance = lf_gltf_number(volume, "attenuationDistance", 0) * scale;
     lf_vec3 colour = lf_v3(1, 1, 1);
     said->transmission = lf_gltf_number(through, "transmissionFactor", 0);
-    take_texture(gltf, through, "transmissionTexture", LF_SLOT_TRANSMISSION, LF_LOST_TEXTURES,
-                 said);
+    take_texture(gltf, through, "transmissionTexture", LF_SLOT_TRANSMISSION, said);
     said->is_solid = lf_gltf_number(volume, "thicknessFactor", 0) > 0;
     take_colour(volume, "attenuationColor", &colour);
     if (said->is_solid && distance > 0)
         said->absorption = lf_v3(absorbed(colour.x, distance), absorbed(colour.y, distance),
                                  absorbed(colour.z, distance));
+}
+
+static float reflectance_of(float index)
+{
+    float r = (index - 1) / (index + 1);
+    return r * r;
+}
+
+static bool is_glass(const lf_said *said)
+{
+    return said->transmission > 0 || said->textures.slot[LF_SLOT_TRANSMISSION].picture > 0;
+}
+
+/* An index of 0, which reflects all, and a tint above 1, f0 = min(f0 tint, 1), become the index of
+ * what reflects as much and the tint that is left to say. Of glass the index turns light as well,
+ * so that of a tint above 1 it stays. */
+static void take_reflectance(lf_said *said)
+{
+    const lf_vec3 tint = said->specular_tint;
+    const bool all = said->ior == 0;
+    if (!all && !(lf_max3(tint) > 1 && said->ior > 1 && !is_glass(said)))
+        return;
+    lf_vec3 f0 = lf_scale(tint, all ? 1 : reflectance_of(said->ior));
+    float most = lf_max3(f0), root = sqrtf(fminf(fmaxf(most, 0), 1));
+    said->ior =
+        root < 1 ? fminf((1 + root) / (1 - root), (float)LF_MAX_INDEX) : (float)LF_MAX_INDEX;
+    if (!(most > 0)) {
+        said->specular = 0;
+        said->specular_tint = lf_v3(1, 1, 1);
+        return;
+    }
+    if (said->textures.slot[LF_SLOT_SPECULAR_TINT].picture == 0)
+        f0 = lf_v3(fminf(f0.x, 1), fminf(f0.y, 1), fminf(f0.z, 1));
+    said->specular_tint = lf_scale(f0, 1 / reflectance_of(said->ior));
 }
 
 static float brightness(lf_vec3 c)
@@ -156,6 +176,11 @@ static float solve_metallic(float diffuse, float specular, float rest)
     return specular < a ? 0 : (sqrtf(fmaxf(b * b - 4 * a * c, 0)) - b) / (2 * a);
 }
 
+static float share(float v)
+{
+    return fminf(fmaxf(v, 0), 1);
+}
+
 /* KHR_materials_pbrSpecularGlossiness, a model that glTF no longer has. */
 static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *said)
 {
@@ -167,7 +192,7 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *sai
                       .lost = said->lost | 1u << LF_LOST_GLOSSINESS};
     take_base(old, "diffuseFactor", said);
     take_colour(old, "specularFactor", &specular);
-    take_texture(gltf, old, "diffuseTexture", LF_SLOT_BASE, LF_LOST_TEXTURES, said);
+    take_texture(gltf, old, "diffuseTexture", LF_SLOT_BASE, said);
     said->roughness = 1 - lf_gltf_number(old, "glossinessFactor", 1);
     if (json_object_get(old, "specularGlossinessTexture")) { /* the factors are 1 for its sake */
         specular = lf_v3(USUAL_REFLECTANCE, USUAL_REFLECTANCE, USUAL_REFLECTANCE);
@@ -175,7 +200,7 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *sai
     }
     float rest = 1 - fminf(lf_max3(specular), 1.0f),
           metallic = solve_metallic(brightness(said->diffuse), brightness(specular), rest);
-    metallic = fminf(fmaxf(metallic, 0.0f), 1.0f);
+    metallic = share(metallic);
     lf_vec3 left = lf_v3(USUAL_REFLECTANCE, USUAL_REFLECTANCE, USUAL_REFLECTANCE),
             dull = lf_scale(said->diffuse,
                             rest / (1 - USUAL_REFLECTANCE) / fmaxf(1 - metallic, 1e-3f)),
@@ -183,6 +208,8 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *sai
                              1 / fmaxf(metallic, 1e-3f));
     said->metallic = metallic;
     said->diffuse = lf_madd(lf_scale(dull, 1 - metallic * metallic), metallic * metallic, shiny);
+    /* what the model below has no room for is no word of the file */
+    said->diffuse = lf_v3(share(said->diffuse.x), share(said->diffuse.y), share(said->diffuse.z));
     said->specular = 1;
     said->specular_tint = lf_v3(1, 1, 1);
     said->ior = 1.5f;
@@ -240,9 +267,9 @@ static void lose_extensions(const json_t *json, lf_said *said)
     json_object_foreach(all, name, extension)
     {
         const known_extension *known = find_extension(name);
-        if (!known)
-            lose(said, LF_LOST_OTHERS, strncmp(name, "KHR_materials_", 14) == 0);
-        else if (known->lost < LF_LOST_KINDS)
+        if (!known) /* gltf_extensions.c tells of it */
+            continue;
+        if (known->lost < LF_LOST_KINDS)
             lose(said, known->lost, lf_gltf_number(extension, known->if_factor, 0) != 0);
         else
             json_object_foreach(extension, key, value)
@@ -279,8 +306,9 @@ lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, float scale)
     take_cover(json, &said);
     take_coat_and_sheen(gltf, json, &said);
     take_volume(gltf, json, scale, &said);
+    take_reflectance(&said);
     take_brush(gltf, json, &said);
-    take_texture(gltf, json, "normalTexture", LF_SLOT_NORMAL, LF_LOST_TEXTURES, &said);
+    take_texture(gltf, json, "normalTexture", LF_SLOT_NORMAL, &said);
     lose_extensions(json, &said);
     return said;
 }
@@ -291,11 +319,12 @@ void lf_gltf_unlight(const lf_gltf *gltf, uint32_t number, bool coloured, lf_sai
         return;
     said->metallic = 0;
     said->specular = 0;
-    if (coloured || said->lost & 1u << LF_LOST_TEXTURES) {
-        lose(said, LF_LOST_UNLIT, true);
+    if (said->lacks_base) { /* white all over would be worse */
+        lose(said, LF_LOST_UNLIT_TEXTURE, true);
         return;
     }
     said->is_metallic = false;
+    said->glows_by_colours = coloured;
     said->emission = said->diffuse;
     said->diffuse = lf_v3(0, 0, 0);
     said->textures.slot[LF_SLOT_EMISSION] = said->textures.slot[LF_SLOT_BASE];

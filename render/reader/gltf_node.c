@@ -20,6 +20,8 @@ static lf_gltf_node node_of(const json_t *json)
                          .parent = LF_GLTF_NONE,
                          .mesh = lf_gltf_index(json, "mesh"),
                          .skin = lf_gltf_index(json, "skin")};
+    node.is_hidden =
+        json_is_false(json_object_get(lf_gltf_extension(json, "KHR_node_visibility"), "visible"));
     take_floats(json, "translation", 3, node.pose.translation);
     take_floats(json, "rotation", 4, node.pose.rotation);
     take_floats(json, "scale", 3, node.pose.scale);
@@ -124,7 +126,8 @@ static lf_status place(const lf_gltf *gltf, const lf_affine *world, lf_gltf_node
             node->parent == LF_GLTF_NONE ? NULL : &nodes->node[node->parent];
         lf_affine own = node->has_matrix ? node->matrix : lf_gltf_transform(&node->pose);
         node->to_world = lf_affine_compose(parent ? &parent->to_world : world, &own);
-        node->is_shown = node->is_shown || (parent && parent->is_shown);
+        node->is_hidden = node->is_hidden || (parent && parent->is_hidden);
+        node->is_shown = (node->is_shown || (parent && parent->is_shown)) && !node->is_hidden;
     }
     free(order);
     return status;

@@ -20,6 +20,7 @@ lf_affine lf_gltf_transform(const lf_gltf_pose *pose);
 
 typedef struct lf_gltf_node {
     bool is_shown, has_matrix;
+    bool is_hidden; /* KHR_node_visibility: with all below */
     lf_gltf_pose pose;
     lf_affine matrix; /* in place of it */
     lf_affine to_world;

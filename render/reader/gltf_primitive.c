@@ -8,6 +8,7 @@
 
 #define MOST_TARGETS 4096
 #define PLACE_LENGTH 64
+#define VARIANTS "KHR_materials_variants"
 
 enum { POINTS, LINES, LINE_LOOP, LINE_STRIP, TRIANGLES, STRIP, FAN, MODES };
 
@@ -45,6 +46,29 @@ static lf_status open_attribute(lf_gltf *gltf, const json_t *attributes,
     return LF_OK;
 }
 
+/* Attributes are known by their names; those that begin with _ are the file's own matter. */
+static unsigned lost_of(const json_t *json)
+{
+    json_t *value, *attributes = json_object_get(json, "attributes");
+    const json_t *targets = json_object_get(json, "targets");
+    const char *name;
+    unsigned lost = 0;
+    json_object_foreach(attributes, name, value)
+    {
+        bool beyond = strncmp(name, "JOINTS_", 7) == 0 || strncmp(name, "WEIGHTS_", 8) == 0;
+        if (strncmp(name, "COLOR_", 6) == 0 && strcmp(name, "COLOR_0") != 0)
+            lost |= 1u << LF_GLTF_LOST_COLOURS;
+        if (beyond && atoi(strchr(name, '_') + 1) >= LF_GLTF_JOINT_SETS)
+            lost |= 1u << LF_GLTF_LOST_JOINTS;
+    }
+    for (size_t i = 0; i < json_array_size(targets); i++)
+        json_object_foreach(json_array_get(targets, i), name,
+                            value) if (strncmp(name, "TEXCOORD_", 9) == 0 ||
+                                       strncmp(name, "COLOR_", 6) == 0) lost |=
+            1u << LF_GLTF_LOST_MORPHS;
+    return lost;
+}
+
 static lf_status open_attributes(lf_gltf *gltf, const json_t *json, lf_gltf_primitive *p,
                                  const char *place, lf_error *err)
 {
@@ -60,7 +84,7 @@ static lf_status open_attributes(lf_gltf *gltf, const json_t *json, lf_gltf_prim
     return status;
 }
 
-static lf_status check_indices(const lf_gltf_primitive *p, const char *place, lf_error *err)
+static lf_status check_indices(lf_gltf_primitive *p, const char *place, lf_error *err)
 {
     const lf_gltf_accessor *a = &p->indices;
     if (a->type == LF_GLTF_FLOAT || a->type == LF_GLTF_INT8 || a->type == LF_GLTF_INT16 ||
@@ -69,10 +93,7 @@ static lf_status check_indices(const lf_gltf_primitive *p, const char *place, lf
                             "%s: indices of type %d; expected 5121, 5123 or 5125", place,
                             (int)a->type);
     for (size_t i = 0; i < a->count; i++)
-        if (lf_gltf_integer(a, i) >= p->position.count)
-            return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                                "%s: index %zu is %u, where there are %zu vertices", place, i,
-                                lf_gltf_integer(a, i), p->position.count);
+        p->n_astray += lf_gltf_integer(a, i) >= p->position.count;
     return LF_OK;
 }
 
@@ -112,6 +133,48 @@ static lf_status open_targets(lf_gltf *gltf, const json_t *json, lf_gltf_primiti
     return status;
 }
 
+/* That of the variant, where it has one. */
+static uint32_t material_of(const json_t *json, uint32_t variant)
+{
+    const json_t *mappings = json_object_get(lf_gltf_extension(json, VARIANTS), "mappings");
+    for (size_t i = 0; i < json_array_size(mappings) && variant != LF_GLTF_NONE; i++) {
+        const json_t *mapping = json_array_get(mappings, i),
+                     *variants = json_object_get(mapping, "variants");
+        for (size_t k = 0; k < json_array_size(variants); k++)
+            if (json_number_value(json_array_get(variants, k)) == (double)variant)
+                return lf_gltf_index(mapping, "material");
+    }
+    return lf_gltf_index(json, "material");
+}
+
+static void list_variants(const json_t *variants, char *out, size_t size)
+{
+    size_t n = 0;
+    out[0] = '\0';
+    for (size_t i = 0; i < json_array_size(variants) && n < size; i++)
+        n += (size_t)snprintf(out + n, size - n, "%s\"%.80s\"", i > 0 ? ", " : "",
+                              lf_gltf_text(json_array_get(variants, i), "name"));
+}
+
+lf_status lf_gltf_find_variant(const lf_gltf *gltf, const char *name, uint32_t *out, lf_error *err)
+{
+    const json_t *variants = json_object_get(lf_gltf_extension(gltf->json, VARIANTS), "variants");
+    char names[1024];
+    *out = LF_GLTF_NONE;
+    if (!name)
+        return LF_OK;
+    for (size_t i = 0; i < json_array_size(variants); i++)
+        if (strcmp(lf_gltf_text(json_array_get(variants, i), "name"), name) == 0) {
+            *out = (uint32_t)i;
+            return LF_OK;
+        }
+    list_variants(variants, names, sizeof names);
+    if (json_array_size(variants) == 0)
+        return lf_error_set(err, LF_E_ARG, LF_HERE, "no variant \"%s\": this file has none", name);
+    return lf_error_set(err, LF_E_ARG, LF_HERE, "no variant \"%s\"; there %s %s", name,
+                        json_array_size(variants) == 1 ? "is" : "are", names);
+}
+
 /* How many triangles, or things that are none, there are. */
 static void count_elements(lf_gltf_primitive *p)
 {
@@ -132,17 +195,19 @@ static void count_elements(lf_gltf_primitive *p)
     }
 }
 
-static lf_status open_primitive(lf_gltf *gltf, const json_t *json, lf_gltf_primitive *p,
-                                const char *place, lf_error *err)
+static lf_status open_primitive(lf_gltf *gltf, const json_t *json, uint32_t variant,
+                                lf_gltf_primitive *p, const char *place, lf_error *err)
 {
     lf_status status = LF_OK;
     p->mode = (unsigned)lf_gltf_whole(json, "mode", TRIANGLES);
-    p->material = lf_gltf_index(json, "material");
+    p->material = material_of(json, variant);
     if (p->mode >= MODES)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: no such mode; expected 0 to 6", place);
-    if (p->material != LF_GLTF_NONE && p->material >= lf_gltf_count(gltf->json, "materials"))
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: material %u is not there, but %zu are",
-                            place, p->material, lf_gltf_count(gltf->json, "materials"));
+    p->lost = lost_of(json);
+    p->lacks_material =
+        p->material != LF_GLTF_NONE && p->material >= lf_gltf_count(gltf->json, "materials");
+    if (p->lacks_material)
+        p->material = LF_GLTF_NONE;
     if (lf_gltf_extension(json, "KHR_draco_mesh_compression"))
         status = lf_gltf_draco(gltf, json, p, err);
     if (status == LF_OK)
@@ -175,7 +240,8 @@ lf_status lf_gltf_weights(const json_t *object, float **out, size_t *out_n, lf_e
     return LF_OK;
 }
 
-lf_status lf_gltf_mesh_open(lf_gltf *gltf, uint32_t number, lf_gltf_mesh *out, lf_error *err)
+lf_status lf_gltf_mesh_open(lf_gltf *gltf, uint32_t number, uint32_t variant, lf_gltf_mesh *out,
+                            lf_error *err)
 {
     const json_t *json = lf_gltf_element(gltf->json, "meshes", number),
                  *primitives = json_object_get(json, "primitives");
@@ -191,8 +257,8 @@ lf_status lf_gltf_mesh_open(lf_gltf *gltf, uint32_t number, lf_gltf_mesh *out, l
     lf_status status = lf_gltf_weights(json, &out->weights, &out->n_weights, err);
     for (size_t i = 0; i < n && status == LF_OK; i++) {
         snprintf(place, sizeof place, "meshes[%u].primitives[%zu]", number, i);
-        status =
-            open_primitive(gltf, json_array_get(primitives, i), &out->primitives[i], place, err);
+        status = open_primitive(gltf, json_array_get(primitives, i), variant, &out->primitives[i],
+                                place, err);
     }
     return status;
 }
@@ -208,7 +274,7 @@ void lf_gltf_mesh_close(lf_gltf_mesh *mesh)
     *mesh = (lf_gltf_mesh){0};
 }
 
-void lf_gltf_corners(const lf_gltf_primitive *p, size_t triangle, uint32_t out[3])
+bool lf_gltf_corners(const lf_gltf_primitive *p, size_t triangle, uint32_t out[3])
 {
     const size_t i = triangle, odd = i % 2,
                  corners[3][3] = {{3 * i, 3 * i + 1, 3 * i + 2},
@@ -217,4 +283,9 @@ void lf_gltf_corners(const lf_gltf_primitive *p, size_t triangle, uint32_t out[3
     const size_t *c = corners[p->mode - TRIANGLES];
     for (int k = 0; k < 3; k++)
         out[k] = p->indices.count > 0 ? lf_gltf_integer(&p->indices, c[k]) : (uint32_t)c[k];
+    if (p->n_astray == 0 ||
+        (out[0] < p->position.count && out[1] < p->position.count && out[2] < p->position.count))
+        return true;
+    out[0] = out[1] = out[2] = 0;
+    return false;
 }

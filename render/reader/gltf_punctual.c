@@ -70,7 +70,7 @@ static bool take_light(const json_t *json, const lf_affine *to_world, lf_punctua
 lf_status lf_gltf_lights(const lf_gltf *gltf, const lf_gltf_nodes *nodes, lf_mesh_data *out,
                          lf_error *err)
 {
-    size_t n = 0, n_left = 0;
+    size_t n = 0, n_left = 0, n_odd = 0;
     for (size_t i = 0; i < nodes->n; i++)
         n += nodes->node[i].is_shown && light_of(gltf, i);
     if (n == 0)
@@ -81,15 +81,22 @@ lf_status lf_gltf_lights(const lf_gltf *gltf, const lf_gltf_nodes *nodes, lf_mes
     for (size_t i = 0; i < nodes->n; i++) {
         const json_t *json = nodes->node[i].is_shown ? light_of(gltf, i) : NULL;
         lf_punctual light;
-        if (!json || !take_light(json, &nodes->node[i].to_world, &light))
+        if (!json)
             continue;
+        if (!take_light(json, &nodes->node[i].to_world, &light)) {
+            n_odd++;
+            continue;
+        }
         if (out->lights.n < LF_MAX_PUNCTUAL)
             out->lights.open[out->lights.n++] = light;
         else
             n_left++;
     }
+    lf_warnings_count(&out->warnings, LF_HERE, (long long)n_odd,
+                      "light is left out: no such type, or it shines nowhere",
+                      "lights are left out: no such type, or they shine nowhere");
     if (n_left > 0)
-        lf_warnings_add(&out->warnings, LF_HERE, "%zu lights are left out: %d are possible", n_left,
-                        LF_MAX_PUNCTUAL);
+        lf_warnings_add(&out->warnings, LF_HERE, "%zu %s left out: %d are possible", n_left,
+                        n_left == 1 ? "light is" : "lights are", LF_MAX_PUNCTUAL);
     return LF_OK;
 }

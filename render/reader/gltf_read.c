@@ -7,6 +7,7 @@
 #include "base/reader/reader.h"
 #include "render/reader/gltf_build.h"
 #include "render/reader/gltf_camera.h"
+#include "render/reader/gltf_extensions.h"
 #include "render/reader/gltf_material.h"
 #include "render/reader/gltf_punctual.h"
 #include "render/reader/mesh_read.h"
@@ -20,6 +21,9 @@ typedef struct reading {
     size_t n_said;
     lf_said *said;
     bool *used, *coloured; /* [n_said] */
+    uint32_t variant;
+    size_t n_lost[LF_GLTF_LOST_KINDS];
+    size_t n_lacking; /* parts that name a material that is not there */
     lf_gltf_build build;
 } reading;
 
@@ -44,7 +48,8 @@ static lf_status open_meshes(reading *r, lf_error *err)
                                 "nodes[%zu]: meshes[%u] is not there, but %zu are", i, node->mesh,
                                 r->n_meshes);
         if (!r->meshes[node->mesh].primitives)
-            status = lf_gltf_mesh_open(&r->gltf, node->mesh, &r->meshes[node->mesh], err);
+            status =
+                lf_gltf_mesh_open(&r->gltf, node->mesh, r->variant, &r->meshes[node->mesh], err);
         if (status == LF_OK && !node->weights)
             status = lf_gltf_weights(lf_gltf_element(r->gltf.json, "nodes", i), &node->weights,
                                      &node->n_weights, err);
@@ -65,6 +70,9 @@ static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *co
         return LF_OK;
     build->has_normals = build->has_normals || primitive->normal.count > 0;
     build->has_colours = build->has_colours || primitive->colour.count > 0;
+    r->n_lacking += primitive->lacks_material;
+    for (unsigned i = 0; i < LF_GLTF_LOST_KINDS; i++)
+        r->n_lost[i] += primitive->lost >> i & 1;
     uint32_t material = lf_gltf_build_material(build, primitive);
     r->used[material] = true;
     r->coloured[material] = r->coloured[material] || primitive->colour.count > 0;
@@ -128,26 +136,76 @@ static lf_status open_materials(reading *r, lf_error *err)
 /* ------------------------------------------------------------------------------------------ all --
  */
 
+/* Of what a person may choose, and is not told by the picture. */
+static void warn_of_choices(const reading *r)
+{
+    const json_t *json = r->gltf.json;
+    lf_warnings *w = &r->build.data->warnings;
+    const size_t n_clips = lf_gltf_count(json, "animations"),
+                 n_variants =
+                     lf_gltf_count(lf_gltf_extension(json, "KHR_materials_variants"), "variants");
+    if (n_clips > 1 && !r->build.desc->clip.chosen)
+        lf_warnings_add(w, LF_HERE,
+                        "%zu animations: the first is shown (animation.clip of the mesh shows "
+                        "another)",
+                        n_clips);
+    if (lf_gltf_count(json, "scenes") > 1)
+        lf_warnings_add(w, LF_HERE, "%zu scenes: the %s is shown", lf_gltf_count(json, "scenes"),
+                        json_object_get(json, "scene") ? "default one" : "first");
+    if (!r->build.desc->variant && r->build.desc->material < 0)
+        lf_warnings_count(w, LF_HERE, (long long)n_variants,
+                          "variant: the file's own look is shown (variant of the mesh shows "
+                          "another)",
+                          "variants: the file's own look is shown (variant of the mesh shows "
+                          "another)");
+}
+
+static void warn_of_attributes(const reading *r, lf_warnings *w)
+{
+    static const struct {
+        const char *one, *many;
+    } lost[LF_GLTF_LOST_KINDS] = {
+        [LF_GLTF_LOST_COLOURS] = {"part has more colours than COLOR_0, which are not used",
+                                  "parts have more colours than COLOR_0, which are not used"},
+        [LF_GLTF_LOST_JOINTS] =
+            {"part has more than eight joints a vertex: the others are left out",
+             "parts have more than eight joints a vertex: the others are left "
+             "out"},
+        [LF_GLTF_LOST_MORPHS] = {"part has morph targets of texture coordinates or colours, which "
+                                 "are not used",
+                                 "parts have morph targets of texture coordinates or colours, "
+                                 "which are not used"}};
+    for (int i = 0; i < LF_GLTF_LOST_KINDS; i++)
+        lf_warnings_count(w, LF_HERE, (long long)r->n_lost[i], lost[i].one, lost[i].many);
+}
+
 /* Of things beside triangles and their materials. */
 static void warn(const reading *r)
 {
-    const json_t *json = r->gltf.json;
-    const size_t n_clips = lf_gltf_count(json, "animations");
-    const struct {
-        size_t n;
-        const char *what;
-    } unused[] = {{n_clips > 1 && !r->build.desc->clip.chosen ? n_clips : 0,
-                   "animations: the first is shown (animation.clip of the mesh shows another)"},
-                  {(size_t)r->build.n_beside, "points and lines are left out"}};
-    for (size_t i = 0; i < sizeof unused / sizeof *unused; i++)
-        if (unused[i].n > 0)
-            lf_warnings_add(&r->build.data->warnings, LF_HERE, "%zu %s", unused[i].n,
-                            unused[i].what);
+    lf_warnings *w = &r->build.data->warnings;
+    warn_of_choices(r);
+    lf_warnings_count(w, LF_HERE, r->build.n_beside, "point or line is left out",
+                      "points and lines are left out");
+    lf_warnings_count(w, LF_HERE, r->build.n_astray, "triangle is left out: an index has no vertex",
+                      "triangles are left out: an index has no vertex");
+    lf_warnings_count(w, LF_HERE, r->build.n_odd,
+                      "vertex has a normal, texture coordinates or a colour out of range: cut",
+                      "vertices have normals, texture coordinates or colours out of range: cut");
+    if (r->build.desc->material < 0)
+        lf_warnings_count(w, LF_HERE, (long long)r->n_lacking,
+                          "part names a material that is not there: grey",
+                          "parts name materials that are not there: grey");
+    warn_of_attributes(r, w);
+    lf_gltf_warn_of_extensions(&r->gltf, w);
 }
 
 static lf_status complete(reading *r, lf_error *err)
 {
     lf_mesh_data *data = r->build.data;
+    if (r->build.n_triangles == 0 && r->build.n_beside > 0)
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "no triangles in this file, but points and lines alone: %lld",
+                            (long long)r->build.n_beside);
     lf_status status =
         lf_mesh_complete_twins(data, r->build.desc, r->build.n_triangles, r->build.same, err);
     return status == LF_OK ? lf_mesh_tangents(data, err) : status;
@@ -158,6 +216,8 @@ static lf_status read_opened(reading *r, lf_error *err)
     const lf_mesh_desc *desc = r->build.desc;
     lf_status status = lf_gltf_nodes_open(&r->gltf, &desc->clip, &desc->transform, &r->nodes,
                                           &r->build.data->span, err);
+    if (status == LF_OK)
+        status = lf_gltf_find_variant(&r->gltf, desc->variant, &r->variant, err);
     if (status == LF_OK)
         status = open_meshes(r, err);
     r->build.gltf = &r->gltf;

@@ -160,8 +160,8 @@ static lf_status tell_left(lf_mesh_data *data, size_t n_left, lf_error *err)
     if (data->n_places == 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "no instance is left of %zu: %s %g", n_left,
                             why, LF_MAX_REACH);
-    lf_warnings_add(&data->warnings, LF_HERE, "%zu of %zu instances are left out: %s %g", n_left,
-                    n_left + (size_t)data->n_places, why, LF_MAX_REACH);
+    lf_warnings_add(&data->warnings, LF_HERE, "%zu of %zu instances %s left out: %s %g", n_left,
+                    n_left + (size_t)data->n_places, n_left == 1 ? "is" : "are", why, LF_MAX_REACH);
     return LF_OK;
 }
 

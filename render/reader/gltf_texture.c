@@ -44,16 +44,16 @@ static void take_transform(const json_t *transform, lf_texture *out)
         out->map[i / 3][i % 3] = (float)map[i / 3][i % 3];
 }
 
-static bool is_finite(const lf_texture *t)
+static bool is_sound(const lf_texture *t)
 {
     for (int i = 0; i < 6; i++)
-        if (!isfinite(t->map[i / 3][i % 3]))
+        if (!(fabsf(t->map[i / 3][i % 3]) <= LF_MAX_UV))
             return false;
-    return isfinite(t->scale);
+    return fabsf(t->scale) <= LF_MAX_UV;
 }
 
 lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char *key,
-                           bool *out_lost, bool *out_ktx2)
+                           lf_lost *out_why)
 {
     const json_t *info = json_object_get(object, key),
                  *transform = lf_gltf_extension(info, "KHR_texture_transform"),
@@ -74,11 +74,12 @@ lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char
     uint64_t smaller = lf_gltf_whole(sampler, "minFilter", 0);
     out.finest = smaller == NEAREST || smaller == BILINEAR;
     take_transform(transform, &out);
-    *out_lost = image >= LF_GLTF_NONE || set >= LF_UV_SETS || !is_finite(&out);
-    *out_ktx2 = image >= LF_GLTF_NONE && lf_gltf_extension(texture, "KHR_texture_basisu");
-    if (*out_lost)
-        out = (lf_texture){0};
-    return out;
+    if (image < LF_GLTF_NONE && set < LF_UV_SETS && is_sound(&out))
+        return out;
+    *out_why = image < LF_GLTF_NONE                               ? LF_LOST_UV_SET
+               : lf_gltf_extension(texture, "KHR_texture_basisu") ? LF_LOST_KTX2
+                                                                  : LF_LOST_TEXTURE;
+    return (lf_texture){0};
 }
 
 /* ------------------------------------------------------------------------------------ pictures --
@@ -119,16 +120,38 @@ static lf_status decode(lf_gltf *gltf, uint32_t number, lf_texels *out, lf_error
 /* What became of an image: its picture's number and 1, or 0 where it was not looked at yet. */
 #define FAILED UINT32_MAX
 
+/* By its file, its name, or else its number. */
+static void warn_of(const lf_gltf *gltf, uint32_t number, bool missing, const char *what,
+                    lf_mesh_data *out)
+{
+    const json_t *image = lf_gltf_element(gltf->json, "images", number);
+    const char *uri = lf_gltf_text(image, "uri"), *name = lf_gltf_text(image, "name"),
+               *called = uri[0] && strncmp(uri, "data:", 5) != 0 ? uri : name;
+    if (missing)
+        lf_warnings_add(&out->warnings, LF_HERE,
+                        "picture \"%.200s\" is not to be had: the colours beside it count alone",
+                        called);
+    else if (called[0])
+        lf_warnings_add(&out->warnings, LF_HERE,
+                        "picture \"%.200s\": %s; left out, the colours beside it count alone",
+                        called, what);
+    else
+        lf_warnings_add(&out->warnings, LF_HERE,
+                        "picture %u (images[%u]): %s; left out, the colours beside it count alone",
+                        number, number, what);
+}
+
 static void find_picture(lf_gltf *gltf, uint32_t image, uint32_t *found, lf_mesh_data *out)
 {
     lf_error wrong = {0};
     if (*found != 0)
         return;
     *found = FAILED;
-    if (decode(gltf, image, &out->pictures[out->n_pictures], &wrong) == LF_OK)
+    lf_status status = decode(gltf, image, &out->pictures[out->n_pictures], &wrong);
+    if (status == LF_OK)
         *found = (uint32_t)++out->n_pictures;
     else if (wrong.what[0])
-        lf_warnings_add(&out->warnings, LF_HERE, "images[%u]: %s", image, wrong.what);
+        warn_of(gltf, image, status == LF_E_PATH, wrong.what, out);
 }
 
 static void take_pictures(lf_gltf *gltf, lf_said *said, uint32_t *found, lf_mesh_data *out)
@@ -144,7 +167,8 @@ static void take_pictures(lf_gltf *gltf, lf_said *said, uint32_t *found, lf_mesh
             continue;
         }
         *texture = (lf_texture){0};
-        said->lost |= 1u << (slot == LF_SLOT_EMISSION ? LF_LOST_GLOW : LF_LOST_TEXTURES);
+        said->lost |= slot == LF_SLOT_EMISSION ? 1u << LF_LOST_GLOW : 0;
+        said->lacks_base = said->lacks_base || slot == LF_SLOT_BASE;
     }
 }
 

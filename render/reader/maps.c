@@ -346,7 +346,7 @@ void lf_maps_drop(const lf_map *maps, size_t n_maps, lf_said *said, const bool *
         if (maps[i].use == LF_MAP_GLOW)
             said[maps[i].said].emission = lf_v3(0, 0, 0);
     }
-    if (n > 0)
-        lf_warnings_add(warnings, LF_HERE,
-                        "%zu pictures are left out: the mesh has no texture coordinates", n);
+    lf_warnings_count(warnings, LF_HERE, (long long)n,
+                      "picture is left out: the mesh has no texture coordinates",
+                      "pictures are left out: the mesh has no texture coordinates");
 }

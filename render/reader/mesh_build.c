@@ -144,14 +144,15 @@ lf_status lf_mesh_complete_twins(lf_mesh_data *data, const lf_mesh_desc *desc, i
     if (n_triangles == 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "no triangles in this file");
     if (data->n_triangles == 0)
-        return lf_error_set(
-            err, LF_E_FORMAT, LF_HERE,
-            "no usable triangle: all %lld have no area or vertices that are not finite",
-            (long long)n_triangles);
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "no usable triangle: all %lld have no area, or vertices that are not "
+                            "finite or not there",
+                            (long long)n_triangles);
     if (data->n_broken > 0)
         lf_warnings_add(&data->warnings, LF_HERE,
-                        "%d of %lld triangles are left out: a vertex is not finite, or beyond %g",
-                        data->n_broken, (long long)n_triangles, LF_MAX_COORDINATE);
+                        "%d of %lld triangles %s left out: a vertex is not finite, or beyond %g",
+                        data->n_broken, (long long)n_triangles, data->n_broken == 1 ? "is" : "are",
+                        LF_MAX_COORDINATE);
     if (desc->normals == LF_NORMALS_SMOOTH)
         smooth(data, twins);
     repair(data);

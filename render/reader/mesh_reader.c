@@ -40,6 +40,7 @@ static void put_words(const lf_material *m, lf_parcel_material *out)
     out->brush = m->brush.strength;
     memcpy(out->brush_turn, m->brush.turn, sizeof out->brush_turn);
     out->is_solid = m->is_solid;
+    out->glows_by_colours = m->glows_by_colours;
 }
 
 static void put_textures(const lf_texture_set *from, lf_parcel_material *out)
@@ -208,6 +209,7 @@ static lf_status read_mesh(const lf_import_request *request, int fd, lf_parcel_w
                          .material = request->materials ? -1 : 0,
                          .normals = (lf_normals)request->normals,
                          .shines = request->shines,
+                         .variant = request->variant[0] ? request->variant : NULL,
                          .clip = {.name = request->clip[0] ? request->clip : NULL,
                                   .number = (int)request->clip_number,
                                   .chosen = request->clip_chosen,

@@ -374,9 +374,9 @@ static lf_status read_line(obj *o, char *line, lf_error *err)
 static void warn_of_rest(const obj *o)
 {
     lf_warnings *warnings = &o->soup->warnings;
-    if (o->n_no_uv > 0)
-        lf_warnings_add(warnings, LF_HERE,
-                        "%zu corners name texture coordinates that there are not", o->n_no_uv);
+    lf_warnings_count(warnings, LF_HERE, (long long)o->n_no_uv,
+                      "corner names texture coordinates that there are not",
+                      "corners name texture coordinates that there are not");
     if (o->n_no_normal > 0)
         lf_warnings_add(warnings, LF_HERE,
                         "corners that name normals that there are not (%zu) have none",

@@ -6,8 +6,10 @@
 
 /* What a material may hold that no surface of ours has, in the order in which it is told. */
 typedef enum lf_lost {
-    LF_LOST_TEXTURES,
-    LF_LOST_MAPS, /* those of other things than the ones that are read */
+    LF_LOST_TEXTURES, /* all of them */
+    LF_LOST_TEXTURE,  /* one that the file names and does not have */
+    LF_LOST_UV_SET,   /* one that lies by coordinates that are not read */
+    LF_LOST_MAPS,     /* those of other things than the ones that are read */
     LF_LOST_MAP_OPTIONS,
     LF_LOST_GLOW, /* a texture of what glows */
     LF_LOST_TRANSPARENCY,
@@ -15,6 +17,7 @@ typedef enum lf_lost {
     LF_LOST_SHEEN,
     LF_LOST_BRUSHED,
     LF_LOST_UNLIT,
+    LF_LOST_UNLIT_TEXTURE, /* that of its colour, so that it is lit */
     LF_LOST_KTX2,
     LF_LOST_MORE_TEXTURES, /* which have no slot */
     LF_LOST_OCCLUSION,
@@ -22,7 +25,6 @@ typedef enum lf_lost {
     LF_LOST_DISPERSION,
     LF_LOST_TRANSLUCENCE,
     LF_LOST_GLOSSINESS, /* glTF's older model */
-    LF_LOST_OTHERS,     /* an extension that nobody here knows */
     LF_LOST_KINDS
 } lf_lost;
 
@@ -36,6 +38,8 @@ typedef struct lf_said {
     bool is_missing;  /* named by an OBJ file, and in none of its libraries */
     unsigned lost;    /* 1 << lf_lost each */
     lf_vec3 diffuse, highlight, emission;
+    bool lacks_base;           /* the texture of its colour was not to be had */
+    bool glows_by_colours;     /* those of vertices multiply emission as well */
     float exponent, ior;       /* Phong's; 0: not said */
     float metallic, roughness; /* of the other */
     lf_cover cover;            /* … and which share of it is there */

@@ -199,13 +199,18 @@ static bool join_corners(welding *w, lf_soup *soup)
     return find_twins(w);
 }
 
-/* Where the file has no material, or one that says nothing. */
-static bool colours_count(const lf_soup *soup)
+static bool says_materials(const lf_soup *soup)
 {
     for (size_t i = 0; i < soup->n_said; i++)
         if (!soup->said[i].is_none)
-            return false;
-    return soup->colours.n > 0 && soup->colours.n == soup->n_points;
+            return true;
+    return false;
+}
+
+/* Where the file has no material, or one that says nothing. */
+static bool colours_count(const lf_soup *soup)
+{
+    return !says_materials(soup) && soup->colours.n > 0 && soup->colours.n == soup->n_points;
 }
 
 /* White, which the colours multiply; some programs write a coverage of 0 everywhere. */
@@ -292,16 +297,20 @@ static void warn_of_rest(const lf_soup *soup, bool coloured, const lf_mesh_desc 
                          lf_mesh_data *out)
 {
     lf_warnings_add_all(&out->warnings, &soup->warnings);
-    if (desc->material < 0 && soup->n_coloured > 0 && !coloured)
+    bool lost = desc->material < 0 && soup->n_coloured > 0 && !coloured;
+    if (lost && says_materials(soup))
+        lf_warnings_count(&out->warnings, LF_HERE, (long long)soup->n_coloured,
+                          "part has colours of vertices, which are not used: its material counts",
+                          "parts have colours of vertices, which are not used: their materials "
+                          "count");
+    else if (lost)
         lf_warnings_add(&out->warnings, LF_HERE,
-                        "%zu parts have colours a vertex, which are not used", soup->n_coloured);
-    if (soup->n_astray > 0)
-        lf_warnings_add(&out->warnings, LF_HERE,
-                        "faces that name vertices that there are not (%zu) are left out",
-                        soup->n_astray);
-    if (soup->n_beside > 0)
-        lf_warnings_add(&out->warnings, LF_HERE, "%zu points and lines are left out",
-                        soup->n_beside);
+                        "colours of vertices are not used: not every vertex has one");
+    lf_warnings_count(&out->warnings, LF_HERE, (long long)soup->n_astray,
+                      "face that names vertices that there are not is left out",
+                      "faces that name vertices that there are not are left out");
+    lf_warnings_count(&out->warnings, LF_HERE, (long long)soup->n_beside,
+                      "point or line is left out", "points and lines are left out");
 }
 
 /* Which vertices are to be kept apart, by materials that are there. */

@@ -8,6 +8,8 @@
 #include "render/scene/limits.h"
 
 #define LF_MAX_RADIANCE 1e9
+/* Of refraction: all but 4e-6 of light straight on is reflected. */
+#define LF_MAX_INDEX 1e6
 #define LF_MAX_KELVIN 1e6 /* per unit of a grid's value */
 #define LF_MAX_KEYS 20    /* of a kind */
 

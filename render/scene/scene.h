@@ -216,9 +216,11 @@ typedef struct lf_brush {
 } lf_brush;
 
 /* Of a principled surface: what its metal and its clear coat lose (lf_loss), the mean of what its
- * dielectric lobe leaves to what is below, and of what its metal reflects. */
+ * dielectric lobe leaves to what is below, of what its metal reflects, lf_loss_rest and
+ * lf_loss_smooth. */
 typedef struct lf_layer_energy {
-    float metal_loss[LF_LOSS_TERMS], coat_loss[LF_LOSS_TERMS], mean_loss, mean_fresnel;
+    float metal_loss[LF_LOSS_TERMS], coat_loss[LF_LOSS_TERMS], mean_loss, mean_fresnel, rest,
+        smooth_ior, smooth_scale;
 } lf_layer_energy;
 
 typedef struct lf_material {
@@ -226,9 +228,10 @@ typedef struct lf_material {
     lf_vec3 albedo;
     /* perceptual, 0..1; alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */
     float roughness;
-    float ior;        /* of a coat, 1..3 */
-    lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
-    bool one_sided;   /* it leaves the front alone, where corners run counter-clockwise */
+    float ior;             /* of a coat, 1..LF_MAX_INDEX */
+    lf_vec3 emission;      /* radiance leaving both sides; 0 = not a light */
+    bool glows_by_colours; /* of vertices, which multiply it as they do albedo */
+    bool one_sided;        /* it leaves the front alone, where corners run counter-clockwise */
     /* complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
     lf_vec3 eta, k;
     float metallic;              /* 0..1: how much of a layered surface is metal */

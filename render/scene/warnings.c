@@ -36,6 +36,13 @@ void lf_warnings_add(lf_warnings *w, const char *where, const char *fmt, ...)
     add_line(w, lf_error_format(&line, text, sizeof text));
 }
 
+void lf_warnings_count(lf_warnings *w, const char *where, long long n, const char *one,
+                       const char *many)
+{
+    if (n > 0)
+        lf_warnings_add(w, where, "%lld %s", n, n == 1 ? one : many);
+}
+
 void lf_warnings_add_all(lf_warnings *w, const lf_warnings *others)
 {
     for (int i = 0; i < others->n; i++)

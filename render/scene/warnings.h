@@ -20,6 +20,9 @@ typedef struct lf_warnings {
  * too long is cut. Without memory the line is only counted: that is no reason to fail. */
 void lf_warnings_add(lf_warnings *warnings, const char *where, const char *fmt, ...)
     LF_PRINTF(3, 4);
+/* Adds "WHERE: 1 ONE" or "WHERE: N MANY"; nothing where n is 0. */
+void lf_warnings_count(lf_warnings *warnings, const char *where, long long n, const char *one,
+                       const char *many);
 /* Adds another collection's lines. */
 void lf_warnings_add_all(lf_warnings *warnings, const lf_warnings *others);
 /* Line number index, the one about the rest last; NULL behind it. Valid until the next change. */

@@ -9,12 +9,16 @@
  * (2019, Practical multiple scattering compensation for microfacet models): the lobe keeps its
  * shape, which its own directions sample well (the even lobe of Kulla and Conty 2017, of smooth
  * metals next to nothing and far from their peak, does not), but is not reciprocal; the colour is
- * Hill's sum over the reflections (2018). Plastics: surface_plastic.c. E is integrated once a
- * material, and fitted by a polynomial. */
+ * Hill's sum over the reflections (2018). Plastics: surface_plastic.c. The dielectric of a layered
+ * surface is a plastic's up to an index of 3, and becomes a metal's from there to infinity, where
+ * it reflects all (lf_loss_rest). E is integrated once a material, and fitted by a polynomial. */
 #include <pthread.h>
 #include <string.h>
 
 #include "render/transport/surface_lobes.h"
+
+/* Above it the dielectric of a layered surface becomes a metal. */
+#define HIGH_INDEX 3.0f
 
 /* A lobe seen along one direction; double throughout. */
 typedef struct view {
@@ -107,67 +111,116 @@ static void fit(const double y[LF_LOSS_TERMS], float out[LF_LOSS_TERMS])
         out[k] = (float)sum[k];
 }
 
-static double smooth(float ior, double cosine)
+/* What a polynomial is fitted beside. */
+typedef struct smooth_part {
+    float ior, scale; /* ior 0: nothing, of a metal */
+} smooth_part;
+
+static double smooth(const smooth_part *part, double cosine)
 {
-    return ior > 0.0f ? (double)lf_coat_transmittance(ior, (float)cosine) : 0.0;
+    return part->ior > 0.0f
+               ? (double)(part->scale * lf_coat_transmittance(part->ior, (float)cosine))
+               : 0.0;
 }
 
-void lf_loss_fit(lf_material *m, float ior)
+/* rest: of what a metal of that roughness loses, so much comes back all the same (lf_loss_rest). */
+static void fit_loss(lf_material *m, float ior, const smooth_part *part, double rest)
 {
     double alpha = (double)lf_material_alpha(m), a = (double)LF_LOSS_SCALE * alpha,
            y[LF_LOSS_TERMS];
     for (int k = 0; k < LF_LOSS_TERMS; k++) {
         double t = 0.5 + 0.5 * cos((double)LF_PI * (k + 0.5) / LF_LOSS_TERMS),
-               cosine = a * t * t / (1.0 + a - t * t);
-        y[k] = 1.0 - albedo_along(alpha, (double)ior, cosine) - smooth(ior, cosine);
+               cosine = a * t * t / (1.0 + a - t * t),
+               albedo = albedo_along(alpha, (double)ior, cosine);
+        if (rest > 0.0)
+            albedo *= 1.0 + rest * (1.0 / albedo_along(alpha, 0.0, cosine) - 1.0);
+        y[k] = 1.0 - albedo - smooth(part, cosine);
         y[k] *= (cosine + a) / a;
     }
     fit(y, m->loss);
 }
 
-double lf_loss_mean(const lf_material *m, float ior)
+static double mean_loss(const lf_material *m, const smooth_part *part)
 {
     double sum = 0.0;
     for (int i = 0; i < LF_MEAN_STEPS; i++) {
         double weight, cosine = lf_mean_cosine(i, &weight);
-        sum += weight * (double)lf_loss(m, (float)smooth(ior, cosine), (float)cosine);
+        sum += weight * (double)lf_loss(m, (float)smooth(part, cosine), (float)cosine);
     }
     return sum;
+}
+
+void lf_loss_fit(lf_material *m, float ior)
+{
+    fit_loss(m, ior, &(smooth_part){ior, 1.0f}, 0.0);
+}
+
+double lf_loss_mean(const lf_material *m, float ior)
+{
+    return mean_loss(m, &(smooth_part){ior, 1.0f});
+}
+
+static float straight_on(float ior)
+{
+    return 4.0f * ior / ((1.0f + ior) * (1.0f + ior));
+}
+
+float lf_loss_smooth(float ior, float alpha, float *out_scale)
+{
+    *out_scale = 1.0f;
+    if (!(ior > HIGH_INDEX))
+        return ior;
+    float blur = alpha * ior, least = 1.0f / HIGH_INDEX,
+          part = 1.0f / (least - (least - 1.0f / ior) / (1.0f + blur * blur));
+    *out_scale = straight_on(ior) / straight_on(part);
+    return part;
 }
 
 /* ------------------------------------------------------------------------------------- the table
  * --
  */
 
-/* Nodes: roughness from that of LF_ALPHA_MIN to 1 in even steps; index 1 to 3, and metal first. */
-enum { ROUGH_NODES = 33, INDEX_NODES = 21 };
+/* Nodes: roughness from that of LF_ALPHA_MIN to 1 in even steps; metal first, then index 1 to 3,
+ * and beyond even steps of its logarithm. */
+enum { ROUGH_NODES = 33, INDEX_NODES = 21, HIGH_STEPS = 64, FIRST_HIGH = 1 + INDEX_NODES };
+enum { ROWS = FIRST_HIGH + HIGH_STEPS + 1 };
 #define LEAST_ROUGHNESS 0.0316228f
+#define HIGH_STEP 0.2f /* in the logarithm, up to LF_MAX_INDEX and a little beyond */
 
 typedef struct loss_row {
     float loss[ROUGH_NODES][LF_LOSS_TERMS], mean[ROUGH_NODES];
 } loss_row;
 
-static loss_row rows[1 + INDEX_NODES];
-static atomic_bool is_made[1 + INDEX_NODES];
+static loss_row rows[ROWS];
+static atomic_bool is_made[ROWS];
 static pthread_mutex_t making = PTHREAD_MUTEX_INITIALIZER;
 
 static float index_of(int row)
 {
-    return row == 0 ? 0.0f : 1.0f + 0.1f * (float)(row - 1);
+    if (row == 0)
+        return 0.0f;
+    if (row <= INDEX_NODES)
+        return 1.0f + 0.1f * (float)(row - 1);
+    return HIGH_INDEX * expf(HIGH_STEP * (float)(row - FIRST_HIGH));
 }
 
 static void make_row(int row)
 {
     for (int i = 0; i < ROUGH_NODES; i++) {
         lf_material m = {.roughness = lf_lerp(LEAST_ROUGHNESS, 1.0f, (float)i / (ROUGH_NODES - 1))};
-        lf_loss_fit(&m, index_of(row));
+        double metal = row >= FIRST_HIGH ? (double)lf_loss_look_up(0.0f, m.roughness, NULL) : 0.0;
+        smooth_part part;
+        part.ior = lf_loss_smooth(index_of(row), lf_material_alpha(&m), &part.scale);
+        fit_loss(&m, index_of(row), &part, (double)lf_loss_rest(index_of(row), metal));
         memcpy(rows[row].loss[i], m.loss, sizeof m.loss);
-        rows[row].mean[i] = (float)lf_loss_mean(&m, index_of(row));
+        rows[row].mean[i] = (float)mean_loss(&m, &part);
     }
 }
 
 static const loss_row *row_of(int row)
 {
+    if (row >= FIRST_HIGH) /* that of metals goes into it */
+        (void)row_of(0);
     if (!atomic_load_explicit(&is_made[row], memory_order_acquire)) {
         pthread_mutex_lock(&making);
         if (!atomic_load_explicit(&is_made[row], memory_order_relaxed)) {
@@ -192,6 +245,26 @@ static float add_row(const loss_row *row, float roughness, float weight, float *
     return weight * lf_lerp(row->mean[i], row->mean[i + 1], f);
 }
 
+static float look_up_high(float ior, float roughness, float *out)
+{
+    float at = logf(ior / HIGH_INDEX) / HIGH_STEP;
+    int i = (int)lf_min(at, HIGH_STEPS - 1);
+    float f = at - (float)i;
+    return add_row(row_of(FIRST_HIGH + i), roughness, 1.0f - f, out) +
+           add_row(row_of(FIRST_HIGH + i + 1), roughness, f, out);
+}
+
+/* That the share of the surface that is like a metal's grows from 0 at an index of 3 on keeps what
+ * is below as it was: there it is the base that gets what is not reflected at once. */
+float lf_loss_rest(float ior, double metal_loss)
+{
+    if (!(ior > HIGH_INDEX))
+        return 0.0f;
+    double r = ((double)ior - 1.0) / ((double)ior + 1.0), like_metal = (r * r - 0.25) / 0.75,
+           mean = 1.0 - (double)lf_loss_look_up(ior, 0.0f, NULL);
+    return (float)(like_metal * mean * (1.0 - metal_loss) / (1.0 - mean * metal_loss));
+}
+
 float lf_loss_look_up(float ior, float roughness, float *out)
 {
     if (out)
@@ -202,6 +275,8 @@ float lf_loss_look_up(float ior, float roughness, float *out)
     }
     if (!(ior > 0.0f))
         return add_row(row_of(0), roughness, 1.0f, out);
+    if (ior > HIGH_INDEX)
+        return look_up_high(ior, roughness, out);
     float at = lf_min(lf_max((ior - 1.0f) * 10.0f, 0.0f), INDEX_NODES - 1), nearest = roundf(at);
     if (fabsf(at - nearest) < 1e-4f)
         return add_row(row_of(1 + (int)nearest), roughness, 1.0f, out);

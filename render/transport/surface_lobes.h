@@ -173,8 +173,18 @@ double lf_loss_mean(const lf_material *m, float ior);
 
 /* The same from a table over index and roughness, for surfaces whose roughness is a picture: out,
  * of LF_LOSS_TERMS, may be NULL; returns the mean. roughness 0: of a smooth coat, out is then all
- * 0. Within 1e-3 of lf_loss_fit. Parts of the table are made when they are first asked for (20 ms).
+ * 0. Within 1e-3 of lf_loss_fit; above an index of 3, where that counts what a microfacet reflects
+ * to another one as lost, this counts lf_loss_rest of it as reflected in the end, within 5e-3 (1e-2
+ * from an index of 100 on). Parts of the table are made when they are first asked for (20 ms).
  * Thread: any. */
 float lf_loss_look_up(float ior, float roughness, float *out);
+/* What goes with it as `smooth` of lf_loss: *out_scale times lf_coat_transmittance of the index
+ * that is returned. Above an index of 3 rough surfaces blur the one cosine (about 1 / index) at
+ * which light gets in, which polynomials do not follow; up to it that is the index itself, times 1.
+ */
+float lf_loss_smooth(float ior, float alpha, float *out_scale);
+/* Of a layered surface's dielectric: the lobe is to be multiplied by 1 + that loss / (1 - loss), of
+ * the loss of a metal of its roughness; metal_loss: its mean. 0 up to an index of 3. */
+float lf_loss_rest(float ior, double metal_loss);
 
 #endif

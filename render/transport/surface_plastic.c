@@ -171,7 +171,8 @@ enum { ALBEDO, ROUGHNESS, IOR };
 static const lf_param keys[] = {
     [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
     [ROUGHNESS] = {.name = "roughness", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.3},
-    [IOR] = {.name = "ior", .type = LF_PARAM_NUMBER, .low = 1, .high = 3, .initial = 1.5},
+    [IOR] =
+        {.name = "ior", .type = LF_PARAM_NUMBER, .low = 1, .high = LF_MAX_INDEX, .initial = 1.5},
     {0},
 };
 

@@ -13,7 +13,8 @@
  *     or flesh    the share `subsurface` of diffuse light: loss(cos_o) cos_i / pi inwards, and from
  *                 within loss(cos_i) cos_i / (pi mean loss) outwards, with no lobe but that
  *
- * loss(cos) = 1 - specular E(cos), E of the GGX lobe (surface_energy.c). Diffuse light is coupled
+ * loss(cos) = 1 - specular E(cos), E of the GGX lobe (surface_energy.c), with what more than one
+ * microfacet reflects where the index is above 3. Diffuse light is coupled
  * as Ashikhmin and Shirley (2000) and Kelemen do, so that albedo is what is seen: white gives back
  * loss(cos_o) and all together is 1 at every angle. Plastic, whose albedo is the pigment's, darkens
  * by what is reflected inside; both meet where albedo is 0 or 1. Grooves (KHR_materials_anisotropy)
@@ -79,7 +80,8 @@ static inline bool has_far_lobe(const layers *l)
 /* 1 - E of the dielectric's lobe. */
 static inline float coat_loss(const lf_material *m, float cosine)
 {
-    return 1.0f - m->specular * (1.0f - lf_loss(m, lf_coat_transmittance(m->ior, cosine), cosine));
+    float smooth = m->energy.smooth_scale * lf_coat_transmittance(m->energy.smooth_ior, cosine);
+    return 1.0f - m->specular * (1.0f - lf_loss(m, smooth, cosine));
 }
 
 /* 1 - E of the clear coat. */
@@ -155,7 +157,8 @@ static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_o
 {
     const lf_material *m = l->m;
     float c = lf_max(cos_oh, 0.0f), k = lf_schlick(c),
-          dielectric = l->dielectric * m->specular * lf_fresnel_dielectric(c, m->ior);
+          dielectric = l->dielectric * m->specular * lf_fresnel_dielectric(c, m->ior) *
+                       (1.0f + s->several * m->energy.rest);
     lf_vec3 metal = lf_v3(lf_lerp(m->albedo.x, 1.0f, k), lf_lerp(m->albedo.y, 1.0f, k),
                           lf_lerp(m->albedo.z, 1.0f, k));
     return lf_v3(
@@ -463,13 +466,19 @@ static bool has_texture(const lf_material *m, lf_slot slot)
     return m->textures && m->textures->pyramid[slot];
 }
 
+/* Below what reflects nearly all lies next to nothing, which is not to be divided by. */
+#define LEAST_LOSS 1e-3f
+
 static void vary(lf_material *m)
 {
     float metal_mean = 0.0f, mean = 1.0f;
     if (lf_material_alpha(m) >= LF_ALPHA_MIN) {
         mean = lf_loss_look_up(m->ior, m->roughness, m->loss);
         metal_mean = lf_loss_look_up(0.0f, m->roughness, m->energy.metal_loss);
-        m->energy.mean_loss = 1.0f - m->specular * (1.0f - mean);
+        m->energy.mean_loss = lf_max(1.0f - m->specular * (1.0f - mean), LEAST_LOSS);
+        m->energy.rest = lf_loss_rest(m->ior, (double)metal_mean);
+        m->energy.smooth_ior =
+            lf_loss_smooth(m->ior, lf_material_alpha(m), &m->energy.smooth_scale);
     }
     if (m->coat > 0.0f &&
         (has_texture(m, LF_SLOT_COAT_ROUGH) || has_texture(m, LF_SLOT_COAT_NORMAL)))
@@ -494,7 +503,11 @@ static void prepare(lf_material *m)
          rough_coat = m->coat_roughness * m->coat_roughness >= LF_ALPHA_MIN;
     memset(m->energy.coat_loss, 0, sizeof m->energy.coat_loss);
     memset(m->energy.metal_loss, 0, sizeof m->energy.metal_loss);
-    m->energy.mean_loss = 1.0f - m->specular * (1.0f - lf_loss_look_up(m->ior, 0.0f, NULL));
+    m->energy.mean_loss =
+        lf_max(1.0f - m->specular * (1.0f - lf_loss_look_up(m->ior, 0.0f, NULL)), LEAST_LOSS);
+    m->energy.rest = 0.0f;
+    m->energy.smooth_ior = m->ior;
+    m->energy.smooth_scale = 1.0f;
     vary(m);
     if (m->coat > 0.0f && rough_coat)
         (void)lf_loss_look_up(LF_COAT_INDEX, m->coat_roughness, m->energy.coat_loss);
@@ -543,7 +556,8 @@ static const lf_param keys[] = {
     [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
     [ROUGHNESS] = {.name = "roughness", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.3},
     [METALLIC] = {.name = "metallic", .type = LF_PARAM_NUMBER, .high = 1},
-    [IOR] = {.name = "ior", .type = LF_PARAM_NUMBER, .low = 1, .high = 3, .initial = 1.5},
+    [IOR] =
+        {.name = "ior", .type = LF_PARAM_NUMBER, .low = 1, .high = LF_MAX_INDEX, .initial = 1.5},
     [SPECULAR] = {.name = "specular", .type = LF_PARAM_NUMBER, .high = 1, .initial = 1},
     [SPECULAR_TINT] = {.name = "specular_tint",
                        .type = LF_PARAM_COLOUR,

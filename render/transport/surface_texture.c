@@ -63,14 +63,23 @@ static bool look_up(const place *at, const lf_textures *textures, lf_slot slot, 
     return true;
 }
 
+/* What vertices say beside a material's colour. */
+static lf_vec3 colour_of(const place *at)
+{
+    float colour[4];
+    interpolate(at, at->mesh->colours, 4, colour);
+    return lf_v3(colour[0], colour[1], colour[2]);
+}
+
 lf_vec3 lf_hit_emission(const lf_hit *hit, float width)
 {
     const lf_material *m = hit->material;
     float texel[4];
     place at = place_of(hit);
-    if (!m->textures || !look_up(&at, m->textures, LF_SLOT_EMISSION, width, texel))
-        return m->emission;
-    return lf_mul(m->emission, lf_v3(texel[0], texel[1], texel[2]));
+    lf_vec3 out = m->emission;
+    if (m->textures && look_up(&at, m->textures, LF_SLOT_EMISSION, width, texel))
+        out = lf_mul(out, lf_v3(texel[0], texel[1], texel[2]));
+    return m->glows_by_colours && at.mesh->colours ? lf_mul(out, colour_of(&at)) : out;
 }
 
 /* A picture that is cut off says itself where it is (LF_TEXELS_CUTS), with the material's alpha in
@@ -256,9 +265,10 @@ void lf_hit_vary(lf_hit *hit, float width)
     hit->width = width;
     hit->own = *hit->material;
     if (hit->mesh->colours) {
-        float colour[4];
-        interpolate(&at, hit->mesh->colours, 4, colour);
-        hit->own.albedo = lf_mul(hit->own.albedo, lf_v3(colour[0], colour[1], colour[2]));
+        lf_vec3 colour = colour_of(&at);
+        hit->own.albedo = lf_mul(hit->own.albedo, colour);
+        if (hit->own.glows_by_colours)
+            hit->own.emission = lf_mul(hit->own.emission, colour);
     }
     if (hit->material->textures)
         vary_by_textures(&at, hit->material->textures, width, hit);

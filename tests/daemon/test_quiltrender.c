@@ -435,7 +435,7 @@ static void what_a_scene_lacks_is_a_line_on_stderr(void **state)
         lf_test_write(f->folder, "bare.json", "{\"meshes\": {\"m\": {\"file\": \"bare.obj\"}}}"));
     qr_run(&o, "%s --spp 1 --views 2 --quilt 2x1 --view-size 8x8 -o %s/bare.png", scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "bare.obj: 1 pictures are left out: the mesh has no texture "
+    assert_non_null(strstr(o.err, "bare.obj: 1 picture is left out: the mesh has no texture "
                                   "coordinates"));
     assert_non_null(strstr(o.err, "bare.json: no light shines here"));
 }

@@ -62,7 +62,7 @@ static void check_vertices(const lf_mesh_data *data)
     for (size_t i = 0; i < 3 * n; i++)
         lf_fuzz_require(fabs(data->positions[i]) <= LF_MAX_COORDINATE);
     for (size_t i = 0; i < 2 * n * (size_t)data->n_uv_sets; i++)
-        lf_fuzz_require(isfinite(data->uvs[i]));
+        lf_fuzz_require(fabsf(data->uvs[i]) <= LF_MAX_UV);
     for (size_t i = 0; data->colours && i < 4 * n; i++)
         lf_fuzz_require(data->colours[i] >= 0 && data->colours[i] <= 1);
     for (size_t i = 0; i < n && data->tangents; i++) {
@@ -87,7 +87,8 @@ static void check_materials(const lf_mesh_data *data)
 {
     for (int i = 0; i < data->n_materials; i++) {
         const lf_material *m = &data->materials[i];
-        lf_fuzz_require(m->ior >= 1 && m->ior <= 3 && m->roughness >= 0 && m->roughness <= 1);
+        lf_fuzz_require(m->ior >= 1 && m->ior <= (float)LF_MAX_INDEX && m->roughness >= 0 &&
+                        m->roughness <= 1);
         lf_fuzz_require(m->metallic >= 0 && m->metallic <= 1 && m->cover < LF_COVERS);
         lf_fuzz_require(m->glass.absorption.x >= 0 && isfinite(m->glass.absorption.x));
         for (int slot = 0; data->textures && slot < LF_SLOTS; slot++) {

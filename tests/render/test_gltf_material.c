@@ -75,7 +75,7 @@ static void extensions_are_words_of_the_material(void **state)
     (void)state;
     lf_mesh_data data = read_material(
         "'name':'x','extensions':{'KHR_materials_ior':{'ior':1.8},'KHR_materials_specular':{"
-        "'specularFactor':0.5,'specularColorFactor':[1,0.5,2]},'KHR_materials_clearcoat':{"
+        "'specularFactor':0.5,'specularColorFactor':[1,0.5,0.25]},'KHR_materials_clearcoat':{"
         "'clearcoatFactor':0.7,'clearcoatRoughnessFactor':0.2},'KHR_materials_sheen':{"
         "'sheenColorFactor':[0.1,0.2,0.3],'sheenRoughnessFactor':0.6},"
         "'KHR_materials_transmission':{'transmissionFactor':0.9},'KHR_materials_volume':{"
@@ -84,7 +84,7 @@ static void extensions_are_words_of_the_material(void **state)
     const lf_material *m = &data.materials[0];
     assert_true(m->ior == 1.8f && m->specular == 0.5f && m->coat == 0.7f &&
                 m->coat_roughness == 0.2f && m->sheen_roughness == 0.6f);
-    assert_vec(m->specular_tint, 1, 0.5, 1);
+    assert_vec(m->specular_tint, 1, 0.5, 0.25);
     assert_vec(m->sheen, 0.1, 0.2, 0.3);
     assert_true(m->transmission == 0.9f && m->is_solid);
     assert_vec(m->glass.absorption, 0, log(2) / 2, log(4) / 2);
@@ -195,6 +195,86 @@ static void an_index_of_zero_leaves_reflectance_to_the_tint(void **state)
     lf_mesh_data_finish(&data);
 }
 
+/* What a material reflects straight on, of the second channel: KHR_materials_ior and _specular,
+ * specular min(f0 colour, 1) of f0 = ((ior - 1) / (ior + 1))^2, and 1 for the index 0. */
+static void assert_reflects(const char *extensions, double right)
+{
+    char material[512];
+    snprintf(material, sizeof material, "'name':'x','extensions':{%s}", extensions);
+    lf_mesh_data data = read_material(material, "");
+    const lf_material *m = &data.materials[0];
+    double r = ((double)m->ior - 1) / ((double)m->ior + 1),
+           got = r * r * (double)m->specular * (double)m->specular_tint.y;
+    if (!(fabs(got - right) < 1e-5))
+        fail_msg("%s: reflects %g, not %g", extensions, got, right);
+    if (data.warnings.n > 0)
+        fail_msg("%s: %s", extensions, lf_warnings_at(&data.warnings, 0));
+    lf_mesh_data_finish(&data);
+}
+
+static void any_index_and_tint_that_gltf_allows_reflects_what_it_says(void **state)
+{
+    (void)state;
+#define INDEX(i) "'KHR_materials_ior':{'ior':" i "}"
+#define TINT(t) "'KHR_materials_specular':{'specularColorFactor':[" t "]}"
+    assert_reflects(INDEX("1.5"), 0.04);
+    assert_reflects(INDEX("4"), 0.36);
+    assert_reflects(INDEX("1000"), 0.996008);
+    assert_reflects(INDEX("0"), 1);
+    assert_reflects(INDEX("0") ",'KHR_materials_specular':{'specularFactor':0.5}", 0.5);
+    assert_reflects(INDEX("0") "," TINT("0.9,0.9,0.9"), 0.9);
+    assert_reflects(INDEX("1000") "," TINT("0.9,0.9,0.9"), 0.896407);
+    assert_reflects(TINT("5,5,5"), 0.2);
+    assert_reflects(TINT("0,5,10"), 0.2);
+    assert_reflects(TINT("100,30,0"), 1);
+    assert_reflects(INDEX("2") "," TINT("1.5,0.5,0.5"), 1.0 / 18);
+#undef INDEX
+#undef TINT
+}
+
+/* Of glass the index bends light, and is not what a tint above 1 becomes: it is told. */
+static void values_beyond_what_can_be_shown_are_cut_and_told(void **state)
+{
+    (void)state;
+    lf_mesh_data data = read_material(
+        "'name':'lens','extensions':{'KHR_materials_transmission':{'transmissionFactor':1},"
+        "'KHR_materials_specular':{'specularColorFactor':[2,2,2]},'KHR_materials_ior':{'ior':1.7}}",
+        "");
+    assert_true(data.materials[0].ior == 1.7f);
+    assert_true(gltf_warns(&data, "material \"lens\": values out of range are cut: "
+                                  "specular colour (2, 2, 2) to (1, 1, 1)"));
+    lf_mesh_data_finish(&data);
+    data = read_material("'name':'x','pbrMetallicRoughness':{'roughnessFactor':1.5,"
+                         "'metallicFactor':-1},'extensions':{'KHR_materials_ior':{'ior':0.5}}",
+                         "");
+    assert_true(gltf_warns(&data, "roughness 1.5 to 1, metallic -1 to 0, index of refraction 0.5 "
+                                  "to 1.5"));
+    assert_int_equal(data.warnings.n, 1);
+    lf_mesh_data_finish(&data);
+}
+
+static void a_cutoff_above_one_hides_all(void **state)
+{
+    (void)state;
+    lf_mesh_data data = read_material("'alphaMode':'MASK','alphaCutoff':1.1", "");
+    const lf_material *m = &data.materials[0];
+    assert_true(m->cover == LF_COVER_MASK && m->alpha < m->cutoff);
+    assert_int_equal(data.warnings.n, 0);
+    lf_mesh_data_finish(&data);
+}
+
+static void what_lets_no_light_through_is_black_at_any_depth(void **state)
+{
+    (void)state;
+    lf_mesh_data data = read_material(
+        "'extensions':{'KHR_materials_volume':{'thicknessFactor':1,'attenuationDistance':2,"
+        "'attenuationColor':[0,1,1]},'KHR_materials_transmission':{'transmissionFactor':1}}",
+        "");
+    lf_assert_close((double)data.materials[0].glass.absorption.x, 1e9, 0, 1);
+    lf_assert_close((double)data.materials[0].glass.absorption.y, 0, 0, 0);
+    lf_mesh_data_finish(&data);
+}
+
 static void the_older_model_becomes_the_newer(void **state)
 {
     (void)state;
@@ -233,7 +313,27 @@ static void what_is_unlit_emits_its_colour(void **state)
                          "");
     assert_vec(data.materials[0].albedo, 0.5, 0.25, 0);
     assert_vec(data.materials[0].emission, 0, 0, 0);
-    assert_true(gltf_warns(&data, "unlit is not possible"));
+    assert_true(gltf_warns(&data, "picture 1 (images[1]): "));
+    assert_true(gltf_warns(&data, "it is unlit by a texture that is not read: lit as others are"));
+    lf_mesh_data_finish(&data);
+}
+
+/* Colours of vertices count for what is unlit as for what is lit. */
+static void what_is_unlit_emits_the_colours_of_its_vertices(void **state)
+{
+    (void)state;
+    static const float green[12] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+    gltf_text text = {0};
+    gltf_put_floats(&text, corner3, 3, "VEC3");
+    gltf_put_floats(&text, green, 3, "VEC4");
+    lf_mesh_data data = gltf_read(
+        &text, "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1},'material':0}]}],"
+               "'materials':[{'extensions':{'KHR_materials_unlit':{}}}]," GLTF_ONE_NODE);
+    assert_vec(data.materials[0].emission, 1, 1, 1);
+    assert_vec(data.materials[0].albedo, 0, 0, 0);
+    assert_true(data.materials[0].glows_by_colours);
+    assert_memory_equal(data.colours, green, sizeof green);
+    assert_int_equal(data.warnings.n, 0);
     lf_mesh_data_finish(&data);
 }
 
@@ -280,8 +380,8 @@ static void pictures_that_cannot_be_read_leave_the_factors(void **state)
     assert_vec(data.materials[0].emission, 0, 0, 0); /* never white all over */
     assert_null(data.textures);
     assert_null(data.pictures);
-    assert_true(gltf_warns(&data, "images[1]: "));
-    assert_true(gltf_warns(&data, "material \"m\": textures are not read"));
+    assert_true(gltf_warns(&data, "picture 1 (images[1]): "));
+    assert_true(gltf_warns(&data, "left out, the colours beside it count alone"));
     assert_true(gltf_warns(&data, "the texture of what glows is not read"));
     lf_mesh_data_finish(&data);
     data = read_material("'emissiveTexture':{'index':2},'emissiveFactor':[1,1,1]", "");
@@ -293,12 +393,13 @@ static void pictures_that_cannot_be_read_leave_the_factors(void **state)
 static void what_has_no_place_is_told(void **state)
 {
     (void)state;
-    static const char *const words[] = {"the occlusion texture is left out",
-                                        "iridescence is left out",
-                                        "dispersion is left out",
-                                        "diffuse transmission is left out",
-                                        "extensions that are not known",
-                                        "textures of thickness"};
+    static const char *const words[] = {
+        "the occlusion texture is left out",
+        "iridescence is left out",
+        "dispersion is left out",
+        "diffuse transmission is left out",
+        "the extension KHR_materials_whatever of 1 material is not known here",
+        "textures of thickness"};
     lf_mesh_data data = read_material(
         "'name':'m','occlusionTexture':{'index':0},'extensions':{'KHR_materials_iridescence':{"
         "'iridescenceFactor':1},"
@@ -473,8 +574,13 @@ int main(void)
         cmocka_unit_test(absorption_is_per_unit_of_the_scene),
         cmocka_unit_test(a_sheet_absorbs_nothing_inside),
         cmocka_unit_test(an_index_of_zero_leaves_reflectance_to_the_tint),
+        cmocka_unit_test(any_index_and_tint_that_gltf_allows_reflects_what_it_says),
+        cmocka_unit_test(values_beyond_what_can_be_shown_are_cut_and_told),
+        cmocka_unit_test(a_cutoff_above_one_hides_all),
+        cmocka_unit_test(what_lets_no_light_through_is_black_at_any_depth),
         cmocka_unit_test(the_older_model_becomes_the_newer),
         cmocka_unit_test(what_is_unlit_emits_its_colour),
+        cmocka_unit_test(what_is_unlit_emits_the_colours_of_its_vertices),
         cmocka_unit_test(textures_lie_as_they_are_told),
         cmocka_unit_test(pictures_that_cannot_be_read_leave_the_factors),
         cmocka_unit_test(what_has_no_place_is_told),

@@ -1,6 +1,6 @@
 /* Geometry of glTF against triangles that are known: every way in which numbers may lie in a file,
  * nodes, skins, morph targets; what is refused, in words. */
-#include "tests/render/gltf_text.h"
+#include "tests/render/gltf_packed.h"
 
 #include <meshoptimizer.h>
 
@@ -176,29 +176,6 @@ static void what_meshoptimizer_packed_is_unpacked(void **state)
     lf_assert_close(area, 2, 1e-6, 0);
     lf_mesh_data_finish(&data);
 }
-
-/* The square of 2 x 1, red, green, blue and grey at its corners, as Draco 1.5 wrote it. */
-static const unsigned char draco_square[112] = {
-    0x44, 0x52, 0x41, 0x43, 0x4f, 0x02, 0x02, 0x01, 0x00, 0x00, 0x00, 0x02, 0x04, 0x01, 0x00, 0x01,
-    0x02, 0x00, 0x02, 0x03, 0x01, 0x02, 0x00, 0x09, 0x03, 0x00, 0x00, 0x02, 0x02, 0x03, 0x00, 0x01,
-    0x00, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
-    0x00, 0x40, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x40, 0x00, 0x00,
-    0x80, 0x3f, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x80, 0x3f, 0x00, 0x00,
-    0x00, 0x00, 0x00, 0x01, 0x01, 0x00, 0x08, 0x03, 0x01, 0x10, 0x01, 0x20, 0x0f, 0x01, 0x10, 0x03,
-    0x00, 0x90, 0x90, 0x31, 0x30, 0xb3, 0x19, 0x0d, 0x00, 0x00, 0x00, 0x00, 0xff, 0x00, 0x00, 0x00};
-
-static void say_draco(gltf_text *text, const unsigned char *bytes, size_t n)
-{
-    gltf_view(text, bytes, n, "");
-    gltf_accessor(text, -1, 5126, 4, "VEC3", "");
-    gltf_accessor(text, -1, 5121, 4, "VEC3", ",'normalized':true");
-    gltf_accessor(text, -1, 5123, 6, "SCALAR", "");
-}
-
-#define DRACO                                                                                      \
-    "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1},'indices':2,"               \
-    "'extensions':{'KHR_draco_mesh_compression':{'bufferView':0,"                                  \
-    "'attributes':{'POSITION':0,'COLOR_0':1}}}}]}]," GLTF_ONE_NODE
 
 static void what_draco_packed_is_unpacked(void **state)
 {
@@ -478,7 +455,7 @@ static void what_points_beyond_is_refused_in_words(void **state)
     static const struct {
         const char *primitive, *words;
     } cases[] = {
-        {"'attributes':{'POSITION':0},'indices':1", "index 2 is 3, where there are 3 vertices"},
+        {"'attributes':{'POSITION':0},'indices':1", "vertices that are not finite or not there"},
         {"'attributes':{'POSITION':2}", "ends after 48 bytes, where there are 36"},
         {"'attributes':{'POSITION':3}", "bufferViews[7] is not there"},
         {"'attributes':{'POSITION':9}", "accessors[9] is not there"},
@@ -488,7 +465,6 @@ static void what_points_beyond_is_refused_in_words(void **state)
         {"'attributes':{'POSITION':5}", "5000000 elements without a bufferView"},
         {"'attributes':{'POSITION':6}", "70000 positions, 0 indices, some without a bufferView"},
         {"'attributes':{'POSITION':7}", "elements of 12 bytes, 4 bytes apart"},
-        {"'attributes':{'POSITION':0},'material':0", "material 0 is not there"},
         {"'attributes':{'POSITION':0},'mode':7", "no such mode"},
         {"'attributes':{}", "no triangles"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -497,6 +473,36 @@ static void what_points_beyond_is_refused_in_words(void **state)
                  cases[i].primitive);
         gltf_assert_refused(&text, rest, cases[i].words);
     }
+}
+
+/* One odd thing does not stop a file. */
+static void what_is_odd_is_left_out_or_cut_and_counted(void **state)
+{
+    (void)state;
+    static const float positions[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, NAN, 0, 0, 2, 0, 0},
+                       uvs[12] = {0, 0, NAN, 1, 1e9f, 0, -1e9f, 1, 0, 0, 0, 0},
+                       colours[18] = {1, 1, 1, 2, 0, 0, -1, 0, 0, 0, NAN, 0, 1, 1, 1, 1, 1, 1};
+    static const uint16_t indices[12] = {0, 1, 2, 1, 3, 2, 1, 9, 2, 0, 4, 2};
+    gltf_text text = {0};
+    gltf_put_floats(&text, positions, 6, "VEC3");
+    gltf_put_floats(&text, uvs, 6, "VEC2");
+    gltf_put_floats(&text, colours, 6, "VEC3");
+    gltf_accessor(&text, gltf_view(&text, indices, sizeof indices, ""), 5123, 12, "SCALAR", "");
+    lf_mesh_data data = gltf_read(
+        &text, "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':1,'COLOR_0':2},"
+               "'indices':3,'material':0},{'attributes':{'POSITION':0},'material':7}]}],"
+               "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}}],"
+               "'textures':[{'source':0}],'images':[{'uri':'" GLTF_PNG "'}]," GLTF_ONE_NODE);
+    assert_int_equal(data.n_triangles, 3); /* two of four, one of two */
+    assert_true(gltf_warns(&data, "1 triangle is left out: an index has no vertex"));
+    assert_true(gltf_warns(&data, "2 of 6 triangles are left out: a vertex is not finite"));
+    assert_true(gltf_warns(&data, "3 vertices have normals, texture coordinates or colours out of "
+                                  "range: cut"));
+    assert_true(gltf_warns(&data, "1 part names a material that is not there: grey"));
+    assert_int_equal(data.warnings.n, 4);
+    assert_true(data.uvs[2] == 0 && data.uvs[4] == LF_MAX_UV && data.uvs[6] == -LF_MAX_UV);
+    assert_true(data.colours[4] == 1 && data.colours[8] == 0 && data.colours[13] == 0);
+    lf_mesh_data_finish(&data);
 }
 
 static void nodes_that_are_no_tree_are_refused(void **state)
@@ -638,6 +644,7 @@ int main(void)
         cmocka_unit_test(a_clip_that_is_not_there_is_refused_with_those_that_are),
         cmocka_unit_test(vertices_follow_their_bones),
         cmocka_unit_test(what_points_beyond_is_refused_in_words),
+        cmocka_unit_test(what_is_odd_is_left_out_or_cut_and_counted),
         cmocka_unit_test(nodes_that_are_no_tree_are_refused),
         cmocka_unit_test(extensions_that_it_requires_must_be_known),
     };

@@ -233,7 +233,7 @@ static void strips_normals_and_materials_of_ply(void **state)
     lf_assert_close(data.normals[1], 0.6, 1e-6, 0);
     lf_assert_close(data.normals[2], 0.8, 1e-6, 0);
     lf_assert_close(data.materials[data.triangle_material[1]].albedo.y, 0.4, 1e-6, 0);
-    assert_non_null(strstr(lf_warnings_at(&data.warnings, 0), "colours a vertex"));
+    assert_non_null(strstr(lf_warnings_at(&data.warnings, 0), "has colours of vertices"));
     lf_mesh_data_finish(&data);
 }
 

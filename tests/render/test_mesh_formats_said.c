@@ -37,7 +37,7 @@ static const lf_format_row obj_rows[] = {
          LIB V VT "vn 0 0.6 0.8\n" FT),
     USED("f of negative numbers", V "f -4 -3 -2 -1\n", V "f -4 -3 -2\n"),
     TOLD("f of a vertex that is not there", V F "f 1 2 9\n",
-         "faces that name vertices that there are not (1) are left out"),
+         "1 face that names vertices that there are not is left out"),
     TOLD("f of a normal that is not there", V "f 1//1 2//1 3//1\n",
          "corners that name normals that there are not (3) have none"),
     TOLD("f of a texture coordinate that is not there", V "f 1/7 2/7 3/7\n",
@@ -302,7 +302,7 @@ static const lf_format_row ply_rows[] = {
     TOLD("an index that is no vertex's",
          PLY VERTEX "element face 2\nproperty list uchar int vertex_indices\n" END DATA QUAD
                     "3 0 1 77\n",
-         "faces that name vertices that there are not (1) are left out"),
+         "1 face that names vertices that there are not is left out"),
     TOLD("a vertex that is not finite",
          PLY "element vertex 5\n" XYZ "element face 2\nproperty list uchar int "
              "vertex_indices\n" END DATA "nan 0 0\n" QUAD "3 0 1 4\n",

@@ -137,6 +137,17 @@ static void a_wrong_animation_is_told_where_it_is_said(void **state)
                    "/meshes/m/animation/fast", "unknown key");
 }
 
+/* Of what a file leaves to choose, variants of materials are told as its animations are. */
+static void a_wrong_variant_is_told_where_it_is_said(void **state)
+{
+    write_files(*state);
+    assert_refused(*state, "\"file\": \"still.gltf\", \"variant\": \"night\"", "/meshes/m/variant",
+                   "no variant \"night\": this file has none");
+    assert_refused(*state, "\"file\": \"a.obj\", \"variant\": \"night\"", "/meshes/m/variant",
+                   "only a glTF file has variants");
+    assert_refused(*state, "\"file\": \"still.gltf\", \"variant\": 3", "/meshes/m/variant", "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -144,6 +155,7 @@ int main(void)
         lf_test_in_folder(what_stands_in_the_same_place_is_not_read_again),
         lf_test_in_folder(an_open_shutter_sees_it_move),
         lf_test_in_folder(a_wrong_animation_is_told_where_it_is_said),
+        lf_test_in_folder(a_wrong_variant_is_told_where_it_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

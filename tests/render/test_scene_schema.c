@@ -191,6 +191,8 @@ static const char *const good[] = {
     "\"walk\","
     "\"speed\": -0.5, \"offset\": 1.5, \"loop\": false}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.GLTF\", \"animation\": {\"clip\": 2}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"variant\": \"night\"}}}",
+    "{\"materials\": {\"m\": {\"type\": \"principled\", \"ior\": 1e6}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\"}}, \"camera\": {\"from\": {\"mesh\": \"m\", "
     "\"camera\": \"eye\", \"distance\": 2}, \"cone\": 30}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\"}}, \"camera\": {\"from\": {\"mesh\": \"m\", "
@@ -383,6 +385,9 @@ static const char *const wrong[] = {
     "{\"rate\": 0}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": \"\"}}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"animation\": {\"clip\": -1}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"variant\": \"\"}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"cube\", \"variant\": \"night\"}}}",
+    "{\"materials\": {\"m\": {\"type\": \"principled\", \"ior\": 1.1e6}}}",
     "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"lights\": -1}}}",
     "{\"camera\": {\"from\": {\"camera\": 3}}}",
     "{\"camera\": {\"from\": \"m\"}}",

@@ -248,6 +248,46 @@ static void white_layers_are_white_at_every_roughness_and_angle(void **state)
     print_message("worst furnace of layers: off by %.2g\n", worst);
 }
 
+/* Beyond the index of 3, where less and less goes to the base; from 100 on through one cosine,
+ * about 1 / index, alone, which polynomials blur (lf_loss_smooth). */
+static void white_layers_are_white_at_every_index(void **state)
+{
+    (void)state;
+    const float ior[] = {3.3f, 4.0f, 12.0f, 100.0f, 1000.0f, 1e6f};
+    double worst = 0.0;
+    for (int i = 0; i < N_ROUGHNESS * 6; i++) {
+        lf_material m = layered(0.0f, roughness[i % N_ROUGHNESS], ior[i / N_ROUGHNESS], 0.0f, 0.0f);
+        for (int j = 0; j < N_COSINES; j++) {
+            double got = integral(&m, (double)lf_material_alpha(&m), cosines[j], of_eval);
+            worst = fmax(worst, fabs(got - 1.0));
+            if (!(fabs(got - 1.0) < (m.ior < 100.0f ? 5e-3 : 1e-2)))
+                fail_msg("roughness %g, ior %g, cosine %g: %g", (double)m.roughness, (double)m.ior,
+                         cosines[j], got);
+        }
+    }
+    print_message("worst furnace of any index: off by %.2g\n", worst);
+}
+
+/* An index without end: nothing is left to a base, which is black here; that of glass gives back
+ * 0.04, seen straight on. */
+static void what_reflects_all_gives_back_all_at_every_roughness_and_angle(void **state)
+{
+    (void)state;
+    for (int i = 0; i < N_ROUGHNESS; i++) {
+        lf_material m = layered(0.0f, roughness[i], 1e6f, 0.0f, 0.0f);
+        m.albedo = lf_v3(0.0f, 0.0f, 0.0f);
+        lf_material_prepare(&m);
+        for (int j = 0; j < N_COSINES; j++) {
+            double got = integral(&m, (double)lf_material_alpha(&m), cosines[j], of_eval);
+            if (!(fabs(got - 1.0) < 5e-3))
+                fail_msg("roughness %g, cosine %g: %g", (double)m.roughness, cosines[j], got);
+        }
+        m.ior = 1.5f;
+        lf_material_prepare(&m);
+        assert_true(integral(&m, (double)lf_material_alpha(&m), 1.0, of_eval) < 0.041);
+    }
+}
+
 /* Estevez and Kulla's fibres, in double: at 1 and 0 of alpha, and linear in (1 - alpha)^2. */
 static double fibres_lambda(double x, double alpha)
 {
@@ -384,6 +424,8 @@ int main(void)
         cmocka_unit_test(rough_metals_keep_their_colour),
         cmocka_unit_test(what_is_not_reflected_at_once_is_known),
         cmocka_unit_test(white_layers_are_white_at_every_roughness_and_angle),
+        cmocka_unit_test(white_layers_are_white_at_every_index),
+        cmocka_unit_test(what_reflects_all_gives_back_all_at_every_roughness_and_angle),
         cmocka_unit_test(fibres_reflect_what_the_layers_below_lack),
         cmocka_unit_test(a_metal_is_a_corner_of_the_layers),
         cmocka_unit_test(glass_bends_light_by_snell_and_shares_it_by_fresnel),

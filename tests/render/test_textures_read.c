@@ -364,13 +364,13 @@ static void a_gltf_file_does_without_pictures_that_are_not_to_be_had(void **stat
     for (int i = 0; i < 2; i++) {
         char text[2048], words[64];
         snprintf(text, sizeof text, format, names[i]);
-        snprintf(words, sizeof words, "images[0]: \"%s\" is not to be had", names[i]);
+        snprintf(words, sizeof words, "picture \"%s\" is not to be had: ", names[i]);
         lf_test_write(*state, "x.gltf", text);
         lf_mesh_data data = import_named(*state, "x.gltf", LF_NORMALS_FILE);
         assert_int_equal(data.n_triangles, 1);
         assert_true(!data.textures && data.n_pictures == 0);
         assert_non_null(strstr(lf_warnings_at(&data.warnings, 0), words));
-        assert_non_null(strstr(lf_warnings_at(&data.warnings, 1), "material \"x\": textures"));
+        assert_int_equal(data.warnings.n, 1);
         lf_mesh_data_finish(&data);
     }
 }
@@ -446,7 +446,7 @@ static void points_of_two_colours_stay_two(void **state)
     /* where not all have one nobody has */
     lf_test_write(*state, "c.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n");
     data = import_named(*state, "c.obj", LF_NORMALS_FILE);
-    assert_told(&data, "colours a vertex, which are not used");
+    assert_told(&data, "colours of vertices are not used: not every vertex has one");
     assert_true(!data.colours && data.materials[0].albedo.x == 0.5f);
     lf_mesh_data_finish(&data);
 }
@@ -481,7 +481,7 @@ static void a_ply_names_its_texture_in_a_comment(void **state)
         lf_mesh_data_finish(&data);
     }
     lf_mesh_data data = ply_of(*state, TEXTURE, "", "", "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
-    assert_told(&data, "1 pictures are left out: the mesh has no texture coordinates");
+    assert_told(&data, "1 picture is left out: the mesh has no texture coordinates");
     lf_mesh_data_finish(&data);
     data =
         ply_of(*state, "comment TextureFile gone.png\n", cases[0].of_vertices, "", cases[0].body);
