@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/reader/gltf_animation.h"
 #include "render/reader/gltf_build.h"
 #include "render/reader/gltf_camera.h"
 #include "render/reader/gltf_material.h"
@@ -156,8 +157,13 @@ static lf_status complete(reading *r, lf_error *err)
 static lf_status read_opened(reading *r, lf_error *err)
 {
     const lf_mesh_desc *desc = r->build.desc;
-    lf_status status = lf_gltf_nodes_open(&r->gltf, &desc->clip, &desc->transform, &r->nodes,
-                                          &r->build.data->span, err);
+    lf_gltf_playing playing = {0};
+    lf_status status = lf_gltf_find_clip(&r->gltf, &desc->clip, &playing, err);
+    r->build.data->span = playing.span;
+    if (status == LF_OK)
+        status = lf_gltf_follow_pointers(&r->gltf, &playing, &r->build.data->warnings, err);
+    if (status == LF_OK)
+        status = lf_gltf_nodes_open(&r->gltf, &playing, &desc->transform, &r->nodes, err);
     if (status == LF_OK)
         status = open_meshes(r, err);
     r->build.gltf = &r->gltf;
