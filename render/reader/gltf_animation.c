@@ -69,6 +69,20 @@ static void list_clips(const json_t *animations, char *out, size_t size)
     }
 }
 
+void lf_gltf_warn_of_clips(const lf_gltf *gltf, const lf_clip *clip, lf_warnings *warnings)
+{
+    const json_t *animations = json_object_get(gltf->json, "animations");
+    char names[256], line[240];
+    if (json_array_size(animations) < 2 || clip->chosen)
+        return;
+    list_clips(animations, names, sizeof names);
+    lf_gltf_line(names, line, sizeof line);
+    lf_warnings_add(warnings, LF_HERE,
+                    "%zu animations: the first is shown (animation.clip of the mesh shows "
+                    "another): %s",
+                    json_array_size(animations), line);
+}
+
 static lf_status refuse_clip(const lf_clip *clip, const json_t *animations, lf_error *err)
 {
     char said[LF_MAX_CLIP + 3], names[1024];

@@ -17,6 +17,9 @@ typedef struct lf_gltf_playing {
 LF_NODISCARD lf_status lf_gltf_find_clip(lf_gltf *gltf, const lf_clip *clip, lf_gltf_playing *out,
                                          lf_error *err);
 
+/* Tells of a file's animations where there are several and clip chose none: the first is shown. */
+void lf_gltf_warn_of_clips(const lf_gltf *gltf, const lf_clip *clip, lf_warnings *warnings);
+
 /* Moves nodes as the channels that name a node have them; before the first moment of a channel, as
  * they are there. LF_E_FORMAT, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_gltf_animate(lf_gltf *gltf, const lf_gltf_playing *playing,

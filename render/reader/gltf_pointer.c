@@ -324,24 +324,12 @@ typedef struct following {
     char odd[MOST_NAME];                /* … and the first odd interpolation */
 } following;
 
-/* A text of a file within one line, whole characters of UTF-8. */
-static void copy_text(const char *text, char *out, size_t size)
-{
-    size_t n = strlen(text);
-    if (n >= size)
-        for (n = size - 1; n > 0 && ((unsigned char)text[n] & 0xc0) == 0x80; n--)
-            continue;
-    for (size_t i = 0; i < n; i++)
-        out[i] = (unsigned char)text[i] < ' ' || text[i] == 0x7f ? '?' : text[i];
-    out[n] = '\0';
-}
-
 static void leave_out(following *f, const char *name, const char *why)
 {
     if (f->n_left++ > 0)
         return;
-    copy_text(name, f->first, sizeof f->first);
-    copy_text(why, f->why, sizeof f->why);
+    lf_gltf_line(name, f->first, sizeof f->first);
+    lf_gltf_line(why, f->why, sizeof f->why);
 }
 
 /* Writes what one pointer's channel comes to. LF_E_NOMEM; others: it is left out. */
@@ -352,7 +340,7 @@ static lf_status follow(following *f, const json_t *channel, const char *pointer
     place p = {.gltf = f->gltf, .property = find_property(pointer)};
     char copy[MOST_POINTER];
     if (!p.property)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "no such property can be animated here");
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "quiltd does not read this property");
     if (p.property->kind == NO_MATTER)
         return LF_OK;
     memcpy(copy, pointer, strlen(pointer) + 1);
@@ -383,7 +371,7 @@ static const char *problem_of(const following *f, const json_t *target)
     while (known < 4 && strcmp(lf_gltf_text(target, "path"), paths[known]) != 0)
         known++;
     if (known == 4)
-        return "no such property can be animated here";
+        return "quiltd does not read this property";
     if (!node)
         return json_object_get(target, "node") ? "the file has no such node" : "it names no node";
     return known == 3 && !json_object_get(node, "mesh") ? "the node has no mesh" : NULL;
@@ -415,7 +403,7 @@ static void look_at_sampler(following *f, const json_t *channel)
         strcmp(said, "CUBICSPLINE") == 0)
         return;
     if (f->n_odd++ == 0)
-        copy_text(said, f->odd, sizeof f->odd);
+        lf_gltf_line(said, f->odd, sizeof f->odd);
 }
 
 static lf_status look_at(following *f, const json_t *channel, lf_error *err)

@@ -132,18 +132,9 @@ static lf_status open_materials(reading *r, lf_error *err)
 /* Of things beside triangles and their materials. */
 static void warn(const reading *r)
 {
-    const json_t *json = r->gltf.json;
-    const size_t n_clips = lf_gltf_count(json, "animations");
-    const struct {
-        size_t n;
-        const char *what;
-    } unused[] = {{n_clips > 1 && !r->build.desc->clip.chosen ? n_clips : 0,
-                   "animations: the first is shown (animation.clip of the mesh shows another)"},
-                  {(size_t)r->build.n_beside, "points and lines are left out"}};
-    for (size_t i = 0; i < sizeof unused / sizeof *unused; i++)
-        if (unused[i].n > 0)
-            lf_warnings_add(&r->build.data->warnings, LF_HERE, "%zu %s", unused[i].n,
-                            unused[i].what);
+    if (r->build.n_beside > 0)
+        lf_warnings_add(&r->build.data->warnings, LF_HERE, "%zu points and lines are left out",
+                        (size_t)r->build.n_beside);
 }
 
 static lf_status complete(reading *r, lf_error *err)
@@ -160,6 +151,7 @@ static lf_status read_opened(reading *r, lf_error *err)
     lf_gltf_playing playing = {0};
     lf_status status = lf_gltf_find_clip(&r->gltf, &desc->clip, &playing, err);
     r->build.data->span = playing.span;
+    lf_gltf_warn_of_clips(&r->gltf, &desc->clip, &r->build.data->warnings);
     if (status == LF_OK)
         status = lf_gltf_follow_pointers(&r->gltf, &playing, &r->build.data->warnings, err);
     if (status == LF_OK)
