@@ -58,7 +58,9 @@ static inline size_t lf_formats_find(const char *line, const lf_format_row *rows
 static inline void lf_formats_walk(const char *page, const char *heading, const lf_format_row *rows,
                                    size_t count)
 {
-    FILE *f = fopen(lf_test_source(lf_test_path("docs/formats", page)), "r");
+    char name[128];
+    snprintf(name, sizeof name, "docs/formats/%s", page);
+    FILE *f = fopen(lf_test_source(name), "r");
     if (!f)
         fail_msg("docs/formats/%s is not there", page);
     char line[4096];

@@ -51,6 +51,8 @@ static const property properties[] = {
     {"/nodes/{}/scale", NUMBERS, 3},
     {"/nodes/{}/weights", WEIGHTS, 1},
     {"/nodes/{}/weights/{}", WEIGHT, 1},
+    {"/nodes/{}/extensions/KHR_node_hoverability/hoverable", NO_MATTER, 1},
+    {"/nodes/{}/extensions/KHR_node_selectability/selectable", NO_MATTER, 1},
     {"/nodes/{}/extensions/KHR_node_visibility/visible", SWITCH, 1},
     {LIGHT "color", NUMBERS, 3},
     {LIGHT "intensity", NUMBERS, 1},
