@@ -1,121 +1,7 @@
 /* What animation pointers of glTF (KHR_animation_pointer) move is what a still file would say there
  * at that moment; what they cannot move is told. docs/formats/gltf-pointers.md, row by row. */
 #include "tests/formats.h"
-#include "tests/render/gltf_text.h"
-
-#include "render/load/file_lights.h"
-#include "render/scene/geometry.h"
-#include "tests/stat/fixture.h"
-
-/* --------------------------------------------------------------------------------- the documents
- * --
- */
-
-/* Three corners, one on each axis, and what two morph targets add: 1 along x, 1 along y. */
-static const float corners[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                   along_x[9] = {1, 0, 0, 1, 0, 0, 1, 0, 0},
-                   along_y[9] = {0, 1, 0, 0, 1, 0, 0, 1, 0};
-
-/* Everything that the object model names is there once, at its default or at a value that lets it
- * show. nodes[0] has a mesh, [1] a light, [2] and [3] cameras, [4] a mesh that stays. @: a texture
- * that is moved by nothing. */
-static const char document[] =
-    "'extensionsRequired':['KHR_animation_pointer','KHR_node_visibility'],"
-    "'scene':0,'scenes':[{'nodes':[0,1,2,3,4]}],'nodes':[{'mesh':0,'extensions':{"
-    "'KHR_node_visibility':{},'KHR_node_hoverability':{},'KHR_node_selectability':{},"
-    "'EXT_lights_ies':{'light':0}}},"
-    "{'extensions':{'KHR_lights_punctual':{'light':0}}},{'camera':0},{'camera':1},{'mesh':1}],"
-    "'cameras':[{'type':'perspective','perspective':{'yfov':1,'znear':0.1,'zfar':9}},"
-    "{'type':'orthographic','orthographic':{'xmag':1,'ymag':1,'znear':0,'zfar':9}}],"
-    "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0,"
-    "'targets':[{'POSITION':1},{'POSITION':2}]}]},{'primitives':[{'attributes':{'POSITION':0}}]}],"
-    "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'spot','intensity':10,'spot':{}}]},"
-    "'EXT_lights_image_based':{'lights':[{}]}},"
-    "'textures':[{'source':0}],'images':[{'uri':'" GLTF_PNG "'}],"
-    "'materials':[{'name':'m','alphaMode':'MASK','emissiveFactor':[0.5,0.5,0.5],"
-    "'emissiveTexture':@,'normalTexture':@,'occlusionTexture':@,"
-    "'pbrMetallicRoughness':{'baseColorTexture':@,'metallicRoughnessTexture':@},'extensions':{"
-    "'KHR_materials_anisotropy':{'anisotropyStrength':1,'anisotropyTexture':@},"
-    "'KHR_materials_clearcoat':{'clearcoatFactor':1,'clearcoatTexture':@,"
-    "'clearcoatRoughnessTexture':@,'clearcoatNormalTexture':@},"
-    "'KHR_materials_diffuse_transmission':{'diffuseTransmissionTexture':@,"
-    "'diffuseTransmissionColorTexture':@},'KHR_materials_dispersion':{},"
-    "'KHR_materials_emissive_strength':{},'KHR_materials_ior':{},"
-    "'KHR_materials_iridescence':{'iridescenceTexture':@,'iridescenceThicknessTexture':@},"
-    "'KHR_materials_sheen':{'sheenColorTexture':@,'sheenRoughnessTexture':@},"
-    "'KHR_materials_specular':{'specularTexture':@,'specularColorTexture':@},"
-    "'KHR_materials_transmission':{'transmissionTexture':@},"
-    "'KHR_materials_volume':{'thicknessFactor':1,'thicknessTexture':@,'attenuationDistance':1,"
-    "'attenuationColor':[0.5,0.5,0.5]}}}]";
-
-/* The document and an animation: more, members behind a comma each. */
-static void put_document(char *out, size_t size, const char *more)
-{
-    static const char texture[] = "{'index':0,'extensions':{'KHR_texture_transform':{}}}";
-    size_t n = 0;
-    for (const char *c = document; *c; c++) {
-        size_t length = *c == '@' ? sizeof texture - 1 : 1;
-        assert_true(n + length < size);
-        memcpy(out + n, *c == '@' ? texture : c, length);
-        n += length;
-    }
-    assert_true(n + strlen(more) < size);
-    strcpy(out + n, more);
-}
-
-static void put_corners(gltf_text *text)
-{
-    gltf_put_floats(text, corners, 3, "VEC3");
-    gltf_put_floats(text, along_x, 3, "VEC3");
-    gltf_put_floats(text, along_y, 3, "VEC3");
-}
-
-/* What a document comes to at so many seconds of its animation, whose keys lie in text. */
-static lf_mesh_data read_at(const gltf_text *text, const char *animation, double seconds)
-{
-    static char rest[1 << 22];
-    lf_mesh_desc desc = gltf_desc();
-    lf_mesh_data data = {0};
-    lf_error err = {0};
-    put_document(rest, sizeof rest, animation);
-    desc.clip = (lf_clip){.seconds = seconds, .once = true};
-    lf_assert_ok(gltf_read_as(text, rest, &desc, &data, &err), &err);
-    return data;
-}
-
-#define POINTER(pointer)                                                                           \
-    "{'sampler':0,'target':{'path':'pointer','extensions':{'KHR_animation_pointer':{'pointer':'"   \
-    "" pointer "'}}}}"
-
-/* One pointer; words: of its sampler, behind a comma. */
-static lf_mesh_data follow(const gltf_text *text, const char *pointer, const char *words,
-                           double seconds)
-{
-    char animation[1024];
-    snprintf(animation, sizeof animation,
-             ",'animations':[{'channels':[" POINTER("%s") "],'samplers':[{'input':3,'output':4%s}]}"
-                                                          "]",
-             pointer, words);
-    return read_at(text, animation, seconds);
-}
-
-/* A pattern's pointer: of the first thing of its kind that has it, of the second weight. */
-static void name_one(const char *pattern, char out[256])
-{
-    const char *first = strstr(pattern, "orthographic") ? "1" : "0";
-    size_t n = 0;
-    for (; *pattern; pattern++) {
-        assert_true(n + 2 < 256);
-        out[n++] = *pattern == '{' ? *first : *pattern;
-        if (*pattern == '{') {
-            pattern++;
-            first = "1";
-        }
-    }
-    out[n] = '\0';
-}
-
-static const float two_moments[2] = {0, 1};
+#include "tests/render/pointed.h"
 
 /* ------------------------------------------------------------------------------- the page's rows
  * --
@@ -280,11 +166,6 @@ static void look_inner(const lf_mesh_data *data, double out[4])
 static void look_outer(const lf_mesh_data *data, double out[4])
 {
     out[0] = data->lights.open[0].outer;
-}
-
-static const double *corner_of(const lf_mesh_data *data, int corner)
-{
-    return data->positions + 3 * (size_t)data->triangles[corner];
 }
 
 static void look_translation(const lf_mesh_data *data, double out[4])
@@ -508,8 +389,6 @@ static void pointers_move_what_the_page_says(void **state)
 /* ------------------------------------------------------------------------------- interpolation --
  */
 
-#define BASE "/materials/0/pbrMetallicRoughness/baseColorFactor"
-
 /* Keys at 1, 2 and 4 s of a colour: v; with tangents where they are cubic, which are a of each key
  * and b. */
 static void put_colours(gltf_text *text, bool cubic)
@@ -627,220 +506,6 @@ static void whole_numbers_are_converted_before_they_are_interpolated(void **stat
     }
 }
 
-/* -------------------------------------------------------------------------- what cannot be done --
- */
-
-/* Two keys of a number, a colour, and of numbers that are none. */
-static void put_hostile(gltf_text *text)
-{
-    static const float colours[8] = {1, 0, 0, 1, 0, 0, 1, 1}, odd[3] = {NAN, INFINITY, 0},
-                       ones[4] = {0, 1, 0, 1};
-    put_corners(text);                                   /* 0 to 2 */
-    gltf_put_floats(text, two_moments, 2, "SCALAR");     /* 3 */
-    gltf_put_floats(text, colours, 2, "VEC4");           /* 4 */
-    gltf_put_floats(text, ones, 2, "SCALAR");            /* 5 */
-    gltf_put_floats(text, odd, 3, "SCALAR");             /* 6 */
-    gltf_put_floats(text, ones, 4, "SCALAR");            /* 7 */
-    gltf_accessor(text, 0, 5126, 1000000, "SCALAR", ""); /* 8: ends behind its view */
-    gltf_accessor(text, 0, 7, 2, "SCALAR", "");          /* 9: of no type */
-}
-
-static lf_mesh_data read_channels(const gltf_text *text, const char *channels, const char *samplers)
-{
-    static char animation[1 << 21];
-    int n = snprintf(animation, sizeof animation,
-                     ",'animations':[{'channels':[%s],'samplers':[%s]}]", channels, samplers);
-    assert_true(n > 0 && (size_t)n < sizeof animation);
-    return read_at(text, animation, 0.25);
-}
-
-#define ROUGH "/materials/0/pbrMetallicRoughness/roughnessFactor"
-#define NUMBERS "{'input':3,'output':5}"
-
-static void what_a_pointer_cannot_move_is_told_and_stays(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *pointer, *sampler, *why;
-    } cases[] = {
-        {"/materials/1/pbrMetallicRoughness/roughnessFactor", NUMBERS, "nothing of that name"},
-        {"/materials/4294967296/alphaCutoff", NUMBERS, "nothing of that name"},
-        {"/materials/99999999999999999999999/alphaCutoff", NUMBERS, "nothing of that name"},
-        {"/materials/18446744073709551616/alphaCutoff", NUMBERS, "nothing of that name"},
-        {"/meshes/0/weights/99999999999999999999999", NUMBERS, "no such morph target"},
-        {"/meshes/0/weights/2", NUMBERS, "no such morph target"},
-        {"/meshes/1/weights/0", NUMBERS, "no such morph target"},
-        {"/meshes/0/weights", NUMBERS, "1 weights for 2 morph targets"},
-        {"/materials/-1/alphaCutoff", NUMBERS, "does not read"},
-        {"/materials/01/alphaCutoff", NUMBERS, "does not read"},
-        {"/materials/0", NUMBERS, "does not read"},
-        {"/materials/0/", NUMBERS, "does not read"},
-        {"/", NUMBERS, "does not read"},
-        {"//", NUMBERS, "does not read"},
-        {"/materials/0/~0~1", NUMBERS, "does not read"},
-        {BASE "/0", NUMBERS, "does not read"},
-        {BASE "/", NUMBERS, "does not read"},
-        {"materials/0/alphaCutoff", NUMBERS, "it has no pointer"},
-        {"/materials/0/emissiveTexture/extensions/KHR_texture_transform/texCoord", NUMBERS,
-         "does not read"},
-        {"/materials/0/extensions/KHR_texture_transform/scale", NUMBERS, "does not read"},
-        {BASE, NUMBERS, "values of 1 components; 4 are expected"},
-        {ROUGH, "{'input':3,'output':4}", "values of 4 components; 1 are expected"},
-        {ROUGH, "{'input':3,'output':6}", "3 values for 2 moments"},
-        {ROUGH, "{'input':3,'output':7}", "4 values for 2 moments"},
-        {ROUGH, "{'input':6,'output':5}", "2 values for 3 moments"},
-        {ROUGH, "{'input':6,'output':6}", "not finite"},
-        {ROUGH, "{'input':3,'output':99}", "accessors[99] is not there"},
-        {ROUGH, "{'input':4294967296,'output':5}", "is not there"},
-        {ROUGH, "{'input':3,'output':8}", "accessors[8] ends after"},
-        {ROUGH, "{'input':3,'output':9}", "no such type"},
-        {ROUGH, "{}", "is not there"},
-        {ROUGH, "7", "is not there"},
-        {ROUGH, "", "is not there"},
-        {"/nodes/0/extensions/KHR_node_visibility/visible", NUMBERS, "unsigned bytes"},
-        {"/nodes/1/extensions/KHR_node_visibility/visible", NUMBERS, "nothing of that name"},
-        {"/nodes/1/weights", NUMBERS, "1 weights for 0 morph targets"},
-        {"/cameras/1/perspective/yfov", NUMBERS, "nothing of that name"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char channel[512], words[512];
-        gltf_text text = {0};
-        put_hostile(&text);
-        snprintf(channel, sizeof channel, POINTER("%s"), cases[i].pointer);
-        lf_mesh_data data = read_channels(&text, channel, cases[i].sampler);
-        snprintf(words, sizeof words, "1 animation channel is left out, %s: ", cases[i].pointer);
-        if (!gltf_warns(&data, words) || !gltf_warns(&data, cases[i].why))
-            fail_msg("%s %s: not %s", cases[i].pointer, cases[i].sampler, cases[i].why);
-        assert_true(data.materials[0].roughness == 1 && data.materials[0].cutoff == 0.5f);
-        lf_assert_close(corner_of(&data, 2)[0], 0, 0, 0);
-        lf_mesh_data_finish(&data);
-    }
-}
-
-static void a_name_cannot_end_its_warning(void **state)
-{
-    (void)state;
-    char channel[2048], pointer[1024];
-    gltf_text text = {0};
-    put_hostile(&text);
-    memset(pointer, 'x', sizeof pointer);
-    memcpy(pointer, "/a\\nb\\u007f", 11);
-    memcpy(pointer + 1000, "", 1);
-    snprintf(channel, sizeof channel, POINTER("%s"), pointer);
-    lf_mesh_data data = read_channels(&text, channel, NUMBERS);
-    assert_true(gltf_warns(&data, "is left out, /a?b?xxx"));
-    lf_mesh_data_finish(&data);
-}
-
-/* Nowhere, or all to the same place; the last of the latter is not the one that counts. */
-static void many_channels_are_one_warning(void **state)
-{
-    (void)state;
-    enum { MANY = 10000 };
-    char *channels = calloc(MANY, 160);
-    assert_non_null(channels);
-    for (int kind = 0; kind < 2; kind++) {
-        gltf_text text = {0};
-        size_t n = 0;
-        put_hostile(&text);
-        for (int i = 0; i < MANY; i++)
-            n += (size_t)snprintf(channels + n, MANY * 160 - n,
-                                  "%s" POINTER("/materials/%d/alphaCutoff"), i ? "," : "",
-                                  kind ? 0 : i + 1);
-        lf_mesh_data data = read_channels(&text, channels, NUMBERS);
-        assert_true(gltf_warns(
-            &data, kind ? "9999 animation channels are left out, the first is "
-                          "/materials/0/alphaCutoff: another channel moves the same"
-                        : "10000 animation channels are left out, the first is "
-                          "/materials/1/alphaCutoff: the file has nothing of that name"));
-        lf_assert_close((double)data.materials[0].cutoff, kind ? 0.25 : 0.5, 0, 1e-6);
-        lf_mesh_data_finish(&data);
-    }
-    free(channels);
-}
-
-static void channels_that_name_nodes_are_told_where_they_move_nothing(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *target, *words;
-    } cases[] = {
-        {"'node':0,'path':'colour'", "left out, /nodes/0/colour: quiltd does not read"},
-        {"'node':9,'path':'rotation'", "left out, /nodes/9/rotation: the file has no such node"},
-        {"'node':-1,'path':'rotation'", "the file has no such node"},
-        {"'path':'rotation'", "left out, a channel of path \"rotation\": it names no node"},
-        {"'node':2,'path':'weights'", "left out, /nodes/2/weights: the node has no mesh"},
-        {"'path':'pointer'", "left out, a channel of path \"pointer\": it has no pointer"},
-        {"", "left out, a channel of path \"\": quiltd does not read"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char channel[256];
-        gltf_text text = {0};
-        put_hostile(&text);
-        snprintf(channel, sizeof channel, "{'sampler':0,'target':{%s}}", cases[i].target);
-        lf_mesh_data data = read_channels(&text, channel, NUMBERS);
-        if (!gltf_warns(&data, cases[i].words))
-            fail_msg("%s: nothing of \"%s\"", cases[i].target, cases[i].words);
-        lf_mesh_data_finish(&data);
-    }
-}
-
-static void interpolations_that_nobody_knows_are_told(void **state)
-{
-    (void)state;
-    gltf_text text = {0};
-    put_hostile(&text);
-    lf_mesh_data data = follow(&text, BASE, ",'interpolation':'BEZIER'", 0.25);
-    assert_true(gltf_warns(&data, "1 animation channels have interpolations that are not known "
-                                  "here, the first is \"BEZIER\": taken as LINEAR"));
-    lf_assert_close((double)data.materials[0].albedo.z, 0.25, 0, 1e-6);
-    lf_mesh_data_finish(&data);
-}
-
-static void other_animations_are_told_by_name(void **state)
-{
-    (void)state;
-    gltf_text text = {0};
-    put_hostile(&text);
-    lf_mesh_data data = read_at(&text, ",'animations':[{'name':'Walk'},{},{'name':'a\\nb'}]", 0);
-    assert_true(gltf_warns(&data, "3 animations: the first is shown (animation.clip of the mesh "
-                                  "shows another): \"Walk\", 1, \"a?b\""));
-    lf_mesh_data_finish(&data);
-}
-
-static void a_file_that_hides_all_of_its_meshes_is_refused(void **state)
-{
-    (void)state;
-    gltf_text text = {0};
-    put_corners(&text);
-    gltf_assert_refused(&text,
-                        "'scene':0,'scenes':[{'nodes':[0]}],'nodes':[{'children':[1],'extensions':{"
-                        "'KHR_node_visibility':{'visible':false}}},{'mesh':0,'extensions':{"
-                        "'KHR_node_visibility':{'visible':true}}}],"
-                        "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]",
-                        "every mesh is hidden by KHR_node_visibility");
-}
-
-/* What is hidden in a still file: a mesh and a light below a hidden node, no camera. */
-static void hidden_nodes_have_no_mesh_and_no_light(void **state)
-{
-    (void)state;
-    gltf_text text = {0};
-    put_corners(&text);
-    lf_mesh_data data = gltf_read(
-        &text,
-        "'extensionsRequired':['KHR_node_visibility'],'scene':0,'scenes':[{'nodes':[0,3]}],"
-        "'nodes':[{'children':[1,2],'extensions':{'KHR_node_visibility':{'visible':false}}},"
-        "{'mesh':0,'extensions':{'KHR_lights_punctual':{'light':0}}},{'camera':0},{'mesh':0}],"
-        "'cameras':[{'type':'perspective','perspective':{'yfov':1}}],"
-        "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point'}]}},"
-        "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]");
-    assert_int_equal(data.n_triangles, 1);
-    assert_int_equal(data.lights.n, 0);
-    assert_int_equal(data.cameras.n, 1);
-    lf_mesh_data_finish(&data);
-}
-
 /* --------------------------------------------------------------------------- with other channels
  * --
  */
@@ -885,6 +550,7 @@ static void a_joint_that_a_pointer_moves_takes_its_skin_along(void **state)
     desc.clip.seconds = 0.25;
     lf_assert_ok(
         gltf_read_as(&text,
+                     "'extensionsRequired':['KHR_animation_pointer'],"
                      "'scene':0,'scenes':[{'nodes':[0,1]}],'nodes':[{'mesh':0,'skin':0},"
                      "{'matrix':[1,0,0,0,0,1,0,0,0,0,1,0,7,7,7,1]}],'skins':[{'joints':[1]}],"
                      "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'JOINTS_0':6,"
@@ -897,135 +563,6 @@ static void a_joint_that_a_pointer_moves_takes_its_skin_along(void **state)
     lf_mesh_data_finish(&data);
 }
 
-/* ---------------------------------------------------------------------------------------- scenes
- * --
- */
-
-/* A red triangle that becomes blue within a second, a white one that goes 8 along x, a lamp from 1
- * to 3, all by pointers. Bytes: three corners, 0 and 1 s, red and blue, 0 and 8 along x, 1 and 3.
- */
-static void write_pointer(const char *folder)
-{
-    static const float values[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0,
-                                   1, 0, 0, 1, 1, 0, 2, 0, 8, 2, 0, 1, 3};
-    const char *rest =
-        "\"scenes\":[{\"nodes\":[0,1,2]}],\"scene\":0,\"nodes\":[{\"mesh\":0},{\"mesh\":1},{"
-        "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}],\"extensions\":{"
-        "\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"}]}},\"meshes\":[{\"primitives\":["
-        "{\"attributes\":{\"POSITION\":0},\"material\":0}]},{\"primitives\":[{\"attributes\":{"
-        "\"POSITION\":0}}]}],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0,0,"
-        "1]"
-        "}}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":108}],\"accessors\":["
-        "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
-        "{\"bufferView\":0,\"byteOffset\":36,\"componentType\":5126,\"count\":2,\"type\":"
-        "\"SCALAR\"},{\"bufferView\":0,\"byteOffset\":44,\"componentType\":5126,\"count\":2,"
-        "\"type\":\"VEC4\"},{\"bufferView\":0,\"byteOffset\":76,\"componentType\":5126,\"count\":2,"
-        "\"type\":\"VEC3\"},{\"bufferView\":0,\"byteOffset\":100,\"componentType\":5126,\"count\":"
-        "2,"
-        "\"type\":\"SCALAR\"}],\"animations\":[{\"samplers\":[{\"input\":1,\"output\":2},{"
-        "\"input\":1,\"output\":3},{\"input\":1,\"output\":4}],\"channels\":[";
-    static const char *const pointers[] = {BASE, "/nodes/1/translation",
-                                           "/extensions/KHR_lights_punctual/lights/0/intensity"};
-    FILE *f = fopen(lf_test_path(folder, "moving.gltf"), "wb");
-    assert_non_null(f);
-    fputs(
-        "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":108,\"uri\":\"data:;base64,",
-        f);
-    gltf_base64((const unsigned char *)values, sizeof values, f);
-    fprintf(f, "\"}],%s", rest);
-    for (int i = 0; i < 3; i++)
-        fprintf(f,
-                "%s{\"sampler\":%d,\"target\":{\"path\":\"pointer\",\"extensions\":{"
-                "\"KHR_animation_pointer\":{\"pointer\":\"%s\"}}}}",
-                i ? "," : "", i, pointers[i]);
-    fputs("]}]}", f);
-    fclose(f);
-}
-
-static lf_scene *load(const char *folder, const char *more, const char *words,
-                      const lf_scene *previous)
-{
-    char text[512];
-    snprintf(text, sizeof text, "{%s 'meshes': {'m': {'file': 'moving.gltf'%s}}}", more, words);
-    return lf_test_scene_in(folder, text, previous);
-}
-
-static void assert_colour(const lf_scene *scene, double red, double blue)
-{
-    lf_vec3 albedo = scene->geometry->materials[0].albedo;
-    lf_assert_close((double)albedo.x, red, 0, 1e-6);
-    lf_assert_close((double)albedo.y, 0, 0, 1e-6);
-    lf_assert_close((double)albedo.z, blue, 0, 1e-6);
-}
-
-static void each_frame_reads_the_file_as_it_is_then(void **state)
-{
-    static const struct {
-        const char *more, *words;
-        double blue;
-    } frames[] = {{"'frame': 1,", "", 0},
-                  {"'frame': 7,", "", 0.25},
-                  {"'frame': 24,", "", 23.0 / 24},
-                  {"'frame': 25,", "", 0}, /* it begins anew */
-                  {"'frame': 25,", ", 'animation': {'loop': false}", 1},
-                  {"'frame': 7,", ", 'animation': {'speed': 2}", 0.5}};
-    lf_scene *previous = NULL;
-    write_pointer(*state);
-    for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
-        lf_scene *scene = load(*state, frames[i].more, frames[i].words, previous);
-        assert_true(lf_scene_has_frames(scene));
-        assert_colour(scene, 1 - frames[i].blue, frames[i].blue);
-        lf_assert_close((double)scene->lights[0].intensity.x * LF_LUMENS_PER_WATT,
-                        1 + 2 * frames[i].blue, 1e-5, 0);
-        if (previous) {
-            assert_ptr_not_equal(scene->geometry, previous->geometry);
-            assert_false(json_equal(scene->subject, previous->subject));
-        }
-        if (scene->warnings.n)
-            fail_msg("%s", lf_warnings_at(&scene->warnings, 0));
-        lf_scene_unref(previous);
-        previous = scene;
-    }
-    lf_scene_unref(previous);
-}
-
-static void a_shutter_blurs_nodes_and_lights_and_tells_of_materials(void **state)
-{
-    write_pointer(*state);
-    lf_scene *scene = load(*state, "'frame': 7, 'camera': {'shutter': 6},", "", NULL);
-    assert_colour(scene, 0.75, 0.25);
-    assert_true(scene->looks.moving);
-    lf_assert_close(scene->geometry->bounds[1][0], 5, 0, 1e-5); /* from 2 to 4, and 1 wide */
-    assert_non_null(scene->lights[0].way);
-    lf_assert_close((double)scene->lights[0].intensity.x * LF_LUMENS_PER_WATT, 1.75, 1e-5, 0);
-    assert_int_equal(scene->warnings.n, 1);
-    assert_non_null(strstr(lf_warnings_at(&scene->warnings, 0),
-                           "mesh \"m\": its look changes while the shutter is open; it stays as it "
-                           "is when that opens"));
-    lf_scene_unref(scene);
-}
-
-/* The case of an outside report. */
-static void the_reported_file_becomes_blue(void **state)
-{
-    (void)state;
-    const char *folder = lf_test_shared("cases/gltf_animation_pointer");
-    if (!folder)
-        skip();
-    char kept[4096];
-    snprintf(kept, sizeof kept, "%s", folder);
-    for (int frame = 1; frame <= 25; frame += 12) {
-        char text[256];
-        snprintf(text, sizeof text,
-                 "{'frame': %d, 'meshes': {'m': {'file': 'pointer.gltf', 'animation': {'loop': "
-                 "false}}}}",
-                 frame);
-        lf_scene *scene = lf_test_scene_in(kept, text, NULL);
-        assert_colour(scene, 1 - (frame - 1) / 24.0, (frame - 1) / 24.0);
-        lf_scene_unref(scene);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1033,19 +570,8 @@ int main(void)
         cmocka_unit_test(a_colour_goes_from_key_to_key_as_its_sampler_says),
         cmocka_unit_test(turns_are_unit_quaternions),
         cmocka_unit_test(whole_numbers_are_converted_before_they_are_interpolated),
-        cmocka_unit_test(what_a_pointer_cannot_move_is_told_and_stays),
-        cmocka_unit_test(a_name_cannot_end_its_warning),
-        cmocka_unit_test(many_channels_are_one_warning),
-        cmocka_unit_test(channels_that_name_nodes_are_told_where_they_move_nothing),
-        cmocka_unit_test(interpolations_that_nobody_knows_are_told),
-        cmocka_unit_test(other_animations_are_told_by_name),
-        cmocka_unit_test(a_file_that_hides_all_of_its_meshes_is_refused),
-        cmocka_unit_test(hidden_nodes_have_no_mesh_and_no_light),
         cmocka_unit_test(pointers_go_with_channels_that_name_nodes),
         cmocka_unit_test(a_joint_that_a_pointer_moves_takes_its_skin_along),
-        lf_test_in_folder(each_frame_reads_the_file_as_it_is_then),
-        lf_test_in_folder(a_shutter_blurs_nodes_and_lights_and_tells_of_materials),
-        cmocka_unit_test(the_reported_file_becomes_blue),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
