@@ -264,19 +264,21 @@ static lf_status put_weights(const place *p, lf_error *err)
     return status;
 }
 
-/* The weights of a mesh, or of a node: those of its mesh where it says none; borrowed. NULL: no
- * memory. */
+/* The weights of a mesh, or of a node: those of its mesh where it says none; as many as there are
+ * morph targets at least. Borrowed; NULL: no memory. */
 static json_t *weights_of(const place *p)
 {
-    json_t *own = json_object_get(p->owner, "weights"), *mesh = mesh_of(p->gltf, p->owner),
-           *other = json_object_get(mesh, "weights"), *made;
-    if (json_is_array(own))
-        return own;
-    made = json_is_array(other) ? json_copy(other) : json_array();
-    while (made && json_array_size(made) < count_targets(mesh))
-        if (json_array_append_new(made, json_real(0)) != 0)
-            break;
-    return json_object_set_new(p->owner, "weights", made) == 0 ? made : NULL;
+    json_t *mesh = mesh_of(p->gltf, p->owner), *weights = json_object_get(p->owner, "weights"),
+           *other = json_object_get(mesh, "weights");
+    if (!json_is_array(weights)) {
+        weights = json_is_array(other) ? json_copy(other) : json_array();
+        if (json_object_set_new(p->owner, "weights", weights) != 0)
+            return NULL;
+    }
+    while (json_array_size(weights) < count_targets(mesh))
+        if (json_array_append_new(weights, json_real(0)) != 0)
+            return NULL;
+    return weights;
 }
 
 static lf_status put_weight(const place *p, lf_error *err)
