@@ -257,6 +257,63 @@ static bool same_triangles(const lf_mesh_data *a, const lf_mesh_data *b)
                0;
 }
 
+static bool same_vector(lf_vec3 a, lf_vec3 b)
+{
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+/* Of what files say. */
+static bool same_material(const lf_material *a, const lf_material *b)
+{
+    const float one[] = {a->roughness,       a->ior,          a->metallic,       a->alpha,
+                         a->cutoff,          a->specular,     a->coat,           a->coat_roughness,
+                         a->sheen_roughness, a->transmission, a->brush.strength, a->brush.turn[0],
+                         a->brush.turn[1]},
+                other[] = {
+                    b->roughness,       b->ior,          b->metallic,       b->alpha,
+                    b->cutoff,          b->specular,     b->coat,           b->coat_roughness,
+                    b->sheen_roughness, b->transmission, b->brush.strength, b->brush.turn[0],
+                    b->brush.turn[1]};
+    return memcmp(one, other, sizeof one) == 0 && a->is_solid == b->is_solid &&
+           same_vector(a->albedo, b->albedo) && same_vector(a->emission, b->emission) &&
+           same_vector(a->specular_tint, b->specular_tint) && same_vector(a->sheen, b->sheen) &&
+           same_vector(a->glass.absorption, b->glass.absorption);
+}
+
+static bool same_textures(const lf_texture_set *a, const lf_texture_set *b)
+{
+    for (int s = 0; s < LF_SLOTS; s++)
+        if (a->slot[s].picture != b->slot[s].picture || a->slot[s].scale != b->slot[s].scale ||
+            memcmp(a->slot[s].map, b->slot[s].map, sizeof a->slot[s].map) != 0)
+            return false;
+    return true;
+}
+
+static bool same_looks(const lf_mesh_data *a, const lf_mesh_data *b)
+{
+    bool same = a->n_materials == b->n_materials && !a->textures == !b->textures;
+    for (int i = 0; i < a->n_materials && same; i++)
+        same = same_material(&a->materials[i], &b->materials[i]) &&
+               (!a->textures || same_textures(&a->textures[i], &b->textures[i]));
+    return same;
+}
+
+/* What a file animates and no shutter blurs. */
+static void warn_of_looks(lf_mesh_data *data, const lf_mesh_data *at, const char *where)
+{
+    const struct {
+        bool same;
+        const char *what;
+    } looks[] = {{same_looks(data, at), "look"},
+                 {data->lights.n == at->lights.n, "number of lights"}};
+    for (size_t i = 0; i < sizeof looks / sizeof *looks; i++)
+        if (!looks[i].same)
+            lf_warnings_add(&data->warnings, where,
+                            "mesh \"%s\": its %s changes while the shutter is open; it stays as "
+                            "it is when that opens",
+                            data->name, looks[i].what);
+}
+
 /* at: the same mesh when the shutter closes. */
 static void take_close(lf_mesh_data *data, lf_mesh_data *at, const char *where)
 {
@@ -267,6 +324,7 @@ static void take_close(lf_mesh_data *data, lf_mesh_data *at, const char *where)
                         data->name);
         return;
     }
+    warn_of_looks(data, at, where);
     if (data->lights.n > 0 && data->lights.n == at->lights.n) {
         data->lights.close = at->lights.open;
         at->lights = (lf_punctuals){0};

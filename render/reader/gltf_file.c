@@ -116,6 +116,7 @@ static lf_status load_json(lf_gltf *gltf, lf_error *err)
 static const char *const known_extensions[] = {"EXT_mesh_gpu_instancing",
                                                "EXT_meshopt_compression",
                                                "EXT_texture_webp",
+                                               "KHR_animation_pointer",
                                                "KHR_draco_mesh_compression",
                                                "KHR_lights_punctual",
                                                "KHR_materials_anisotropy",

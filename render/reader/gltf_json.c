@@ -1,6 +1,7 @@
 #include "render/reader/gltf_json.h"
 
 #include <math.h>
+#include <string.h>
 
 uint64_t lf_gltf_whole(const json_t *object, const char *key, uint64_t unsaid)
 {
@@ -60,4 +61,15 @@ const json_t *lf_gltf_element(const json_t *document, const char *array, uint64_
 size_t lf_gltf_count(const json_t *document, const char *array)
 {
     return json_array_size(json_object_get(document, array));
+}
+
+void lf_gltf_line(const char *text, char *out, size_t size)
+{
+    size_t n = strlen(text);
+    if (n >= size)
+        for (n = size - 1; n > 0 && ((unsigned char)text[n] & 0xc0) == 0x80; n--)
+            continue;
+    for (size_t i = 0; i < n; i++)
+        out[i] = (unsigned char)text[i] < ' ' || text[i] == 0x7f ? '?' : text[i];
+    out[n] = '\0';
 }

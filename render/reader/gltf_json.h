@@ -21,6 +21,9 @@ float lf_gltf_number(const json_t *object, const char *key, float unsaid);
 bool lf_gltf_numbers(const json_t *object, const char *key, size_t n, double *out);
 /* Never NULL. */
 const char *lf_gltf_text(const json_t *object, const char *key);
+/* A text of the file within one line of a warning: as many whole characters as fit into size bytes,
+ * with ? for what would end the line. */
+void lf_gltf_line(const char *text, char *out, size_t size);
 /* The extension of a thing, which is an object; NULL: it has none. */
 const json_t *lf_gltf_extension(const json_t *object, const char *name);
 /* An element of an array of the document; NULL: there is none. */

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/reader/reader.h"
+#include "render/reader/gltf_animation.h"
 
 static void take_floats(const json_t *node, const char *key, size_t n, float *out)
 {
@@ -20,11 +21,11 @@ static lf_gltf_node node_of(const json_t *json)
                          .parent = LF_GLTF_NONE,
                          .mesh = lf_gltf_index(json, "mesh"),
                          .skin = lf_gltf_index(json, "skin")};
-    node.is_hidden =
-        json_is_false(json_object_get(lf_gltf_extension(json, "KHR_node_visibility"), "visible"));
     take_floats(json, "translation", 3, node.pose.translation);
     take_floats(json, "rotation", 4, node.pose.rotation);
     take_floats(json, "scale", 3, node.pose.scale);
+    node.is_hidden =
+        json_is_false(json_object_get(lf_gltf_extension(json, "KHR_node_visibility"), "visible"));
     node.has_matrix = lf_gltf_numbers(json, "matrix", 16, m);
     for (int i = 0; i < 12 && node.has_matrix; i++)
         node.matrix.m[i % 3][i / 3] = m[i / 3 * 4 + i % 3];
@@ -114,6 +115,25 @@ static lf_status sort(const lf_gltf *gltf, const lf_gltf_nodes *nodes, uint32_t 
                                         "nodes are children of each other, in a loop");
 }
 
+/* Takes the meshes of hidden nodes away. */
+static lf_status hide(lf_gltf_nodes *nodes, lf_error *err)
+{
+    size_t n_hidden = 0, n_left = 0;
+    for (size_t i = 0; i < nodes->n; i++) {
+        lf_gltf_node *node = &nodes->node[i];
+        if (!node->is_shown || node->mesh == LF_GLTF_NONE)
+            continue;
+        n_hidden += node->is_hidden;
+        n_left += !node->is_hidden;
+        if (node->is_hidden)
+            node->mesh = LF_GLTF_NONE;
+    }
+    return n_hidden == 0 || n_left > 0
+               ? LF_OK
+               : lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                              "every mesh is hidden by KHR_node_visibility; one must be visible");
+}
+
 static lf_status place(const lf_gltf *gltf, const lf_affine *world, lf_gltf_nodes *nodes,
                        lf_error *err)
 {
@@ -126,15 +146,15 @@ static lf_status place(const lf_gltf *gltf, const lf_affine *world, lf_gltf_node
             node->parent == LF_GLTF_NONE ? NULL : &nodes->node[node->parent];
         lf_affine own = node->has_matrix ? node->matrix : lf_gltf_transform(&node->pose);
         node->to_world = lf_affine_compose(parent ? &parent->to_world : world, &own);
+        node->is_shown = node->is_shown || (parent && parent->is_shown);
         node->is_hidden = node->is_hidden || (parent && parent->is_hidden);
-        node->is_shown = (node->is_shown || (parent && parent->is_shown)) && !node->is_hidden;
     }
     free(order);
-    return status;
+    return status == LF_OK ? hide(nodes, err) : status;
 }
 
-lf_status lf_gltf_nodes_open(lf_gltf *gltf, const lf_clip *clip, const lf_affine *world,
-                             lf_gltf_nodes *out, double *out_span, lf_error *err)
+lf_status lf_gltf_nodes_open(lf_gltf *gltf, const lf_gltf_playing *playing, const lf_affine *world,
+                             lf_gltf_nodes *out, lf_error *err)
 {
     lf_status status = LF_OK;
     out->n = lf_gltf_count(gltf->json, "nodes");
@@ -149,7 +169,7 @@ lf_status lf_gltf_nodes_open(lf_gltf *gltf, const lf_clip *clip, const lf_affine
     if (status == LF_OK)
         status = show_scene(gltf, out, err);
     if (status == LF_OK)
-        status = lf_gltf_animate(gltf, clip, out, out_span, err);
+        status = lf_gltf_animate(gltf, playing, out, err);
     return status == LF_OK ? place(gltf, world, out, err) : status;
 }
 

@@ -20,7 +20,8 @@ lf_affine lf_gltf_transform(const lf_gltf_pose *pose);
 
 typedef struct lf_gltf_node {
     bool is_shown, has_matrix;
-    bool is_hidden; /* KHR_node_visibility: with all below */
+    bool is_hidden; /* by KHR_node_visibility, its own or that of a node above: it has no mesh then,
+                       and its light is out */
     lf_gltf_pose pose;
     lf_affine matrix; /* in place of it */
     lf_affine to_world;
@@ -35,18 +36,15 @@ typedef struct lf_gltf_nodes {
     lf_gltf_node *node;
 } lf_gltf_nodes;
 
-/* world: where the file's own stands; clip: where what moves does. *out_span: seconds that it
- * takes, 0 where nothing moves. LF_E_ARG: no such clip; LF_E_FORMAT: a loop, a child of two
- * parents, a number that is not there; LF_E_NOMEM. Release with lf_gltf_nodes_close in any case. */
-LF_NODISCARD lf_status lf_gltf_nodes_open(lf_gltf *gltf, const lf_clip *clip,
+struct lf_gltf_playing; /* gltf_animation.h */
+
+/* world: where the file's own stands; playing: where what moves does. LF_E_FORMAT: a loop, a child
+ * of two parents, a number that is not there, nothing but hidden meshes; LF_E_NOMEM. Release with
+ * lf_gltf_nodes_close in any case. */
+LF_NODISCARD lf_status lf_gltf_nodes_open(lf_gltf *gltf, const struct lf_gltf_playing *playing,
                                           const lf_affine *world, lf_gltf_nodes *out,
-                                          double *out_span, lf_error *err);
+                                          lf_error *err);
 /* Accepts a zeroed one. */
 void lf_gltf_nodes_close(lf_gltf_nodes *nodes);
-
-/* Moves nodes as an animation has them at the moment of clip; before the first moment of a channel,
- * as they are there. A file without animations has nothing to move, unless the clip was chosen. */
-LF_NODISCARD lf_status lf_gltf_animate(lf_gltf *gltf, const lf_clip *clip, lf_gltf_nodes *nodes,
-                                       double *out_span, lf_error *err);
 
 #endif

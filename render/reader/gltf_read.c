@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/reader/gltf_animation.h"
 #include "render/reader/gltf_build.h"
 #include "render/reader/gltf_camera.h"
 #include "render/reader/gltf_extensions.h"
@@ -214,8 +215,14 @@ static lf_status complete(reading *r, lf_error *err)
 static lf_status read_opened(reading *r, lf_error *err)
 {
     const lf_mesh_desc *desc = r->build.desc;
-    lf_status status = lf_gltf_nodes_open(&r->gltf, &desc->clip, &desc->transform, &r->nodes,
-                                          &r->build.data->span, err);
+    lf_gltf_playing playing = {0};
+    lf_status status = lf_gltf_find_clip(&r->gltf, &desc->clip, &playing, err);
+    r->build.data->span = playing.span;
+    lf_gltf_warn_of_clips(&r->gltf, &desc->clip, &r->build.data->warnings);
+    if (status == LF_OK)
+        status = lf_gltf_follow_pointers(&r->gltf, &playing, &r->build.data->warnings, err);
+    if (status == LF_OK)
+        status = lf_gltf_nodes_open(&r->gltf, &playing, &desc->transform, &r->nodes, err);
     if (status == LF_OK)
         status = lf_gltf_find_variant(&r->gltf, desc->variant, &r->variant, err);
     if (status == LF_OK)

@@ -1,6 +1,6 @@
-/* glTF as quiltimport reads it: a byte that chooses, JSON up to a zero, and the bytes of its
- * buffer, which are every file beside it, too. Refused in words, or a mesh whose every number is
- * one that whoever takes it over accepts. */
+/* glTF as quiltimport reads it: a byte that chooses (also the moment of an animation), JSON up to a
+ * zero, and the bytes of its buffer, which are every file beside it, too. Refused in words, or a
+ * mesh whose every number is one that whoever takes it over accepts. */
 #include "tests/fuzz/fuzz.h"
 
 #include <math.h>
@@ -147,6 +147,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     n_buffer = end ? size - 2 - n_json : 0;
     desc.normals = (lf_normals)(data[0] % 3);
     desc.material = data[0] / 3 % 8 == 7 ? 0 : -1;
+    desc.clip.seconds = 0.3 * (data[0] / 24);
     int fd = make_glb(json, n_json);
     if (lf_gltf_read(&desc, fd, &mesh, &err) == LF_OK) {
         check_triangles(&mesh);
