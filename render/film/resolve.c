@@ -10,6 +10,19 @@
 #include "render/film/median.h"
 
 enum { TILE_COLUMNS = 16, TILE_VIEWS = 4, BESIDE = 2, AROUND = TILE_COLUMNS + 2 * BESIDE };
+/* Of the neighbourhood in which a half is asked whether it has met what the other has: views and
+ * columns to either side. */
+enum {
+    NEAR_VIEWS = 2,
+    NEAR_COLUMNS = 1,
+    NEAR_ACROSS = TILE_COLUMNS + 2 * NEAR_COLUMNS,
+    NEAR_PLACES = (TILE_VIEWS + 2 * NEAR_VIEWS) * NEAR_ACROSS
+};
+
+/* What I of the error's denominator is made of: the row's medians alone (maps of counts, which must
+ * not hear of other rows, and films made by them, stay what they were); what the halves agree on in
+ * the row; or in the rows beside it, too, which nobody may be visiting. */
+typedef enum lf_scale_of { SCALE_MEDIAN, SCALE_ROW, SCALE_ROWS } lf_scale_of;
 
 #define LF_ERROR_EPSILON 1e-2
 /* Of the squared difference of known light between the halves to its square: what changes the error
@@ -35,6 +48,7 @@ typedef struct lf_tile {
     float share[2];             /* of all samples */
     float share_known[2];       /* of those whose q and B count */
     int n_halves;
+    int row;
     int view0, view1, column0, column1;
     int count;
     double ratio[3][3]; /* N/W of the tile: of the halves, and of both; where weights may cancel */
@@ -246,6 +260,9 @@ typedef struct lf_tile_answers {
     lf_beta beta[2];
     float pixel[TILE_VIEWS * TILE_COLUMNS][3];
     float radiance[3][TILE_VIEWS * AROUND]; /* of the tile and BESIDE columns around it */
+    lf_scale_of scale;
+    bool has_near;
+    double near[2][3][NEAR_PLACES]; /* sums over rows of the fourth power of R, of the halves */
 } lf_tile_answers;
 
 static void answer_half(const lf_tile *t, const lf_tile_answers *a, int i, int h, double out[3])
@@ -282,30 +299,47 @@ static float lower_median(const float x[5])
     return n > 0 ? sorted[(n - 1) / 2] : -1.0f;
 }
 
-/* What scatters in the pixels of a tile, and of two columns to either side of it, sends R = N/W;
- * -1: nothing was found, or beyond the picture. */
+/* R of a pixel's halves and of both together; -1: nothing was found, or beyond the picture. */
+static void read_ratios(const lf_tile *t, const lf_tile_answers *a, const lf_film_half half[2],
+                        int view, int column, float out[3][3])
+{
+    size_t pixel = (size_t)view * (size_t)t->film->width + (size_t)(ptrdiff_t)column;
+    lf_sums s[3] = {{.w = 0.0f}, {.w = 0.0f}, {.w = 0.0f}};
+    for (int h = 0; h < 2 && column >= 0 && column < t->film->width; h++)
+        if (t->n[h] > 0.0f)
+            read_half(&half[h], pixel, 1.0f, &s[h]);
+    s[POOLED].w = s[0].w + s[1].w;
+    s[POOLED].w2 = s[0].w2 + s[1].w2;
+    for (int c = 0; c < 3; c++)
+        s[POOLED].scattered[c] = s[0].scattered[c] + s[1].scattered[c];
+    for (int k = 0; k <= POOLED; k++) {
+        float w = weight_of(&s[k], a->second), inverse = w > 0.0f ? 1.0f / w : 0.0f;
+        for (int c = 0; c < 3; c++)
+            out[k][c] = w > 0.0f ? s[k].scattered[c] * inverse : -1.0f;
+    }
+}
+
+/* R of both halves in a tile, and in two columns to either side of it. */
 static void read_radiance(const lf_tile *t, lf_tile_answers *a)
 {
+    const lf_film_half half[2] = {t->half[0], t->half[1]};
     for (int view = t->view0; view < t->view1; view++) {
         for (int column = t->column0 - BESIDE; column < t->column1 + BESIDE; column++) {
             int at = (view - t->view0) * AROUND + column - t->column0 + BESIDE;
-            size_t pixel = (size_t)view * (size_t)t->film->width + (size_t)(ptrdiff_t)column;
-            lf_sums half[2] = {{.w = 0.0f}, {.w = 0.0f}};
-            for (int h = 0; h < 2 && column >= 0 && column < t->film->width; h++)
-                if (t->n[h] > 0.0f)
-                    read_half(&t->half[h], pixel, 1.0f, &half[h]);
-            const lf_sums sum = {.w = half[0].w + half[1].w, .w2 = half[0].w2 + half[1].w2};
-            float w = weight_of(&sum, a->second), inverse = w > 0.0f ? 1.0f / w : 0.0f;
+            float r[3][3];
+            read_ratios(t, a, half, view, column, r);
             for (int c = 0; c < 3; c++)
-                a->radiance[c][at] =
-                    w > 0.0f ? (half[0].scattered[c] + half[1].scattered[c]) * inverse : -1.0f;
+                a->radiance[c][at] = r[POOLED][c];
         }
     }
 }
 
-static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_tile_answers *a)
+static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_scale_of scale,
+                        lf_tile_answers *a)
 {
     a->estimator = estimator;
+    a->scale = scale;
+    a->has_near = false;
     a->second = second_is_better(t);
     memset(a->beta, 0, sizeof a->beta);
     if (estimator == LF_ESTIMATOR_CV && t->n_halves == 2) {
@@ -325,20 +359,102 @@ static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_tile_answer
         read_radiance(t, a);
 }
 
+/* Adds what the halves have found in one view of one row that is far above the median of five. */
+static void add_near(const lf_tile *t, const lf_film_half half[2], int view, double *near,
+                     lf_tile_answers *a)
+{
+    enum { READ = NEAR_ACROSS + 2 * BESIDE };
+    float all[3][READ], said[2][3][READ];
+    for (int k = 0; k < READ; k++) {
+        float r[3][3];
+        read_ratios(t, a, half, view, t->column0 - NEAR_COLUMNS - BESIDE + k, r);
+        for (int c = 0; c < 3; c++) {
+            all[c][k] = r[POOLED][c];
+            said[0][c][k] = r[0][c];
+            said[1][c][k] = r[1][c];
+        }
+    }
+    for (int i = 0; i < 6 * NEAR_ACROSS; i++) {
+        int h = i / (3 * NEAR_ACROSS), c = i / NEAR_ACROSS % 3, k = i % NEAR_ACROSS;
+        float median = lf_most(0.0f, lower_median(&all[c][k]));
+        double r = (double)said[h][c][k + BESIDE];
+        if (r > 4.0 * (double)median)
+            near[(h * 3 + c) * NEAR_PLACES + k] += r * r * r * r;
+    }
+}
+
+/* What each half has found near the tile's pixels that stands out, in this row or the rows beside
+ * it as well. What is bright all over, a lit ground beside a shadow, says nothing of a pixel. */
+static void read_near(const lf_tile *t, lf_tile_answers *a)
+{
+    int rows = a->scale == SCALE_ROWS ? 1 : 0;
+    memset(a->near, 0, sizeof a->near);
+    a->has_near = true;
+    for (int row = t->row - rows; row <= t->row + rows; row++) {
+        if (row < 0 || row >= t->film->height)
+            continue;
+        const lf_film_half half[2] = {lf_film_at(t->film, row, 0), lf_film_at(t->film, row, 1)};
+        for (int k = 0; k < TILE_VIEWS + 2 * NEAR_VIEWS; k++) {
+            int view = t->view0 - NEAR_VIEWS + k;
+            if (view >= 0 && view < t->film->n_views)
+                add_near(t, half, view, &a->near[0][0][k * NEAR_ACROSS], a);
+        }
+    }
+}
+
+/* How many of `around` places to either side there are from 0 to n - 1. */
+static int places(int at, int around, int n)
+{
+    int first = at > around ? at - around : 0, last = at + around < n ? at + around : n - 1;
+    return last - first + 1;
+}
+
+/* How bright half h has found what is near a pixel: the root of the mean fourth power, which is
+ * most of the brightest in a highlight, and a part of it where one path alone was bright. */
+static float brightness_near(const lf_tile *t, const lf_tile_answers *a, int i, int h, int c)
+{
+    int columns = t->column1 - t->column0, rows = a->scale == SCALE_ROWS ? 1 : 0;
+    int n = places(t->row, rows, t->film->height) *
+            places(t->view0 + i / columns, NEAR_VIEWS, t->film->n_views) *
+            places(t->column0 + i % columns, NEAR_COLUMNS, t->film->width);
+    double sum = 0.0;
+    for (int v = 0; v <= 2 * NEAR_VIEWS; v++)
+        for (int k = 0; k <= 2 * NEAR_COLUMNS; k++)
+            sum += a->near[h][c][(i / columns + v) * NEAR_ACROSS + i % columns + k];
+    return (float)sqrt(sqrt(sum / n));
+}
+
+/* R of a pixel of which the halves do not agree (u and v are what they say): each is believed as
+ * far as the other has found the like near the pixel, and no less than the median. What one half
+ * alone has met is most often too bright for the pixel, so that R lies between the two. */
+static float confirmed(const lf_tile *t, lf_tile_answers *a, int i, int c, const float said[2],
+                       float median)
+{
+    float x[2];
+    if (a->scale == SCALE_MEDIAN || !(lf_most(said[0], said[1]) > median))
+        return median;
+    if (!a->has_near)
+        read_near(t, a);
+    for (int h = 0; h < 2; h++)
+        x[h] = lf_most(median, lf_least(said[h], brightness_near(t, a, i, 1 - h, c)));
+    float high = lf_most(x[0], x[1]);
+    return high > 0.0f ? cbrtf(lf_least(x[0], x[1]) / high) * high : 0.0f;
+}
+
 /* R of a pixel, as the error's denominator takes it: the median of five, brought between what the
  * two halves say of the pixel itself where they agree at all. A rare bright path must not hide its
- * own error by standing there, but only one half has met it. */
-static float steady_radiance(const lf_tile *t, const lf_tile_answers *a, int i, int c)
+ * own error by standing there, but only one half has met it. *out_doubt: they do not agree. */
+static float steady_radiance(const lf_tile *t, lf_tile_answers *a, int i, int c, bool *out_doubt)
 {
     int columns = t->column1 - t->column0;
     const lf_sums *x = &t->pixel[i].half[0], *y = &t->pixel[i].half[1];
     float median = lf_most(0.0f, lower_median(&a->radiance[c][i / columns * AROUND + i % columns]));
     float w[2] = {weight_of(x, a->second), weight_of(y, a->second)};
-    if (!(w[0] > 0.0f && w[1] > 0.0f))
-        return median;
-    float u = x->scattered[c] / w[0], v = y->scattered[c] / w[1], low = lf_least(u, v),
-          high = lf_most(u, v);
-    return high > 4.0f * low ? median : lf_most(low, lf_least(high, median));
+    const float said[2] = {w[0] > 0.0f ? x->scattered[c] / w[0] : 0.0f,
+                           w[1] > 0.0f ? y->scattered[c] / w[1] : 0.0f};
+    float low = lf_least(said[0], said[1]), high = lf_most(said[0], said[1]);
+    *out_doubt = !(w[0] > 0.0f && w[1] > 0.0f) || high > 4.0f * low;
+    return *out_doubt ? confirmed(t, a, i, c, said, median) : lf_most(low, lf_least(high, median));
 }
 
 /* The darkest known light of a pixel and two to either side. */
@@ -372,10 +488,10 @@ static float believed(const lf_tile *t, int i, int c)
 
 /* I^2 + epsilon of a channel, over what its inverse is expected to be more than that
  * (docs/estimators.md, "The error and its bound"). */
-static double scale_of(const lf_tile *t, const lf_tile_answers *a, int i, int c)
+static double scale_of(const lf_tile *t, lf_tile_answers *a, int i, int c, bool *out_doubt)
 {
     const lf_tile_pixel *p = &t->pixel[i];
-    float scattered = p->pooled.q * steady_radiance(t, a, i, c),
+    float scattered = p->pooled.q * steady_radiance(t, a, i, c, out_doubt),
           difference = p->half[0].known[c] - p->half[1].known[c];
     float known = t->film->layout.has_native ? believed(t, i, c) : p->pooled.known[c];
     double x = (double)known + (double)scattered, scale = x * x + LF_ERROR_EPSILON;
@@ -388,25 +504,27 @@ static double scale_of(const lf_tile *t, const lf_tile_answers *a, int i, int c)
 }
 
 /* How far the halves are apart, so scaled that its square is what their mean errs by: sqrt(s_A s_B
- * / (I^2 + epsilon)) (x_A - x_B); out_known the same of their known light. */
-static void difference(const lf_tile *t, const lf_tile_answers *a, int i, float out[3],
-                       float out_known[3])
+ * / (I^2 + epsilon)) (x_A - x_B); out_known the same of their known light; out_doubt whether I was
+ * guessed. */
+static void difference(const lf_tile *t, lf_tile_answers *a, int i, float out[3],
+                       float out_known[3], bool out_doubt[3])
 {
     double x[2][3], share = (double)t->share[0] * (double)t->share[1];
     const lf_tile_pixel *p = &t->pixel[i];
     answer_half(t, a, i, 0, x[0]);
     answer_half(t, a, i, 1, x[1]);
     for (int c = 0; c < 3; c++) {
-        double factor = sqrt(share / scale_of(t, a, i, c));
+        double factor = sqrt(share / scale_of(t, a, i, c, &out_doubt[c]));
         out[c] = (float)((x[0][c] - x[1][c]) * factor);
         out_known[c] = (float)((double)(p->half[0].known[c] - p->half[1].known[c]) * factor);
     }
 }
 
-static double relative_error(const lf_tile *t, const lf_tile_answers *a, int i)
+static double relative_error(const lf_tile *t, lf_tile_answers *a, int i)
 {
     float d[3], known[3];
-    difference(t, a, i, d, known);
+    bool doubt[3];
+    difference(t, a, i, d, known, doubt);
     return (double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / 3.0;
 }
 
@@ -415,9 +533,9 @@ static double relative_error(const lf_tile *t, const lf_tile_answers *a, int i)
 static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t *flags,
                          lf_film_row *state)
 {
-    lf_tile_answers a = {0};
+    lf_tile_answers a;
     read_tile(t);
-    answer_tile(t, estimator, &a);
+    answer_tile(t, estimator, SCALE_ROW, &a);
     for (int i = 0; i < t->count; i++) {
         size_t pixel = pixel_index(t, i);
         memcpy(out + 3 * pixel, a.pixel[i], sizeof a.pixel[i]);
@@ -435,7 +553,7 @@ static bool open_row(lf_tile *t, const lf_film *film, int row)
 {
     const lf_film_row *state = &film->rows[row];
     double n = state->n[0] + state->n[1], known[2];
-    *t = (lf_tile){.film = film, .known = lf_film_known_at(film, row)};
+    *t = (lf_tile){.film = film, .known = lf_film_known_at(film, row), .row = row};
     if (!(n > 0.0))
         return false;
     lf_film_row_known(state, known);
@@ -518,9 +636,9 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
     if (!open_row(&t, film, row))
         return;
     for (int k = 0; at_tile(&t, k); k++) {
-        lf_tile_answers a = {0};
+        lf_tile_answers a;
         read_tile(&t);
-        answer_tile(&t, LF_ESTIMATOR_MWIS, &a);
+        answer_tile(&t, LF_ESTIMATOR_MWIS, SCALE_MEDIAN, &a);
         for (int i = 0; i < t.count; i++) {
             out_error[pixel_index(&t, i)] = (float)relative_error(&t, &a, i);
             out_q[pixel_index(&t, i)] = t.pixel[i].pooled.q;
@@ -529,24 +647,28 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
 }
 
 bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out,
-                             double *out_known)
+                             lf_row_error *out_row)
 {
     lf_tile t;
-    double sum = 0.0;
+    double sum = 0.0, doubtful = 0.0, n = 3.0 * film->n_views * film->width;
     if (!open_row(&t, film, row) || t.n_halves < 2)
         return false;
     for (int k = 0; at_tile(&t, k); k++) {
-        lf_tile_answers a = {0};
+        lf_tile_answers a;
         read_tile(&t);
-        answer_tile(&t, estimator, &a);
+        answer_tile(&t, estimator, SCALE_ROWS, &a);
         for (int i = 0; i < t.count; i++) {
             float known[3], *d = out + 3 * pixel_index(&t, i);
-            difference(&t, &a, i, d, known);
-            for (int c = 0; c < 3; c++)
+            bool doubt[3];
+            difference(&t, &a, i, d, known, doubt);
+            for (int c = 0; c < 3; c++) {
                 sum += (double)lf_least(d[c] * d[c], known[c] * known[c]);
+                doubtful += doubt[c] ? (double)(d[c] * d[c]) : 0.0;
+            }
         }
     }
-    *out_known = sum / (3.0 * film->n_views * film->width);
+    out_row->known = sum / n;
+    out_row->doubtful = doubtful / n;
     return true;
 }
 
@@ -558,9 +680,9 @@ void lf_film_row_variances(const lf_film *film, lf_estimator estimator, int row,
         return;
     double share = (double)t.share[0] * (double)t.share[1], x[2][3];
     for (int k = 0; at_tile(&t, k); k++) {
-        lf_tile_answers a = {0};
+        lf_tile_answers a;
         read_tile(&t);
-        answer_tile(&t, estimator, &a);
+        answer_tile(&t, estimator, SCALE_MEDIAN, &a);
         for (int i = 0; i < t.count; i++) {
             answer_half(&t, &a, i, 0, x[0]);
             answer_half(&t, &a, i, 1, x[1]);
