@@ -184,29 +184,80 @@ static bool second_is_better(const lf_tile *t)
     return error[1] < error[0];
 }
 
-/* Regression coefficients of one half over one tile: N - n q R on R (W - n q) and R (W' - n q), R
- * the tile's N/W. */
+/* What N/W is bounded by where it is told of many pixels: times its own mean. */
+#define RATIO_BOUND 2.0
+
+/* Coefficients of one half over one tile: of N - n q R on R (W - n q) and R (W' - n q). */
 typedef struct lf_beta {
-    double ratio[3]; /* R */
+    double ratio[TILE_VIEWS * TILE_COLUMNS][3]; /* R */
     double lambda[2];
 } lf_beta;
 
+/* N of a half as far as it is below the bound; what cancels is left alone. */
+static double below_bound(const lf_sums *s, int c, double ratio)
+{
+    double n = (double)s->scattered[c];
+    return s->w > 0.0f ? fmin(n, RATIO_BOUND * ratio * (double)s->w) : n;
+}
+
+/* N/W of the columns first to last of a tile, N of each pixel below the bound that the same of the
+ * round before makes; so a highlight of a few pixels stays out. In: where to begin, INFINITY with
+ * the plain ratio. */
+static void bounded_ratio(const lf_tile *t, int h, int first, int last, int rounds, double ratio[3])
+{
+    int columns = t->column1 - t->column0;
+    for (int round = 0; round < rounds; round++) {
+        double n[3] = {0}, w = 0.0;
+        for (int i = first; i < t->count; i += i % columns < last ? 1 : columns - last + first) {
+            const lf_sums *s = &t->pixel[i].half[h];
+            w += (double)s->w;
+            for (int c = 0; c < 3; c++)
+                n[c] += below_bound(s, c, ratio[c]);
+        }
+        for (int c = 0; c < 3; c++)
+            ratio[c] = w > 0.0 ? fmax(n[c] / w, 0.0) : 0.0;
+    }
+}
+
+/* R of every pixel: of the tile or of what lies around it, whichever is darker: what is too low
+ * leaves noise where it was, what is too high adds to it. */
+static void read_beta_ratios(const lf_tile *t, int h, lf_beta *beta)
+{
+    enum { ROUNDS = 8, LOCAL_ROUNDS = 8 };
+    int columns = t->column1 - t->column0;
+    double tile[3] = {INFINITY, INFINITY, INFINITY};
+    bounded_ratio(t, h, 0, columns - 1, ROUNDS, tile);
+    for (int column = 0; column < columns; column++) {
+        double local[3] = {tile[0], tile[1], tile[2]};
+        bounded_ratio(t, h, column > BESIDE ? column - BESIDE : 0,
+                      column + BESIDE < columns ? column + BESIDE : columns - 1, LOCAL_ROUNDS,
+                      local);
+        for (int i = column; i < t->count; i += columns)
+            for (int c = 0; c < 3; c++)
+                beta->ratio[i][c] = fmin(tile[c], local[c]);
+    }
+}
+
+/* Least squares of what errors are relative to. Any coefficients of the other half keep the
+ * estimate unbiased; wild ones only make it noisy. */
 static void regress(const lf_tile *t, int h, lf_beta *beta)
 {
     double a11 = 0.0, a12 = 0.0, a22 = 0.0, y1 = 0.0, y2 = 0.0;
-    memset(beta, 0, sizeof *beta);
-    tile_ratio(t, h, beta->ratio);
+    memset(beta->lambda, 0, sizeof beta->lambda);
+    read_beta_ratios(t, h, beta);
     for (int i = 0; i < t->count; i++) {
         const lf_sums *s = &t->pixel[i].half[h];
         for (int c = 0; c < 3; c++) {
-            double r = beta->ratio[c], x1 = r * (double)(s->w - s->q),
+            double r = beta->ratio[i][c], x1 = r * (double)(s->w - s->q),
                    x2 = r * (double)(s->w2 - s->q);
-            double y = (double)s->scattered[c] - r * (double)s->q;
-            a11 += x1 * x1;
-            a12 += x1 * x2;
-            a22 += x2 * x2;
-            y1 += x1 * y;
-            y2 += x2 * y;
+            double y = below_bound(s, c, r) - r * (double)s->q,
+                   radiance = (double)s->known[c] + r * (double)s->q,
+                   weight = 1.0 / (radiance * radiance + LF_ERROR_EPSILON);
+            a11 += weight * x1 * x1;
+            a12 += weight * x1 * x2;
+            a22 += weight * x2 * x2;
+            y1 += weight * x1 * y;
+            y2 += weight * x2 * y;
         }
     }
     double det = a11 * a22 - a12 * a12;
@@ -216,28 +267,27 @@ static void regress(const lf_tile *t, int h, lf_beta *beta)
     } else if (a11 > 0.0) {
         beta->lambda[0] = y1 / a11;
     }
-    /* Any coefficients of the other half keep the estimate unbiased; wild ones only make it noisy.
-     */
     for (int i = 0; i < 2; i++)
-        beta->lambda[i] = fmin(fmax(beta->lambda[i], -1.0), 2.0);
+        beta->lambda[i] = fmin(fmax(beta->lambda[i], -0.5), 1.0);
 }
 
-/* A half's CV+, by the other half's coefficients. */
-static void answer_half_cv(const lf_sums *s, const lf_beta *other, double out[3])
+/* The i-th pixel's CV+ of a half, by the other half's coefficients. */
+static void answer_half_cv(const lf_sums *s, int i, const lf_beta *other, double out[3])
 {
     double control =
         other->lambda[0] * (double)(s->w - s->q) + other->lambda[1] * (double)(s->w2 - s->q);
     for (int c = 0; c < 3; c++)
-        out[c] = (double)s->scattered[c] - other->ratio[c] * control;
+        out[c] = (double)s->scattered[c] - other->ratio[i][c] * control;
 }
 
 /* Known light and the halves' CV+ by their shares; with one half alone there is no other, and beta
  * is 0. */
-static void answer_cv(const lf_tile *t, const lf_tile_pixel *p, const lf_beta beta[2], float out[3])
+static void answer_cv(const lf_tile *t, int i, const lf_beta beta[2], float out[3])
 {
+    const lf_tile_pixel *p = &t->pixel[i];
     double half[2][3];
     for (int h = 0; h < 2; h++)
-        answer_half_cv(&p->half[h], &beta[1 - h], half[h]);
+        answer_half_cv(&p->half[h], i, &beta[1 - h], half[h]);
     for (int c = 0; c < 3; c++)
         out[c] = (float)((double)p->pooled.known[c] + (double)t->share[0] * half[0][c] +
                          (double)t->share[1] * half[1][c]);
@@ -270,7 +320,7 @@ static void answer_half(const lf_tile *t, const lf_tile_answers *a, int i, int h
     const lf_tile_pixel *p = &t->pixel[i];
     float y[3] = {0};
     if (a->estimator == LF_ESTIMATOR_CV)
-        answer_half_cv(&p->half[h], &a->beta[1 - h], out);
+        answer_half_cv(&p->half[h], i, &a->beta[1 - h], out);
     else if (a->estimator == LF_ESTIMATOR_MIS)
         answer_mis(&p->half[h], y);
     else
@@ -341,20 +391,18 @@ static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_scale_of sc
     a->scale = scale;
     a->has_near = false;
     a->second = second_is_better(t);
-    memset(a->beta, 0, sizeof a->beta);
-    if (estimator == LF_ESTIMATOR_CV && t->n_halves == 2) {
-        regress(t, 0, &a->beta[0]);
-        regress(t, 1, &a->beta[1]);
-    }
-    for (int i = 0; i < t->count; i++) {
-        const lf_tile_pixel *p = &t->pixel[i];
+    for (int h = 0; h < 2 && estimator == LF_ESTIMATOR_CV; h++)
+        if (t->n_halves == 2)
+            regress(t, h, &a->beta[h]);
+        else
+            memset(&a->beta[h], 0, sizeof a->beta[h]);
+    for (int i = 0; i < t->count; i++)
         if (estimator == LF_ESTIMATOR_CV)
-            answer_cv(t, p, a->beta, a->pixel[i]);
+            answer_cv(t, i, a->beta, a->pixel[i]);
         else if (estimator == LF_ESTIMATOR_MIS)
-            answer_mis(&p->pooled, a->pixel[i]);
+            answer_mis(&t->pixel[i].pooled, a->pixel[i]);
         else
             answer_ratio(t, i, POOLED, a->second, a->pixel[i]);
-    }
     if (t->n_halves == 2)
         read_radiance(t, a);
 }
