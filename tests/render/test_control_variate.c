@@ -8,7 +8,7 @@
 /* -------------------------------------------------------------------------------- closed form --
  */
 
-enum { columns = 6, highlight = columns - 1 };
+enum { across = 8, pixels = 3 * across, highlight = pixels - 1 };
 #define Q 0.5f
 /* One visit in four meets the highlight. */
 #define HIGHLIGHT 300.0
@@ -23,7 +23,7 @@ static double uniform(uint64_t *state)
  * means q and q. What the highlight sends has nothing to do with W. */
 static void draw_half(uint64_t *random, lf_film_half *half)
 {
-    for (int i = 0; i < columns; i++) {
+    for (int i = 0; i < pixels; i++) {
         double x = -log(uniform(random)), y = 0.5 * x * x;
         if (i == highlight)
             y = uniform(random) < 0.25 ? 4 * HIGHLIGHT : 0;
@@ -34,20 +34,20 @@ static void draw_half(uint64_t *random, lf_film_half *half)
 }
 
 /* Smallest p of the pixels' means of cv against the truth; *out_ratio: the mean squared error of
- * cv over that of mis, of the pixels beside the highlight. same: both halves hold the same numbers,
+ * cv over that of mis, of those beside the highlight. same: both halves hold the same numbers,
  * so that each takes its coefficients from itself. */
 static double least_p_of_cv(bool same, int runs, double *out_ratio)
 {
-    const lf_film_layout layout = {.n_views = 1, .width = columns, .height = 1};
+    const lf_film_layout layout = {.n_views = 3, .width = across, .height = 1};
     lf_film film = {0};
-    lf_moments moments[columns] = {{0}};
+    lf_moments moments[pixels] = {{0}};
     double error[2] = {0}, least = 1;
     uint64_t random = lf_test_seed();
     lf_assert_ok(lf_film_init(&film, &layout), NULL);
     film.rows[0].n[0] = film.rows[0].n[1] = 1;
     film.rows[0].visits[0] = film.rows[0].visits[1] = 1;
     for (int run = 0; run < runs; run++) {
-        float out[2][3 * columns];
+        float out[2][3 * pixels];
         for (int h = 0; h < 2; h++) {
             uint64_t before = random;
             lf_film_half half = lf_film_at(&film, 0, h);
@@ -56,14 +56,14 @@ static double least_p_of_cv(bool same, int runs, double *out_ratio)
         }
         lf_assert_ok(lf_film_resolve_row(&film, LF_ESTIMATOR_MIS, 0, out[0], NULL), NULL);
         lf_assert_ok(lf_film_resolve_row(&film, LF_ESTIMATOR_CV, 0, out[1], NULL), NULL);
-        for (int i = 0; i < columns; i++) {
+        for (int i = 0; i < pixels; i++) {
             double truth = (double)Q * (i == highlight ? HIGHLIGHT : 1);
             lf_moments_add(&moments[i], (double)out[1][3 * i]);
             for (int k = 0; k < 2 && i != highlight; k++)
                 error[k] += pow((double)out[k][3 * i] - truth, 2);
         }
     }
-    for (int i = 0; i < columns; i++)
+    for (int i = 0; i < pixels; i++)
         least = fmin(least, lf_p_mean(&moments[i], (double)Q * (i == highlight ? HIGHLIGHT : 1)));
     *out_ratio = error[1] / error[0];
     lf_film_finish(&film);
@@ -78,7 +78,7 @@ static void cv_has_no_bias_beside_a_highlight(void **state)
            control = least_p_of_cv(true, (int)runs, &own);
     print_message("p %.2g, of coefficients from the same half %.2g; squared error %.2f of mis\n", p,
                   control, ratio);
-    assert_true(p > lf_sidak(LF_FALSE_ALARM, columns));
+    assert_true(p > lf_sidak(LF_FALSE_ALARM, pixels));
     assert_true(control < 1e-9);
     assert_true(ratio < 1);
 }

@@ -386,9 +386,7 @@ static void errors_beside_lamps_are_what_is_stated(void **state)
                       "'roughness': 0.12 "                                                         \
                       "}, 'coat': { 'type': 'principled', 'albedo': [0.8, 0.1, 0.1], "             \
                       "'roughness': 0.4, 'coat': 1, "                                              \
-                      "'coat_roughness': 0.06 }, 'glass': { 'type': 'principled', "                \
-                      "'transmission': 1, 'roughness': "                                           \
-                      "0, 'albedo': 1 } }, 'meshes': { " MESH(                                     \
+                      "'coat_roughness': 0.06 } }, 'meshes': { " MESH(                             \
                           "ground", "quad", "clay",                                                \
                           "'scale': 4, 'translate': [0, -1, 0]") ", " rest " } }"
 #define BALL(material) MESH("ball", "sphere", material, "'scale': 0.6, 'translate': [0, -0.3, 0]")
@@ -398,7 +396,6 @@ static const lit_scene glint_scenes[] = {
     {"finer copper", UNDER_SUN("0.5", "20", BALL("fine"))},
     {"copper, a sun of two degrees", UNDER_SUN("2", "20", BALL("copper"))},
     {"a coat, a sun of half a degree", UNDER_SUN("0.5", "20", BALL("coat"))},
-    {"a ball of glass, a sun of five degrees", UNDER_SUN("5", "3", BALL("glass"))},
 };
 
 static int less(const void *a, const void *b)
