@@ -298,8 +298,10 @@ static void regress(const lf_tile *t, int h, lf_beta *beta)
     } else if (a11 > 0.0) {
         beta->lambda[0] = y1 / a11;
     }
+    /* N falls by as much as the controls say at most, and does not rise. */
+    double sum = beta->lambda[0] + beta->lambda[1], part = sum > 0.0 ? fmin(1.0, 1.0 / sum) : 0.0;
     for (int i = 0; i < 2; i++)
-        beta->lambda[i] = fmin(fmax(beta->lambda[i], -0.5), 1.0);
+        beta->lambda[i] = fmin(fmax(part * beta->lambda[i], -1.0), 2.0);
 }
 
 /* The i-th pixel's CV+ of a half, by the other half's coefficients. */
