@@ -8,15 +8,16 @@
 #include "render/film/film.h"
 #include "render/film/film_difference.h"
 #include "render/film/median.h"
+#include "render/film/tile.h"
 
-enum { TILE_COLUMNS = 16, TILE_VIEWS = 4, BESIDE = 2, AROUND = TILE_COLUMNS + 2 * BESIDE };
+enum { BESIDE = LF_TILE_BESIDE, AROUND = LF_TILE_COLUMNS + 2 * BESIDE };
 /* Of the neighbourhood in which a half is asked whether it has met what the other has: views and
  * columns to either side. */
 enum {
     NEAR_VIEWS = 2,
     NEAR_COLUMNS = 1,
-    NEAR_ACROSS = TILE_COLUMNS + 2 * NEAR_COLUMNS,
-    NEAR_PLACES = (TILE_VIEWS + 2 * NEAR_VIEWS) * NEAR_ACROSS
+    NEAR_ACROSS = LF_TILE_COLUMNS + 2 * NEAR_COLUMNS,
+    NEAR_PLACES = (LF_TILE_VIEWS + 2 * NEAR_VIEWS) * NEAR_ACROSS
 };
 
 /* What I of the error's denominator is made of: the row's medians alone (maps of counts, which must
@@ -24,36 +25,9 @@ enum {
  * the row; or in the rows beside it, too, which nobody may be visiting. */
 typedef enum lf_scale_of { SCALE_MEDIAN, SCALE_ROW, SCALE_ROWS } lf_scale_of;
 
-#define LF_ERROR_EPSILON 1e-2
 /* Of the squared difference of known light between the halves to its square: what changes the error
  * by less than a hundredth. */
 #define NEGLIGIBLE 1e-4
-
-/* What a pixel holds: means over n; known is B + M/n. */
-typedef struct lf_sums {
-    float scattered[3], w, w2, known[3], q;
-} lf_sums;
-
-typedef struct lf_tile_pixel {
-    lf_sums half[2];
-    lf_sums pooled;
-} lf_tile_pixel;
-
-/* One tile of one row, read once; everything else works on this copy. */
-typedef struct lf_tile {
-    const lf_film *film;
-    lf_film_half half[2];
-    const lf_film_known *known; /* NULL where B is sky (1 - q) */
-    float n[2];                 /* expected samples of each half; 0 = it has none */
-    float share[2];             /* of all samples */
-    float share_known[2];       /* of those whose q and B count */
-    int n_halves;
-    int row;
-    int view0, view1, column0, column1;
-    int count;
-    double ratio[3][3]; /* N/W of the tile: of the halves, and of both; where weights may cancel */
-    lf_tile_pixel pixel[TILE_VIEWS * TILE_COLUMNS];
-} lf_tile;
 
 static size_t pixel_index(const lf_tile *t, int i)
 {
@@ -146,11 +120,6 @@ static void answer_mis(const lf_sums *s, float out[3])
         out[c] = s->known[c] + s->scattered[c];
 }
 
-static float weight_of(const lf_sums *s, bool second)
-{
-    return lf_film_weight(s->w, s->w2, second);
-}
-
 /* B + q N/W, and B where nothing was found. B and q are of the same film points: where none of them
  * has met what scatters, q is 0 and B all the background, and what other paths have found there is
  * counted at the pixels where q is too high. Where weights have both signs a sum W that is small
@@ -159,7 +128,7 @@ static float weight_of(const lf_sums *s, bool second)
 static void answer_ratio(const lf_tile *t, int i, int which, bool second, float out[3])
 {
     const lf_sums *s = sums_of(&t->pixel[i], which);
-    float w = weight_of(s, second), share = w > 0.0f ? s->q / w : 0.0f;
+    float w = lf_sums_weight(s, second), share = w > 0.0f ? s->q / w : 0.0f;
     bool cancelled = t->film->layout.has_signed && w != 0.0f && w < 0.25f * s->q;
     for (int c = 0; c < 3; c++)
         out[c] =
@@ -182,126 +151,6 @@ static bool second_is_better(const lf_tile *t)
         }
     }
     return error[1] < error[0];
-}
-
-/* What N/W is bounded by where it is told of many pixels: times its own mean. */
-#define RATIO_BOUND 2.0
-
-/* Coefficients of one half over one tile: of N - n q R on R (W - n q) and R (W' - n q). */
-typedef struct lf_beta {
-    double ratio[TILE_VIEWS * TILE_COLUMNS][3]; /* R */
-    double lambda[2];
-} lf_beta;
-
-/* What a mean of N/W is taken of: a half, by W or by W', in the columns first to last of a tile. */
-typedef struct lf_mean_of {
-    int half, first, last;
-    bool second;
-} lf_mean_of;
-
-/* N as far as N/w is below the bound; what cancels is left alone. */
-static double below_bound(const lf_sums *s, double w, int c, double ratio)
-{
-    double n = (double)s->scattered[c];
-    return w > 0.0 ? fmin(n, RATIO_BOUND * ratio * w) : n;
-}
-
-/* N/W, N of each pixel below the bound that the same of the round before makes: a highlight of a
- * few pixels stays out, also where these have most of W, since W above 2 q counts as 2 q, and half
- * of the q of all is the least that N is divided by. In: where to begin, INFINITY with all of N. */
-static void bounded_ratio(const lf_tile *t, const lf_mean_of *of, int rounds, double ratio[3])
-{
-    int columns = t->column1 - t->column0, over = columns - of->last + of->first;
-    for (int round = 0; round < rounds; round++) {
-        double n[3] = {0}, weight = 0.0, q = 0.0;
-        for (int i = of->first; i < t->count; i += i % columns < of->last ? 1 : over) {
-            const lf_sums *s = &t->pixel[i].half[of->half];
-            double w = (double)weight_of(s, of->second), most = 2.0 * (double)s->q,
-                   part = w > most && most > 0.0 ? most / w : 1.0;
-            weight += part * w;
-            q += (double)s->q;
-            for (int c = 0; c < 3; c++)
-                n[c] += part * below_bound(s, w, c, ratio[c]);
-        }
-        weight = fmax(weight, 0.5 * q);
-        for (int c = 0; c < 3; c++)
-            ratio[c] = weight > 0.0 ? fmax(n[c] / weight, 0.0) : 0.0;
-    }
-}
-
-enum { RATIO_ROUNDS = 8 };
-
-/* R of the tile by W or W', and how far pixels are from it. */
-static double tile_spread(const lf_tile *t, const lf_mean_of *of, double ratio[3])
-{
-    double spread = 0.0;
-    for (int c = 0; c < 3; c++)
-        ratio[c] = INFINITY;
-    bounded_ratio(t, of, RATIO_ROUNDS, ratio);
-    for (int i = 0; i < t->count; i++) {
-        const lf_sums *s = &t->pixel[i].half[of->half];
-        double w = (double)weight_of(s, of->second);
-        for (int c = 0; c < 3; c++)
-            spread += pow(below_bound(s, w, c, ratio[c]) - ratio[c] * w, 2.0);
-    }
-    return spread;
-}
-
-/* R of every pixel: of the tile or of what lies around it, whichever is darker: what is too low
- * leaves noise where it was, what is too high adds to it. */
-static void read_beta_ratios(const lf_tile *t, int h, lf_beta *beta)
-{
-    int columns = t->column1 - t->column0;
-    lf_mean_of of = {.half = h, .first = 0, .last = columns - 1};
-    double tile[2][3], spread = tile_spread(t, &of, tile[0]);
-    if (t->film->layout.has_w2) {
-        of.second = true;
-        of.second = tile_spread(t, &of, tile[1]) < spread;
-    }
-    const double *whole = tile[of.second];
-    for (int column = 0; column < columns; column++) {
-        double local[3] = {whole[0], whole[1], whole[2]};
-        of.first = column > BESIDE ? column - BESIDE : 0;
-        of.last = column + BESIDE < columns ? column + BESIDE : columns - 1;
-        bounded_ratio(t, &of, RATIO_ROUNDS, local);
-        for (int i = column; i < t->count; i += columns)
-            for (int c = 0; c < 3; c++)
-                beta->ratio[i][c] = fmin(whole[c], local[c]);
-    }
-}
-
-/* Least squares, by what is relative to R. Any coefficients of the other half keep the estimate
- * unbiased; wild ones only make it noisy. */
-static void regress(const lf_tile *t, int h, lf_beta *beta)
-{
-    double a11 = 0.0, a12 = 0.0, a22 = 0.0, y1 = 0.0, y2 = 0.0;
-    memset(beta->lambda, 0, sizeof beta->lambda);
-    read_beta_ratios(t, h, beta);
-    for (int i = 0; i < t->count; i++) {
-        const lf_sums *s = &t->pixel[i].half[h];
-        for (int c = 0; c < 3; c++) {
-            double r = beta->ratio[i][c], x1 = r * (double)(s->w - s->q),
-                   x2 = r * (double)(s->w2 - s->q),
-                   y = below_bound(s, (double)lf_most(s->w, s->w2), c, r) - r * (double)s->q,
-                   weight = 1.0 / (r * r + LF_ERROR_EPSILON);
-            a11 += weight * x1 * x1;
-            a12 += weight * x1 * x2;
-            a22 += weight * x2 * x2;
-            y1 += weight * x1 * y;
-            y2 += weight * x2 * y;
-        }
-    }
-    double det = a11 * a22 - a12 * a12;
-    if (t->film->layout.has_w2 && det > 1e-6 * a11 * a22) {
-        beta->lambda[0] = (a22 * y1 - a12 * y2) / det;
-        beta->lambda[1] = (a11 * y2 - a12 * y1) / det;
-    } else if (a11 > 0.0) {
-        beta->lambda[0] = y1 / a11;
-    }
-    /* N falls by as much as the controls say at most, and does not rise. */
-    double sum = beta->lambda[0] + beta->lambda[1], part = sum > 0.0 ? fmin(1.0, 1.0 / sum) : 0.0;
-    for (int i = 0; i < 2; i++)
-        beta->lambda[i] = fmin(fmax(part * beta->lambda[i], -1.0), 2.0);
 }
 
 /* The i-th pixel's CV+ of a half, by the other half's coefficients. */
@@ -341,8 +190,8 @@ typedef struct lf_tile_answers {
     lf_estimator estimator;
     bool second; /* W' is the better weight */
     lf_beta beta[2];
-    float pixel[TILE_VIEWS * TILE_COLUMNS][3];
-    float radiance[3][TILE_VIEWS * AROUND]; /* of the tile and BESIDE columns around it */
+    float pixel[LF_TILE_VIEWS * LF_TILE_COLUMNS][3];
+    float radiance[3][LF_TILE_VIEWS * AROUND]; /* of the tile and BESIDE columns around it */
     lf_scale_of scale;
     bool has_near;
     double near[2][3][NEAR_PLACES]; /* sums over rows of the fourth power of R, of the halves */
@@ -396,7 +245,7 @@ static void read_ratios(const lf_tile *t, const lf_tile_answers *a, const lf_fil
     for (int c = 0; c < 3; c++)
         s[POOLED].scattered[c] = s[0].scattered[c] + s[1].scattered[c];
     for (int k = 0; k <= POOLED; k++) {
-        float w = weight_of(&s[k], a->second), inverse = w > 0.0f ? 1.0f / w : 0.0f;
+        float w = lf_sums_weight(&s[k], a->second), inverse = w > 0.0f ? 1.0f / w : 0.0f;
         for (int c = 0; c < 3; c++)
             out[k][c] = w > 0.0f ? s[k].scattered[c] * inverse : -1.0f;
     }
@@ -426,7 +275,7 @@ static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_scale_of sc
     a->second = second_is_better(t);
     for (int h = 0; h < 2 && estimator == LF_ESTIMATOR_CV; h++)
         if (t->n_halves == 2)
-            regress(t, h, &a->beta[h]);
+            lf_tile_regress(t, h, &a->beta[h]);
         else
             memset(&a->beta[h], 0, sizeof a->beta[h]);
     for (int i = 0; i < t->count; i++)
@@ -475,7 +324,7 @@ static void read_near(const lf_tile *t, lf_tile_answers *a)
         if (row < 0 || row >= t->film->height)
             continue;
         const lf_film_half half[2] = {lf_film_at(t->film, row, 0), lf_film_at(t->film, row, 1)};
-        for (int k = 0; k < TILE_VIEWS + 2 * NEAR_VIEWS; k++) {
+        for (int k = 0; k < LF_TILE_VIEWS + 2 * NEAR_VIEWS; k++) {
             int view = t->view0 - NEAR_VIEWS + k;
             if (view >= 0 && view < t->film->n_views)
                 add_near(t, half, view, &a->near[0][0][k * NEAR_ACROSS], a);
@@ -530,7 +379,7 @@ static float steady_radiance(const lf_tile *t, lf_tile_answers *a, int i, int c,
     int columns = t->column1 - t->column0;
     const lf_sums *x = &t->pixel[i].half[0], *y = &t->pixel[i].half[1];
     float median = lf_most(0.0f, lower_median(&a->radiance[c][i / columns * AROUND + i % columns]));
-    float w[2] = {weight_of(x, a->second), weight_of(y, a->second)};
+    float w[2] = {lf_sums_weight(x, a->second), lf_sums_weight(y, a->second)};
     const float said[2] = {w[0] > 0.0f ? x->scattered[c] / w[0] : 0.0f,
                            w[1] > 0.0f ? y->scattered[c] / w[1] : 0.0f};
     float low = lf_least(said[0], said[1]), high = lf_most(said[0], said[1]);
@@ -651,12 +500,13 @@ static bool open_row(lf_tile *t, const lf_film *film, int row)
 /* The tile's bounds; i-th of all. false behind the last. */
 static bool at_tile(lf_tile *t, int i)
 {
-    int across = (t->film->width + TILE_COLUMNS - 1) / TILE_COLUMNS;
-    t->view0 = i / across * TILE_VIEWS;
-    t->column0 = i % across * TILE_COLUMNS;
-    t->view1 = t->view0 + TILE_VIEWS < t->film->n_views ? t->view0 + TILE_VIEWS : t->film->n_views;
-    t->column1 =
-        t->column0 + TILE_COLUMNS < t->film->width ? t->column0 + TILE_COLUMNS : t->film->width;
+    int across = (t->film->width + LF_TILE_COLUMNS - 1) / LF_TILE_COLUMNS;
+    t->view0 = i / across * LF_TILE_VIEWS;
+    t->column0 = i % across * LF_TILE_COLUMNS;
+    t->view1 =
+        t->view0 + LF_TILE_VIEWS < t->film->n_views ? t->view0 + LF_TILE_VIEWS : t->film->n_views;
+    t->column1 = t->column0 + LF_TILE_COLUMNS < t->film->width ? t->column0 + LF_TILE_COLUMNS
+                                                               : t->film->width;
     return t->view0 < t->film->n_views;
 }
 
@@ -687,7 +537,7 @@ static bool second_is_steadier(const lf_tile *t)
         const lf_sums *a = &t->pixel[i].half[0], *b = &t->pixel[i].half[1];
         float q = t->pixel[i].pooled.q;
         for (int j = 0; j < 2; j++) {
-            float wa = weight_of(a, j == 1), wb = weight_of(b, j == 1);
+            float wa = lf_sums_weight(a, j == 1), wb = lf_sums_weight(b, j == 1);
             for (int c = 0; c < 3 && wa > 0.0f && wb > 0.0f; c++) {
                 float d = q * (a->scattered[c] / wa - b->scattered[c] / wb);
                 error[j] += (double)(d * d);
