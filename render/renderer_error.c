@@ -32,8 +32,8 @@ static void error_of_row(void *context, int row, int worker)
     float *a = job->scratch + (size_t)worker * 2 * values, *b = a + values;
     lf_row_error *out = &job->rows[row];
     bool last = row + 1 == job->film->height;
-    double next;
-    if (!lf_film_row_differences(job->film, job->estimator, row, a, &out->known) ||
+    lf_row_error next;
+    if (!lf_film_row_differences(job->film, job->estimator, row, a, out) ||
         (!last && !lf_film_row_differences(job->film, job->estimator, row + 1, b, &next))) {
         atomic_store_explicit(&job->unknown, true, memory_order_relaxed);
         return;

@@ -290,13 +290,6 @@ void lf_film_row_second(const lf_film *film, int row, bool *out);
  * [view][column]; left as they are for a row that was never visited. */
 void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q);
 
-/* Of every pixel and channel of a row: sqrt(s_A s_B) (x_A - x_B) over the root of what stands for
- * I^2 + epsilon, s the halves' shares of the samples and x their answers; its mean square estimates
- * the row's relMSE. out [view][column][3]; *out_known: the mean square of what known light alone
- * says, where that is less. false, and both untouched, unless both halves have been visited. */
-bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out,
-                             double *out_known);
-
 /* The estimated variance of every pixel and channel of a row's answer, s_A s_B (x_A - x_B)^2, into
  * out[pixel * stride + channel]; untouched unless both halves have been visited. */
 void lf_film_row_variances(const lf_film *film, lf_estimator estimator, int row, float *out,
@@ -307,9 +300,18 @@ void lf_film_row_variances(const lf_film *film, lf_estimator estimator, int row,
 typedef struct lf_row_error {
     double square;    /* of the differences: the row's relMSE, estimated */
     double known;     /* the part of it that known light alone makes */
+    double doubtful;  /* the part of it where the halves do not agree how bright a pixel is */
     double magnitude; /* mean of their absolute values */
     double cross;     /* of their products with the next row's; 0 in the last row */
 } lf_row_error;
+
+/* Of every pixel and channel of a row: sqrt(s_A s_B) (x_A - x_B) over the root of what stands for
+ * I^2 + epsilon, s the halves' shares of the samples and x their answers; its mean square estimates
+ * the row's relMSE. out [view][column][3]; of *out_row known and doubtful. false, and both
+ * untouched, unless both halves have been visited. Reads the rows beside it, too: not while one of
+ * them is being visited. */
+bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out,
+                             lf_row_error *out_row);
 
 /* rows [n]: an upper bound of the realised relMSE of the picture at confidence 1 - alpha;
  * *out_estimate (may be NULL) its estimate. */

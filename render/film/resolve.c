@@ -8,38 +8,26 @@
 #include "render/film/film.h"
 #include "render/film/film_difference.h"
 #include "render/film/median.h"
+#include "render/film/tile.h"
 
-enum { TILE_COLUMNS = 16, TILE_VIEWS = 4, BESIDE = 2, AROUND = TILE_COLUMNS + 2 * BESIDE };
+enum { BESIDE = LF_TILE_BESIDE, AROUND = LF_TILE_COLUMNS + 2 * BESIDE };
+/* Of the neighbourhood in which a half is asked whether it has met what the other has: views and
+ * columns to either side. */
+enum {
+    NEAR_VIEWS = 2,
+    NEAR_COLUMNS = 1,
+    NEAR_ACROSS = LF_TILE_COLUMNS + 2 * NEAR_COLUMNS,
+    NEAR_PLACES = (LF_TILE_VIEWS + 2 * NEAR_VIEWS) * NEAR_ACROSS
+};
 
-#define LF_ERROR_EPSILON 1e-2
+/* What I of the error's denominator is made of: the row's medians alone (maps of counts, which must
+ * not hear of other rows, and films made by them, stay what they were); what the halves agree on in
+ * the row; or in the rows beside it, too, which nobody may be visiting. */
+typedef enum lf_scale_of { SCALE_MEDIAN, SCALE_ROW, SCALE_ROWS } lf_scale_of;
+
 /* Of the squared difference of known light between the halves to its square: what changes the error
  * by less than a hundredth. */
 #define NEGLIGIBLE 1e-4
-
-/* What a pixel holds: means over n; known is B + M/n. */
-typedef struct lf_sums {
-    float scattered[3], w, w2, known[3], q;
-} lf_sums;
-
-typedef struct lf_tile_pixel {
-    lf_sums half[2];
-    lf_sums pooled;
-} lf_tile_pixel;
-
-/* One tile of one row, read once; everything else works on this copy. */
-typedef struct lf_tile {
-    const lf_film *film;
-    lf_film_half half[2];
-    const lf_film_known *known; /* NULL where B is sky (1 - q) */
-    float n[2];                 /* expected samples of each half; 0 = it has none */
-    float share[2];             /* of all samples */
-    float share_known[2];       /* of those whose q and B count */
-    int n_halves;
-    int view0, view1, column0, column1;
-    int count;
-    double ratio[3][3]; /* N/W of the tile: of the halves, and of both; where weights may cancel */
-    lf_tile_pixel pixel[TILE_VIEWS * TILE_COLUMNS];
-} lf_tile;
 
 static size_t pixel_index(const lf_tile *t, int i)
 {
@@ -132,11 +120,6 @@ static void answer_mis(const lf_sums *s, float out[3])
         out[c] = s->known[c] + s->scattered[c];
 }
 
-static float weight_of(const lf_sums *s, bool second)
-{
-    return lf_film_weight(s->w, s->w2, second);
-}
-
 /* B + q N/W, and B where nothing was found. B and q are of the same film points: where none of them
  * has met what scatters, q is 0 and B all the background, and what other paths have found there is
  * counted at the pixels where q is too high. Where weights have both signs a sum W that is small
@@ -145,7 +128,7 @@ static float weight_of(const lf_sums *s, bool second)
 static void answer_ratio(const lf_tile *t, int i, int which, bool second, float out[3])
 {
     const lf_sums *s = sums_of(&t->pixel[i], which);
-    float w = weight_of(s, second), share = w > 0.0f ? s->q / w : 0.0f;
+    float w = lf_sums_weight(s, second), share = w > 0.0f ? s->q / w : 0.0f;
     bool cancelled = t->film->layout.has_signed && w != 0.0f && w < 0.25f * s->q;
     for (int c = 0; c < 3; c++)
         out[c] =
@@ -170,60 +153,23 @@ static bool second_is_better(const lf_tile *t)
     return error[1] < error[0];
 }
 
-/* Regression coefficients of one half over one tile: N - n q R on R (W - n q) and R (W' - n q), R
- * the tile's N/W. */
-typedef struct lf_beta {
-    double ratio[3]; /* R */
-    double lambda[2];
-} lf_beta;
-
-static void regress(const lf_tile *t, int h, lf_beta *beta)
-{
-    double a11 = 0.0, a12 = 0.0, a22 = 0.0, y1 = 0.0, y2 = 0.0;
-    memset(beta, 0, sizeof *beta);
-    tile_ratio(t, h, beta->ratio);
-    for (int i = 0; i < t->count; i++) {
-        const lf_sums *s = &t->pixel[i].half[h];
-        for (int c = 0; c < 3; c++) {
-            double r = beta->ratio[c], x1 = r * (double)(s->w - s->q),
-                   x2 = r * (double)(s->w2 - s->q);
-            double y = (double)s->scattered[c] - r * (double)s->q;
-            a11 += x1 * x1;
-            a12 += x1 * x2;
-            a22 += x2 * x2;
-            y1 += x1 * y;
-            y2 += x2 * y;
-        }
-    }
-    double det = a11 * a22 - a12 * a12;
-    if (t->film->layout.has_w2 && det > 1e-6 * a11 * a22) {
-        beta->lambda[0] = (a22 * y1 - a12 * y2) / det;
-        beta->lambda[1] = (a11 * y2 - a12 * y1) / det;
-    } else if (a11 > 0.0) {
-        beta->lambda[0] = y1 / a11;
-    }
-    /* Any coefficients of the other half keep the estimate unbiased; wild ones only make it noisy.
-     */
-    for (int i = 0; i < 2; i++)
-        beta->lambda[i] = fmin(fmax(beta->lambda[i], -1.0), 2.0);
-}
-
-/* A half's CV+, by the other half's coefficients. */
-static void answer_half_cv(const lf_sums *s, const lf_beta *other, double out[3])
+/* The i-th pixel's CV+ of a half, by the other half's coefficients. */
+static void answer_half_cv(const lf_sums *s, int i, const lf_beta *other, double out[3])
 {
     double control =
         other->lambda[0] * (double)(s->w - s->q) + other->lambda[1] * (double)(s->w2 - s->q);
     for (int c = 0; c < 3; c++)
-        out[c] = (double)s->scattered[c] - other->ratio[c] * control;
+        out[c] = (double)s->scattered[c] - other->ratio[i][c] * control;
 }
 
 /* Known light and the halves' CV+ by their shares; with one half alone there is no other, and beta
  * is 0. */
-static void answer_cv(const lf_tile *t, const lf_tile_pixel *p, const lf_beta beta[2], float out[3])
+static void answer_cv(const lf_tile *t, int i, const lf_beta beta[2], float out[3])
 {
+    const lf_tile_pixel *p = &t->pixel[i];
     double half[2][3];
     for (int h = 0; h < 2; h++)
-        answer_half_cv(&p->half[h], &beta[1 - h], half[h]);
+        answer_half_cv(&p->half[h], i, &beta[1 - h], half[h]);
     for (int c = 0; c < 3; c++)
         out[c] = (float)((double)p->pooled.known[c] + (double)t->share[0] * half[0][c] +
                          (double)t->share[1] * half[1][c]);
@@ -244,8 +190,11 @@ typedef struct lf_tile_answers {
     lf_estimator estimator;
     bool second; /* W' is the better weight */
     lf_beta beta[2];
-    float pixel[TILE_VIEWS * TILE_COLUMNS][3];
-    float radiance[3][TILE_VIEWS * AROUND]; /* of the tile and BESIDE columns around it */
+    float pixel[LF_TILE_VIEWS * LF_TILE_COLUMNS][3];
+    float radiance[3][LF_TILE_VIEWS * AROUND]; /* of the tile and BESIDE columns around it */
+    lf_scale_of scale;
+    bool has_near;
+    double near[2][3][NEAR_PLACES]; /* sums over rows of the fourth power of R, of the halves */
 } lf_tile_answers;
 
 static void answer_half(const lf_tile *t, const lf_tile_answers *a, int i, int h, double out[3])
@@ -253,7 +202,7 @@ static void answer_half(const lf_tile *t, const lf_tile_answers *a, int i, int h
     const lf_tile_pixel *p = &t->pixel[i];
     float y[3] = {0};
     if (a->estimator == LF_ESTIMATOR_CV)
-        answer_half_cv(&p->half[h], &a->beta[1 - h], out);
+        answer_half_cv(&p->half[h], i, &a->beta[1 - h], out);
     else if (a->estimator == LF_ESTIMATOR_MIS)
         answer_mis(&p->half[h], y);
     else
@@ -282,63 +231,160 @@ static float lower_median(const float x[5])
     return n > 0 ? sorted[(n - 1) / 2] : -1.0f;
 }
 
-/* What scatters in the pixels of a tile, and of two columns to either side of it, sends R = N/W;
- * -1: nothing was found, or beyond the picture. */
+/* R of a pixel's halves and of both together; -1: nothing was found, or beyond the picture. */
+static void read_ratios(const lf_tile *t, const lf_tile_answers *a, const lf_film_half half[2],
+                        int view, int column, float out[3][3])
+{
+    size_t pixel = (size_t)view * (size_t)t->film->width + (size_t)(ptrdiff_t)column;
+    lf_sums s[3] = {{.w = 0.0f}, {.w = 0.0f}, {.w = 0.0f}};
+    for (int h = 0; h < 2 && column >= 0 && column < t->film->width; h++)
+        if (t->n[h] > 0.0f)
+            read_half(&half[h], pixel, 1.0f, &s[h]);
+    s[POOLED].w = s[0].w + s[1].w;
+    s[POOLED].w2 = s[0].w2 + s[1].w2;
+    for (int c = 0; c < 3; c++)
+        s[POOLED].scattered[c] = s[0].scattered[c] + s[1].scattered[c];
+    for (int k = 0; k <= POOLED; k++) {
+        float w = lf_sums_weight(&s[k], a->second), inverse = w > 0.0f ? 1.0f / w : 0.0f;
+        for (int c = 0; c < 3; c++)
+            out[k][c] = w > 0.0f ? s[k].scattered[c] * inverse : -1.0f;
+    }
+}
+
+/* R of both halves in a tile, and in two columns to either side of it. */
 static void read_radiance(const lf_tile *t, lf_tile_answers *a)
 {
+    const lf_film_half half[2] = {t->half[0], t->half[1]};
     for (int view = t->view0; view < t->view1; view++) {
         for (int column = t->column0 - BESIDE; column < t->column1 + BESIDE; column++) {
             int at = (view - t->view0) * AROUND + column - t->column0 + BESIDE;
-            size_t pixel = (size_t)view * (size_t)t->film->width + (size_t)(ptrdiff_t)column;
-            lf_sums half[2] = {{.w = 0.0f}, {.w = 0.0f}};
-            for (int h = 0; h < 2 && column >= 0 && column < t->film->width; h++)
-                if (t->n[h] > 0.0f)
-                    read_half(&t->half[h], pixel, 1.0f, &half[h]);
-            const lf_sums sum = {.w = half[0].w + half[1].w, .w2 = half[0].w2 + half[1].w2};
-            float w = weight_of(&sum, a->second), inverse = w > 0.0f ? 1.0f / w : 0.0f;
+            float r[3][3];
+            read_ratios(t, a, half, view, column, r);
             for (int c = 0; c < 3; c++)
-                a->radiance[c][at] =
-                    w > 0.0f ? (half[0].scattered[c] + half[1].scattered[c]) * inverse : -1.0f;
+                a->radiance[c][at] = r[POOLED][c];
         }
     }
 }
 
-static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_tile_answers *a)
+static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_scale_of scale,
+                        lf_tile_answers *a)
 {
     a->estimator = estimator;
+    a->scale = scale;
+    a->has_near = false;
     a->second = second_is_better(t);
-    memset(a->beta, 0, sizeof a->beta);
-    if (estimator == LF_ESTIMATOR_CV && t->n_halves == 2) {
-        regress(t, 0, &a->beta[0]);
-        regress(t, 1, &a->beta[1]);
-    }
-    for (int i = 0; i < t->count; i++) {
-        const lf_tile_pixel *p = &t->pixel[i];
+    for (int h = 0; h < 2 && estimator == LF_ESTIMATOR_CV; h++)
+        if (t->n_halves == 2)
+            lf_tile_regress(t, h, &a->beta[h]);
+        else
+            memset(&a->beta[h], 0, sizeof a->beta[h]);
+    for (int i = 0; i < t->count; i++)
         if (estimator == LF_ESTIMATOR_CV)
-            answer_cv(t, p, a->beta, a->pixel[i]);
+            answer_cv(t, i, a->beta, a->pixel[i]);
         else if (estimator == LF_ESTIMATOR_MIS)
-            answer_mis(&p->pooled, a->pixel[i]);
+            answer_mis(&t->pixel[i].pooled, a->pixel[i]);
         else
             answer_ratio(t, i, POOLED, a->second, a->pixel[i]);
-    }
     if (t->n_halves == 2)
         read_radiance(t, a);
 }
 
+/* Adds what the halves have found in one view of one row that is far above the median of five. */
+static void add_near(const lf_tile *t, const lf_film_half half[2], int view, double *near,
+                     lf_tile_answers *a)
+{
+    enum { READ = NEAR_ACROSS + 2 * BESIDE };
+    float all[3][READ], said[2][3][READ];
+    for (int k = 0; k < READ; k++) {
+        float r[3][3];
+        read_ratios(t, a, half, view, t->column0 - NEAR_COLUMNS - BESIDE + k, r);
+        for (int c = 0; c < 3; c++) {
+            all[c][k] = r[POOLED][c];
+            said[0][c][k] = r[0][c];
+            said[1][c][k] = r[1][c];
+        }
+    }
+    for (int i = 0; i < 6 * NEAR_ACROSS; i++) {
+        int h = i / (3 * NEAR_ACROSS), c = i / NEAR_ACROSS % 3, k = i % NEAR_ACROSS;
+        float median = lf_most(0.0f, lower_median(&all[c][k]));
+        double r = (double)said[h][c][k + BESIDE];
+        if (r > 4.0 * (double)median)
+            near[(h * 3 + c) * NEAR_PLACES + k] += r * r * r * r;
+    }
+}
+
+/* What each half has found near the tile's pixels that stands out, in this row or the rows beside
+ * it as well. What is bright all over, a lit ground beside a shadow, says nothing of a pixel. */
+static void read_near(const lf_tile *t, lf_tile_answers *a)
+{
+    int rows = a->scale == SCALE_ROWS ? 1 : 0;
+    memset(a->near, 0, sizeof a->near);
+    a->has_near = true;
+    for (int row = t->row - rows; row <= t->row + rows; row++) {
+        if (row < 0 || row >= t->film->height)
+            continue;
+        const lf_film_half half[2] = {lf_film_at(t->film, row, 0), lf_film_at(t->film, row, 1)};
+        for (int k = 0; k < LF_TILE_VIEWS + 2 * NEAR_VIEWS; k++) {
+            int view = t->view0 - NEAR_VIEWS + k;
+            if (view >= 0 && view < t->film->n_views)
+                add_near(t, half, view, &a->near[0][0][k * NEAR_ACROSS], a);
+        }
+    }
+}
+
+/* How many of `around` places to either side there are from 0 to n - 1. */
+static int places(int at, int around, int n)
+{
+    int first = at > around ? at - around : 0, last = at + around < n ? at + around : n - 1;
+    return last - first + 1;
+}
+
+/* How bright half h has found what is near a pixel: the root of the mean fourth power, which is
+ * most of the brightest in a highlight, and a part of it where one path alone was bright. */
+static float brightness_near(const lf_tile *t, const lf_tile_answers *a, int i, int h, int c)
+{
+    int columns = t->column1 - t->column0, rows = a->scale == SCALE_ROWS ? 1 : 0;
+    int n = places(t->row, rows, t->film->height) *
+            places(t->view0 + i / columns, NEAR_VIEWS, t->film->n_views) *
+            places(t->column0 + i % columns, NEAR_COLUMNS, t->film->width);
+    double sum = 0.0;
+    for (int v = 0; v <= 2 * NEAR_VIEWS; v++)
+        for (int k = 0; k <= 2 * NEAR_COLUMNS; k++)
+            sum += a->near[h][c][(i / columns + v) * NEAR_ACROSS + i % columns + k];
+    return (float)sqrt(sqrt(sum / n));
+}
+
+/* R of a pixel of which the halves do not agree (u and v are what they say): each is believed as
+ * far as the other has found the like near the pixel, and no less than the median. What one half
+ * alone has met is most often too bright for the pixel, so that R lies between the two. */
+static float confirmed(const lf_tile *t, lf_tile_answers *a, int i, int c, const float said[2],
+                       float median)
+{
+    float x[2];
+    if (a->scale == SCALE_MEDIAN || !(lf_most(said[0], said[1]) > median))
+        return median;
+    if (!a->has_near)
+        read_near(t, a);
+    for (int h = 0; h < 2; h++)
+        x[h] = lf_most(median, lf_least(said[h], brightness_near(t, a, i, 1 - h, c)));
+    float high = lf_most(x[0], x[1]);
+    return high > 0.0f ? cbrtf(lf_least(x[0], x[1]) / high) * high : 0.0f;
+}
+
 /* R of a pixel, as the error's denominator takes it: the median of five, brought between what the
  * two halves say of the pixel itself where they agree at all. A rare bright path must not hide its
- * own error by standing there, but only one half has met it. */
-static float steady_radiance(const lf_tile *t, const lf_tile_answers *a, int i, int c)
+ * own error by standing there, but only one half has met it. *out_doubt: they do not agree. */
+static float steady_radiance(const lf_tile *t, lf_tile_answers *a, int i, int c, bool *out_doubt)
 {
     int columns = t->column1 - t->column0;
     const lf_sums *x = &t->pixel[i].half[0], *y = &t->pixel[i].half[1];
     float median = lf_most(0.0f, lower_median(&a->radiance[c][i / columns * AROUND + i % columns]));
-    float w[2] = {weight_of(x, a->second), weight_of(y, a->second)};
-    if (!(w[0] > 0.0f && w[1] > 0.0f))
-        return median;
-    float u = x->scattered[c] / w[0], v = y->scattered[c] / w[1], low = lf_least(u, v),
-          high = lf_most(u, v);
-    return high > 4.0f * low ? median : lf_most(low, lf_least(high, median));
+    float w[2] = {lf_sums_weight(x, a->second), lf_sums_weight(y, a->second)};
+    const float said[2] = {w[0] > 0.0f ? x->scattered[c] / w[0] : 0.0f,
+                           w[1] > 0.0f ? y->scattered[c] / w[1] : 0.0f};
+    float low = lf_least(said[0], said[1]), high = lf_most(said[0], said[1]);
+    *out_doubt = !(w[0] > 0.0f && w[1] > 0.0f) || high > 4.0f * low;
+    return *out_doubt ? confirmed(t, a, i, c, said, median) : lf_most(low, lf_least(high, median));
 }
 
 /* The darkest known light of a pixel and two to either side. */
@@ -372,10 +418,10 @@ static float believed(const lf_tile *t, int i, int c)
 
 /* I^2 + epsilon of a channel, over what its inverse is expected to be more than that
  * (docs/estimators.md, "The error and its bound"). */
-static double scale_of(const lf_tile *t, const lf_tile_answers *a, int i, int c)
+static double scale_of(const lf_tile *t, lf_tile_answers *a, int i, int c, bool *out_doubt)
 {
     const lf_tile_pixel *p = &t->pixel[i];
-    float scattered = p->pooled.q * steady_radiance(t, a, i, c),
+    float scattered = p->pooled.q * steady_radiance(t, a, i, c, out_doubt),
           difference = p->half[0].known[c] - p->half[1].known[c];
     float known = t->film->layout.has_native ? believed(t, i, c) : p->pooled.known[c];
     double x = (double)known + (double)scattered, scale = x * x + LF_ERROR_EPSILON;
@@ -388,25 +434,27 @@ static double scale_of(const lf_tile *t, const lf_tile_answers *a, int i, int c)
 }
 
 /* How far the halves are apart, so scaled that its square is what their mean errs by: sqrt(s_A s_B
- * / (I^2 + epsilon)) (x_A - x_B); out_known the same of their known light. */
-static void difference(const lf_tile *t, const lf_tile_answers *a, int i, float out[3],
-                       float out_known[3])
+ * / (I^2 + epsilon)) (x_A - x_B); out_known the same of their known light; out_doubt whether I was
+ * guessed. */
+static void difference(const lf_tile *t, lf_tile_answers *a, int i, float out[3],
+                       float out_known[3], bool out_doubt[3])
 {
     double x[2][3], share = (double)t->share[0] * (double)t->share[1];
     const lf_tile_pixel *p = &t->pixel[i];
     answer_half(t, a, i, 0, x[0]);
     answer_half(t, a, i, 1, x[1]);
     for (int c = 0; c < 3; c++) {
-        double factor = sqrt(share / scale_of(t, a, i, c));
+        double factor = sqrt(share / scale_of(t, a, i, c, &out_doubt[c]));
         out[c] = (float)((x[0][c] - x[1][c]) * factor);
         out_known[c] = (float)((double)(p->half[0].known[c] - p->half[1].known[c]) * factor);
     }
 }
 
-static double relative_error(const lf_tile *t, const lf_tile_answers *a, int i)
+static double relative_error(const lf_tile *t, lf_tile_answers *a, int i)
 {
     float d[3], known[3];
-    difference(t, a, i, d, known);
+    bool doubt[3];
+    difference(t, a, i, d, known, doubt);
     return (double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / 3.0;
 }
 
@@ -415,9 +463,9 @@ static double relative_error(const lf_tile *t, const lf_tile_answers *a, int i)
 static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t *flags,
                          lf_film_row *state)
 {
-    lf_tile_answers a = {0};
+    lf_tile_answers a;
     read_tile(t);
-    answer_tile(t, estimator, &a);
+    answer_tile(t, estimator, SCALE_ROW, &a);
     for (int i = 0; i < t->count; i++) {
         size_t pixel = pixel_index(t, i);
         memcpy(out + 3 * pixel, a.pixel[i], sizeof a.pixel[i]);
@@ -435,7 +483,7 @@ static bool open_row(lf_tile *t, const lf_film *film, int row)
 {
     const lf_film_row *state = &film->rows[row];
     double n = state->n[0] + state->n[1], known[2];
-    *t = (lf_tile){.film = film, .known = lf_film_known_at(film, row)};
+    *t = (lf_tile){.film = film, .known = lf_film_known_at(film, row), .row = row};
     if (!(n > 0.0))
         return false;
     lf_film_row_known(state, known);
@@ -452,12 +500,13 @@ static bool open_row(lf_tile *t, const lf_film *film, int row)
 /* The tile's bounds; i-th of all. false behind the last. */
 static bool at_tile(lf_tile *t, int i)
 {
-    int across = (t->film->width + TILE_COLUMNS - 1) / TILE_COLUMNS;
-    t->view0 = i / across * TILE_VIEWS;
-    t->column0 = i % across * TILE_COLUMNS;
-    t->view1 = t->view0 + TILE_VIEWS < t->film->n_views ? t->view0 + TILE_VIEWS : t->film->n_views;
-    t->column1 =
-        t->column0 + TILE_COLUMNS < t->film->width ? t->column0 + TILE_COLUMNS : t->film->width;
+    int across = (t->film->width + LF_TILE_COLUMNS - 1) / LF_TILE_COLUMNS;
+    t->view0 = i / across * LF_TILE_VIEWS;
+    t->column0 = i % across * LF_TILE_COLUMNS;
+    t->view1 =
+        t->view0 + LF_TILE_VIEWS < t->film->n_views ? t->view0 + LF_TILE_VIEWS : t->film->n_views;
+    t->column1 = t->column0 + LF_TILE_COLUMNS < t->film->width ? t->column0 + LF_TILE_COLUMNS
+                                                               : t->film->width;
     return t->view0 < t->film->n_views;
 }
 
@@ -488,7 +537,7 @@ static bool second_is_steadier(const lf_tile *t)
         const lf_sums *a = &t->pixel[i].half[0], *b = &t->pixel[i].half[1];
         float q = t->pixel[i].pooled.q;
         for (int j = 0; j < 2; j++) {
-            float wa = weight_of(a, j == 1), wb = weight_of(b, j == 1);
+            float wa = lf_sums_weight(a, j == 1), wb = lf_sums_weight(b, j == 1);
             for (int c = 0; c < 3 && wa > 0.0f && wb > 0.0f; c++) {
                 float d = q * (a->scattered[c] / wa - b->scattered[c] / wb);
                 error[j] += (double)(d * d);
@@ -518,9 +567,9 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
     if (!open_row(&t, film, row))
         return;
     for (int k = 0; at_tile(&t, k); k++) {
-        lf_tile_answers a = {0};
+        lf_tile_answers a;
         read_tile(&t);
-        answer_tile(&t, LF_ESTIMATOR_MWIS, &a);
+        answer_tile(&t, LF_ESTIMATOR_MWIS, SCALE_MEDIAN, &a);
         for (int i = 0; i < t.count; i++) {
             out_error[pixel_index(&t, i)] = (float)relative_error(&t, &a, i);
             out_q[pixel_index(&t, i)] = t.pixel[i].pooled.q;
@@ -529,24 +578,28 @@ void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *o
 }
 
 bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out,
-                             double *out_known)
+                             lf_row_error *out_row)
 {
     lf_tile t;
-    double sum = 0.0;
+    double sum = 0.0, doubtful = 0.0, n = 3.0 * film->n_views * film->width;
     if (!open_row(&t, film, row) || t.n_halves < 2)
         return false;
     for (int k = 0; at_tile(&t, k); k++) {
-        lf_tile_answers a = {0};
+        lf_tile_answers a;
         read_tile(&t);
-        answer_tile(&t, estimator, &a);
+        answer_tile(&t, estimator, SCALE_ROWS, &a);
         for (int i = 0; i < t.count; i++) {
             float known[3], *d = out + 3 * pixel_index(&t, i);
-            difference(&t, &a, i, d, known);
-            for (int c = 0; c < 3; c++)
+            bool doubt[3];
+            difference(&t, &a, i, d, known, doubt);
+            for (int c = 0; c < 3; c++) {
                 sum += (double)lf_least(d[c] * d[c], known[c] * known[c]);
+                doubtful += doubt[c] ? (double)(d[c] * d[c]) : 0.0;
+            }
         }
     }
-    *out_known = sum / (3.0 * film->n_views * film->width);
+    out_row->known = sum / n;
+    out_row->doubtful = doubtful / n;
     return true;
 }
 
@@ -558,9 +611,9 @@ void lf_film_row_variances(const lf_film *film, lf_estimator estimator, int row,
         return;
     double share = (double)t.share[0] * (double)t.share[1], x[2][3];
     for (int k = 0; at_tile(&t, k); k++) {
-        lf_tile_answers a = {0};
+        lf_tile_answers a;
         read_tile(&t);
-        answer_tile(&t, estimator, &a);
+        answer_tile(&t, estimator, SCALE_MEDIAN, &a);
         for (int i = 0; i < t.count; i++) {
             answer_half(&t, &a, i, 0, x[0]);
             answer_half(&t, &a, i, 1, x[1]);

@@ -88,7 +88,7 @@ static void resolve(const lf_film *film)
 {
     static float out[MAX_VALUES];
     static uint8_t flags[MAX_VALUES / 3];
-    double known;
+    lf_row_error known;
     if (3 * (size_t)film->n_views * (size_t)film->width > MAX_VALUES)
         return;
     for (int row = 0; row < film->height && row < MAX_ROWS; row++) {

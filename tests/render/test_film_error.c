@@ -263,6 +263,7 @@ enum { lit_most = 200 };
 /* Of one scene and answer, over runs. */
 typedef struct lit_result {
     lf_moments realised, stated, ratio; /* relMSE; of the bound to the estimate */
+    double stated_to_true[lit_most];
     int held;
 } lit_result;
 
@@ -323,6 +324,7 @@ static void run_lit(const lit_scene *s, int cycles, int runs, lit_result out[3])
             lf_moments_add(&out[e].stated, estimates[e][i]);
             lf_moments_add(&out[e].ratio, bounds[e][i] / estimates[e][i]);
             out[e].held += realised <= bounds[e][i];
+            out[e].stated_to_true[i] = estimates[e][i] / realised;
         }
     }
     lf_renderer_destroy(r);
@@ -370,6 +372,64 @@ static void errors_beside_lamps_are_what_is_stated(void **state)
         assert_coverage(held, 3 * n * runs);
 }
 
+/* ------------------------------------------------------------------------ glints and caustics --
+ */
+
+#define UNDER_SUN(angle, irradiance, rest)                                                         \
+    "{ 'quiltd': 1, 'camera': { 'position': [0, 1.2, 6], 'fov_y': 26, 'aspect': 0.6667, 'cone': "  \
+    "35, 'views': 9 }, 'lights': { 'sun': { 'type': 'distant', 'direction': [-0.5, -1, -0.4], "    \
+    "'irradiance': " irradiance ", 'angle': " angle                                                \
+    " }, " SKY("0.1") " }, 'materials': { "                                                        \
+                      "'clay': { 'albedo': [0.8, 0.6, 0.4] }, 'fine': { 'type': 'conductor', "     \
+                      "'metal': 'copper', "                                                        \
+                      "'roughness': 0.06 }, 'copper': { 'type': 'conductor', 'metal': 'copper', "  \
+                      "'roughness': 0.12 "                                                         \
+                      "}, 'coat': { 'type': 'principled', 'albedo': [0.8, 0.1, 0.1], "             \
+                      "'roughness': 0.4, 'coat': 1, "                                              \
+                      "'coat_roughness': 0.06 } }, 'meshes': { " MESH(                             \
+                          "ground", "quad", "clay",                                                \
+                          "'scale': 4, 'translate': [0, -1, 0]") ", " rest " } }"
+#define BALL(material) MESH("ball", "sphere", material, "'scale': 0.6, 'translate': [0, -0.3, 0]")
+
+static const lit_scene glint_scenes[] = {
+    {"copper, a sun of half a degree", UNDER_SUN("0.5", "20", BALL("copper"))},
+    {"finer copper", UNDER_SUN("0.5", "20", BALL("fine"))},
+    {"copper, a sun of two degrees", UNDER_SUN("2", "20", BALL("copper"))},
+    {"a coat, a sun of half a degree", UNDER_SUN("0.5", "20", BALL("coat"))},
+};
+
+static int less(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Half of the runs of each scene state 0.5 to 3 times what is true: few paths have most of the
+ * error there, and with them the means. */
+static void errors_before_glints_are_what_is_stated(void **state)
+{
+    (void)state;
+    int n = (int)(sizeof glint_scenes / sizeof glint_scenes[0]), held = 0,
+        runs = lf_test_long() ? lit_most : 20;
+    for (int i = 0; i < n; i++) {
+        lit_result result[3];
+        run_lit(&glint_scenes[i], 6, runs, result);
+        print_message("%-40s", glint_scenes[i].name);
+        for (int e = LF_ESTIMATOR_MWIS; e <= LF_ESTIMATOR_CV; e++) {
+            double *x = result[e].stated_to_true, median;
+            qsort(x, (size_t)runs, sizeof *x, less);
+            median = x[runs / 2];
+            print_message("  %s %.2f (%.2f to %.3g; %.1f %%, %.3g)",
+                          lf_estimator_name((lf_estimator)e), median, x[0], x[runs - 1],
+                          100.0 * result[e].held / runs, result[e].ratio.mean);
+            held += result[e].held;
+            assert_true(median > 0.5 && median < 3);
+        }
+        print_message("\n");
+    }
+    assert_coverage(held, 3 * n * runs);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -379,6 +439,7 @@ int main(void)
         cmocka_unit_test(bounds_hold_in_an_isotropic_cloud),
         cmocka_unit_test(bounds_hold_with_narrow_lobes),
         cmocka_unit_test(errors_beside_lamps_are_what_is_stated),
+        cmocka_unit_test(errors_before_glints_are_what_is_stated),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }
