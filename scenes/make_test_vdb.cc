@@ -247,7 +247,8 @@ openvdb::GridPtrVec bad_flows()
 {
     auto density = one_voxel("density", 1), infinite = one_voxel("wrong.x", 0);
     auto nan = openvdb::Vec3SGrid::create(openvdb::Vec3f(0)), frustum = nan->deepCopy(),
-         none = nan->deepCopy(), fast = nan->deepCopy(), vast = nan->deepCopy();
+         none = nan->deepCopy(), fast = nan->deepCopy(), vast = nan->deepCopy(),
+         steady = nan->deepCopy();
     const float big = std::numeric_limits<float>::infinity();
     nan->tree().setValueOn(Coord(1, 2, 3), openvdb::Vec3f(1, std::nanf(""), 1));
     frustum->tree().setValueOn(Coord(0), openvdb::Vec3f(1));
@@ -258,12 +259,14 @@ openvdb::GridPtrVec bad_flows()
     vast->setTransform(voxels_of(1e5, 0, 0, 0));
     vast->tree().setValueOn(Coord(0), openvdb::Vec3f(1e8f));
     vast->tree().setValueOn(Coord(8), openvdb::Vec3f(1e8f));
+    steady->fill(openvdb::CoordBBox(Coord(-8), Coord(8)), openvdb::Vec3f(1, 0, 0));
+    steady->setName("steady");
     nan->setName("nan");
     frustum->setName("frustum");
     none->setName("none");
     fast->setName("fast");
     vast->setName("vast");
-    return {density, nan, frustum, none, fast, vast, infinite};
+    return {density, nan, frustum, none, fast, vast, infinite, steady};
 }
 
 openvdb::GridPtrVec bad_values()

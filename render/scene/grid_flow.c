@@ -22,7 +22,8 @@ typedef struct flowing {
     uint64_t *wanted;             /* … [z][y][x], bit k: step k has something there */
     int used_first[3], used_n[3]; /* those that they do come to */
     lf_grid_steps *out;
-    const lf_import_group *group; /* of whoever asked, not of the pool's threads */
+    double contrast[LF_MAX_STEPS]; /* of steps */
+    const lf_import_group *group;  /* of whoever asked, not of the pool's threads */
 } flowing;
 
 /* -------------------------------------------------------------------------------- one voxel -- */
@@ -382,13 +383,40 @@ static void fill_layer(void *context, int z, int worker)
         }
 }
 
+/* sum f^2 / sum f over the voxels of a grid, each of which is counted once; 0: there is nothing. */
+static double contrast_of(const lf_grid *grid)
+{
+    double sum = 0.0, squares = 0.0;
+    for (size_t i = 0; i < (size_t)grid->n_bricks * LF_BRICK_STRIDE; i++) {
+        const int place = (int)(i % LF_BRICK_STRIDE), side = LF_BRICK_VALUES;
+        const bool again = place % side == 0 || place / side % side == 0 || place < side * side;
+        const double value = again ? 0.0 : (double)lf_grid_stored(grid, i + LF_BRICK_STRIDE);
+        sum += value;
+        squares += value * value;
+    }
+    return sum > 0.0 ? squares / sum : 0.0;
+}
+
 static void finish_step(void *context, int k, int worker)
 {
-    const flowing *f = context;
+    flowing *f = context;
     (void)worker;
+    f->contrast[k] = contrast_of(f->out->grid[k]);
     lf_grid_finish(f->out->grid[k]);
     if (f->flow->rounds)
         lf_grid_shorten(f->out->grid[k], true);
+}
+
+/* lf_grid_steps.lost, of the steps in which anything is left. */
+static float lost_by(const flowing *f)
+{
+    double sum = 0.0;
+    int n = 0;
+    for (int k = 0; k < f->flow->n; k++) {
+        sum += f->contrast[k];
+        n += f->contrast[k] > 0.0;
+    }
+    return n > 0 ? (float)fmax(contrast_of(f->grid) - sum / n, 0.0) : 0.0f;
 }
 
 static lf_status run(flowing *f, lf_pool *pool, lf_error *err)
@@ -400,6 +428,8 @@ static lf_status run(flowing *f, lf_pool *pool, lf_error *err)
         status = lf_pool_run(pool, f->used_n[2], fill_layer, f, NULL);
     if (status == LF_OK)
         status = lf_pool_run(pool, f->flow->n, finish_step, f, NULL);
+    if (status == LF_OK)
+        f->out->lost = lost_by(f);
     if (status == LF_OK && lf_import_group_is_stopped(f->group))
         status = lf_import_say_stopped("grid", err);
     return status;

@@ -101,6 +101,10 @@ typedef struct lf_grid_steps {
     atomic_int refs;
     int n;
     lf_grid *grid[LF_MAX_STEPS]; /* [n] counted references; the same key for all */
+    /* What of its contrast the grid loses, as values between voxels are interpolated once more: sum
+     * f^2 / sum f of the grid that flows, less that of a step, in the mean over those that have
+     * any. */
+    float lost;
 } lf_grid_steps;
 lf_grid_steps *lf_grid_steps_ref(lf_grid_steps *steps);
 /* Accepts NULL. */

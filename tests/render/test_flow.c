@@ -533,6 +533,29 @@ static void what_is_no_velocity_is_refused_in_one_line(void **state)
     }
 }
 
+/* One voxel of 1 goes half a voxel on: two of 1/2. sum f^2 / sum f falls from 1 to 1/2, and the
+ * scale says what that is in mean free paths. */
+static void a_density_that_is_too_rough_to_flow_is_refused(void **state)
+{
+    (void)state;
+    static const char velocity[] = "{'grid': 'steady', 'per': 'frame', 'steps': 1}";
+    const said thin = {BAD_FLOWS, velocity, 0, 1, ", 'scale': 0.27"},
+               still = {BAD_FLOWS, "{'grid': 'steady', 'scale': 0}", 0, 1, ", 'scale': 100"};
+    lf_scene *scene = scene_of(&thin);
+    lf_assert_close((double)scene->volumes[0].steps->lost, 0.5, 1e-6, 0.0);
+    lf_scene_unref(scene);
+    scene = scene_of(&still);
+    assert_true(scene->volumes[0].steps->lost == 0.0f);
+    lf_scene_unref(scene);
+    char path[PATH_MAX], text[PATH_MAX + 512];
+    assert_non_null(realpath(lf_test_built("testdata/bad_flows.vdb"), path));
+    snprintf(text, sizeof text,
+             "{'camera': {'shutter': 1}, 'volumes': {'v': {'file': '%s', 'scale': 0.29, "
+             "'velocity': %s}}}",
+             path, velocity);
+    lf_test_assert_refused(".", text, "/volumes/v/velocity", "too rough to be carried");
+}
+
 /* Velocities of any size are taken: what they carry is gone, and nothing comes of what is not. */
 static void what_is_too_fast_is_gone(void **state)
 {
@@ -644,6 +667,7 @@ int main(void)
         cmocka_unit_test(the_number_of_threads_changes_nothing),
         cmocka_unit_test(what_is_no_velocity_is_refused_in_one_line),
         cmocka_unit_test(what_is_too_fast_is_gone),
+        cmocka_unit_test(a_density_that_is_too_rough_to_flow_is_refused),
         cmocka_unit_test(what_takes_too_much_memory_is_refused_before_it_does),
         cmocka_unit_test(velocities_that_nothing_goes_by_are_told_once),
         cmocka_unit_test(steps_are_shared_and_the_subject_knows_them),
