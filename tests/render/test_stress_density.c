@@ -80,12 +80,14 @@ static void case_01_a_furnace_of_1000_mean_free_paths_and_g_of_0_9_is_white(void
     int where = 0;
     furnace(BALL("500", "1", "0.9"), width, height, cycles, lf_test_long() ? 48 : 8, 1, &blocks);
     const lf_moments *whole = &blocks.moments[blocks.n - 1];
-    double p = p_of_white(&blocks, 0.0, &where), error = lf_moments_error(whole);
+    /* cv knows most pixels to 4e-8, and sums of single precision are 7e-7 off */
+    const double rounding = 1e-5;
+    double p = p_of_white(&blocks, rounding, &where), error = lf_moments_error(whole);
     print_message("mean %.6f +- %.6f, smallest p of %d pixels %.2g\n", whole->mean, error,
                   blocks.n - 1, p);
     assert_true(p > lf_sidak(1e-3, blocks.n));
     assert_true(error < 1e-3);
-    assert_true(fabs(whole->mean - 1.0) < 3.0 * error);
+    assert_true(fabs(whole->mean - 1.0) < 3.0 * error + rounding);
     lf_blocks_finish(&blocks);
 }
 
