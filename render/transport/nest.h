@@ -1,0 +1,47 @@
+/* Solids of glass that stand in each other or overlap (a bottle, the water in it): which of them a
+ * path is inside of, and so what lies on either side of a face (Schmidt and Budge 2002, Simple
+ * Nested Dielectrics in Ray Traced Images). In a place the solid of the greatest number is there
+ * (lf_looks.solids): that of the greater "priority", and of the same the smaller one. A face on
+ * both sides of which is the same is not there. Private to render/. Only scenes with looks.nested
+ * ask.
+ */
+#ifndef LF_RENDER_NEST_H
+#define LF_RENDER_NEST_H
+
+#include "render/transport/track.h"
+
+/* So many solids may be about one place; further ones are not there. */
+#define LF_MOST_NESTED 8
+
+/* A path begins where none are. */
+typedef struct lf_nest {
+    int n;
+    struct {
+        uint32_t place;
+        uint16_t solid, material;
+    } in[LF_MOST_NESTED];
+} lf_nest;
+
+struct lf_event;
+
+/* Of what the hit is a face; -1: of none, or of one whose faces are met as if in air. */
+int lf_solid_of(const lf_scene *scene, const lf_hit *hit);
+
+/* What is there; NULL: air. */
+const lf_material *lf_nest_medium(const lf_scene *scene, const lf_nest *nest);
+
+/* About a path that leaves the event along w. */
+lf_nest lf_nest_beyond(const lf_scene *scene, const struct lf_event *from, lf_vec3 w);
+
+/* lf_trace_surface of a ray from o that leaves `from` along w, past faces that are not there. Sets
+ * what is about it, and the hit's own material to what its face is between the two media. A solid
+ * that is met from within is about it, and one that is met from outside is not: this mends what a
+ * path has missed. */
+bool lf_nest_trace(lf_tracer *tracer, const struct lf_event *from, lf_vec3 o, lf_vec3 w,
+                   float t_max, lf_nest *nest, lf_hit *hit);
+
+/* The same of an event to which a walk through flesh led: faces that are not there turn nothing. */
+void lf_nest_after_flesh(const lf_scene *scene, const struct lf_event *from, lf_vec3 w,
+                         struct lf_event *out);
+
+#endif
