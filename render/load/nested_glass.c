@@ -6,6 +6,8 @@
 #include "base/alloc.h"
 #include "render/load/closed_mesh.h"
 #include "render/scene/placed.h"
+#include "render/scene/vec_double.h"
+#include "render/transport/track.h"
 
 /* The triangles of a mesh that share a material, or several (first of them). */
 typedef struct part {
@@ -72,30 +74,37 @@ static bool add(parts *all, part item)
     return true;
 }
 
+static part part_of(const lf_scene *scene, int number, int material)
+{
+    const lf_mesh *mesh = &scene->meshes[number];
+    bool whole = !mesh->triangle_material;
+    part out = {.mesh = number,
+                .material = material,
+                .joined = -1,
+                .box = whole || mesh->placed ? mesh->box : box_of(mesh, material),
+                .priority = scene->materials[material].glass.priority,
+                .number = -1};
+    out.size = volume_of(&out.box);
+    if (mesh->placed) { /* one of its places */
+        const lf_affine map = lf_placed_map(mesh->placed, 0);
+        const lf_box own = box_of(mesh, material);
+        out.size = volume_of(&own) * fabs(lf_affine_determinant(&map));
+    }
+    return out;
+}
+
 static bool add_mesh(const lf_scene *scene, int number, parts *all)
 {
     const lf_mesh *mesh = &scene->meshes[number];
     bool used[LF_MAX_MATERIALS] = {false}, fine = true;
+    if (mesh->n_triangles > 0 && !mesh->triangle_material)
+        return !is_solid_glass(&scene->materials[mesh->material]) ||
+               add(all, part_of(scene, number, mesh->material));
     for (int i = 0; i < mesh->n_triangles; i++)
         used[lf_mesh_material(mesh, (uint32_t)i)] = true;
-    for (int m = 0; m < scene->n_materials && fine; m++) {
-        const lf_material *material = &scene->materials[m];
-        if (!used[m] || !is_solid_glass(material))
-            continue;
-        part item = {.mesh = number,
-                     .material = m,
-                     .joined = -1,
-                     .box = box_of(mesh, m),
-                     .priority = material->glass.priority,
-                     .number = -1};
-        item.size = volume_of(&item.box);
-        if (mesh->placed) {
-            const lf_affine map = lf_placed_map(mesh->placed, 0);
-            item.size *= fabs(lf_affine_determinant(&map));
-            item.box = mesh->box;
-        }
-        fine = add(all, item);
-    }
+    for (int m = 0; m < scene->n_materials && fine; m++)
+        if (used[m] && is_solid_glass(&scene->materials[m]))
+            fine = add(all, part_of(scene, number, m));
     return fine;
 }
 
@@ -221,9 +230,48 @@ static bool fill(lf_scene *scene, const parts *all)
     return true;
 }
 
+/* A ray that leaves a solid more often than it enters it began in it. */
+static bool is_about(const lf_scene *scene, const part *p, lf_vec3 eye)
+{
+    lf_tracer tracer = {.scene = scene};
+    lf_hit hit;
+    int left = 0;
+    float t = 0.0f;
+    const lf_vec3 w = lf_v3(0.36f, 0.48f, 0.8f);
+    while (lf_trace_next(&tracer, eye, w, t, INFINITY, &hit)) {
+        const ptrdiff_t mesh = hit.mesh - scene->meshes, m = hit.material - scene->materials;
+        if (scene->looks.solids[mesh * scene->n_materials + m] == p->number)
+            left += hit.front ? -1 : 1;
+        t = lf_behind(hit.t);
+    }
+    return left > 0;
+}
+
+/* Of a camera that stands still. */
+static void warn_of_camera(const lf_scene *scene, const lf_scene_desc *desc, const parts *all,
+                           lf_warnings *warnings)
+{
+    double eye[3];
+    lf_sub_double(scene->camera.position, scene->origin, eye);
+    for (int i = 0; i < all->n && !scene->camera.moves && !scene->camera.list; i++) {
+        const part *p = &all->item[i];
+        const lf_vec3 at = lf_to_vec3(eye);
+        const lf_box point = {at, at};
+        if (p->number < 0 || !holds(&p->box, &point) || !overlaps_others(all, i) ||
+            !is_about(scene, p, at))
+            continue;
+        lf_warnings_add(warnings, scene->file.where,
+                        "camera: stands inside of the mesh \"%s\", and other glass is there: the "
+                        "first face that it sees refracts as if in air",
+                        desc->meshes[p->mesh].name);
+        return;
+    }
+}
+
 static void warn(const lf_scene *scene, const lf_scene_desc *desc, const parts *all,
                  lf_warnings *warnings)
 {
+    warn_of_camera(scene, desc, all, warnings);
     for (int i = 0; i < all->n; i++)
         if (all->item[i].is_open && overlaps_others(all, i))
             lf_warnings_add(warnings, scene->file.where,
@@ -250,7 +298,8 @@ bool lf_nest_glass(lf_scene *scene, const lf_scene_desc *desc, lf_warnings *warn
             if (all.item[i].is_hollow)
                 join_hollow(&all, &all.item[i]);
         fine = number(&all) && fill(scene, &all);
-        warn(scene, desc, &all, warnings);
+        if (fine)
+            warn(scene, desc, &all, warnings);
     }
     lf_free(all.item);
     return fine;

@@ -1,9 +1,11 @@
 #include "render/transport/nest.h"
 
+#include "render/transport/interior.h"
 #include "render/transport/path.h"
 #include "render/transport/surface_glass.h"
 
-int lf_solid_of(const lf_scene *scene, const lf_hit *hit)
+/* -1: of none, or of one whose faces are met as if in air. */
+static int solid_of(const lf_scene *scene, const lf_hit *hit)
 {
     return scene->looks.solids[(hit->mesh - scene->meshes) * scene->n_materials +
                                (hit->material - scene->materials)];
@@ -42,7 +44,8 @@ static void enter(const lf_scene *scene, lf_nest *nest, int solid, const lf_hit 
     nest->in[i].material = (uint16_t)(hit->material - scene->materials);
 }
 
-const lf_material *lf_nest_medium(const lf_scene *scene, const lf_nest *nest)
+/* NULL: air. */
+static const lf_material *medium(const lf_scene *scene, const lf_nest *nest)
 {
     int top = 0;
     for (int i = 1; i < nest->n; i++)
@@ -53,7 +56,7 @@ const lf_material *lf_nest_medium(const lf_scene *scene, const lf_nest *nest)
 /* To the other side of a face. */
 static void cross(const lf_scene *scene, lf_nest *nest, const lf_hit *hit)
 {
-    int solid = lf_solid_of(scene, hit);
+    int solid = solid_of(scene, hit);
     if (solid >= 0 && hit->front)
         enter(scene, nest, solid, hit);
     else if (solid >= 0)
@@ -66,6 +69,33 @@ lf_nest lf_nest_beyond(const lf_scene *scene, const lf_event *from, lf_vec3 w)
     if (from->kind == LF_EVENT_SURFACE && lf_dot(from->hit.ng, w) < 0.0f)
         cross(scene, &nest, &from->hit);
     return nest;
+}
+
+static bool is_glass(const lf_event *event)
+{
+    const lf_material *m = event->hit.material;
+    return event->kind == LF_EVENT_SURFACE && m->is_solid && m->transmission > 0.0f;
+}
+
+const lf_material *lf_nest_beyond_is(const lf_scene *scene, const lf_event *from, lf_vec3 w,
+                                     const lf_material *in)
+{
+    if (!is_glass(from) || (in && solid_of(scene, &from->hit) < 0))
+        return in;
+    const lf_nest nest = lf_nest_beyond(scene, from, w);
+    return medium(scene, &nest);
+}
+
+const lf_material *lf_nest_before_is(const lf_scene *scene, const lf_event *from, lf_vec3 w,
+                                     const lf_event *out, const lf_material *in)
+{
+    if (is_glass(out)) {
+        if (solid_of(scene, &out->hit) >= 0)
+            return medium(scene, &out->nest);
+        if (!out->hit.front)
+            return in;
+    }
+    return lf_interior_beyond(scene, from, w);
 }
 
 static void part(lf_hit *hit, float eta)
@@ -82,7 +112,7 @@ static void part(lf_hit *hit, float eta)
  * is one of glass in air, or of no glass. false: it is not there. */
 static bool is_there(const lf_scene *scene, lf_nest *nest, const lf_hit *hit, float *out_eta)
 {
-    int solid = lf_solid_of(scene, hit);
+    int solid = solid_of(scene, hit);
     *out_eta = 0.0f;
     if (solid < 0)
         return true;
@@ -92,7 +122,7 @@ static bool is_there(const lf_scene *scene, lf_nest *nest, const lf_hit *hit, fl
         enter(scene, nest, solid, hit);
     lf_nest beyond = *nest;
     cross(scene, &beyond, hit);
-    const lf_material *here = lf_nest_medium(scene, nest), *there = lf_nest_medium(scene, &beyond);
+    const lf_material *here = medium(scene, nest), *there = medium(scene, &beyond);
     if (here && there)
         *out_eta = there->ior / here->ior;
     return here != there || !here;

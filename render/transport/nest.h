@@ -24,14 +24,15 @@ typedef struct lf_nest {
 
 struct lf_event;
 
-/* Of what the hit is a face; -1: of none, or of one whose faces are met as if in air. */
-int lf_solid_of(const lf_scene *scene, const lf_hit *hit);
-
-/* What is there; NULL: air. */
-const lf_material *lf_nest_medium(const lf_scene *scene, const lf_nest *nest);
-
 /* About a path that leaves the event along w. */
 lf_nest lf_nest_beyond(const lf_scene *scene, const struct lf_event *from, lf_vec3 w);
+
+/* What is there, where `in` is what a single solid would make of it (interior.c): beyond an event,
+ * which a path leaves along w, and along the segment that ends at the next. NULL: air. */
+const lf_material *lf_nest_beyond_is(const lf_scene *scene, const struct lf_event *from, lf_vec3 w,
+                                     const lf_material *in);
+const lf_material *lf_nest_before_is(const lf_scene *scene, const struct lf_event *from, lf_vec3 w,
+                                     const struct lf_event *out, const lf_material *in);
 
 /* lf_trace_surface of a ray from o that leaves `from` along w, past faces that are not there. Sets
  * what is about it, and the hit's own material to what its face is between the two media. A solid
