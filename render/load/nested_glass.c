@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "render/load/closed_mesh.h"
+#include "render/load/touching_faces.h"
 #include "render/scene/placed.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/track.h"
@@ -108,10 +109,17 @@ static bool add_mesh(const lf_scene *scene, int number, parts *all)
     return fine;
 }
 
+/* Or touch, but for rounding. */
 static bool overlap(const lf_box *a, const lf_box *b)
 {
-    return a->min.x < b->max.x && a->max.x > b->min.x && a->min.y < b->max.y &&
-           a->max.y > b->min.y && a->min.z < b->max.z && a->max.z > b->min.z;
+    const float low[2][3] = {{a->min.x, a->min.y, a->min.z}, {b->min.x, b->min.y, b->min.z}},
+                high[2][3] = {{a->max.x, a->max.y, a->max.z}, {b->max.x, b->max.y, b->max.z}};
+    bool all = true;
+    for (int i = 0; i < 3; i++) {
+        const float slack = 1e-6f * (fabsf(low[0][i]) + fabsf(high[0][i]));
+        all &= low[0][i] <= high[1][i] + slack && high[0][i] >= low[1][i] - slack;
+    }
+    return all;
 }
 
 static bool holds(const lf_box *a, const lf_box *b)
@@ -297,7 +305,7 @@ bool lf_nest_glass(lf_scene *scene, const lf_scene_desc *desc, lf_warnings *warn
         for (int i = 0; i < all.n; i++)
             if (all.item[i].is_hollow)
                 join_hollow(&all, &all.item[i]);
-        fine = number(&all) && fill(scene, &all);
+        fine = number(&all) && fill(scene, &all) && lf_touching_find(scene);
         if (fine)
             warn(scene, desc, &all, warnings);
     }

@@ -453,6 +453,14 @@ typedef struct lf_scene_file {
     lf_view_camera *views; /* what the camera's list is; NULL: it has none */
 } lf_scene_file;
 
+/* Two triangles of different solids of glass that lie in one plane. */
+typedef struct lf_touching {
+    int mesh;
+    uint32_t triangle;
+    int other;
+    uint32_t other_triangle;
+} lf_touching;
+
 /* What some of its surfaces and volumes are, and most scenes lack. */
 typedef struct lf_looks {
     bool varied;    /* something varies along a mesh */
@@ -471,6 +479,9 @@ typedef struct lf_looks {
     /* [n_meshes][n_materials] owned: which solid such triangles belong to (nest.h); -1: they part
      * glass from air, or nothing from nothing */
     int16_t *solids;
+    /* [n_touching] owned: of its solids, by mesh and triangle; each pair both ways */
+    lf_touching *touching;
+    int n_touching;
 } lf_looks;
 
 struct lf_scene {

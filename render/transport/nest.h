@@ -13,13 +13,16 @@
 /* So many solids may be about one place; further ones are not there. */
 #define LF_MOST_NESTED 8
 
+/* A solid, in one of its places, with the material of the face through which it was entered. */
+typedef struct lf_nested {
+    uint32_t place;
+    uint16_t solid, material;
+} lf_nested;
+
 /* A path begins where none are. */
 typedef struct lf_nest {
     int n;
-    struct {
-        uint32_t place;
-        uint16_t solid, material;
-    } in[LF_MOST_NESTED];
+    lf_nested in[LF_MOST_NESTED];
 } lf_nest;
 
 struct lf_event;
