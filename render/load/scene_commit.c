@@ -13,6 +13,7 @@
 #include "render/load/geometry_build.h"
 #include "render/load/mesh_doubles.h"
 #include "render/load/meshes_import.h"
+#include "render/load/nested_glass.h"
 #include "render/load/open_flesh.h"
 #include "render/load/scene_looks.h"
 #include "render/load/scene_subject.h"
@@ -631,7 +632,10 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         return;
     }
     lf_scene_look(scene);
-    reader->status = lf_lights_commit(scene, reader->err);
+    if (!lf_nest_glass(scene, desc, &scene->warnings))
+        out_of_memory(&c);
+    if (goes_on(&c))
+        reader->status = lf_lights_commit(scene, reader->err);
     if (goes_on(&c))
         find_overlaps(&c);
     if (goes_on(&c))

@@ -189,6 +189,7 @@ void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler)
     event->from = event->channels = event->left = lf_v3(0.0f, 0.0f, 0.0f);
     event->t = event->surface = 0.0f;
     event->interior = NULL;
+    event->nest.n = 0;
     event->flesh = (lf_flesh){0};
     pivot->lx = lens;
     pivot->boost = 0.0f;

@@ -64,6 +64,8 @@ void lf_scene_unref(lf_scene *scene)
     lf_free(scene->lights);
     lf_free(scene->meshes);
     lf_free(scene->materials);
+    lf_free(scene->looks.solids);
+    lf_free(scene->looks.touching);
     lf_warnings_finish(&scene->warnings);
     bool large = scene->file.bytes >= LF_SCENE_LARGE_BYTES;
     json_decref(scene->json);

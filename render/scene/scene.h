@@ -206,7 +206,11 @@ typedef struct lf_glass {
     /* Smooth clear sheets, and nothing else: what goes straight through is a matter of how much of
      * them is met (surface_glass.h). */
     bool is_pane;
-    bool is_inside;                /* of a hit's own: met from within a solid (track.c) */
+    bool is_inside; /* of a hit's own: met from within a solid (track.c) */
+    /* Of a hit's own: between two media. ior, at least 1, is the one index over the other, and
+     * is_inside says that the path comes from the greater (lf_glass_part). */
+    bool is_parting;
+    float priority;                /* where solids overlap, the greatest is there (nest.h) */
     float kept[2][LF_GLASS_NODES]; /* E of rough glass, from outside and from within */
 } lf_glass;
 
@@ -459,6 +463,14 @@ typedef struct lf_scene_file {
     lf_view_camera *views; /* what the camera's list is; NULL: it has none */
 } lf_scene_file;
 
+/* Two triangles of different solids of glass that lie in one plane. */
+typedef struct lf_touching {
+    int mesh;
+    uint32_t triangle;
+    int other;
+    uint32_t other_triangle;
+} lf_touching;
+
 /* What some of its surfaces and volumes are, and most scenes lack. */
 typedef struct lf_looks {
     bool varied;    /* something varies along a mesh */
@@ -473,6 +485,13 @@ typedef struct lf_looks {
     bool reflected; /* ... and some one of what it reflects */
     bool paned;     /* some sheet is a pane */
     bool placed;    /* some mesh stands in many places */
+    bool nested;    /* solid glass stands in solid glass: */
+    /* [n_meshes][n_materials] owned: which solid such triangles belong to (nest.h); -1: they part
+     * glass from air, or nothing from nothing */
+    int16_t *solids;
+    /* [n_touching] owned: of its solids, by mesh and triangle; each pair both ways */
+    lf_touching *touching;
+    int n_touching;
 } lf_looks;
 
 struct lf_scene {

@@ -5,13 +5,19 @@ static bool is_filled(const lf_material *m)
     return m->is_solid && m->transmission > 0.0f;
 }
 
-const lf_material *lf_interior_beyond(const lf_event *from, lf_vec3 w)
+static const lf_material *beyond(const lf_event *from, lf_vec3 w)
 {
     const lf_hit *hit = &from->hit;
     if (from->kind != LF_EVENT_SURFACE || !is_filled(hit->material))
         return from->interior;
     bool through = lf_dot(hit->ng, w) < 0.0f;
     return through == hit->front ? hit->material : NULL;
+}
+
+const lf_material *lf_interior_beyond(const lf_scene *scene, const lf_event *from, lf_vec3 w)
+{
+    const lf_material *in = beyond(from, w);
+    return scene->looks.nested ? lf_nest_beyond_is(scene, from, w, in) : in;
 }
 
 static lf_vec3 extinction(const lf_material *m)
@@ -27,9 +33,11 @@ lf_vec3 lf_interior_left(const lf_material *in, float t)
 float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
                       lf_event *out)
 {
-    const lf_material *in = lf_interior_beyond(from, w);
+    const lf_material *in = beyond(from, w);
     if (out->surface < INFINITY && !out->hit.front && is_filled(out->hit.material))
         in = out->hit.material;
+    if (tracer->scene->looks.nested)
+        in = lf_nest_before_is(tracer->scene, from, w, out, in);
     if (!(out->surface < INFINITY))
         in = NULL; /* no face ends it: the mesh is not closed */
     out->interior = in;

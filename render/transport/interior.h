@@ -9,15 +9,15 @@
 #include "render/transport/path.h"
 
 /* The glass in which a path goes on that leaves the event along w; NULL: none. */
-const lf_material *lf_interior_beyond(const lf_event *from, lf_vec3 w);
+const lf_material *lf_interior_beyond(const lf_scene *scene, const lf_event *from, lf_vec3 w);
 
 /* What it leaves of light along a way of this length: Beer's law, of scattering as well. */
 lf_vec3 lf_interior_left(const lf_material *in, float t);
 
 /* How far a path that carries beta goes within the glass that it enters, or is in, from `from`
  * along w before it is scattered there: INFINITY where nothing scatters. Sets interior of the
- * segment, whose surface (out->surface, hit) is known. The way is drawn for one channel, chosen in
- * proportion to beta. */
+ * segment, whose surface (out->surface, hit) and nest are known. The way is drawn for one channel,
+ * chosen in proportion to beta. */
 float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
                       lf_event *out);
 /* Once it is known where the segment ends (out->t, volume LF_INTERIOR where that was the way's

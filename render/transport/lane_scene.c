@@ -86,7 +86,8 @@ static bool serves_lights(const lf_scene *scene)
 /* Rays meet what is there for sure, and no path ends inside of anything. */
 static bool serves_surfaces(const lf_looks *looks)
 {
-    return !looks->veiled && !looks->filled; /* panes are veils, and flesh fills */
+    /* panes are veils, and flesh fills */
+    return !looks->veiled && !looks->filled && !looks->nested;
 }
 
 bool lf_lane_scene_serves(const lf_scene *scene)

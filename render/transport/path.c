@@ -18,6 +18,8 @@ static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_ve
         out->flesh = lf_flesh_beyond(from, w);
         if (out->flesh.of) {
             lf_flesh_walk(tracer, from, w, beta, out);
+            if (tracer->scene->looks.nested)
+                lf_nest_after_flesh(tracer->scene, from, w, out);
             return;
         }
     }
@@ -28,7 +30,9 @@ static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_ve
     tracer->width = from->kind == LF_EVENT_SURFACE && from->hit.varies ? from->hit.width : 0.0f;
     out->kind = LF_EVENT_ESCAPE;
     out->w = w;
-    if (lf_trace_surface(tracer, o, w, t_max, &out->hit)) {
+    if (tracer->scene->looks.nested
+            ? lf_nest_trace(tracer, from, o, w, t_max, &out->nest, &out->hit)
+            : lf_trace_surface(tracer, o, w, t_max, &out->hit)) {
         out->kind = LF_EVENT_SURFACE;
         out->p = out->hit.p;
         t_max = out->hit.t;
@@ -72,7 +76,7 @@ lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
                                const lf_light_sample *light)
 {
     const lf_material *in = scene->looks.filled && light->distance < INFINITY
-                                ? lf_interior_beyond(event, light->wi)
+                                ? lf_interior_beyond(scene, event, light->wi)
                                 : NULL;
     return in ? lf_interior_left(in, light->distance) : lf_v3(1.0f, 1.0f, 1.0f);
 }
@@ -163,11 +167,27 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
  * alike. A point within rounding of its triangle's edge may be met as the neighbour's and is lost:
  * of lamps cut into triangles n times as wide as coordinates are rounded a share of a few times 1/n
  * (a ball of radius 0.05, 1000 from the middle of the scene: 2.8 %). */
-static bool meets_lamp(lf_tracer *tracer, lf_vec3 o, const lf_light_sample *light)
+static bool meets_lamp(lf_tracer *tracer, const lf_event *event, lf_vec3 o,
+                       const lf_light_sample *light)
+{
+    const lf_vec3 d = lf_sub(light->point, o);
+    lf_hit hit;
+    lf_nest nest;
+    const bool met = tracer->scene->looks.nested
+                         ? lf_nest_trace(tracer, event, o, d, INFINITY, &nest, &hit)
+                         : lf_trace_surface(tracer, o, d, INFINITY, &hit);
+    return met && hit.mesh == light->mesh && hit.triangle == light->triangle;
+}
+
+/* What comes from there to the event: faces of glass that are not there hide nothing. */
+static float passed_from(lf_tracer *tracer, const lf_event *event, lf_vec3 o, lf_vec3 d,
+                         float t_max)
 {
     lf_hit hit;
-    return lf_trace_surface(tracer, o, lf_sub(light->point, o), INFINITY, &hit) &&
-           hit.mesh == light->mesh && hit.triangle == light->triangle;
+    lf_nest nest;
+    if (!tracer->scene->looks.nested)
+        return lf_trace_passed(tracer, o, d, t_max);
+    return lf_nest_trace(tracer, event, o, d, t_max, &nest, &hit) ? 0.0f : 1.0f;
 }
 
 float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample *light)
@@ -191,8 +211,8 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
         t_max = 1.0f - 1e-6f;
     }
     float passed = tracer->scene->has_overlaps && light->mesh
-                       ? (float)meets_lamp(tracer, o, light)
-                       : lf_trace_passed(tracer, o, d, t_max);
+                       ? (float)meets_lamp(tracer, event, o, light)
+                       : passed_from(tracer, event, o, d, t_max);
     if (!(passed > 0.0f))
         return 0.0f;
     if (!tracer->scene->looks.chromatic)
@@ -267,6 +287,8 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
     float t = lf_glow_segment_draw(&segment, lf_rng(tracer)), pdf;
     const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
     event.p = lf_madd(next->from, t, next->w);
+    if (scene->looks.nested)
+        event.nest = next->nest;
     float sigma = t < next->surface ? extinction(scene, event.p) : 0.0f;
     const lf_light *from = &scene->lights[glow->light];
     lf_light_sample light;

@@ -3,6 +3,7 @@
 #ifndef LF_RENDER_PATH_H
 #define LF_RENDER_PATH_H
 
+#include "render/transport/nest.h"
 #include "render/transport/phase.h"
 #include "render/transport/track.h"
 
@@ -34,6 +35,7 @@ typedef struct lf_event {
      * along it is to be multiplied by (interior.h). */
     const lf_material *interior;
     lf_vec3 left;
+    lf_nest nest; /* in scenes with looks.nested: of solids about that segment */
     /* In scenes with looks.fleshy: through which the path came here. */
     lf_flesh flesh;
 } lf_event;

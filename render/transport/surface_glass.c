@@ -122,6 +122,24 @@ void lf_glass_prepare(lf_material *m)
         lf_glass_fit(m->ior, inside, m->roughness, m->glass.kept[inside]);
 }
 
+void lf_glass_part(lf_material *m, float eta)
+{
+    const bool lobes = lf_material_alpha(m) >= LF_ALPHA_MIN, was_rough = m->glass.is_rough;
+    m->glass.is_parting = true;
+    m->glass.is_inside = eta < 1.0f;
+    m->ior = eta < 1.0f ? 1.0f / eta : eta;
+    if (lobes || m->transmission < 1.0f) {
+        const float mean =
+            lf_loss_look_up(m->ior, lobes ? m->roughness : 0.0f, lobes ? m->loss : NULL);
+        m->energy.mean_loss = 1.0f - m->specular * (1.0f - mean);
+    }
+    m->glass.is_rough = lf_glass_is_rough(m);
+    m->has_delta |= was_rough && !m->glass.is_rough;
+    if (m->glass.is_rough)
+        lf_glass_look_up(m->ior, m->glass.is_inside, m->roughness,
+                         m->glass.kept[m->glass.is_inside]);
+}
+
 void lf_glass_vary(lf_material *m)
 {
     for (int inside = 0; inside < 2 && m->glass.is_rough && m->is_solid; inside++)

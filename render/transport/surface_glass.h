@@ -42,6 +42,10 @@ void lf_glass_fit(float ior, bool inside, float roughness, float out[LF_GLASS_NO
  * made when they are first asked for (half a second). Thread: any. */
 void lf_glass_look_up(float ior, bool inside, float roughness, float out[LF_GLASS_NODES]);
 
+/* Makes of a hit's own what its face is between two media, eta the index beyond over the one that
+ * the path comes from. */
+void lf_glass_part(lf_material *m, float eta);
+
 /* Works out m->glass from the other words; and again where a picture has changed the roughness. */
 void lf_glass_prepare(lf_material *m);
 void lf_glass_vary(lf_material *m);

@@ -422,6 +422,7 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
     int n = 0;
     if (!m->has_delta || !(cos_o > LF_MIN_COS) || (!front && m->glass.subsurface > 0.0f))
         return 0;
+    front = m->glass.is_parting ? !m->glass.is_inside : front;
     layers l = layers_of(m);
     lf_vec3 shiny = ns; /* of a coat's own normal the base below, or it itself, is no mirror */
     float cos_coat = cos_o;
@@ -545,7 +546,8 @@ enum {
     SUBSURFACE,
     RADIUS,
     BRUSH,
-    BRUSH_TURN
+    BRUSH_TURN,
+    PRIORITY
 };
 
 #define LEAST_RADIUS 1e-6 /* its inverse squared is a float */
@@ -586,6 +588,7 @@ static const lf_param keys[] = {
                     .type = LF_PARAM_ANGLE,
                     .low = -3600,
                     .high = 3600},
+    [PRIORITY] = {.name = "priority", .type = LF_PARAM_NUMBER, .low = -1000, .high = 1000},
     {0},
 };
 
@@ -611,6 +614,7 @@ static void read(const lf_value values[], lf_material *m)
     m->brush.strength = (float)values[BRUSH].number[0];
     m->brush.turn[0] = (float)cos(values[BRUSH_TURN].number[0]);
     m->brush.turn[1] = (float)sin(values[BRUSH_TURN].number[0]);
+    m->glass.priority = (float)values[PRIORITY].number[0];
 }
 
 static const char *check(const lf_value values[], int *out_key)

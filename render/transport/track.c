@@ -199,6 +199,11 @@ bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_h
     return trace(tracer, o, w, 0.0f, t_max, hit);
 }
 
+bool lf_trace_beyond(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
+{
+    return trace(tracer, o, w, t_min, t_max, hit);
+}
+
 bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit)
 {
     bool found = trace(tracer, o, w, 0.0f, t_max, hit);

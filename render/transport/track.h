@@ -64,7 +64,10 @@ static inline float lf_rng_exponential(lf_tracer *t)
 /* Nearest surface along o + t w, 0 < t < t_max; w need not be unit. true and *hit filled, or false.
  * A veil (lf_cover) is met by chance, as much as is there of it. */
 bool lf_trace_surface(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
-/* The same for rays of the camera, which pass through meshes that are hidden from it. */
+/* The same of those with t_min < t. */
+bool lf_trace_beyond(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max,
+                     lf_hit *hit);
+/* lf_trace_surface for rays of the camera, which pass through meshes that are hidden from it. */
 bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit *hit);
 /* Where a ray goes on behind what it has met at t: far enough that Embree, whose threads flush what
  * is smaller to 0, does not find the same again, for ever. */
