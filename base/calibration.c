@@ -347,8 +347,8 @@ static lf_status parse_text(const char *text, size_t n, const char *where, lf_ca
     json_t *whole = json_loadb(text, n, JSON_REJECT_DUPLICATES, &json), *root = whole;
     if (!root && json_error_code(&json) == json_error_end_of_input_expected)
         return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
-                               "something stands behind the JSON object, such as bytes of zero; "
-                               "end the file with its last brace");
+                               "something stands behind the JSON object; end the file with its "
+                               "last brace");
     if (!root)
         return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
                                "not JSON: %s", json.text);

@@ -138,7 +138,7 @@ static const lf_error *problem_of_files(const asked *state, const char *path, lf
 {
     /* a mesh is read without its libraries, but for want of a buffer it may be refused */
     bool missed = (status == LF_E_FORMAT || status == LF_E_IO) && !lf_path_has_ending(path, ".obj");
-    missed = missed || (status == LF_E_IO && !opened);
+    missed = missed || !opened;
     if (state->refused.status != LF_OK)
         return &state->refused;
     return missed && state->failed.status != LF_OK ? &state->failed : NULL;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/reader/reader.h"
 #include "render/reader/gltf_animation.h"
 #include "render/reader/gltf_sampler.h"
@@ -148,8 +149,9 @@ static const property *find_property(const char *pointer)
 static json_t *member(json_t *of, const char *name, size_t n)
 {
     char copy[MOST_NAME] = "";
+    uint64_t index;
     if (json_is_array(of))
-        return json_array_get(of, (size_t)strtoull(name, NULL, 10));
+        return lf_whole_read(name, &index) == name + n ? json_array_get(of, (size_t)index) : NULL;
     if (n >= sizeof copy)
         return NULL;
     memcpy(copy, name, n);
@@ -350,7 +352,9 @@ static lf_status follow(following *f, const json_t *channel, const char *pointer
     memcpy(copy, pointer, strlen(pointer) + 1);
     if (p.property->kind == WEIGHT) {
         char *last = strrchr(copy, '/');
-        p.index = (size_t)strtoull(last + 1, NULL, 10);
+        uint64_t index = UINT64_MAX;
+        (void)lf_whole_is(last + 1, &index);
+        p.index = (size_t)index;
         *last = '\0';
     }
     p.owner = find_owner(f->gltf->json, copy, &p.key);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/number.h"
 #include "base/reader/reader.h"
 
 #define MOST_TARGETS 4096
@@ -53,12 +54,13 @@ static unsigned lost_of(const json_t *json)
     const json_t *targets = json_object_get(json, "targets");
     const char *name;
     unsigned lost = 0;
+    uint64_t set;
     json_object_foreach(attributes, name, value)
     {
         bool beyond = strncmp(name, "JOINTS_", 7) == 0 || strncmp(name, "WEIGHTS_", 8) == 0;
         if (strncmp(name, "COLOR_", 6) == 0 && strcmp(name, "COLOR_0") != 0)
             lost |= 1u << LF_GLTF_LOST_COLOURS;
-        if (beyond && atoi(strchr(name, '_') + 1) >= LF_GLTF_JOINT_SETS)
+        if (beyond && lf_whole_is(strchr(name, '_') + 1, &set) && set >= LF_GLTF_JOINT_SETS)
             lost |= 1u << LF_GLTF_LOST_JOINTS;
     }
     for (size_t i = 0; i < json_array_size(targets); i++)

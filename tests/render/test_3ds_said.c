@@ -282,7 +282,7 @@ static const lf_format_row tds_rows[] = {
     CHUNK("4140 texture coordinates", "ignored", 0x4140, NULL),
     CHUNK("4150 smoothing groups", "used", 0x4150, NULL),
     CHUNK("4160 local axes", "ignored", 0x4160, NULL),
-    CHUNK("4600 light", "told", 0x4600, "lights are not used"),
+    CHUNK("4600 light", "told", 0x4600, "light is not used"),
     CHUNK("4700 camera", "told", 0x4700, "cameras are not used"),
     CHUNK("a000 name of a material", "ignored", 0xa000, NULL),
     CHUNK("a010 ambient", "ignored", 0xa010, NULL),

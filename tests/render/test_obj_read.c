@@ -192,7 +192,7 @@ static void what_is_not_there_is_left_out_and_counted(void **state)
     for (int c = 0; c < 3; c++)
         assert_true(soup.normals_of[c] == LF_NO_NORMAL);
     assert_true(warns(&soup, "corners that name normals that there are not (2) have none"));
-    assert_true(warns(&soup, "1 corners name texture coordinates that there are not"));
+    assert_true(warns(&soup, "1 corner names texture coordinates that there are not"));
     lf_soup_finish(&soup);
 }
 
