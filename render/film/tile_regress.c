@@ -88,15 +88,15 @@ static void read_beta_ratios(const lf_tile *t, int h, lf_beta *beta)
 
 /* Least squares, by what is relative to R. Any coefficients of the other half keep the estimate
  * unbiased; wild ones only make it noisy. */
-void lf_tile_regress(const lf_tile *t, int h, lf_beta *beta)
+void lf_tile_regress(const lf_tile *t, int h, lf_beta *out)
 {
     double a11 = 0.0, a12 = 0.0, a22 = 0.0, y1 = 0.0, y2 = 0.0;
-    memset(beta->lambda, 0, sizeof beta->lambda);
-    read_beta_ratios(t, h, beta);
+    memset(out->lambda, 0, sizeof out->lambda);
+    read_beta_ratios(t, h, out);
     for (int i = 0; i < t->count; i++) {
         const lf_sums *s = &t->pixel[i].half[h];
         for (int c = 0; c < 3; c++) {
-            double r = beta->ratio[i][c], x1 = r * (double)(s->w - s->q),
+            double r = out->ratio[i][c], x1 = r * (double)(s->w - s->q),
                    x2 = r * (double)(s->w2 - s->q),
                    y = below_bound(s, (double)lf_most(s->w, s->w2), c, r) - r * (double)s->q,
                    weight = 1.0 / (r * r + LF_ERROR_EPSILON);
@@ -109,13 +109,13 @@ void lf_tile_regress(const lf_tile *t, int h, lf_beta *beta)
     }
     double det = a11 * a22 - a12 * a12;
     if (t->film->layout.has_w2 && det > 1e-6 * a11 * a22) {
-        beta->lambda[0] = (a22 * y1 - a12 * y2) / det;
-        beta->lambda[1] = (a11 * y2 - a12 * y1) / det;
+        out->lambda[0] = (a22 * y1 - a12 * y2) / det;
+        out->lambda[1] = (a11 * y2 - a12 * y1) / det;
     } else if (a11 > 0.0) {
-        beta->lambda[0] = y1 / a11;
+        out->lambda[0] = y1 / a11;
     }
     /* N falls by as much as the controls say at most, and does not rise. */
-    double sum = beta->lambda[0] + beta->lambda[1], part = sum > 0.0 ? fmin(1.0, 1.0 / sum) : 0.0;
+    double sum = out->lambda[0] + out->lambda[1], part = sum > 0.0 ? fmin(1.0, 1.0 / sum) : 0.0;
     for (int i = 0; i < 2; i++)
-        beta->lambda[i] = fmin(fmax(part * beta->lambda[i], -1.0), 2.0);
+        out->lambda[i] = fmin(fmax(part * out->lambda[i], -1.0), 2.0);
 }
