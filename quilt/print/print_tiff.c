@@ -52,34 +52,45 @@ static void exact_fraction(double dpi, uint32_t out[2])
     out[1] = below;
 }
 
-/* libtiff keeps a resolution as a float: where that is none, the fraction that it writes becomes
- * the one that was asked for. value: 8 bytes, little endian. */
-static void put_fraction(const lf_print_tiff *tiff, unsigned char *value)
+static uint64_t number_of(const unsigned char *bytes, int n)
 {
-    uint32_t is[2] = {0, 0}, exact[2];
-    for (int i = 7; i >= 0; i--)
-        is[i / 4] = is[i / 4] << 8 | value[i];
-    for (int k = 0; k < 2; k++) {
-        if (is[1] == 0 || fabs((double)is[0] / is[1] - tiff->dpi[k]) > 1e-7 * tiff->dpi[k])
-            continue;
-        exact_fraction(tiff->dpi[k], exact);
-        for (int i = 0; i < 8; i++)
-            value[i] = (unsigned char)(exact[i / 4] >> 8 * (i % 4));
-        return;
-    }
+    uint64_t number = 0;
+    while (n-- > 0)
+        number = number << 8 | bytes[n];
+    return number;
 }
 
-/* Values of 8 bytes stand beside the directory of a TIFF, within that of a BigTIFF: a number of
- * entries in 8 bytes, then 20 each. */
-static void put_fractions(const lf_print_tiff *tiff, unsigned char *data, size_t n)
+static void fraction_of(double dpi, unsigned char out[8])
 {
-    enum { ENTRY = 20, VALUE = 12, X_RESOLUTION = 282 };
-    if (n == 8)
-        put_fraction(tiff, data);
-    for (size_t at = 8; n > 8 && n % ENTRY == 16 && at + ENTRY <= n; at += ENTRY) {
-        unsigned tag = data[at] | (unsigned)data[at + 1] << 8;
-        if ((tag == X_RESOLUTION || tag == X_RESOLUTION + 1) && data[at + 2] == TIFF_RATIONAL)
-            put_fraction(tiff, data + at + VALUE);
+    uint32_t exact[2];
+    exact_fraction(dpi, exact);
+    for (int i = 0; i < 8; i++)
+        out[i] = (unsigned char)(exact[i / 4] >> 8 * (i % 4));
+}
+
+/* libtiff keeps a resolution as a float: where that is none, the fraction that it writes becomes
+ * the one that was asked for. data: what libtiff is about to write, little endian; the directory
+ * comes last: how many entries it has, then 12 bytes each and where values of 8 bytes stand, of a
+ * BigTIFF 20 with such values within. */
+static void put_fractions(lf_print_tiff *tiff, unsigned char *data, size_t n)
+{
+    enum { X_RESOLUTION = 282 };
+    const bool big = n % 20 == 16 && number_of(data, 8) == (n - 16) / 20,
+               classic = !big && n % 12 == 6 && number_of(data, 2) == (n - 6) / 12;
+    const size_t entry = big ? 20 : 12, value = big ? 12 : 8;
+    if (!big && !classic)
+        return;
+    for (size_t at = big ? 8 : 2; at + entry <= n; at += entry) {
+        const uint64_t tag = number_of(data + at, 2);
+        unsigned char fraction[8];
+        if ((tag != X_RESOLUTION && tag != X_RESOLUTION + 1) || data[at + 2] != TIFF_RATIONAL)
+            continue;
+        fraction_of(tiff->dpi[tag - X_RESOLUTION], fraction);
+        if (big)
+            memcpy(data + at + value, fraction, sizeof fraction);
+        else if (pwrite(tiff->file->fd, fraction, sizeof fraction,
+                        (off_t)number_of(data + at + value, 4)) != (ssize_t)sizeof fraction)
+            keep_failure(tiff, "cannot write");
     }
 }
 

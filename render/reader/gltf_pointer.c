@@ -388,11 +388,12 @@ static const char *problem_of(const following *f, const json_t *target)
 static void name_target(const json_t *target, char *out, size_t size)
 {
     const uint64_t number = lf_gltf_whole(target, "node", LF_GLTF_NONE);
-    const char *path = lf_gltf_text(target, "path");
+    char path[64];
+    lf_gltf_line(lf_gltf_text(target, "path"), path, sizeof path);
     if (number < LF_GLTF_NONE)
-        snprintf(out, size, "/nodes/%llu/%.64s", (unsigned long long)number, path);
+        snprintf(out, size, "/nodes/%llu/%s", (unsigned long long)number, path);
     else
-        snprintf(out, size, "a channel of path \"%.64s\"", path);
+        snprintf(out, size, "a channel of path \"%s\"", path);
 }
 
 /* Notes a name; *out_again: another channel had it. */

@@ -46,7 +46,8 @@ void lf_leave_out(lf_left_out *list, const char *name, size_t n)
         if ((found == list->names || found[-1] == ' ') &&
             (found[length] == ',' || found[length] == '\0'))
             return;
-    if (length == 0 || at + length + sizeof ", ..." > sizeof list->names) {
+    /* room is kept for the dots behind it */
+    if (length == 0 || at + 2 + length + sizeof ", ..." > sizeof list->names) {
         if (length > 0 && (at < 3 || strcmp(list->names + at - 3, "...") != 0))
             memcpy(list->names + at, at ? ", ..." : "...", at ? sizeof ", ..." : sizeof "...");
         return;

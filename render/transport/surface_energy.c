@@ -265,6 +265,22 @@ float lf_loss_rest(float ior, double metal_loss)
     return (float)(like_metal * mean * (1.0 - metal_loss) / (1.0 - mean * metal_loss));
 }
 
+/* Below what reflects nearly all lies next to nothing, which is not to be divided by. */
+#define LEAST_LOSS 1e-3f
+
+void lf_loss_of_dielectric(lf_material *m, double metal_loss)
+{
+    const bool rough = lf_material_alpha(m) >= LF_ALPHA_MIN;
+    const float mean = lf_loss_look_up(m->ior, rough ? m->roughness : 0.0f, rough ? m->loss : NULL);
+    m->energy.mean_loss = lf_max(1.0f - m->specular * (1.0f - mean), LEAST_LOSS);
+    m->energy.rest = rough ? lf_loss_rest(m->ior, metal_loss) : 0.0f;
+    m->energy.smooth_ior = m->ior;
+    m->energy.smooth_scale = 1.0f;
+    if (rough)
+        m->energy.smooth_ior =
+            lf_loss_smooth(m->ior, lf_material_alpha(m), &m->energy.smooth_scale);
+}
+
 float lf_loss_look_up(float ior, float roughness, float *out)
 {
     if (out)

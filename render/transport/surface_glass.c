@@ -128,11 +128,8 @@ void lf_glass_part(lf_material *m, float eta)
     m->glass.is_parting = true;
     m->glass.is_inside = eta < 1.0f;
     m->ior = eta < 1.0f ? 1.0f / eta : eta;
-    if (lobes || m->transmission < 1.0f) {
-        const float mean =
-            lf_loss_look_up(m->ior, lobes ? m->roughness : 0.0f, lobes ? m->loss : NULL);
-        m->energy.mean_loss = 1.0f - m->specular * (1.0f - mean);
-    }
+    if (lobes || m->transmission < 1.0f)
+        lf_loss_of_dielectric(m, lobes ? (double)lf_loss_look_up(0.0f, m->roughness, NULL) : 0.0);
     m->glass.is_rough = lf_glass_is_rough(m);
     m->has_delta |= was_rough && !m->glass.is_rough;
     if (m->glass.is_rough)

@@ -186,5 +186,9 @@ float lf_loss_smooth(float ior, float alpha, float *out_scale);
 /* Of a layered surface's dielectric: the lobe is to be multiplied by 1 + that loss / (1 - loss), of
  * the loss of a metal of its roughness; metal_loss: its mean. 0 up to an index of 3. */
 float lf_loss_rest(float ior, double metal_loss);
+/* All of that of a layered surface's dielectric of m->ior and m->roughness: energy.mean_loss, rest
+ * and what is smooth, and of a rough one m->loss. metal_loss: the mean of a metal's of its
+ * roughness. */
+void lf_loss_of_dielectric(lf_material *m, double metal_loss);
 
 #endif

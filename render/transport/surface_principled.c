@@ -467,19 +467,12 @@ static bool has_texture(const lf_material *m, lf_slot slot)
     return m->textures && m->textures->pyramid[slot];
 }
 
-/* Below what reflects nearly all lies next to nothing, which is not to be divided by. */
-#define LEAST_LOSS 1e-3f
-
 static void vary(lf_material *m)
 {
-    float metal_mean = 0.0f, mean = 1.0f;
+    float metal_mean = 0.0f;
     if (lf_material_alpha(m) >= LF_ALPHA_MIN) {
-        mean = lf_loss_look_up(m->ior, m->roughness, m->loss);
         metal_mean = lf_loss_look_up(0.0f, m->roughness, m->energy.metal_loss);
-        m->energy.mean_loss = lf_max(1.0f - m->specular * (1.0f - mean), LEAST_LOSS);
-        m->energy.rest = lf_loss_rest(m->ior, (double)metal_mean);
-        m->energy.smooth_ior =
-            lf_loss_smooth(m->ior, lf_material_alpha(m), &m->energy.smooth_scale);
+        lf_loss_of_dielectric(m, (double)metal_mean);
     }
     if (m->coat > 0.0f &&
         (has_texture(m, LF_SLOT_COAT_ROUGH) || has_texture(m, LF_SLOT_COAT_NORMAL)))
@@ -504,11 +497,8 @@ static void prepare(lf_material *m)
          rough_coat = m->coat_roughness * m->coat_roughness >= LF_ALPHA_MIN;
     memset(m->energy.coat_loss, 0, sizeof m->energy.coat_loss);
     memset(m->energy.metal_loss, 0, sizeof m->energy.metal_loss);
-    m->energy.mean_loss =
-        lf_max(1.0f - m->specular * (1.0f - lf_loss_look_up(m->ior, 0.0f, NULL)), LEAST_LOSS);
-    m->energy.rest = 0.0f;
-    m->energy.smooth_ior = m->ior;
-    m->energy.smooth_scale = 1.0f;
+    if (!rough)
+        lf_loss_of_dielectric(m, 0.0);
     vary(m);
     if (m->coat > 0.0f && rough_coat)
         (void)lf_loss_look_up(LF_COAT_INDEX, m->coat_roughness, m->energy.coat_loss);

@@ -133,6 +133,27 @@ static void the_same_print_twice_is_the_same_file_and_strips_do_not_matter(void 
     }
 }
 
+/* Sizes of two strips are as long as a resolution, and here have its value. */
+static void sizes_of_strips_are_not_taken_for_a_resolution(void **state)
+{
+    (void)state;
+    lf_print print = lf_print_sound();
+    lf_views32 card;
+    lf_printed whole, halves;
+    print.dpi = 60;
+    print.lpi = 20;
+    print.n_views = 2;
+    print.height_mm = 61 / 60.0 * 25.4;
+    lf_card_make(&print, lf_card_speckle, NULL, &card);
+    lf_printed_make(&print, &card, 0, &whole);
+    lf_printed_make(&print, &card, 60, &halves);
+    assert_int_equal(whole.height, 61);
+    lf_printed_assert_same(&whole, &halves);
+    lf_printed_finish(&whole);
+    lf_printed_finish(&halves);
+    lf_card_finish(&card);
+}
+
 static void a_raster_that_may_pass_4_gib_is_a_big_tiff(void **state)
 {
     (void)state;
@@ -503,6 +524,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_a3_print_takes_little_memory_beyond_its_views),
         cmocka_unit_test(tags_are_exact_and_all_compressions_hold_the_same_picture),
+        cmocka_unit_test(sizes_of_strips_are_not_taken_for_a_resolution),
         cmocka_unit_test(the_same_print_twice_is_the_same_file_and_strips_do_not_matter),
         cmocka_unit_test(a_raster_that_may_pass_4_gib_is_a_big_tiff),
         cmocka_unit_test(the_manifest_tells_what_was_printed),

@@ -122,6 +122,9 @@ static void many_channels_are_one_warning(void **state)
     free(channels);
 }
 
+#define A_TIMES_31 "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
+#define A_TIMES_62 A_TIMES_31 A_TIMES_31
+
 static void channels_that_name_nodes_are_told_where_they_move_nothing(void **state)
 {
     (void)state;
@@ -133,6 +136,7 @@ static void channels_that_name_nodes_are_told_where_they_move_nothing(void **sta
         {"'node':-1,'path':'rotation'", "the file has no such node"},
         {"'path':'rotation'", "left out, a channel of path \"rotation\": it names no node"},
         {"'node':2,'path':'weights'", "left out, /nodes/2/weights: the node has no mesh"},
+        {"'node':0,'path':'" A_TIMES_62 "aé'", "left out, /nodes/0/" A_TIMES_62 "a: quiltd"},
         {"'path':'pointer'", "left out, a channel of path \"pointer\": it has no pointer"},
         {"", "left out, a channel of path \"\": quiltd does not read"},
     };

@@ -9,6 +9,8 @@
 
 #define GLASS "'type': 'principled', 'albedo': 1, 'transmission': 1, "
 
+#define WHITE "'type': 'principled', 'albedo': 1, 'transmission': %g, "
+
 static const double clear[3] = {0, 0, 0}, green[3] = {0.5, 0.1, 0.3}, blue[3] = {0.9, 0.3, 0.05};
 
 /* What is found along one ray. */
@@ -505,16 +507,19 @@ static void views_share_what_stands_in_rough_glass(void **state)
 static void glass_in_glass_is_not_seen_under_an_even_sky(void **state)
 {
     (void)state;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 8; i++) {
         char text[1024];
         light seen;
+        const int rough = i / 2 % 2;
+        const double clear_share = i < 4 ? 1.0 : 0.5; /* the rest is white and diffuse */
         snprintf(text, sizeof text,
                  "{ 'meshes': { 'a': { 'shape': 'sphere', 'material': 'a' }, 'b': { 'shape': "
                  "'sphere', 'material': 'b', 'transform': { 'scale': 0.6, 'translate': [0.2, 0, 0] "
-                 "} } }, 'materials': { 'a': { " GLASS "'ior': %g, 'roughness': %g }, 'b': { " GLASS
+                 "} } }, 'materials': { 'a': { " WHITE "'ior': %g, 'roughness': %g }, 'b': { " WHITE
                  "'ior': %g, 'roughness': %g } }, 'lights': { 'sky': { 'type': 'environment', "
                  "'radiance': 1 } } }",
-                 i % 2 ? 1.33 : 1.5, i / 2 * 0.3, i % 2 ? 2.0 : 1.33, i / 2 * 0.4);
+                 clear_share, i % 2 ? 1.33 : 2.4, rough * 0.3, clear_share, i % 2 ? 2.0 : 1.05,
+                 rough * 0.4);
         lf_scene *scene = lf_test_scene(text);
         look(scene, lf_v3(0.2f, 0.3f, 4.0f), lf_v3(0.0f, 0.0f, -1.0f), 40000, &seen);
         print_message("%.4f +- %.4f\n", seen.channel[1].mean, lf_moments_error(&seen.channel[1]));

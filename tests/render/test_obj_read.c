@@ -196,6 +196,29 @@ static void what_is_not_there_is_left_out_and_counted(void **state)
     lf_soup_finish(&soup);
 }
 
+/* As many names as fit, then dots: nothing is written behind the list, however long names are. */
+static void a_list_of_what_is_left_out_keeps_its_room(void **state)
+{
+    (void)state;
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyz";
+    for (size_t length = 1; length < 40; length++)
+        for (size_t last = 1; last < 40; last++) {
+            struct {
+                lf_left_out list;
+                char behind[16];
+            } is = {0};
+            for (int i = 0; i < 300; i++) {
+                char name[64];
+                const int n = snprintf(name, sizeof name, "%03d%.*s", i,
+                                       (int)(i % 2 ? last : length), letters);
+                lf_leave_out(&is.list, name, (size_t)n);
+            }
+            const size_t n = strlen(is.list.names);
+            assert_true(n < sizeof is.list.names && is.behind[0] == '\0');
+            assert_string_equal(is.list.names + n - 3, "...");
+        }
+}
+
 /* None of a face whose corner is nowhere is made of its other corners. */
 static void a_polygon_with_an_odd_corner_is_odd_as_a_whole(void **state)
 {
@@ -415,6 +438,7 @@ int main(void)
         lf_test_in_folder(points_lines_and_colours_are_counted),
         lf_test_in_folder(what_is_wrong_is_told_by_its_line),
         lf_test_in_folder(what_is_not_there_is_left_out_and_counted),
+        cmocka_unit_test(a_list_of_what_is_left_out_keeps_its_room),
         lf_test_in_folder(a_polygon_with_an_odd_corner_is_odd_as_a_whole),
         lf_test_in_folder(a_library_says_what_materials_are),
         lf_test_in_folder(options_of_a_picture_say_how_it_lies),
