@@ -7,7 +7,7 @@
 #include "render/scene/vec_double.h"
 
 /* Scenes are loaded while somebody waits: half a second, and 400 MB for so long. */
-enum { MOST_TRIANGLES = 1 << 21, MOST_COMPARED = 1 << 28 };
+enum { MOST_TRIANGLES = 1 << 21, MOST_COMPARED = 1 << 28, MOST_PAIRS = 1 << 22 };
 
 typedef struct flat {
     int mesh;
@@ -132,15 +132,21 @@ static bool add(flats *all, const flat *of, const flat *with)
     return true;
 }
 
+static bool has_too_many(const flats *all)
+{
+    return all->compared > MOST_COMPARED || all->n_pairs > MOST_PAIRS;
+}
+
 static bool pair_up(const lf_scene *scene, flats *all)
 {
     const double same = 1e-4;
     bool fine = true;
-    for (size_t i = 0; i < all->n && fine && all->compared <= MOST_COMPARED; i++) {
+    for (size_t i = 0; i < all->n && fine && !has_too_many(all); i++) {
         const flat *a = &all->item[i];
         for (size_t k = i + 1; k < all->n && fine && all->item[k].key - a->key < same; k++) {
             const flat *b = &all->item[k];
-            if (++all->compared > MOST_COMPARED)
+            all->compared++;
+            if (has_too_many(all))
                 break;
             if (touch(scene, a, b))
                 fine = add(all, a, b) && add(all, b, a);
@@ -166,7 +172,7 @@ bool lf_touching_find(lf_scene *scene)
         qsort(all.item, all.n, sizeof *all.item, compare);
     fine = fine && pair_up(scene, &all);
     lf_free(all.item);
-    if (all.too_many || all.compared > MOST_COMPARED) {
+    if (all.too_many || has_too_many(&all)) {
         lf_warnings_add(&scene->warnings, scene->file.where,
                         "glass in glass has so many triangles that faces in the same place were "
                         "not all looked for: rays meet them one at a time");

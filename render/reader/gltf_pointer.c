@@ -9,6 +9,7 @@
 #include "base/number.h"
 #include "base/reader/reader.h"
 #include "render/reader/gltf_animation.h"
+#include "render/reader/gltf_primitive.h"
 #include "render/reader/gltf_sampler.h"
 
 /* Bytes of a pointer that names anything, and of one of its names. */
@@ -277,7 +278,8 @@ static json_t *weights_of(const place *p)
         if (json_object_set_new(p->owner, "weights", weights) != 0)
             return NULL;
     }
-    while (json_array_size(weights) < count_targets(mesh))
+    while (json_array_size(weights) < count_targets(mesh) &&
+           json_array_size(weights) < LF_GLTF_MOST_TARGETS)
         if (json_array_append_new(weights, json_real(0)) != 0)
             return NULL;
     return weights;

@@ -7,7 +7,6 @@
 #include "base/number.h"
 #include "base/reader/reader.h"
 
-#define MOST_TARGETS 4096
 #define PLACE_LENGTH 64
 #define VARIANTS "KHR_materials_variants"
 
@@ -116,9 +115,9 @@ static lf_status open_targets(lf_gltf *gltf, const json_t *json, lf_gltf_primiti
     lf_status status = LF_OK;
     if (n == 0)
         return LF_OK;
-    if (n > MOST_TARGETS)
+    if (n > LF_GLTF_MOST_TARGETS)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: %zu morph targets; at most %d", place,
-                            n, MOST_TARGETS);
+                            n, LF_GLTF_MOST_TARGETS);
     p->targets = calloc(n, sizeof *p->targets);
     if (!p->targets)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
@@ -231,7 +230,7 @@ lf_status lf_gltf_weights(const json_t *object, float **out, size_t *out_n, lf_e
 {
     const json_t *array = json_object_get(object, "weights");
     size_t n = json_array_size(array);
-    if (n == 0 || n > MOST_TARGETS)
+    if (n == 0 || n > LF_GLTF_MOST_TARGETS)
         return LF_OK;
     *out = calloc(n, sizeof **out);
     if (!*out)

@@ -7,6 +7,7 @@
 #include "render/scene/texture.h"
 
 #define LF_GLTF_JOINT_SETS 2 /* of four joints */
+#define LF_GLTF_MOST_TARGETS 4096
 
 /* What a morph target adds; each may be absent. */
 typedef struct lf_gltf_target {

@@ -142,14 +142,8 @@ static void warn_of_choices(const reading *r)
 {
     const json_t *json = r->gltf.json;
     lf_warnings *w = &r->build.data->warnings;
-    const size_t n_clips = lf_gltf_count(json, "animations"),
-                 n_variants =
-                     lf_gltf_count(lf_gltf_extension(json, "KHR_materials_variants"), "variants");
-    if (n_clips > 1 && !r->build.desc->clip.chosen)
-        lf_warnings_add(w, LF_HERE,
-                        "%zu animations: the first is shown (animation.clip of the mesh shows "
-                        "another)",
-                        n_clips);
+    const size_t n_variants =
+        lf_gltf_count(lf_gltf_extension(json, "KHR_materials_variants"), "variants");
     if (lf_gltf_count(json, "scenes") > 1)
         lf_warnings_add(w, LF_HERE, "%zu scenes: the %s is shown", lf_gltf_count(json, "scenes"),
                         json_object_get(json, "scene") ? "default one" : "first");

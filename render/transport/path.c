@@ -434,8 +434,11 @@ lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int
     tracer->suffixes++;
     if (tracer->scene->flames.n > 0)
         radiance = lf_add(radiance, emitted(tracer, next, lf_v3(1.0f, 1.0f, 1.0f)));
-    return next->kind == LF_EVENT_ESCAPE
-               ? radiance
-               : lf_add(radiance, lf_mul(lf_path_scattered(tracer, next, depth, max_depth),
-                                         lf_path_absorbed(tracer->scene, next)));
+    if (next->kind == LF_EVENT_ESCAPE)
+        return radiance;
+    const lf_vec3 left = lf_path_absorbed(tracer->scene, next);
+    const double cut = tracer->suffixes_cut;
+    lf_vec3 scattered = lf_path_scattered(tracer, next, depth, max_depth);
+    tracer->suffixes_cut = cut + (tracer->suffixes_cut - cut) * (double)lf_max3(left);
+    return lf_add(radiance, lf_mul(scattered, left));
 }

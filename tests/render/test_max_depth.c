@@ -79,6 +79,30 @@ static void shapes_lack_what_is_counted(void **state)
     }
 }
 
+/* Glass of index 1 around what scatters: paths behind its faces carry what it leaves. */
+static void glass_counts_what_it_leaves(void **state)
+{
+    (void)state;
+    lf_render_stats stats[2];
+    for (int i = 0; i < 2; i++) {
+        char text[1024];
+        snprintf(text, sizeof text,
+                 "{" CAMERA ", 'render': { 'max_depth': 1 }, " SKY ", 'meshes': { 'cube': { "
+                 "'shape': 'cube', 'material': 'glass' } }, 'materials': { 'glass': { 'type': "
+                 "'principled', 'transmission': 1, 'roughness': 0, 'ior': 1, 'specular': 0, "
+                 "'absorption': %g } } }",
+                 i ? 100.0 : 0.0);
+        lf_scene *scene = lf_test_scene(text);
+        lf_renderer *r = lf_test_renderer(scene, "vpt", width, height, NULL);
+        lf_test_cycles(r, 8);
+        lf_renderer_stats(r, &stats[i]);
+        lf_renderer_destroy(r);
+        lf_scene_unref(scene);
+    }
+    assert_true(lf_render_cut(&stats[0]) > 0.5);
+    assert_true(lf_render_cut(&stats[1]) < 0.1);
+}
+
 /* The share of a grid's paths, in lanes or one by one. */
 static void measure(const char *more, bool in_lanes, lf_moments *out)
 {
@@ -124,6 +148,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shapes_lack_what_is_counted),
+        cmocka_unit_test(glass_counts_what_it_leaves),
         cmocka_unit_test(lanes_count_what_single_paths_do),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
