@@ -23,7 +23,9 @@ typedef struct mtl {
     bool in_material, has_opacity, has_filter, has_roughness;
     lf_left_out statements; /* that no material of ours has */
     lf_left_out wrong;      /* whose numbers are none */
+    lf_left_out nameless;   /* textures without a picture */
     int64_t wrong_line;     /* the first of those */
+    int64_t n_more;         /* lines with more numbers than belong there */
     const lf_input *in;
 } mtl;
 
@@ -45,31 +47,37 @@ lf_status lf_mtl_find(lf_soup *soup, const char *name, unsigned *out, lf_error *
 /* ------------------------------------------------------------------------------------- values --
  */
 
-/* Whether a line ends there. */
-static bool ends(const char *at)
+/* Whether a line's numbers end there. More of them are left out, and counted. */
+static bool ends(mtl *m, const char *at)
 {
-    at = lf_skip_blanks(at);
-    return *at == '\0' || *at == '#';
+    double more;
+    bool has_more = false;
+    while (lf_number(&at, &more))
+        has_more = true;
+    if (!lf_line_ends(at))
+        return false;
+    m->n_more += has_more;
+    return true;
 }
 
 /* Red alone is grey. Spectra and CIE's XYZ are neither. */
-static bool take_colour(const char *at, lf_vec3 *out)
+static bool take_colour(mtl *m, const char *at, lf_vec3 *out)
 {
     double c[3];
     if (!lf_number(&at, &c[0]))
         return false;
     if (!lf_numbers(&at, 2, c + 1))
         c[1] = c[2] = c[0];
-    if (!ends(at) || !isfinite(c[0] + c[1] + c[2]))
+    if (!isfinite(c[0] + c[1] + c[2]) || !ends(m, at))
         return false;
     *out = lf_to_vec3(c);
     return true;
 }
 
-static bool take_number(const char *at, float *out)
+static bool take_number(mtl *m, const char *at, float *out)
 {
     double v;
-    if (!lf_number(&at, &v) || !ends(at) || !isfinite(v))
+    if (!lf_number(&at, &v) || !isfinite(v) || !ends(m, at))
         return false;
     *out = (float)v;
     return true;
@@ -92,7 +100,7 @@ static bool take_opacity(const char *at, bool reversed, mtl *m)
     bool halo = lf_word_is(word, n, "-halo");
     if (halo)
         at = rest;
-    if (!take_number(at, &v))
+    if (!take_number(m, at, &v))
         return false;
     if (halo)
         lf_leave_out(&m->statements, "d -halo", strlen("d -halo"));
@@ -111,31 +119,31 @@ static bool take_opacity(const char *at, bool reversed, mtl *m)
 static bool take_filter(const char *at, mtl *m)
 {
     lf_vec3 c = lf_v3(1, 1, 1);
-    bool read = take_colour(at, &c);
+    bool read = take_colour(m, at, &c);
     m->has_filter = !read || c.x != 1 || c.y != 1 || c.z != 1;
     lose(&m->soup->said[m->choice], LF_LOST_TRANSPARENCY, m->has_filter);
     return true;
 }
 
 /* glTF's model takes the place of Phong's; a roughness alone does not. */
-static bool take_metallic(const char *at, lf_said *said)
+static bool take_metallic(mtl *m, const char *at, lf_said *said)
 {
-    bool read = take_number(at, &said->metallic);
+    bool read = take_number(m, at, &said->metallic);
     said->is_metallic = said->is_metallic || read;
     return read;
 }
 
-static bool take_diffuse(const char *at, lf_said *said)
+static bool take_diffuse(mtl *m, const char *at, lf_said *said)
 {
-    bool read = take_colour(at, &said->diffuse);
+    bool read = take_colour(m, at, &said->diffuse);
     said->has_diffuse = said->has_diffuse || read;
     return read;
 }
 
-static bool take_other(const char *at, lf_lost what, lf_said *said)
+static bool take_other(mtl *m, const char *at, lf_lost what, lf_said *said)
 {
     float v;
-    if (!take_number(at, &v))
+    if (!take_number(m, at, &v))
         return false;
     lose(said, what, v > 0);
     return true;
@@ -147,7 +155,7 @@ static bool take_model(const char *at, mtl *m)
     char name[16] = "illum ";
     uint64_t model;
     const char *rest = lf_whole_read(lf_skip_blanks(at), &model);
-    if (!rest || !ends(rest))
+    if (!rest || !ends(m, rest))
         return false;
     lose(&m->soup->said[m->choice], LF_LOST_UNLIT, model == 0);
     if (model == 4 || model == 6 || model == 7 || model >= 9) {
@@ -258,8 +266,12 @@ static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at,
         at++;
         length -= 2;
     }
-    if (length == 0 || lf_word_reads(key, n, "map_Ka") || lf_word_reads(key, n, "map_aat"))
+    if (lf_word_reads(key, n, "map_Ka") || lf_word_reads(key, n, "map_aat"))
         return LF_OK; /* ambient light and smoother edges are nothing of ours */
+    if (length == 0) {
+        lf_leave_out(&m->nameless, key, n);
+        return LF_OK;
+    }
     lose(said, LF_LOST_MAPS, use_of(key, n) == LF_MAP_USES || length >= sizeof name);
     if (use_of(key, n) == LF_MAP_USES || length >= sizeof name)
         return LF_OK;
@@ -281,7 +293,7 @@ static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at,
 
 static bool take_roughness(const char *at, mtl *m)
 {
-    bool read = take_number(at, &m->soup->said[m->choice].roughness);
+    bool read = take_number(m, at, &m->soup->said[m->choice].roughness);
     m->has_roughness = m->has_roughness || read;
     return read;
 }
@@ -291,29 +303,29 @@ static bool take_key(mtl *m, const char *key, size_t n, const char *at)
 {
     lf_said *said = &m->soup->said[m->choice];
     if (lf_word_reads(key, n, "Kd"))
-        return take_diffuse(at, said);
+        return take_diffuse(m, at, said);
     if (lf_word_reads(key, n, "Ks"))
-        return take_colour(at, &said->highlight);
+        return take_colour(m, at, &said->highlight);
     if (lf_word_reads(key, n, "Ke"))
-        return take_colour(at, &said->emission);
+        return take_colour(m, at, &said->emission);
     if (lf_word_reads(key, n, "Ns"))
-        return take_number(at, &said->exponent);
+        return take_number(m, at, &said->exponent);
     if (lf_word_reads(key, n, "Ni"))
-        return take_number(at, &said->ior);
+        return take_number(m, at, &said->ior);
     if (lf_word_reads(key, n, "d") || lf_word_reads(key, n, "Tr"))
         return take_opacity(at, n == 2, m);
     if (lf_word_reads(key, n, "Tf"))
         return take_filter(at, m);
     if (lf_word_reads(key, n, "Pm"))
-        return take_metallic(at, said);
+        return take_metallic(m, at, said);
     if (lf_word_reads(key, n, "Pr"))
         return take_roughness(at, m);
     if (lf_word_reads(key, n, "Pc"))
-        return take_other(at, LF_LOST_COAT, said);
+        return take_other(m, at, LF_LOST_COAT, said);
     if (lf_word_reads(key, n, "Ps"))
-        return take_other(at, LF_LOST_SHEEN, said);
+        return take_other(m, at, LF_LOST_SHEEN, said);
     if (lf_word_reads(key, n, "aniso"))
-        return take_other(at, LF_LOST_BRUSHED, said);
+        return take_other(m, at, LF_LOST_BRUSHED, said);
     if (lf_word_reads(key, n, "illum"))
         return take_model(at, m);
     /* ambient light is nothing of ours; the others say how what is told lies */
@@ -326,8 +338,13 @@ static bool take_key(mtl *m, const char *key, size_t n, const char *at)
 /* What only all lines of a material say. */
 static void end_material(mtl *m)
 {
-    if (m->in_material && m->has_roughness && !m->soup->said[m->choice].is_metallic)
+    if (!m->in_material)
+        return;
+    const lf_said *said = &m->soup->said[m->choice];
+    if (m->has_roughness && !said->is_metallic)
         lf_leave_out(&m->statements, "Pr without Pm", strlen("Pr without Pm"));
+    if (lf_max3(said->highlight) > 0 && !(said->exponent > 0) && !said->is_metallic)
+        lf_leave_out(&m->statements, "Ks without Ns", strlen("Ks without Ns"));
 }
 
 static lf_status begin_material(mtl *m, const char *name, lf_error *err)
@@ -367,6 +384,13 @@ static void warn_of_rest(const mtl *m, const char *name)
              "%.80s: statements that do not say numbers (the first in line %lld) are left out",
              name, (long long)m->wrong_line);
     lf_left_out_warn(&m->wrong, what, &m->soup->warnings);
+    snprintf(what, sizeof what, "%.80s: textures without the name of a picture are left out", name);
+    lf_left_out_warn(&m->nameless, what, &m->soup->warnings);
+    if (m->n_more > 0)
+        lf_warnings_add(&m->soup->warnings, LF_HERE,
+                        "%.80s: lines with more numbers than are known (%lld): what is behind is "
+                        "left out",
+                        name, (long long)m->n_more);
 }
 
 lf_status lf_mtl_read(int fd, const char *folder, const char *name, lf_soup *soup, lf_error *err)
@@ -382,7 +406,7 @@ lf_status lf_mtl_read(int fd, const char *folder, const char *name, lf_soup *sou
     end_material(&m);
     warn_of_rest(&m, name);
     if (status == LF_OK)
-        soup->has_library = true;
+        soup->tells_missing = true;
     lf_input_close(&in);
     return status;
 }

@@ -47,12 +47,6 @@ static lf_status bad_number(const obj *o, const char *at, const char *expected, 
                         (long long)o->in.line, expected, (int)(n < 40 ? n : 40), word);
 }
 
-static bool ends(const char *at)
-{
-    at = lf_skip_blanks(at);
-    return *at == '\0' || *at == '#';
-}
-
 /* Up to `most` numbers, at least `least`, and nothing else; more of them are counted. */
 static lf_status take_numbers(obj *o, const char *at, int least, int most, double *out, int *out_n,
                               const char *expected, lf_error *err)
@@ -62,11 +56,11 @@ static lf_status take_numbers(obj *o, const char *at, int least, int most, doubl
     while (n < most && lf_number(&at, &out[n]))
         n++;
     *out_n = n;
-    if (n == most && !ends(at))
+    if (n == most && !lf_line_ends(at))
         o->n_more++;
     while (n == most && lf_number(&at, &more))
         ;
-    return n >= least && ends(at) ? LF_OK : bad_number(o, at, expected, err);
+    return n >= least && lf_line_ends(at) ? LF_OK : bad_number(o, at, expected, err);
 }
 
 /* -------------------------------------------------------------------------------------- points --
@@ -406,6 +400,7 @@ lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
     if (status == LF_OK && soup->n_points == 0)
         status = lf_error_set(err, LF_E_FORMAT, LF_HERE,
                               "cannot be read as a mesh: not OBJ, it has no vertices");
+    soup->tells_missing = soup->tells_missing || o.n_libraries == 0;
     warn_of_rest(&o);
     lf_input_close(&o.in);
     lf_free(o.group);

@@ -55,10 +55,10 @@ typedef struct lf_soup {
     size_t n_said, said_room;
     lf_map *maps; /* [n_maps] */
     size_t n_maps, maps_room;
-    bool has_library;  /* one of its material libraries was read */
-    size_t n_coloured; /* parts with a colour a vertex */
-    size_t n_beside;   /* points and lines */
-    size_t n_astray;   /* faces that name vertices that there are not */
+    bool tells_missing; /* materials that it uses and lacks: none of its libraries failed */
+    size_t n_coloured;  /* parts with a colour a vertex */
+    size_t n_beside;    /* points and lines */
+    size_t n_astray;    /* faces that name vertices that there are not */
     lf_warnings warnings;
 } lf_soup;
 

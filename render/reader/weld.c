@@ -251,7 +251,7 @@ static lf_status take_materials(lf_soup *soup, bool colours, lf_mesh_data *out, 
         lf_maps_drop(soup->maps, soup->n_maps, soup->said, used, &out->warnings);
     if (status == LF_OK)
         status = lf_said_convert(soup->said, soup->n_said, used, out, err);
-    if (status == LF_OK && soup->has_library)
+    if (status == LF_OK && soup->tells_missing)
         lf_said_warn_of_missing(soup->said, soup->n_said, used, &out->warnings);
     return status;
 }

@@ -37,7 +37,14 @@ char *lf_rest(char *at)
     return at;
 }
 
-/* What printf writes for what is no number: nan, -nan(ind), inf, 1.#QNAN, -1.#INF. */
+bool lf_line_ends(const char *at)
+{
+    at = lf_skip_blanks(at);
+    return *at == '\0' || *at == '#';
+}
+
+/* What printf writes for what is no number: nan, -nan(ind), inf, infinity, 1.#QNAN, -1.#INF; whole
+ * words, as a picture may be called Nancy.png. */
 static bool read_unusual(const char *word, size_t n, double *out)
 {
     bool minus = *word == '-';
@@ -45,17 +52,14 @@ static bool read_unusual(const char *word, size_t n, double *out)
         word++;
         n--;
     }
-    if (n >= 3 && strncmp(word, "1.#", 3) == 0) {
-        word += 3;
-        n -= 3;
-        *out = n >= 3 && strncasecmp(word, "inf", 3) == 0 ? (double)INFINITY : (double)NAN;
-    } else if (n >= 3 && strncasecmp(word, "inf", 3) == 0) {
+    if (n >= 3 && strncmp(word, "1.#", 3) == 0)
+        *out = n >= 6 && strncasecmp(word + 3, "inf", 3) == 0 ? (double)INFINITY : (double)NAN;
+    else if (lf_word_reads(word, n, "inf") || lf_word_reads(word, n, "infinity"))
         *out = (double)INFINITY;
-    } else if (n >= 3 && strncasecmp(word, "nan", 3) == 0) {
+    else if (lf_word_reads(word, n, "nan") || (n > 4 && strncasecmp(word, "nan(", 4) == 0))
         *out = (double)NAN;
-    } else {
+    else
         return false;
-    }
     *out = minus ? -*out : *out;
     return true;
 }

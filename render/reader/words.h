@@ -27,6 +27,8 @@ bool lf_word_is(const char *word, size_t n, const char *expected);
 bool lf_word_reads(const char *word, size_t n, const char *expected);
 /* What is left of a line without blanks around it, in place. */
 char *lf_rest(char *at);
+/* Whether nothing but blanks and a comment is left of a line. */
+bool lf_line_ends(const char *at);
 
 /* The next word as a number, as lf_decimal_read (base/number.h) does: 1, -.5, 1e-3, with a comma
  * for the point (as programs write it that follow a locale), and what printf makes of what is none

@@ -285,7 +285,7 @@ static void a_library_says_what_materials_are(void **state)
         soup_of(*state, "mtllib my own.mtl\n" SQUARE
                         "usemtl a b\nf 1 2 3\nusemtl m\nf 1 3 4\nusemtl gone\nf 1 2 4\n");
     const lf_said *a = said_of(&soup, "a b"), *m = said_of(&soup, "m"), *s = said_of(&soup, "s");
-    assert_true(soup.has_library);
+    assert_true(soup.tells_missing);
     lf_assert_close(a->diffuse.y, 0.2f, 0, 0);
     lf_assert_close(a->highlight.z, 0.5f, 0, 0);
     lf_assert_close(a->exponent, 50, 0, 0);
