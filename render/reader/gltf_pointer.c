@@ -419,8 +419,8 @@ static void look_at_sampler(following *f, const json_t *channel)
 
 static lf_status look_at(following *f, const json_t *channel, lf_error *err)
 {
-    const json_t *target = json_object_get(channel, "target"),
-                 *extension = lf_gltf_extension(target, "KHR_animation_pointer");
+    json_t *target = json_object_get(channel, "target");
+    const json_t *extension = lf_gltf_extension(target, "KHR_animation_pointer");
     const bool points = strcmp(lf_gltf_text(target, "path"), "pointer") == 0;
     const char *pointer = lf_gltf_text(extension, "pointer"), *name = pointer;
     char made[128];
@@ -437,8 +437,11 @@ static lf_status look_at(following *f, const json_t *channel, lf_error *err)
     const char *problem = !points             ? problem_of(f, target)
                           : pointer[0] != '/' ? "it has no pointer"
                                               : NULL;
-    if (!problem && again)
+    if (!problem && again) {
         problem = "another channel moves the same";
+        if (!points && json_object_set_new(target, "path", json_string("")) != 0)
+            return no_memory(err); /* lf_gltf_animate passes it by */
+    }
     if (!problem && points && follow(f, channel, pointer, &wrong) != LF_OK)
         problem = wrong.what;
     if (wrong.status == LF_E_NOMEM)

@@ -125,6 +125,33 @@ static void many_channels_are_one_warning(void **state)
 #define A_TIMES_31 "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
 #define A_TIMES_62 A_TIMES_31 A_TIMES_31
 
+/* Whichever way two channels name a node's place, the first counts. */
+static void of_channels_that_move_the_same_the_first_counts(void **state)
+{
+    (void)state;
+    static const char pointer[] = POINTER("/nodes/0/translation"),
+                      plain[] = "{'sampler':1,'target':{'node':0,'path':'translation'}}";
+    for (int first = 0; first < 2; first++) {
+        static const float five[3] = {5, 0, 0}, seven[3] = {7, 0, 0};
+        char channels[1024];
+        gltf_text text = {0};
+        put_hostile(&text);
+        gltf_put_floats(&text, (float[1]){0}, 1, "SCALAR"); /* 10 */
+        gltf_put_floats(&text, five, 1, "VEC3");            /* 11 */
+        gltf_put_floats(&text, seven, 1, "VEC3");           /* 12 */
+        lf_mesh_data still = read_channels(&text, "", "");
+        snprintf(channels, sizeof channels, "%s,%s", first ? plain : pointer,
+                 first ? pointer : plain);
+        lf_mesh_data data =
+            read_channels(&text, channels, "{'input':10,'output':11},{'input':10,'output':12}");
+        assert_true(gltf_warns(&data, "1 animation channel is left out, /nodes/0/translation: "
+                                      "another channel moves the same"));
+        lf_assert_close(corner_of(&data, 0)[0] - corner_of(&still, 0)[0], first ? 7 : 5, 0, 1e-6);
+        lf_mesh_data_finish(&data);
+        lf_mesh_data_finish(&still);
+    }
+}
+
 static void channels_that_name_nodes_are_told_where_they_move_nothing(void **state)
 {
     (void)state;
@@ -214,6 +241,7 @@ int main(void)
         cmocka_unit_test(what_a_pointer_cannot_move_is_told_and_stays),
         cmocka_unit_test(a_name_cannot_end_its_warning),
         cmocka_unit_test(many_channels_are_one_warning),
+        cmocka_unit_test(of_channels_that_move_the_same_the_first_counts),
         cmocka_unit_test(channels_that_name_nodes_are_told_where_they_move_nothing),
         cmocka_unit_test(interpolations_that_nobody_knows_are_told),
         cmocka_unit_test(other_animations_are_told_by_name),
