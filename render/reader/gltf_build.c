@@ -70,6 +70,21 @@ static bool is_faceted(const lf_gltf_build *build, const lf_gltf_primitive *prim
            primitive->normal.count == 0;
 }
 
+/* Whether a picture of its material is laid out by coordinates that it does not have. */
+static bool lacks_coordinates(const lf_gltf_build *build, const lf_gltf_primitive *primitive)
+{
+    const lf_mesh_data *data = build->data;
+    if (build->desc->material >= 0 || !data->textures)
+        return false;
+    const lf_texture_set *textures = &data->textures[lf_gltf_build_material(build, primitive)];
+    bool lacks = false;
+    for (int i = 0; i < LF_SLOTS; i++) {
+        const lf_texture *texture = &textures->slot[i];
+        lacks = lacks || (texture->picture != 0 && primitive->uv[texture->set].count == 0);
+    }
+    return lacks;
+}
+
 static lf_status count(lf_gltf_build *build, const lf_gltf_place *place, void *context,
                        lf_error *err)
 {
@@ -78,6 +93,7 @@ static lf_status count(lf_gltf_build *build, const lf_gltf_place *place, void *c
     build->n_beside += (int64_t)primitive->n_beside;
     if (primitive->n_triangles == 0)
         return LF_OK;
+    build->n_unmapped += lacks_coordinates(build, primitive);
     build->n_triangles += (int64_t)primitive->n_triangles;
     build->n_vertices += (int64_t)(is_faceted(build, primitive) ? 3 * primitive->n_triangles
                                                                 : primitive->position.count);
@@ -321,7 +337,7 @@ lf_status lf_gltf_fill(lf_gltf_build *build, lf_error *err)
     lf_status status = lf_gltf_visit(build, count, NULL, err);
     bool shared = status == LF_OK && lf_gltf_is_shared(build);
     if (shared) {
-        build->n_triangles = build->n_vertices = build->n_beside = 0;
+        build->n_triangles = build->n_vertices = build->n_beside = build->n_unmapped = 0;
         status = lf_gltf_visit_once(build, count, NULL, err);
     }
     if (status == LF_OK && (build->n_triangles > LF_MAX_TRIANGLES ||

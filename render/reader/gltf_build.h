@@ -18,7 +18,8 @@ typedef struct lf_gltf_build {
     size_t n_materials;          /* of the file */
     uint32_t plain, plain_white; /* in place of none; the other where vertices have colours */
     int64_t n_vertices, n_triangles, n_beside;
-    int64_t n_astray; /* triangles left out for an index without a vertex */
+    int64_t n_unmapped; /* parts that lack the texture coordinates of a picture of theirs */
+    int64_t n_astray;   /* triangles left out for an index without a vertex */
     int64_t n_odd; /* vertices with a number beside their position that is none, or out of range */
     bool has_normals, has_colours; /* some that is shown has */
     uint32_t *same; /* lf_mesh_complete_twins, where desc wants smooth ones; lf_free */

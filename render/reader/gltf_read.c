@@ -181,6 +181,9 @@ static void warn(const reading *r)
     warn_of_choices(r);
     lf_warnings_count(w, LF_HERE, r->build.n_beside, "point or line is left out",
                       "points and lines are left out");
+    lf_warnings_count(w, LF_HERE, r->build.n_unmapped,
+                      "part lacks the texture coordinates of its pictures: they count as 0",
+                      "parts lack the texture coordinates of their pictures: they count as 0");
     lf_warnings_count(w, LF_HERE, r->build.n_astray, "triangle is left out: an index has no vertex",
                       "triangles are left out: an index has no vertex");
     lf_warnings_count(w, LF_HERE, r->build.n_odd,

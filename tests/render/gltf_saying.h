@@ -16,6 +16,9 @@
 #define MATERIAL(words) "\1m" words
 #define MORE(words) "\1d" words
 
+/* An attribute of a primitive whose textures lack coordinates. */
+#define BARE "'_BARE':2"
+
 typedef struct example {
     const char *says, *other; /* what it is held against */
     const char *words;        /* of the warning or the error */
@@ -193,6 +196,9 @@ static inline lf_status read_saying(const char *says, lf_mesh_data *data, lf_err
     put_types(&text);
     for (int i = 0; i < PLACES; i++)
         part_of(says, "naptmd"[i], part[i]);
+    /* who says nothing of them has coordinates for its textures */
+    if (strstr(part[4], "Texture'") && !strstr(part[1], "TEXCOORD_") && !strstr(part[1], BARE))
+        strcat(part[1], ",'TEXCOORD_0':2,'TEXCOORD_1':2");
     int n = snprintf(
         rest, sizeof rest,
         "'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0%s}],'meshes':[{'primitives':[{'attributes':{"

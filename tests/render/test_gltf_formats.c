@@ -170,11 +170,15 @@ static const lf_format_row rows[] = {
     USED("primitives.attributes.TEXCOORD_0",
          ATTRIBUTES(",'TEXCOORD_0':2")
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
-         MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
+         ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
+    TOLD("primitives.attributes without the TEXCOORD_n of a texture",
+         ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
+         "1 part lacks the texture coordinates of its pictures: they count as 0"),
     USED("primitives.attributes.TEXCOORD_1",
          ATTRIBUTES(",'TEXCOORD_1':2")
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':1}}"),
-         MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':1}}")),
+         ATTRIBUTES("," BARE)
+             MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':1}}")),
     TOLD("primitives.attributes.TEXCOORD_n",
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':2}}"),
          "a texture by a third set"),
@@ -269,23 +273,23 @@ static const lf_format_row rows[] = {
     USED("accessors.componentType 5120 (byte)",
          ATTRIBUTES(",'TEXCOORD_0':29")
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
-         MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
+         ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
     USED("accessors.componentType 5121 (unsigned byte)",
          ATTRIBUTES(",'TEXCOORD_0':30")
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
-         MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
+         ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
     USED("accessors.componentType 5122 (short)",
          ATTRIBUTES(",'TEXCOORD_0':31")
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
-         MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
+         ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
     USED("accessors.componentType 5123 (unsigned short)",
          ATTRIBUTES(",'TEXCOORD_0':32")
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
-         MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
+         ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
     USED("accessors.componentType 5126 (float)",
          ATTRIBUTES(",'TEXCOORD_0':2")
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
-         MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
+         ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
     USED("accessors.componentType 5125 (unsigned int)", PRIMITIVE(",'indices':8"), ""),
     USED("accessors.normalized",
          ATTRIBUTES(",'TEXCOORD_0':32")
@@ -296,7 +300,7 @@ static const lf_format_row rows[] = {
     USED("accessors.type VEC2",
          ATTRIBUTES(",'TEXCOORD_0':2")
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
-         MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
+         ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
     USED("accessors.type VEC3", ATTRIBUTES(",'COLOR_0':34"), ""),
     USED("accessors.type VEC4", ATTRIBUTES(",'COLOR_0':3"), ""),
     REFUSED("accessors.type MAT2", ATTRIBUTES(",'NORMAL':35"), "no such type or componentType"),

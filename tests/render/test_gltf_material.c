@@ -13,8 +13,10 @@ static lf_mesh_data read_sampled(const char *material, const char *sampler, cons
     char rest[4096];
     gltf_text text = {0};
     gltf_put_floats(&text, corner3, 3, "VEC3");
+    gltf_put_floats(&text, corner3, 3, "VEC2");
     snprintf(rest, sizeof rest,
-             "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],"
+             "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':1,'TEXCOORD_1':1},"
+             "'material':0}]}],"
              "'textures':[{'source':0,'sampler':0},{'source':1},"
              "{'extensions':{'KHR_texture_basisu':{'source':0}}}],'samplers':[{%s}],"
              "'images':[{'uri':'%s'},{'uri':'data:;base64,AAAA'}]"
