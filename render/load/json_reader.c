@@ -167,7 +167,7 @@ bool lf_read_object(lf_reader *reader, const lf_node *node, const char *const ke
             continue;
         lf_node child = lf_node_child(node, key);
         const char *meant = lf_nearest_name(key, keys);
-        char list[256];
+        char list[400];
         lf_join_names(keys, list, sizeof list);
         if (meant)
             lf_read_fail(reader, &child, "unknown key \"%s\"; did you mean \"%s\"?", key, meant);

@@ -63,6 +63,8 @@ static void take_cover(const json_t *json, lf_said *said)
     said->cover = strcmp(mode, "MASK") == 0    ? LF_COVER_MASK
                   : strcmp(mode, "BLEND") == 0 ? LF_COVER_BLEND
                                                : LF_COVER_OPAQUE;
+    if (*mode && said->cover == LF_COVER_OPAQUE && strcmp(mode, "OPAQUE") != 0)
+        said->lost |= 1u << LF_LOST_ALPHA_MODE;
     said->cutoff = lf_gltf_number(json, "alphaCutoff", 0.5f);
 }
 

@@ -69,7 +69,7 @@ static bool has_lone_cr(const lf_input *in)
            (first + 1 == in->buffer + in->end || first[1] != '\n');
 }
 
-lf_status lf_input_open(lf_input *in, int fd, lf_error *err)
+lf_status lf_input_open_bytes(lf_input *in, int fd, lf_error *err)
 {
     struct stat info;
     *in = (lf_input){.fd = fd, .ends = '\n'};
@@ -82,7 +82,18 @@ lf_status lf_input_open(lf_input *in, int fd, lf_error *err)
         return lf_input_ended(in, "a byte", err);
     in->is_alone = has_lone_cr(in);
     in->ends = in->is_alone ? '\r' : '\n';
+    return LF_OK;
+}
+
+lf_status lf_input_begin_text(lf_input *in, lf_error *err)
+{
     return lf_text_begin((const char *)in->buffer, in->end, LF_HERE, &in->at, err);
+}
+
+lf_status lf_input_open(lf_input *in, int fd, lf_error *err)
+{
+    lf_status status = lf_input_open_bytes(in, fd, err);
+    return status == LF_OK ? lf_input_begin_text(in, err) : status;
 }
 
 void lf_input_close(lf_input *in)

@@ -19,9 +19,12 @@ typedef struct lf_input {
     lf_status status;     /* LF_OK, or why there is no more */
 } lf_input;
 
-/* Begins at the first byte behind a byte order mark. Release with lf_input_close in any case.
- * LF_E_IO; LF_E_NOMEM; LF_E_FORMAT: text that is
- * not UTF-8 (base/text.h). */
+/* Begins at the first byte. Release with lf_input_close in any case. LF_E_IO; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_input_open_bytes(lf_input *in, int fd, lf_error *err);
+/* Of one that turns out to be a text: on to behind its byte order mark. LF_E_FORMAT: text that is
+ * not UTF-8 (base/text.h). Before anything is read. */
+LF_NODISCARD lf_status lf_input_begin_text(lf_input *in, lf_error *err);
+/* Both. */
 LF_NODISCARD lf_status lf_input_open(lf_input *in, int fd, lf_error *err);
 /* Accepts a zeroed one. */
 void lf_input_close(lf_input *in);

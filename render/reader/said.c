@@ -210,6 +210,7 @@ static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_DISPERSION] = "dispersion is left out (KHR_materials_dispersion)",
     [LF_LOST_TRANSLUCENCE] =
         "diffuse transmission is left out (KHR_materials_diffuse_transmission)",
+    [LF_LOST_ALPHA_MODE] = "its alphaMode is not known here: opaque",
     [LF_LOST_GLOSSINESS] = "specular and glossiness are made into metallic and roughness",
 };
 

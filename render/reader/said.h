@@ -25,6 +25,7 @@ typedef enum lf_lost {
     LF_LOST_DISPERSION,
     LF_LOST_TRANSLUCENCE,
     LF_LOST_GLOSSINESS, /* glTF's older model */
+    LF_LOST_ALPHA_MODE, /* one that nobody knows */
     LF_LOST_KINDS
 } lf_lost;
 

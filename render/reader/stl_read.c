@@ -195,12 +195,30 @@ static lf_status read_text(lf_input *in, lf_soup *soup, lf_error *err)
  * --
  */
 
-/* A binary one may begin with "solid", too: its size tells. */
+/* One whose size does not say that it is binary. */
+static lf_status read_by_words(lf_input *in, const lf_mesh_desc *desc, lf_soup *soup, lf_error *err)
+{
+    size_t n, blanks = 0;
+    lf_status status = lf_input_begin_text(in, err);
+    if (status != LF_OK)
+        return status;
+    const unsigned char *begin = lf_input_peek(in, HEADER_BYTES, &n);
+    while (blanks < n && lf_is_blank((char)begin[blanks]))
+        blanks++;
+    if (n >= blanks + 5 && lf_word_reads((const char *)begin + blanks, 5, "solid"))
+        return read_text(in, soup, err);
+    if (n == HEADER_BYTES)
+        return read_binary(in, desc->material < 0, soup, err);
+    return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                        "cannot be read as a mesh: not STL, text (\"solid\") or binary");
+}
+
+/* A binary one may begin with "solid", or with a title of any bytes: its size tells. */
 lf_status lf_stl_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error *err)
 {
     lf_input in = {.fd = -1};
     size_t n;
-    lf_status status = lf_input_open(&in, fd, err);
+    lf_status status = lf_input_open_bytes(&in, fd, err);
     if (status == LF_OK) {
         const unsigned char *begin = lf_input_peek(&in, HEADER_BYTES, &n);
         uint64_t facets = n == HEADER_BYTES ? little_endian(begin + HEADER_BYTES - 4) : 0;
@@ -208,17 +226,8 @@ lf_status lf_stl_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
         /* or has more bytes than it says, and one in its title that no text has */
         bool fits = n == HEADER_BYTES &&
                     (in.size == size || (facets > 0 && in.size > size && memchr(begin, 0, n)));
-        size_t blanks = 0;
-        while (blanks < n && lf_is_blank((char)begin[blanks]))
-            blanks++;
-        bool solid = n >= blanks + 5 && lf_word_reads((const char *)begin + blanks, 5, "solid");
-        if (fits || (!solid && n == HEADER_BYTES))
-            status = read_binary(&in, desc->material < 0, soup, err);
-        else if (solid)
-            status = read_text(&in, soup, err);
-        else
-            status = lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                                  "cannot be read as a mesh: not STL, text (\"solid\") or binary");
+        status = fits ? read_binary(&in, desc->material < 0, soup, err)
+                      : read_by_words(&in, desc, soup, err);
     }
     lf_input_close(&in);
     return status;

@@ -453,6 +453,8 @@ static const lf_format_row rows[] = {
     USED("materials.emissiveFactor", MATERIAL(",'emissiveFactor':[1,1,1]"), ""),
     USED("materials.alphaMode OPAQUE", MATERIAL(",'alphaMode':'OPAQUE'"),
          MATERIAL(",'alphaMode':'BLEND'")),
+    TOLD("materials.alphaMode of any other name", MATERIAL(",'alphaMode':'WEIRD'"),
+         "its alphaMode is not known here: opaque"),
     USED("materials.alphaMode MASK", MATERIAL(",'alphaMode':'MASK'"), ""),
     USED("materials.alphaMode BLEND", MATERIAL(",'alphaMode':'BLEND'"), ""),
     USED("materials.alphaCutoff", MATERIAL(",'alphaMode':'MASK','alphaCutoff':1.5"),

@@ -451,6 +451,7 @@ static const lf_format_row stl_rows[] = {
     REFUSED("UTF-16", "\xff\xfes", "is UTF-16 text; save it as UTF-8"),
     {"binary", "used", binary_is_as_text, NULL},
     BINARY("the title of a binary file", "ignored", "made by a program", 17, 0, 0, 0, NULL),
+    BINARY("a title of a binary file in UTF-16", "ignored", "m\0o\0d\0e\0l\0", 10, 0, 0, 0, NULL),
     BINARY("COLOR=", "used", COLOUR, 10, 0x8000, 0x8000, 0, NULL),
     BINARY("alpha of COLOR=", "told", "COLOR=\xff\x40\x20\x80", 10, 0x8000, 0x8000, 0,
            "of the title's COLOR= and MATERIAL= the colour alone is used"),

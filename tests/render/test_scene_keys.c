@@ -345,6 +345,22 @@ static void lights_at_infinity_stand_first_in_the_table_and_faces_last(void **st
     }
 }
 
+/* Of the surface that has most: none is cut off. */
+static void an_unknown_key_is_told_all_that_there_are(void **state)
+{
+    (void)state;
+    json_t *doc =
+        json_pack("{s:{s:{s:s,s:i}}}", "materials", "m", "type", "principled", "zzzzzzzz", 1);
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    assert_int_equal(lf_scene_from_json(doc, "/", "t", NULL, NULL, &scene, &err), LF_E_FORMAT);
+    for (int i = 0; i < LF_MAX_KEYS && lf_surface_principled.keys[i].name; i++)
+        if (!strstr(err.what, lf_surface_principled.keys[i].name))
+            fail_msg("%s: %s", lf_surface_principled.keys[i].name, err.what);
+    assert_string_equal(err.what + strlen(err.what) - strlen(", emission"), ", emission");
+    json_decref(doc);
+}
+
 static int load_schema(void **state)
 {
     (void)state;
@@ -367,6 +383,7 @@ int main(void)
         cmocka_unit_test(the_schema_has_no_key_of_surfaces_that_no_kind_has),
         cmocka_unit_test(the_schema_has_the_shapes_of_volumes_that_there_are),
         cmocka_unit_test(the_schema_has_the_shapes_of_meshes_that_there_are),
+        cmocka_unit_test(an_unknown_key_is_told_all_that_there_are),
         cmocka_unit_test(lights_at_infinity_stand_first_in_the_table_and_faces_last),
     };
     return cmocka_run_group_tests(tests, load_schema, release_schema);
