@@ -1,7 +1,8 @@
 /* number: decimal numbers out of texts that anybody wrote: options, arguments, names, files. No
  * locale has any part in it, and nothing but decimal digits counts: hexadecimal, "inf" and "nan"
  * are no numbers. Blanks in front are none of a number. Pure functions; out untouched on failure.
- * Nothing else in the house reads numbers by the C library's functions (tests/style.sh). */
+ * Nothing else in the house reads numbers by the C library's functions, but for the header of HDR
+ * pictures and texts of the kernel's and of our own (tests/style.sh). */
 #ifndef LF_BASE_NUMBER_H
 #define LF_BASE_NUMBER_H
 

@@ -33,6 +33,7 @@ typedef struct unknown {
 
 typedef struct search {
     size_t n;
+    bool has_more; /* than are kept */
     unknown found[MOST];
 } search;
 
@@ -44,6 +45,7 @@ static unknown *find(search *s, const char *name)
     for (size_t i = 0; i < s->n; i++)
         if (strcmp(s->found[i].name, name) == 0)
             return &s->found[i];
+    s->has_more = s->has_more || s->n == MOST;
     if (s->n == MOST)
         return NULL;
     s->found[s->n] = (unknown){.name = name};
@@ -104,4 +106,8 @@ void lf_gltf_warn_of_extensions(const lf_gltf *gltf, lf_warnings *warnings)
             look(&s, thing, value, value, 0);
     for (size_t k = 0; k < s.n; k++)
         warn_of(&s.found[k], warnings);
+    if (s.has_more)
+        lf_warnings_add(warnings, LF_HERE,
+                        "more than %d extensions are not known here: the others are left out, too",
+                        MOST);
 }

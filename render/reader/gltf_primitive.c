@@ -142,7 +142,8 @@ static uint32_t material_of(const json_t *json, uint32_t variant)
         const json_t *mapping = json_array_get(mappings, i),
                      *variants = json_object_get(mapping, "variants");
         for (size_t k = 0; k < json_array_size(variants); k++)
-            if (json_number_value(json_array_get(variants, k)) == (double)variant)
+            if (json_is_number(json_array_get(variants, k)) &&
+                json_number_value(json_array_get(variants, k)) == (double)variant)
                 return lf_gltf_index(mapping, "material");
     }
     return lf_gltf_index(json, "material");

@@ -253,7 +253,7 @@ static void behind_others(const lf_shine *shine, const inside *in, bool others, 
             float per_z = in->sigma_t * shine->length[k],
                   at = in->lost[k] > 1e-4f ? -log1pf(-share * in->lost[k]) / per_z
                                            : share * in->part[k];
-            z[k] = in->from[k] + lf_min(at, in->part[k]);
+            z[k] = lf_min(in->from[k] + lf_min(at, in->part[k]), rays->z_end[k]);
             own[k] = per_z * (z[k] - in->from[k]);
             factor[k] = 1.0f / POINTS;
         }
