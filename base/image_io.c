@@ -93,17 +93,19 @@ static lf_status recognise(const lf_image_source *source, const lf_image_format 
                         format_names(true, LF_IMAGE_8BIT, names, sizeof names));
 }
 
-/* Of a file that is open. */
-static lf_status look_at(int fd, const char *path, lf_image_source *source,
+/* Of a file that is open. said: what will be noted of its meaning; NULL: nothing. */
+static lf_status look_at(int fd, const char *path, lf_image_said *said, lf_image_source *source,
                          const lf_image_format **format, lf_error *err)
 {
     struct stat info;
+    if (said)
+        *said = (lf_image_said){0};
     if (fstat(fd, &info) != 0)
         return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
     if (!S_ISREG(info.st_mode) || (uint64_t)info.st_size > LF_IMAGE_MAX_BYTES)
         return lf_error_set(err, LF_E_FORMAT, path, "no regular file of at most 4 GiB");
     *source = (lf_image_source){
-        .fd = fd, .size_bytes = (uint64_t)info.st_size, .where = path, .channels = 3};
+        .fd = fd, .size_bytes = (uint64_t)info.st_size, .where = path, .channels = 3, .said = said};
     return recognise(source, format, err);
 }
 
@@ -115,7 +117,7 @@ static lf_status open_source(const char *path, const lf_roots *roots, lf_image_s
     lf_status status = lf_file_open(path, roots, LF_IMAGE_MAX_BYTES, &fd, NULL, err);
     if (status != LF_OK)
         return status;
-    status = look_at(fd, path, source, format, err);
+    status = look_at(fd, path, NULL, source, format, err);
     if (status != LF_OK)
         close(fd);
     return status;
@@ -138,7 +140,7 @@ lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind,
 {
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = look_at(fd, path, &source, &format, err);
+    lf_status status = look_at(fd, path, NULL, &source, &format, err);
     if (status == LF_OK)
         *out_kind = format->kind;
     return status;
@@ -171,13 +173,8 @@ lf_status lf_image8_read_said(int fd, const char *path, lf_image8 *out, lf_image
 {
     lf_image_source source;
     const lf_image_format *format;
-    if (said)
-        *said = (lf_image_said){0};
-    lf_status status = look_at(fd, path, &source, &format, err);
-    if (status != LF_OK)
-        return status;
-    source.said = said;
-    return read8_from(&source, format, out, err);
+    lf_status status = look_at(fd, path, said, &source, &format, err);
+    return status == LF_OK ? read8_from(&source, format, out, err) : status;
 }
 
 lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err)
@@ -241,13 +238,8 @@ lf_status lf_image32_read_said(int fd, const char *path, lf_image32 *out, lf_ima
 {
     lf_image_source source;
     const lf_image_format *format;
-    if (said)
-        *said = (lf_image_said){0};
-    lf_status status = look_at(fd, path, &source, &format, err);
-    if (status != LF_OK)
-        return status;
-    source.said = said;
-    return read32_from(&source, format, out, err);
+    lf_status status = look_at(fd, path, said, &source, &format, err);
+    return status == LF_OK ? read32_from(&source, format, out, err) : status;
 }
 
 lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out, lf_error *err)

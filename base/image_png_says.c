@@ -24,11 +24,6 @@ typedef struct walk {
     uint8_t cicp[4];
 } walk;
 
-static uint32_t be32(const uint8_t *p)
-{
-    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
-}
-
 static bool read_at(const lf_image_source *source, uint64_t at, void *to, size_t n)
 {
     if (at > source->size_bytes || n > source->size_bytes - at)
@@ -43,14 +38,14 @@ static bool read_at(const lf_image_source *source, uint64_t at, void *to, size_t
 static void take_gamma(walk *w)
 {
     w->has_gamma = w->n >= 4;
-    w->gamma = w->has_gamma ? be32(w->data) : 0;
+    w->gamma = w->has_gamma ? lf_be32(w->data) : 0;
 }
 
 static void take_chromaticities(walk *w)
 {
     double v[8];
     for (int i = 0; i < 8; i++)
-        v[i] = w->n >= 32 ? be32(w->data + 4 * i) / 1e5 : 0;
+        v[i] = w->n >= 32 ? lf_be32(w->data + 4 * i) / 1e5 : 0;
     const lf_chromaticities c = {{v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}, {v[0], v[1]}};
     w->has_chromaticities = w->n >= 32;
     w->is_rec709 = lf_is_rec709(&c);
@@ -79,16 +74,16 @@ static void take_exif(walk *w)
 
 static void note_aspect(walk *w)
 {
-    if (w->n >= 9 && be32(w->data) != be32(w->data + 4))
+    if (w->n >= 9 && lf_be32(w->data) != lf_be32(w->data + 4))
         lf_image_note(w->notes, "pHYs %u x %u is not used: pixels are taken as square",
-                      be32(w->data), be32(w->data + 4));
+                      lf_be32(w->data), lf_be32(w->data + 4));
 }
 
 static void note_animation(walk *w)
 {
     if (w->n >= 8)
         lf_image_note(w->notes, "an animation of %u frames (acTL): the still picture alone is read",
-                      be32(w->data));
+                      lf_be32(w->data));
 }
 
 static void note_stereo(walk *w)
@@ -116,7 +111,7 @@ static void walk_chunks(walk *w)
     uint8_t head[8];
     uint64_t at = 8;
     while (read_at(w->source, at, head, 8) && memcmp(head + 4, "IEND", 4) != 0) {
-        uint32_t length = be32(head);
+        uint32_t length = lf_be32(head);
         for (size_t i = 0; i < sizeof chunks / sizeof *chunks; i++) {
             if (memcmp(head + 4, chunks[i].name, 4) != 0)
                 continue;

@@ -6,24 +6,19 @@
 /* ---------------------------------------------------------------------------------------- ICC --
  */
 
-static uint32_t be32(const uint8_t *p)
-{
-    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
-}
-
 static double fixed(const uint8_t *p)
 {
-    return (int32_t)be32(p) / 65536.0;
+    return (int32_t)lf_be32(p) / 65536.0;
 }
 
 /* The element of a tag, of at least `least` bytes; NULL: it is not among these bytes. */
 static const uint8_t *find_tag(const uint8_t *data, size_t size, const char *tag, size_t least,
                                size_t *out_size)
 {
-    uint32_t n = size >= 132 ? be32(data + 128) : 0;
+    uint32_t n = size >= 132 ? lf_be32(data + 128) : 0;
     for (uint32_t i = 0; i < n && 132 + 12 * ((size_t)i + 1) <= size; i++) {
         const uint8_t *entry = data + 132 + 12 * (size_t)i;
-        size_t at = be32(entry + 4), length = be32(entry + 8);
+        size_t at = lf_be32(entry + 4), length = lf_be32(entry + 8);
         if (memcmp(entry, tag, 4) != 0)
             continue;
         *out_size = length;
@@ -46,7 +41,7 @@ static bool has_colour(const uint8_t *data, size_t size, const char *tag, const 
 static double light_of_half(const uint8_t *curve, size_t size)
 {
     if (memcmp(curve, "curv", 4) == 0) {
-        uint32_t n = be32(curve + 8);
+        uint32_t n = lf_be32(curve + 8);
         if (n == 0)
             return 0.5;
         if (n == 1 && size >= 14)

@@ -8,6 +8,12 @@
 
 #include "base/image_said.h"
 
+/* Four bytes, the highest first. */
+static inline uint32_t lf_be32(const uint8_t *p)
+{
+    return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
+}
+
 /* Whether an ICC profile (ICC.1:2010; its first bytes are enough, where its tags lie in them) is
  * one of sRGB: its primaries to three digits, and a curve that is sRGB's to 1 %. */
 bool lf_icc_is_srgb(const uint8_t *data, size_t size);

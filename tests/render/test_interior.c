@@ -75,11 +75,7 @@ static void schedule(lf_renderer *r)
 
 static void pictures(const char *text, const char *integrator, uint64_t seed, lf_blocks *out)
 {
-    lf_scene *scene = lf_test_scene(text);
-    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
-    lf_test_pictures(r, schedule, LF_ESTIMATOR_MIS, 12, seed, tile, out);
-    lf_renderer_destroy(r);
-    lf_scene_unref(scene);
+    lf_test_pictures_of(lf_test_scene(text), integrator, width, height, schedule, seed, tile, out);
 }
 
 static void what_fills_glass_of_index_one_is_a_volume(void **state)

@@ -482,11 +482,8 @@ static void schedule(lf_renderer *r)
 static void pictures(const char *material, bool copies, double moved, const char *integrator,
                      uint64_t seed, lf_blocks *out)
 {
-    lf_scene *scene = scene_of("cube", material, copies, moved, "3", ALL);
-    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
-    lf_test_pictures(r, schedule, LF_ESTIMATOR_MIS, 12, seed, tile, out);
-    lf_renderer_destroy(r);
-    lf_scene_unref(scene);
+    lf_test_pictures_of(scene_of("cube", material, copies, moved, "3", ALL), integrator, width,
+                        height, schedule, seed, tile, out);
 }
 
 /* Instances shared between views against copies that each view sees alone. */

@@ -351,6 +351,15 @@ void lf_test_pictures(lf_renderer *r, lf_test_schedule schedule, lf_estimator es
     }
 }
 
+void lf_test_pictures_of(lf_scene *scene, const char *integrator, int width, int height,
+                         lf_test_schedule schedule, uint64_t salt, int block, lf_blocks *out)
+{
+    lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
+    lf_test_pictures(r, schedule, LF_ESTIMATOR_MIS, 12, salt, block, out);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 void lf_test_two_answers(lf_scene *scene, const char *integrator, int width, int height, int block,
                          uint64_t salt, lf_blocks out[2])
 {

@@ -98,6 +98,9 @@ void lf_test_assert_weights(const char *scene, int width, int height, lf_test_sc
  * made here. */
 void lf_test_pictures(lf_renderer *renderer, lf_test_schedule schedule, lf_estimator estimator,
                       int replicates, uint64_t salt, int block, lf_blocks *out);
+/* The same by mis of a scene, which is released: 12 replicates. */
+void lf_test_pictures_of(lf_scene *scene, const char *integrator, int width, int height,
+                         lf_test_schedule schedule, uint64_t salt, int block, lf_blocks *out);
 /* Of a scene, which is released, the same by mis and by cv: out[2], of 18 passes each, 12 of them
  * or with lf_test_long 48. */
 void lf_test_two_answers(lf_scene *scene, const char *integrator, int width, int height, int block,
