@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/reader/reader.h"
+#include "base/text.h"
 #include "render/reader/words.h"
 
 #define JSON_CHUNK 0x4e4f534au
@@ -71,16 +72,18 @@ static lf_status find_chunks(lf_gltf *gltf, lf_error *err)
     return LF_OK;
 }
 
-/* Where a text begins that is an object, behind a mark and blanks; its size: nowhere. */
-static uint64_t object_at(int fd, uint64_t size)
+/* Where a text begins that is an object, behind a mark and blanks; its size: nowhere. LF_E_FORMAT:
+ * text that is not UTF-8. */
+static lf_status find_object(int fd, uint64_t size, uint64_t *out, lf_error *err)
 {
     char begin[256];
-    ssize_t n = pread(fd, begin, sizeof begin, 0), at = 0;
-    if (n >= 3 && memcmp(begin, "\xef\xbb\xbf", 3) == 0)
-        at = 3;
-    while (at < n && lf_is_blank(begin[at]))
+    ssize_t n = pread(fd, begin, sizeof begin, 0);
+    size_t at = 0, end = n > 0 ? (size_t)n : 0;
+    lf_status status = lf_text_begin(begin, end, LF_HERE, &at, err);
+    while (at < end && lf_is_blank(begin[at]))
         at++;
-    return at < n && begin[at] == '{' ? (uint64_t)at : size;
+    *out = at < end && begin[at] == '{' ? at : size;
+    return status;
 }
 
 static lf_status no_json(const json_error_t *wrong, lf_error *err)
@@ -101,11 +104,18 @@ static lf_status load_json(lf_gltf *gltf, lf_error *err)
     char *text = malloc((size_t)gltf->length + 1);
     if (!text)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
-    if (gltf->length > 0 &&
-        pread(gltf->fd, text, (size_t)gltf->length, (off_t)gltf->begin) == (ssize_t)gltf->length)
-        gltf->json = json_loadb(text, (size_t)gltf->length,
-                                JSON_DISABLE_EOF_CHECK | JSON_DECODE_INT_AS_REAL, &wrong);
+    size_t n = (size_t)gltf->length;
+    lf_status status = LF_OK;
+    if (n > 0 && pread(gltf->fd, text, n, (off_t)gltf->begin) == (ssize_t)n) {
+        text[n] = '\0';
+        status = lf_text_take(text, &n, LF_HERE, err);
+        if (status == LF_OK)
+            gltf->json =
+                json_loadb(text, n, JSON_DISABLE_EOF_CHECK | JSON_DECODE_INT_AS_REAL, &wrong);
+    }
     free(text);
+    if (status != LF_OK)
+        return status;
     return json_is_object(gltf->json) ? LF_OK : no_json(&wrong, err);
 }
 
@@ -202,7 +212,7 @@ lf_status lf_gltf_open(lf_gltf *gltf, int fd, const char *path, lf_error *err)
     if (memcmp(first, "glTF", sizeof first) == 0) {
         status = find_chunks(gltf, err);
     } else {
-        gltf->begin = object_at(fd, gltf->size);
+        status = find_object(fd, gltf->size, &gltf->begin, err);
         gltf->length = gltf->size - gltf->begin;
     }
     if (status == LF_OK)

@@ -58,6 +58,11 @@ static lf_status read_stl(const char *folder, double *out, lf_error *err)
     return read_mesh(folder, "t.stl", out, err);
 }
 
+static lf_status read_gltf(const char *folder, double *out, lf_error *err)
+{
+    return read_mesh(folder, "t.gltf", out, err);
+}
+
 static lf_status read_places(const char *folder, double *out, lf_error *err)
 {
     char path[PATH_MAX];
@@ -109,6 +114,19 @@ static const struct {
 } readers[] = {
     {"t.obj", "# a triangle\n" POINTS "\nf 1 2 \\\n3\n", read_obj},
     {"t.mtl", "# red\nnewmtl red\nKd 1 0.25 0\nillum 1\n", read_mtl},
+    {"t.gltf",
+     "{\n"
+     "\"asset\": {\"version\": \"2.0\"},\n"
+     "\"scenes\": [{\"nodes\": [0]}],\n"
+     "\"nodes\": [{\"mesh\": 0}],\n"
+     "\"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0}}]}],\n"
+     "\"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": "
+     "\"VEC3\"}],\n"
+     "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}],\n"
+     "\"buffers\": [{\"byteLength\": 36, \"uri\": "
+     "\"data:;base64,AAAAAAAAAAAAAAAAAAAAQAAAAAAAAAAAAAAAAAAAQEAAAAAA\"}]\n"
+     "}\n",
+     read_gltf},
     {"t.ply",
      "ply\nformat ascii 1.0\ncomment none\nelement vertex 3\nproperty float x\nproperty float y\n"
      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
