@@ -1,0 +1,82 @@
+#!/bin/bash
+# Every command of README.md, as it stands there, in a folder with what a reader would have: a model, photos, a shipped scene.
+# A line that starts quiltd is left running until the next heading, as in a terminal of its own.
+set -u
+src=$(cd "${QUILTD_SOURCE:-.}" && pwd)
+out=$(cd "${QUILTD_BUILD:-build/release}" && pwd)
+# shellcheck source=tests/report.sh
+. "$src/tests/report.sh"
+
+top=$(mktemp -d)
+daemon=''
+stop_daemon() {
+    [ -n "$daemon" ] || return 0
+    kill "$daemon" 2> /dev/null
+    wait "$daemon" 2> /dev/null
+    daemon=''
+}
+trap 'stop_daemon; rm -rf "$top"' EXIT
+export PATH="$out:$PATH" HOME=$top XDG_RUNTIME_DIR=$top/run
+unset QUILTD_SOCKET
+mkdir -m 700 "$XDG_RUNTIME_DIR"
+cd "$top" || exit 1
+
+# What the README stands for with "your file": a model, photos, the shipped cloud.
+prepare() {
+    cp "$src/scenes/still.glb" helmet.glb
+    cp "$src/scenes/cloud.json" "$src/scenes/cloud.vdb" .
+    quiltrender helmet.glb -o photos/ --png --views 6 --view-size 60x80 --passes 1
+}
+report "the reader's files are there" "$(prepare 2>&1 > log || cat log)"
+
+# Run elsewhere: make check-distro (what installs packages, or is this test itself).
+elsewhere() {
+    case $1 in make\ * | sudo\ * | "echo 'deb "*) ;; *) return 1 ;; esac
+}
+# Exit statuses that are an answer, not a failure: doctor finds no panel on this machine.
+expected() { # command, status
+    [ "$2" -eq 0 ] || { [ "$2" -eq 1 ] && [ "$1" = "quiltctl doctor" ]; }
+}
+start_daemon() { # command
+    stop_daemon
+    eval "exec $1" > daemon.log 2>&1 &
+    daemon=$!
+    until quiltctl hello > /dev/null 2>&1; do
+        kill -0 "$daemon" 2> /dev/null || return 1
+        sleep 0.1
+    done
+}
+run() { # command
+    case $1 in
+    quiltd\ *) start_daemon "$1" || cat daemon.log ;;
+    *)
+        (eval "$1") > log 2>&1
+        local rc=$?
+        expected "$1" "$rc" || { echo "exit status $rc" && tail -n 5 log; }
+        ;;
+    esac
+}
+
+commands=0 document=''
+while IFS= read -r line; do
+    case $line in
+    '#'*) stop_daemon ;;
+    '    { "quiltd"'*) document=1 && printf '%s\n' "$line" > scene.json ;;
+    '    '*)
+        if [ -n "$document" ]; then
+            printf '%s\n' "$line" >> scene.json
+            continue
+        fi
+        command=$(printf '%s\n' "$line" | sed -E 's/^ +//; s/ +# .*$//')
+        elsewhere "$command" && continue
+        commands=$((commands + 1))
+        run "$command" > complaints 2>&1 # not in a subshell, which would lose the daemon
+        report "$command" "$(cat complaints)"
+        ;;
+    *) document='' ;;
+    esac
+done < "$src/README.md"
+stop_daemon
+report "the README has commands to run" "$([ "$commands" -ge 10 ] || echo "$commands were found")"
+report "the README is at most 120 lines" "$([ "$(wc -l < "$src/README.md")" -le 120 ] || wc -l "$src/README.md")"
+end
