@@ -583,9 +583,7 @@ lf_status engine_run_show_as(lf_engine *engine, engine_request *request)
 
 static bool is_reconstructed(const lf_engine *engine, lf_reconstruct asked)
 {
-    if (asked == LF_RECONSTRUCT_AUTO)
-        asked = engine->now.controls.reconstruct;
-    return asked == LF_RECONSTRUCT_ON;
+    return asked == LF_RECONSTRUCT_AUTO ? engine->picture.reconstructs : asked == LF_RECONSTRUCT_ON;
 }
 
 static lf_status take_film(lf_engine *engine, lf_snapshot *out, lf_error *err)

@@ -190,11 +190,13 @@ lf_budget lf_rendering_budget(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
     lf_budget budget = a->budget;
-    budget.reconstructed = a->options.reconstruct == LF_RECONSTRUCT_ON;
+    budget.reconstructed = r->reconstructs;
     budget.seconds /= camera_rows(r);
     budget.cpu_seconds /= camera_rows(r);
-    if (a->spp > 0)
-        budget.passes = a->spp * r->settings.camera.n_views;
+    if (a->n_budgets == 0 && r->reconstructs)
+        budget.passes = LF_RENDER_DEFAULT_PASSES;
+    else if (a->n_budgets == 0 || a->spp > 0)
+        budget.passes = (a->spp > 0 ? a->spp : LF_RENDER_DEFAULT_SPP) * r->settings.camera.n_views;
     return budget;
 }
 
@@ -243,7 +245,7 @@ static json_t *make_record(const lf_rendering *r)
         return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", r->layout.n_views, "aspect",
                          r->layout.aspect);
     return lf_output_settings(a->scene, &r->settings, a->kind->has_tiles ? &r->layout : NULL,
-                              a->options.estimator, a->options.reconstruct == LF_RECONSTRUCT_ON,
+                              a->options.estimator, r->reconstructs,
                               (double)r->times.passes / camera_rows(r), &r->film_settings);
 }
 

@@ -149,6 +149,9 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     }
     lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(
         &a->options, camera, calibration, &r->settings, &r->layout, err);
+    r->reconstructs = a->options.reconstruct == LF_RECONSTRUCT_ON ||
+                      (a->options.reconstruct == LF_RECONSTRUCT_AUTO && !camera->list);
+    r->settings.features |= r->reconstructs;
     if (r->sequence.on)
         r->settings.seed =
             (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
@@ -323,7 +326,7 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
     lf_film_settings film = *lf_scene_film_settings(r->scene);
     if (a->options.has_exposure)
         film = lf_exposed_film(&film, a->options.exposure);
-    if (!film.auto_exposure || a->kind->is_linear || lf_path_has_ending(a->out, ".exr"))
+    if (!film.auto_exposure || lf_output_is_light(a->kind, a->out))
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, a->options.has_exposure ? "--exposure" : a->scene,
                         "%sauto would be another one in each of the %s: give stops (without %s, "
