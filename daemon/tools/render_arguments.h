@@ -11,7 +11,7 @@
 #define LF_RENDER_PROGRAM "quiltrender"
 
 /* How long where nothing says: passes of a reconstructed picture, paths a view pixel of another. */
-#define LF_RENDER_DEFAULT_PASSES 24
+#define LF_RENDER_DEFAULT_PASSES 32
 #define LF_RENDER_DEFAULT_SPP 16
 
 /* Everything the command line says. */
