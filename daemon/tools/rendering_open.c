@@ -42,12 +42,12 @@ static lf_status prepare_print(lf_rendering *r, int n_views_most, lf_error *err)
     const char *warning = NULL;
     r->print = r->arguments->print;
     r->print.n_views = r->arguments->options.views;
-    lf_status status = lf_print_choose_views(&r->print, n_views_most, "--views", NULL, err);
+    const char *where = r->print.n_views > 0 ? "--views" : "--print";
+    lf_status status = lf_print_choose_views(&r->print, n_views_most, where, NULL, err);
     if (status == LF_OK)
         status = r->arguments->kind->check_print(&r->print, &warning, err);
     if (status == LF_OK && warning && !r->pool) /* while it opens, not for every frame */
-        lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->options.views > 0 ? "--views" : "--print",
-               warning);
+        lf_log(LF_LOG_WARNING, "%s: %s", where, warning);
     return status;
 }
 
