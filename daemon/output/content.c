@@ -85,21 +85,54 @@ void lf_content_write_document(lf_content *content)
     content->document = text;
 }
 
-char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size)
+/* With as many digits as tell two numbers apart. */
+static void write_apart(double a, double b, char *of_a, char *of_b, size_t size)
 {
-    double before = -depth->nearest_step, behind = depth->farthest_step;
-    bool is_before = before > behind;
-    char steps[64] = "by more than a view holds";
+    for (int digits = 0; digits <= 6; digits++) {
+        snprintf(of_a, size, "%.*f", digits, a);
+        snprintf(of_b, size, "%.*f", digits, b);
+        if (strcmp(of_a, of_b) != 0)
+            return;
+    }
+}
+
+char *lf_depth_words(const lf_depth *depth, int width, lf_depth_place place, char *buf, size_t size)
+{
+    static const char *const remedies[] = {
+        [LF_DEPTH_PANEL] = "camera.fit or camera.view_blur=1 helps",
+        [LF_DEPTH_FILE] = "\"view_blur\": 1 or a smaller \"cone\" in the scene's camera helps"};
+    const double before = -depth->nearest_step, behind = depth->farthest_step;
+    const bool is_before = before > behind;
+    char step[32], limit[32], far[64] = "by more than a view holds";
+    write_apart(fmax(before, behind), depth->limit, step, limit, sizeof step);
     if (fmax(before, behind) < width)
-        snprintf(steps, sizeof steps, "%.0f of %d pixels", fmax(before, behind), width);
-    snprintf(
-        buf, size,
-        "deeper than a panel shows sharply: things %s the window jump %s from view to view "
-        "(at most %.0f is sharp, which is what is %s than %.4g); camera.fit, camera.view_blur=1 "
-        "or a smaller camera.cone help",
-        is_before ? "before" : "behind", steps, depth->limit, is_before ? "farther" : "nearer",
-        is_before ? depth->sharp_from : depth->sharp_to);
+        snprintf(far, sizeof far, "by %s of %d pixels", step, width);
+    snprintf(buf, size,
+             "deeper than a panel shows sharply: objects %s the focal plane shift %s from view to "
+             "view (at most %s is sharp, which is what is %s than %.4g); %s",
+             is_before ? "before" : "behind", far, limit, is_before ? "farther" : "nearer",
+             is_before ? depth->sharp_from : depth->sharp_to, remedies[place]);
     return buf;
+}
+
+bool lf_depth_of_print(const lf_depth *depth, const lf_render_settings *settings, char *buf,
+                       size_t size, double *out_lenses)
+{
+    const double before = -depth->nearest_step, behind = depth->farthest_step,
+                 lenses = fmax(before, behind);
+    char step[32], limit[32], far[64] = "by more than the print is wide";
+    *out_lenses = fmin(fmax(lenses, 0), settings->width);
+    if (lenses <= 1 || settings->camera.view_blur >= 1)
+        return false;
+    write_apart(lenses, 1, step, limit, sizeof step);
+    if (lenses < settings->width)
+        snprintf(far, sizeof far, "by %s lenses", step);
+    snprintf(buf, size,
+             "deeper than the lenses show sharply: objects %s the focal plane shift %s from view "
+             "to view (at most %s is sharp); \"view_blur\": 1 or a smaller \"cone\" in the scene's "
+             "camera helps",
+             before > behind ? "before" : "behind", far, limit);
+    return true;
 }
 
 static bool has_warned(const lf_scene *scene, const char *line)

@@ -76,13 +76,18 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 /* --------------------------------------------------------------------------------- rendering -- */
 
 /* A depth that is too much for the rig, in plain words. */
-static void warn_of_depth(const lf_rendering *r)
+static void warn_of_depth(lf_rendering *r)
 {
+    const lf_render_settings *s = &r->settings;
     lf_depth depth;
     char words[LF_DEPTH_WORDS];
-    if (lf_scene_depth(r->scene, &r->settings, &depth) && depth.exceeded)
-        lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene,
-               lf_depth_words(&depth, r->settings.width, words, sizeof words));
+    bool exceeded = lf_scene_depth(r->scene, s, &depth);
+    if (exceeded && r->arguments->kind->check_print)
+        exceeded = lf_depth_of_print(&depth, s, words, sizeof words, &r->print.parallax_lenses);
+    else if (exceeded && (exceeded = depth.exceeded))
+        lf_depth_words(&depth, s->width, LF_DEPTH_FILE, words, sizeof words);
+    if (exceeded)
+        lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene, words);
 }
 
 /* The renderer of r->scene; that of the frame or row before goes on with this one. */
