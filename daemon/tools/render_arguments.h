@@ -10,7 +10,8 @@
 
 #define LF_RENDER_PROGRAM "quiltrender"
 
-/* How long where nothing says: passes of a reconstructed picture, paths a view pixel of another. */
+/* How long where nothing says: so many paths a view pixel, but of a reconstructed picture no more
+ * than so many passes. */
 #define LF_RENDER_DEFAULT_PASSES 32
 #define LF_RENDER_DEFAULT_SPP 16
 

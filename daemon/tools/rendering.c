@@ -198,10 +198,10 @@ lf_budget lf_rendering_budget(const lf_rendering *r)
     budget.reconstructed = r->reconstructs;
     budget.seconds /= camera_rows(r);
     budget.cpu_seconds /= camera_rows(r);
-    if (a->n_budgets == 0 && r->reconstructs)
-        budget.passes = LF_RENDER_DEFAULT_PASSES;
-    else if (a->n_budgets == 0 || a->spp > 0)
+    if (a->n_budgets == 0 || a->spp > 0)
         budget.passes = (a->spp > 0 ? a->spp : LF_RENDER_DEFAULT_SPP) * r->settings.camera.n_views;
+    if (a->n_budgets == 0 && r->reconstructs && budget.passes > LF_RENDER_DEFAULT_PASSES)
+        budget.passes = LF_RENDER_DEFAULT_PASSES;
     return budget;
 }
 
