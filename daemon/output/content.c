@@ -85,6 +85,8 @@ void lf_content_write_document(lf_content *content)
     content->document = text;
 }
 
+#define SCENE_REMEDY "\"view_blur\": 1 or a smaller \"cone\" in the scene's camera helps"
+
 /* With as many digits as tell two numbers apart. */
 static void write_apart(double a, double b, char *of_a, char *of_b, size_t size)
 {
@@ -96,43 +98,40 @@ static void write_apart(double a, double b, char *of_a, char *of_b, size_t size)
     }
 }
 
-char *lf_depth_words(const lf_depth *depth, int width, lf_depth_place place, char *buf, size_t size)
+double lf_depth_shift(const lf_depth *depth)
 {
-    static const char *const remedies[] = {
-        [LF_DEPTH_PANEL] = "camera.fit or camera.view_blur=1 helps",
-        [LF_DEPTH_FILE] = "\"view_blur\": 1 or a smaller \"cone\" in the scene's camera helps"};
-    const double before = -depth->nearest_step, behind = depth->farthest_step;
-    const bool is_before = before > behind;
-    char step[32], limit[32], far[64] = "by more than a view holds";
-    write_apart(fmax(before, behind), depth->limit, step, limit, sizeof step);
-    if (fmax(before, behind) < width)
-        snprintf(far, sizeof far, "by %s of %d pixels", step, width);
-    snprintf(buf, size,
-             "deeper than a panel shows sharply: objects %s the focal plane shift %s from view to "
-             "view (at most %s is sharp, which is what is %s than %.4g); %s",
-             is_before ? "before" : "behind", far, limit, is_before ? "farther" : "nearer",
-             is_before ? depth->sharp_from : depth->sharp_to, remedies[place]);
-    return buf;
+    return fmax(-depth->nearest_step, depth->farthest_step);
 }
 
-bool lf_depth_of_print(const lf_depth *depth, const lf_render_settings *settings, char *buf,
-                       size_t size, double *out_lenses)
+bool lf_depth_exceeds(const lf_depth *depth, const lf_camera *camera, lf_depth_place place)
 {
-    const double before = -depth->nearest_step, behind = depth->farthest_step,
-                 lenses = fmax(before, behind);
-    char step[32], limit[32], far[64] = "by more than the print is wide";
-    *out_lenses = fmin(fmax(lenses, 0), settings->width);
-    if (lenses <= 1 || settings->camera.view_blur >= 1)
-        return false;
-    write_apart(lenses, 1, step, limit, sizeof step);
-    if (lenses < settings->width)
-        snprintf(far, sizeof far, "by %s lenses", step);
+    return place == LF_DEPTH_PRINT ? camera->view_blur < 1 && lf_depth_shift(depth) > 1
+                                   : depth->exceeded;
+}
+
+char *lf_depth_words(const lf_depth *depth, int width, lf_depth_place place, char *buf, size_t size)
+{
+    static const struct {
+        const char *what, *unit, *remedy;
+    } of[] = {
+        [LF_DEPTH_PANEL] = {"a panel shows", "pixels", "camera.fit or camera.view_blur=1 helps"},
+        [LF_DEPTH_FILE] = {"a panel shows", "pixels", SCENE_REMEDY},
+        [LF_DEPTH_PRINT] = {"lenses show", "lenses", SCENE_REMEDY},
+    };
+    const bool is_before = -depth->nearest_step > depth->farthest_step;
+    const double most = place == LF_DEPTH_PRINT ? 1 : depth->limit;
+    char shift[32], limit[32], far[64] = "by more than a view holds", sharp[64] = "";
+    write_apart(lf_depth_shift(depth), most, shift, limit, sizeof shift);
+    if (lf_depth_shift(depth) < width)
+        snprintf(far, sizeof far, "by %s of %d %s", shift, width, of[place].unit);
+    if (place != LF_DEPTH_PRINT)
+        snprintf(sharp, sizeof sharp, ", which is what is %s than %.4g",
+                 is_before ? "farther" : "nearer", is_before ? depth->sharp_from : depth->sharp_to);
     snprintf(buf, size,
-             "deeper than the lenses show sharply: objects %s the focal plane shift %s from view "
-             "to view (at most %s is sharp); \"view_blur\": 1 or a smaller \"cone\" in the scene's "
-             "camera helps",
-             before > behind ? "before" : "behind", far, limit);
-    return true;
+             "deeper than %s sharply: objects %s the focal plane shift %s from view to view (at "
+             "most %s is sharp%s); %s",
+             of[place].what, is_before ? "before" : "behind", far, limit, sharp, of[place].remedy);
+    return buf;
 }
 
 static bool has_warned(const lf_scene *scene, const char *line)

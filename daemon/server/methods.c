@@ -204,8 +204,7 @@ void lf_server_line(void *context, lf_client *client, const char *line, size_t n
     lf_rpc_request_finish(&request);
 }
 
-/* -------------------------------------------------------------------------------- other names --
- */
+/* ------------------------------------------------------------------------------- other names -- */
 
 lf_status lf_denoise_word(const json_t *params, const char *where, const char **out_word,
                           lf_error *err)

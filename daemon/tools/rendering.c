@@ -1,5 +1,6 @@
 #include "daemon/tools/rendering.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,18 +77,26 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 /* --------------------------------------------------------------------------------- rendering -- */
 
 /* A depth that is too much for the rig, in plain words. */
-static void warn_of_depth(lf_rendering *r)
+static void warn_of_depth(const lf_rendering *r)
 {
-    const lf_render_settings *s = &r->settings;
+    const lf_depth_place place = r->arguments->kind->check_print ? LF_DEPTH_PRINT : LF_DEPTH_FILE;
     lf_depth depth;
     char words[LF_DEPTH_WORDS];
-    bool exceeded = lf_scene_depth(r->scene, s, &depth);
-    if (exceeded && r->arguments->kind->check_print)
-        exceeded = lf_depth_of_print(&depth, s, words, sizeof words, &r->print.parallax_lenses);
-    else if (exceeded && (exceeded = depth.exceeded))
-        lf_depth_words(&depth, s->width, LF_DEPTH_FILE, words, sizeof words);
-    if (exceeded)
-        lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene, words);
+    if (lf_scene_depth(r->scene, &r->settings, &depth) &&
+        lf_depth_exceeds(&depth, &r->settings.camera, place))
+        lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene,
+               lf_depth_words(&depth, r->settings.width, place, words, sizeof words));
+}
+
+/* The same for the manifest of a print. */
+static void measure_depth(lf_rendering *r)
+{
+    lf_depth depth;
+    r->print.parallax_lenses = 0;
+    if (r->arguments->kind->check_print && r->scene &&
+        lf_scene_depth(r->scene, &r->settings, &depth) &&
+        lf_depth_exceeds(&depth, &r->settings.camera, LF_DEPTH_PRINT))
+        r->print.parallax_lenses = fmin(lf_depth_shift(&depth), r->settings.width);
 }
 
 /* The renderer of r->scene; that of the frame or row before goes on with this one. */
@@ -309,6 +318,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
         layers = layers_laid_out(r, names);
         source.views32.layers = &layers;
     }
+    measure_depth(r);
     json_decref(r->record);
     r->record = make_record(r);
     if (!r->record)

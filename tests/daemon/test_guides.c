@@ -83,7 +83,6 @@ static void numbers_that_differ_are_told_apart(void **state)
     (void)state;
     lf_depth d = {.nearest_step = -2, .farthest_step = 16.946, .limit = 16.8, .sharp_to = 12};
     char words[LF_DEPTH_WORDS];
-    double lenses;
     lf_depth_words(&d, 420, LF_DEPTH_PANEL, words, sizeof words);
     assert_non_null(strstr(words, "behind the focal plane shift by 16.9 of 420 pixels"));
     assert_non_null(strstr(words, "at most 16.8 is sharp, which is what is nearer than 12"));
@@ -94,19 +93,22 @@ static void numbers_that_differ_are_told_apart(void **state)
     assert_non_null(strstr(words, "at most 17 is sharp"));
     /* a method of a socket is nothing to quiltrender, nor is a panel to a print */
     assert_null(strstr(words, "camera."));
-    const lf_render_settings print = {.width = 142};
+    const lf_camera sharp = {.view_blur = 0}, smooth = {.view_blur = 1};
     d.nearest_step = -1.04;
     d.farthest_step = 0.5;
-    assert_true(lf_depth_of_print(&d, &print, words, sizeof words, &lenses));
-    lf_assert_close(lenses, 1.04, 1e-12, 0);
-    assert_non_null(strstr(words, "before the focal plane shift by 1.04 lenses"));
-    assert_non_null(strstr(words, "at most 1.00 is sharp"));
+    assert_true(lf_depth_exceeds(&d, &sharp, LF_DEPTH_PRINT));
+    assert_false(lf_depth_exceeds(&d, &smooth, LF_DEPTH_PRINT));
+    assert_false(lf_depth_exceeds(&d, &sharp, LF_DEPTH_FILE));
+    lf_depth_words(&d, 142, LF_DEPTH_PRINT, words, sizeof words);
+    assert_non_null(strstr(words, "before the focal plane shift by 1.04 of 142 lenses"));
+    assert_non_null(strstr(words, "at most 1.00 is sharp)"));
     assert_null(strstr(words, "camera."));
     assert_null(strstr(words, "panel"));
-    const lf_render_settings smooth = {.width = 142, .camera = {.view_blur = 1}};
-    assert_false(lf_depth_of_print(&d, &smooth, words, sizeof words, &lenses));
+    d.nearest_step = -(double)INFINITY;
+    lf_depth_words(&d, 142, LF_DEPTH_PRINT, words, sizeof words);
+    assert_non_null(strstr(words, "by more than a view holds"));
     d.nearest_step = -1;
-    assert_false(lf_depth_of_print(&d, &print, words, sizeof words, &lenses));
+    assert_false(lf_depth_exceeds(&d, &sharp, LF_DEPTH_PRINT));
 }
 
 /* Its manifest says it, too. */
@@ -120,7 +122,7 @@ static void a_print_says_how_deep_it_is(void **state)
     qr_run(&o, "%s -o %s/deep.tif --print 40@300 --print-size 30x40 --passes 1", f->scene,
            f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "fog.json: deeper than the lenses show sharply"));
+    assert_non_null(strstr(o.err, "fog.json: deeper than lenses show sharply"));
     assert_null(strstr(o.err, "ghost")); /* of the number of views that is the default */
     lf_assert_ok(
         lf_file_read(lf_test_path(f->folder, "deep.json"), NULL, 1 << 20, &manifest, &n, &err),
