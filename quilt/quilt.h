@@ -265,9 +265,9 @@ extern const lf_param lf_print_params[];
  * NULL. Does not open the profile. */
 LF_NODISCARD lf_status lf_print_check(const lf_print *print, const char **out_warning,
                                       lf_error *err);
-/* Sets n_views where it is 0: as many as a lens has pixels, of n_most (1 or more) that there are.
- * LF_E_ARG, at where and pointer (may be NULL): more than n_most were asked for. lpi must be set.
- */
+/* Sets n_views where it is 0: as many as a lens shows without ghosts, 0.8 dpi/lpi, at least 2, of
+ * n_most (1 or more) that there are. LF_E_ARG: more than n_most were asked for, at where and
+ * pointer (may be NULL), or a lens has pixels for one view alone, at where. lpi must be set. */
 LF_NODISCARD lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where,
                                              const char *pointer, lf_error *err);
 

@@ -232,6 +232,9 @@ typedef struct lf_integrator_entry {
     bool shifts;      /* it takes settings.shift */
     bool selects;     /* it takes settings.selection */
     bool reuses;      /* it takes settings.reuse and settings.weights */
+    /* picture files show its reconstruction unless told otherwise; false: it is there to compare
+     * with, or has none */
+    bool reconstructs;
 } lf_integrator_entry;
 
 /* The first is the default; NULL behind the last. */

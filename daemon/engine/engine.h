@@ -108,10 +108,9 @@ typedef struct lf_snapshot {
     bool reconstructed;
 } lf_snapshot;
 
-/* (blocks) reconstruct: auto is on where the controls say on, not only auto. LF_E_STATE: nothing is
- * shown, or it is to be reconstructed, or to have depth, and has no features. layers: bits of
- * lf_layer that the source gets; of a finished picture, LF_E_STATE. Release with
- * lf_snapshot_finish. */
+/* (blocks) reconstruct: auto is as shown by the controls set last. LF_E_STATE: nothing is shown, or
+ * it is to be reconstructed, or to have depth, and has no features. layers: bits of lf_layer that
+ * the source gets; of a finished picture, LF_E_STATE. Release with lf_snapshot_finish. */
 LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct,
                                           unsigned layers, lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);

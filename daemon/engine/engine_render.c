@@ -581,11 +581,12 @@ lf_status engine_run_show_as(lf_engine *engine, engine_request *request)
 
 /* ----------------------------------------------------------------------------------- exports -- */
 
-static bool is_reconstructed(const lf_engine *engine, lf_reconstruct asked)
+/* auto: as shown, or as it will be by controls that were set before and are not in force yet. */
+static bool is_reconstructed(lf_engine *engine, lf_reconstruct asked)
 {
-    if (asked == LF_RECONSTRUCT_AUTO)
-        asked = engine->now.controls.reconstruct;
-    return asked == LF_RECONSTRUCT_ON;
+    const lf_engine_controls wanted = lf_engine_get_controls(engine);
+    return asked == LF_RECONSTRUCT_AUTO ? reconstructs(&wanted, engine->content)
+                                        : asked == LF_RECONSTRUCT_ON;
 }
 
 static lf_status take_film(lf_engine *engine, lf_snapshot *out, lf_error *err)

@@ -232,7 +232,8 @@ static void tell_depth(const lf_content *content, const lf_content *before)
     bool told = before && before->depth.exceeded && strcmp(before->file, content->file) == 0;
     if (content->depth.exceeded && !told)
         lf_log(LF_LOG_WARNING, "%s: %s", content->file,
-               lf_depth_words(&content->depth, content->settings.width, words, sizeof words));
+               lf_depth_words(&content->depth, content->settings.width, LF_DEPTH_PANEL, words,
+                              sizeof words));
 }
 
 static lf_status fail_cancelled(lf_load *load)

@@ -85,20 +85,52 @@ void lf_content_write_document(lf_content *content)
     content->document = text;
 }
 
-char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size)
+#define SCENE_REMEDY "\"view_blur\": 1 or a smaller \"cone\" in the scene's camera helps"
+
+/* With as many digits as tell two numbers apart. */
+static void write_apart(double a, double b, char *of_a, char *of_b, size_t size)
 {
-    double before = -depth->nearest_step, behind = depth->farthest_step;
-    bool is_before = before > behind;
-    char steps[64] = "by more than a view holds";
-    if (fmax(before, behind) < width)
-        snprintf(steps, sizeof steps, "%.0f of %d pixels", fmax(before, behind), width);
-    snprintf(
-        buf, size,
-        "deeper than a panel shows sharply: things %s the window jump %s from view to view "
-        "(at most %.0f is sharp, which is what is %s than %.4g); camera.fit, camera.view_blur=1 "
-        "or a smaller camera.cone help",
-        is_before ? "before" : "behind", steps, depth->limit, is_before ? "farther" : "nearer",
-        is_before ? depth->sharp_from : depth->sharp_to);
+    for (int digits = 0; digits <= 6; digits++) {
+        snprintf(of_a, size, "%.*f", digits, a);
+        snprintf(of_b, size, "%.*f", digits, b);
+        if (strcmp(of_a, of_b) != 0)
+            return;
+    }
+}
+
+double lf_depth_shift(const lf_depth *depth)
+{
+    return fmax(-depth->nearest_step, depth->farthest_step);
+}
+
+bool lf_depth_exceeds(const lf_depth *depth, const lf_camera *camera, lf_depth_place place)
+{
+    return place == LF_DEPTH_PRINT ? camera->view_blur < 1 && lf_depth_shift(depth) > 1
+                                   : depth->exceeded;
+}
+
+char *lf_depth_words(const lf_depth *depth, int width, lf_depth_place place, char *buf, size_t size)
+{
+    static const struct {
+        const char *what, *unit, *remedy;
+    } of[] = {
+        [LF_DEPTH_PANEL] = {"a panel shows", "pixels", "camera.fit or camera.view_blur=1 helps"},
+        [LF_DEPTH_FILE] = {"a panel shows", "pixels", SCENE_REMEDY},
+        [LF_DEPTH_PRINT] = {"lenses show", "lenses", SCENE_REMEDY},
+    };
+    const bool is_before = -depth->nearest_step > depth->farthest_step;
+    const double most = place == LF_DEPTH_PRINT ? 1 : depth->limit;
+    char shift[32], limit[32], far[64] = "by more than a view holds", sharp[64] = "";
+    write_apart(lf_depth_shift(depth), most, shift, limit, sizeof shift);
+    if (lf_depth_shift(depth) < width)
+        snprintf(far, sizeof far, "by %s of %d %s", shift, width, of[place].unit);
+    if (place != LF_DEPTH_PRINT)
+        snprintf(sharp, sizeof sharp, ", which is what is %s than %.4g",
+                 is_before ? "farther" : "nearer", is_before ? depth->sharp_from : depth->sharp_to);
+    snprintf(buf, size,
+             "deeper than %s sharply: objects %s the focal plane shift %s from view to view (at "
+             "most %s is sharp%s); %s",
+             of[place].what, is_before ? "before" : "behind", far, limit, sharp, of[place].remedy);
     return buf;
 }
 

@@ -40,8 +40,19 @@ void lf_log_warnings(const lf_scene *scene, const lf_scene *before);
 /* Logs what a finished picture's file says and is not used. */
 void lf_log_notes(const lf_image_notes *notes, const char *file);
 
-/* What is to be said of a depth that is exceeded; returns buf. width: of a view. */
-char *lf_depth_words(const lf_depth *depth, int width, char *buf, size_t size);
+/* Where a depth is too much: what it is measured by, and what helps there. */
+typedef enum lf_depth_place {
+    LF_DEPTH_PANEL, /* of quiltd, whose methods help */
+    LF_DEPTH_FILE,  /* a quilt or the picture of a panel: the scene's camera helps */
+    LF_DEPTH_PRINT, /* a view has a column a lens, and one lens from view to view is the limit */
+} lf_depth_place;
+/* Whether the depth is too much there. */
+bool lf_depth_exceeds(const lf_depth *depth, const lf_camera *camera, lf_depth_place place);
+/* What is to be said of one that is; returns buf. width: of a view. */
+char *lf_depth_words(const lf_depth *depth, int width, lf_depth_place place, char *buf,
+                     size_t size);
+/* How far its deepest object shifts from view to view, in pixels of a view, INFINITY at most. */
+double lf_depth_shift(const lf_depth *depth);
 enum { LF_DEPTH_WORDS = 400 };
 
 lf_content *lf_content_ref(lf_content *content);

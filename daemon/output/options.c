@@ -116,7 +116,11 @@ const lf_param lf_option_params[] = {
      .low = 1e-12, .high = 1e6, .help = "the same of the reconstructed picture"},
     {.name = "reconstruct", .option = "reconstruct", .argument = "auto|off|on",
      PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
-     .help = "the reconstructed picture (auto: on displays, not in files)"},
+     .help = "the denoised picture (auto: on displays and in pictures, off in EXR files and with "
+             "--estimator)"},
+    {.name = "denoise", .option = "denoise", .argument = "auto|off|on", PLACE(reconstruct),
+     .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
+     .help = "another name for reconstruct"},
     {.option = "import-memory", .argument = "GIB", PLACE(import_memory), .low = 0.125,
      .high = 65536,
      .help = "what reading files may take (half of what there is; 0.1875 at least)"},
@@ -324,6 +328,7 @@ static lf_status check_list(const lf_options *options, lf_error *err)
     } refused[] = {{options->preset, "--preset"},
                    {options->views > 0, "--views"},
                    {options->reconstruct == LF_RECONSTRUCT_ON, "--reconstruct on"},
+                   {options->target_shown_error > 0, "--target-shown-error"},
                    {options->layers, "--aov"},
                    {options->guides, "--guides"}};
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)

@@ -21,7 +21,9 @@
 /* Exit codes of every program. */
 enum { LF_EXIT_OK = 0, LF_EXIT_FAILED = 1, LF_EXIT_USAGE = 2, LF_EXIT_NO_DAEMON = 3 };
 
-/* Whether the reconstructed picture is shown. auto: yes on a display, no in files. */
+/* Whether the reconstructed picture is shown. auto: on displays and in pictures, where the
+ * estimator is mwis and nobody measures: not in files of light, nor where an estimator was asked
+ * for. */
 typedef enum lf_reconstruct {
     LF_RECONSTRUCT_AUTO,
     LF_RECONSTRUCT_OFF,
@@ -73,7 +75,7 @@ extern const lf_param lf_option_params[];
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
 #define LF_OPTIONS_RENDER                                                                          \
     "integrator estimator shift selection reuse weights sampler max-depth skip threads seed "      \
-    "reconstruct"
+    "reconstruct denoise"
 #define LF_OPTIONS_IMPORT "import-memory import-time"
 
 /* Holds what reads files to what the options say (lf_import_limit). */

@@ -53,6 +53,11 @@ char *lf_output_endings(const lf_output_kind *kind, char *buf, size_t size)
     return buf;
 }
 
+bool lf_output_is_light(const lf_output_kind *kind, const char *path)
+{
+    return kind->is_linear || lf_path_has_ending(path, ".exr");
+}
+
 lf_status lf_output_path(const lf_output_kind *kind, const char *path, const lf_layout *layout,
                          char **out_path, lf_error *err)
 {

@@ -140,6 +140,8 @@ LF_NODISCARD lf_status lf_output_kind_from_name(const char *name, const lf_outpu
                                                 lf_error *err);
 /* Whether a path ends as this kind's do. */
 bool lf_output_fits(const lf_output_kind *kind, const char *path);
+/* Whether a file of this kind and name holds light, not what a screen shows of it. */
+bool lf_output_is_light(const lf_output_kind *kind, const char *path);
 /* The kind's endings as errors say them, ".png or .exr"; returns buf. */
 char *lf_output_endings(const lf_output_kind *kind, char *buf, size_t size);
 

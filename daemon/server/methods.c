@@ -204,6 +204,19 @@ void lf_server_line(void *context, lf_client *client, const char *line, size_t n
     lf_rpc_request_finish(&request);
 }
 
+/* ------------------------------------------------------------------------------- other names -- */
+
+lf_status lf_denoise_word(const json_t *params, const char *where, const char **out_word,
+                          lf_error *err)
+{
+    const char *word = json_string_value(json_object_get(params, "reconstruct")),
+               *other = json_string_value(json_object_get(params, "denoise"));
+    *out_word = word ? word : other;
+    return word && other ? lf_error_set_at(err, LF_E_ARG, where, 0, "/denoise",
+                                           "is another name for reconstruct: give one of them")
+                         : LF_OK;
+}
+
 /* ------------------------------------------------------------------------------------- paths -- */
 
 /* Paths of clients are absolute (quiltctl makes them so); others are taken from the scene's folder.

@@ -132,7 +132,10 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     options->exposure = controls->has_exposure ? controls->exposure : -(double)INFINITY;
     options->reconstruct = controls->reconstruct;
     options->guides = controls->guides;
-    lf_status status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
+    const char *word;
+    lf_status status = lf_denoise_word(params, "render.set", &word, err);
+    if (status == LF_OK)
+        status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
     if (status != LF_OK)
         return status;
     controls->estimator = options->estimator;

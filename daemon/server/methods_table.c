@@ -21,6 +21,7 @@
     ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"") ",\"detach\":" BOOLEAN              \
     ",\"overwrite\":" BOOLEAN                                                                      \
     ",\"reconstruct\":" ENUM("\"auto\",\"off\",\"on\"")                                            \
+    ",\"denoise\":" ENUM("\"auto\",\"off\",\"on\"")                                                \
     ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"
 
 /* clang-format on */

@@ -376,6 +376,10 @@ size_t lf_deferred_bytes(const lf_deferred *deferred);
 void lf_deferred_reply(lf_server *server, lf_deferred *deferred, json_t *result);
 void lf_deferred_fail(lf_server *server, lf_deferred *deferred, const lf_error *err, bool scene);
 
+/* What the call says by reconstruct, or by denoise, its other name; NULL: by neither. LF_E_ARG: by
+ * both. */
+LF_NODISCARD lf_status lf_denoise_word(const json_t *params, const char *where,
+                                       const char **out_word, lf_error *err);
 /* A path parameter of a client: must lie beneath the roots (LF_E_PATH, whether it exists or not),
  * and exist there (LF_E_IO); relative ones are relative to the folder of the scene the daemon was
  * started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_ARG (empty), LF_E_NOMEM.

@@ -295,7 +295,7 @@ static json_t *load_answer(const lf_server *server, const lf_load *load)
         (void)json_array_append_new(
             lines,
             json_string(lf_depth_words(&server->content->depth, server->content->settings.width,
-                                       words, sizeof words)));
+                                       LF_DEPTH_PANEL, words, sizeof words)));
     (void)json_object_set_new(answer, "warnings", lines);
     return answer;
 }

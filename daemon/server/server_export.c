@@ -134,13 +134,22 @@ static lf_level wait_of(const json_t *params, bool is_state)
     return is_state ? LF_LEVEL_NONE : LF_LEVEL_COARSE;
 }
 
-static lf_reconstruct reconstruct_of(const json_t *params)
+/* auto: as shown; but of light the estimator's answer, unless the daemon was told on. */
+static lf_status take_reconstruct(lf_job *job, const json_t *params, lf_error *err)
 {
-    const char *name = string_of(params, "reconstruct");
-    lf_reconstruct word = LF_RECONSTRUCT_ON;
-    while (name && word > LF_RECONSTRUCT_AUTO && strcmp(name, lf_reconstruct_name((int)word)) != 0)
-        word--;
-    return name ? word : LF_RECONSTRUCT_AUTO;
+    const lf_engine_controls controls = lf_engine_get_controls(job->server->engine);
+    const char *word;
+    lf_status status = lf_denoise_word(params, "export", &word, err);
+    if (status != LF_OK)
+        return status;
+    job->reconstruct = word ? LF_RECONSTRUCT_ON : LF_RECONSTRUCT_AUTO;
+    while (job->reconstruct > LF_RECONSTRUCT_AUTO &&
+           strcmp(word, lf_reconstruct_name((int)job->reconstruct)) != 0)
+        job->reconstruct--;
+    if (job->reconstruct == LF_RECONSTRUCT_AUTO && controls.reconstruct != LF_RECONSTRUCT_ON &&
+        job->kind && lf_output_is_light(job->kind, job->file))
+        job->reconstruct = LF_RECONSTRUCT_OFF;
+    return LF_OK;
 }
 
 static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
@@ -153,7 +162,6 @@ static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
     job->asker.detached = json_is_true(json_object_get(params, "detach"));
     job->wait = wait_of(params, is_state);
     job->generation = server->generation;
-    job->reconstruct = reconstruct_of(params);
     int n_fds = (int)number_of(params, "fds", 0);
     if (is_state && n_fds > 1)
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
@@ -166,6 +174,8 @@ static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
         return lf_error_set(err, LF_E_STATE, "export", "there is no picture to export");
     if (status == LF_OK)
         status = take_file(job, string_of(params, "file"), err);
+    if (status == LF_OK)
+        status = take_reconstruct(job, params, err);
     if (status == LF_OK && job->kind && job->kind->needs_panel)
         status = take_panel_words(job, params, err);
     if (status == LF_OK && job->kind && job->kind->check_print)

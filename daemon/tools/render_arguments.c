@@ -6,7 +6,6 @@
 #include "base/alloc.h"
 #include "daemon/output/hld.h"
 
-#define DEFAULT_SPP 16
 #define MAX_PASSES (INT64_C(1) << 40)
 
 enum {
@@ -34,8 +33,8 @@ static const char shared[] =
                      " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
-                              "target-shown-error aov fit guides reconstruct shift selection "
-                              "reuse weights";
+                              "target-shown-error aov fit guides reconstruct denoise shift "
+                              "selection reuse weights";
 
 static void print_help(void)
 {
@@ -57,11 +56,11 @@ static void print_help(void)
     lf_param_print_help(lf_print_params, NULL);
     lf_param_print_help(lf_rgbd_params, NULL);
     printf("\n"
-           "How long (one of them; --spp %d when none is given):\n"
+           "How long (one of them; else --passes %d, or --spp %d of what is not denoised):\n"
            "  --passes N             base paths: N for every pixel of one view's size\n"
            "  --spp N                base paths for every view pixel\n"
            "  --time SECONDS\n",
-           DEFAULT_SPP);
+           LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
     lf_param_print_help(lf_option_params, "target-error target-shown-error");
     printf("\nSequences (a file a frame, OUT_0001 and so on, or where OUT has %%04d):\n");
     lf_param_print_help(lf_frames_params, NULL);
@@ -213,7 +212,7 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         snprintf(where, sizeof where, "--%s", a->video_option);
         return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
     }
-    if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->is_linear))
+    if (a->options.layers && !lf_output_is_light(a->kind, a->out))
         return lf_error_set(err, LF_E_ARG, "--aov",
                             "only goes with OUT.exr and folders of EXR views");
     if (a->options.guides && (a->kind->layers || !lf_path_has_ending(a->out, ".png")))
@@ -311,6 +310,21 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
     return LF_OK;
 }
 
+/* auto: pictures are reconstructed; what measures, and what there is to compare with, is not. */
+static lf_status choose_reconstruction(lf_render_arguments *a, lf_error *err)
+{
+    lf_options *o = &a->options;
+    const lf_integrator_entry *entry = lf_integrator_named(o->integrator);
+    if (o->reconstruct == LF_RECONSTRUCT_AUTO &&
+        (o->has_estimator || lf_output_is_light(a->kind, a->out) ||
+         (entry && !entry->reconstructs)))
+        o->reconstruct = LF_RECONSTRUCT_OFF;
+    return o->target_shown_error > 0 && o->reconstruct == LF_RECONSTRUCT_OFF
+               ? lf_error_set(err, LF_E_ARG, "--target-shown-error",
+                              "only goes with a reconstructed picture (--reconstruct on)")
+               : LF_OK;
+}
+
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
@@ -323,24 +337,21 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "-o", "missing: where to write");
     a->budget.target_error = a->options.target_error;
     a->budget.target_shown_error = a->options.target_shown_error;
-    int n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +
-                    (a->options.target_shown_error > 0);
-    if (n_budgets > 1)
+    a->n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +
+                   (a->options.target_shown_error > 0);
+    if (a->n_budgets > 1)
         return lf_error_set(err, LF_E_ARG,
                             "--passes, --spp, --time, --target-error, --target-shown-error",
                             "only one of them");
-    if (a->options.target_shown_error > 0 && a->options.reconstruct != LF_RECONSTRUCT_ON)
-        return lf_error_set(err, LF_E_ARG, "--target-shown-error",
-                            "only goes with --reconstruct on");
     if (a->options.reconstruct == LF_RECONSTRUCT_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
         return lf_error_set(err, LF_E_ARG, "--reconstruct", "on only goes with --estimator mwis");
-    if (n_budgets == 0)
-        a->spp = DEFAULT_SPP;
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)
         status = lf_frames_check(&a->frames, err);
     if (status == LF_OK)
         status = choose_kind(a, err);
+    if (status == LF_OK)
+        status = choose_reconstruction(a, err);
     if (status == LF_OK)
         status = take_plain_preset(a, err);
     return status == LF_OK && lf_frames_wanted(&a->frames) ? check_frames(a, err) : status;

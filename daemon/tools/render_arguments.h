@@ -10,18 +10,24 @@
 
 #define LF_RENDER_PROGRAM "quiltrender"
 
+/* How long where nothing says: so many paths a view pixel, but of a reconstructed picture no more
+ * than so many passes. */
+#define LF_RENDER_DEFAULT_PASSES 32
+#define LF_RENDER_DEFAULT_SPP 16
+
 /* Everything the command line says. */
 typedef struct lf_render_arguments {
-    lf_options options;
-    const char *scene; /* NULL for a chart */
+    lf_options options; /* reconstruct auto: on, unless the scene lists its cameras one by one */
+    const char *scene;  /* NULL for a chart */
     const char *out, *stats;
     bool plan;         /* tell what it would take instead */
     char *const *argv; /* all of it, ended by NULL */
     const lf_output_kind *kind;
     const lf_output_kind *asked, *asked_too; /* kinds whose options were given: two of them */
-    lf_budget budget; /* passes stay 0 for --spp until the number of views is known */
+    lf_budget budget; /* passes stay 0 for --spp, and without any, until the views are known */
     int64_t spp;
     unsigned budgets; /* bits: --passes, --spp, --time; of one given twice the last counts */
+    int n_budgets;    /* how many say how long, of these and the error targets: 0 or 1 */
     const char *render_option; /* the first option that only makes sense where paths are traced */
     const char *print_option;  /* the first option that only makes sense with --print or --chart */
     const char *panel_option;  /* the first option that only makes sense with --panel */

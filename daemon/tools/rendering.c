@@ -1,5 +1,6 @@
 #include "daemon/tools/rendering.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,11 +79,24 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
 /* A depth that is too much for the rig, in plain words. */
 static void warn_of_depth(const lf_rendering *r)
 {
+    const lf_depth_place place = r->arguments->kind->check_print ? LF_DEPTH_PRINT : LF_DEPTH_FILE;
     lf_depth depth;
     char words[LF_DEPTH_WORDS];
-    if (lf_scene_depth(r->scene, &r->settings, &depth) && depth.exceeded)
+    if (lf_scene_depth(r->scene, &r->settings, &depth) &&
+        lf_depth_exceeds(&depth, &r->settings.camera, place))
         lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene,
-               lf_depth_words(&depth, r->settings.width, words, sizeof words));
+               lf_depth_words(&depth, r->settings.width, place, words, sizeof words));
+}
+
+/* The same for the manifest of a print. */
+static void measure_depth(lf_rendering *r)
+{
+    lf_depth depth;
+    r->print.parallax_lenses = 0;
+    if (r->arguments->kind->check_print && r->scene &&
+        lf_scene_depth(r->scene, &r->settings, &depth) &&
+        lf_depth_exceeds(&depth, &r->settings.camera, LF_DEPTH_PRINT))
+        r->print.parallax_lenses = fmin(lf_depth_shift(&depth), r->settings.width);
 }
 
 /* The renderer of r->scene; that of the frame or row before goes on with this one. */
@@ -190,11 +204,13 @@ lf_budget lf_rendering_budget(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
     lf_budget budget = a->budget;
-    budget.reconstructed = a->options.reconstruct == LF_RECONSTRUCT_ON;
+    budget.reconstructed = r->reconstructs;
     budget.seconds /= camera_rows(r);
     budget.cpu_seconds /= camera_rows(r);
-    if (a->spp > 0)
-        budget.passes = a->spp * r->settings.camera.n_views;
+    if (a->n_budgets == 0 || a->spp > 0)
+        budget.passes = (a->spp > 0 ? a->spp : LF_RENDER_DEFAULT_SPP) * r->settings.camera.n_views;
+    if (a->n_budgets == 0 && r->reconstructs && budget.passes > LF_RENDER_DEFAULT_PASSES)
+        budget.passes = LF_RENDER_DEFAULT_PASSES;
     return budget;
 }
 
@@ -243,7 +259,7 @@ static json_t *make_record(const lf_rendering *r)
         return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", r->layout.n_views, "aspect",
                          r->layout.aspect);
     return lf_output_settings(a->scene, &r->settings, a->kind->has_tiles ? &r->layout : NULL,
-                              a->options.estimator, a->options.reconstruct == LF_RECONSTRUCT_ON,
+                              a->options.estimator, r->reconstructs,
                               (double)r->times.passes / camera_rows(r), &r->film_settings);
 }
 
@@ -302,6 +318,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
         layers = layers_laid_out(r, names);
         source.views32.layers = &layers;
     }
+    measure_depth(r);
     json_decref(r->record);
     r->record = make_record(r);
     if (!r->record)

@@ -30,9 +30,10 @@ typedef struct lf_rendering {
     lf_layout layout;
     lf_quilt_file quilt;
     bool is_quilt;
-    float *film;    /* [row][view][column][3] */
-    float *layers;  /* [row][view][column][channels], NULL: none are wanted */
-    int camera_row; /* in hand, of a grid of cameras */
+    bool reconstructs; /* the picture is the reconstructed one */
+    float *film;       /* [row][view][column][3] */
+    float *layers;     /* [row][view][column][channels], NULL: none are wanted */
+    int camera_row;    /* in hand, of a grid of cameras */
     lf_film_settings film_settings;
     lf_print print;
     char *path;     /* final name; of a sequence, of the frame in hand */

@@ -42,12 +42,12 @@ static lf_status prepare_print(lf_rendering *r, int n_views_most, lf_error *err)
     const char *warning = NULL;
     r->print = r->arguments->print;
     r->print.n_views = r->arguments->options.views;
-    lf_status status = lf_print_choose_views(&r->print, n_views_most, "--views", NULL, err);
+    const char *where = r->print.n_views > 0 ? "--views" : "--print";
+    lf_status status = lf_print_choose_views(&r->print, n_views_most, where, NULL, err);
     if (status == LF_OK)
         status = r->arguments->kind->check_print(&r->print, &warning, err);
     if (status == LF_OK && warning && !r->pool) /* while it opens, not for every frame */
-        lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->options.views > 0 ? "--views" : "--print",
-               warning);
+        lf_log(LF_LOG_WARNING, "%s: %s", where, warning);
     return status;
 }
 
@@ -149,6 +149,9 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     }
     lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(
         &a->options, camera, calibration, &r->settings, &r->layout, err);
+    r->reconstructs = a->options.reconstruct == LF_RECONSTRUCT_ON ||
+                      (a->options.reconstruct == LF_RECONSTRUCT_AUTO && !camera->list);
+    r->settings.features |= r->reconstructs;
     if (r->sequence.on)
         r->settings.seed =
             (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
@@ -323,7 +326,7 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
     lf_film_settings film = *lf_scene_film_settings(r->scene);
     if (a->options.has_exposure)
         film = lf_exposed_film(&film, a->options.exposure);
-    if (!film.auto_exposure || a->kind->is_linear || lf_path_has_ending(a->out, ".exr"))
+    if (!film.auto_exposure || lf_output_is_light(a->kind, a->out))
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, a->options.has_exposure ? "--exposure" : a->scene,
                         "%sauto would be another one in each of the %s: give stops (without %s, "

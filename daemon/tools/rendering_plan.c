@@ -150,8 +150,9 @@ static void print_time(const char *what, double seconds)
 /* Bytes of a pixel in a file, before compression. */
 static double file_bytes(const lf_render_arguments *a)
 {
-    const bool floats = a->kind->is_linear || lf_path_has_ending(a->out, ".exr");
-    return floats ? 12 + 4.0 * lf_layer_channels(a->options.layers, NULL) : 3;
+    return lf_output_is_light(a->kind, a->out)
+               ? 12 + 4.0 * lf_layer_channels(a->options.layers, NULL)
+               : 3;
 }
 
 static void print_light_fields(const lf_rendering *r, int fields, int views)

@@ -16,6 +16,9 @@ char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size)
     return buf;
 }
 
+/* With more, stripes are so narrow that neighbouring views ghost. */
+#define VIEWS_A_PIXEL 0.8
+
 static lf_status check_views(const lf_print *print, const char **out_warning, lf_error *err)
 {
     const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
@@ -26,7 +29,7 @@ static lf_status check_views(const lf_print *print, const char **out_warning, lf
             "%d views: a lens of %g lpi has %.4g pixels at %.10g dpi, expected 1 to %d",
             print->n_views, print->lpi, pixels_per_lens, lf_print_dpi_across(print), most);
     if (out_warning)
-        *out_warning = print->n_views > 1 && print->n_views > 0.8 * pixels_per_lens
+        *out_warning = print->n_views > 1 && print->n_views > VIEWS_A_PIXEL * pixels_per_lens + 1e-9
                            ? "more than 0.8 dpi/lpi views: neighbouring views ghost; fewer views "
                              "or a finer raster are cleaner"
                            : NULL;
@@ -54,9 +57,16 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
     if (print->n_views > n_most)
         return lf_error_set_at(err, LF_E_ARG, where, 0, pointer,
                                "%d views asked for, but there are only %d", print->n_views, n_most);
-    if (print->n_views == 0)
-        print->n_views =
-            (int)fmax(1, fmin(floor(lf_print_dpi_across(print) / print->lpi + 1e-9), n_most));
+    if (print->n_views > 0)
+        return LF_OK;
+    const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
+    if (pixels_per_lens < 1.5 && n_most > 1)
+        return lf_error_set(err, LF_E_ARG, where,
+                            "a lens of %g lpi has %.3g pixels at %.10g dpi, too few for 2 views; "
+                            "give fewer lenses or a finer raster",
+                            print->lpi, pixels_per_lens, lf_print_dpi_across(print));
+    const double clean = fmax(2, floor(VIEWS_A_PIXEL * pixels_per_lens + 1e-9));
+    print->n_views = (int)fmin(clean, n_most);
     return LF_OK;
 }
 

@@ -1,7 +1,8 @@
 /* Guides: what lies outside of the sharp depth is marked, in the colours that are said, and nothing
- * else is touched. */
+ * else is touched; and what is said of a depth that is too much, in words of who says it. */
 #include "tests/daemon/quiltrender.h"
 
+#include "daemon/output/content.h"
 #include "daemon/output/guides.h"
 
 static const lf_depth depth = {.sharp_from = 8.0, .sharp_to = 12.0};
@@ -76,12 +77,68 @@ static void cubes_before_in_and_behind_the_window(void **state)
     lf_image8_finish(&image);
 }
 
+/* What is beyond a limit is not told as the limit. */
+static void numbers_that_differ_are_told_apart(void **state)
+{
+    (void)state;
+    lf_depth d = {.nearest_step = -2, .farthest_step = 16.946, .limit = 16.8, .sharp_to = 12};
+    char words[LF_DEPTH_WORDS];
+    lf_depth_words(&d, 420, LF_DEPTH_PANEL, words, sizeof words);
+    assert_non_null(strstr(words, "behind the focal plane shift by 16.9 of 420 pixels"));
+    assert_non_null(strstr(words, "at most 16.8 is sharp, which is what is nearer than 12"));
+    assert_non_null(strstr(words, "camera.fit"));
+    d.farthest_step = 59.3;
+    lf_depth_words(&d, 420, LF_DEPTH_FILE, words, sizeof words);
+    assert_non_null(strstr(words, "by 59 of 420 pixels"));
+    assert_non_null(strstr(words, "at most 17 is sharp"));
+    /* a method of a socket is nothing to quiltrender, nor is a panel to a print */
+    assert_null(strstr(words, "camera."));
+    const lf_camera sharp = {.view_blur = 0}, smooth = {.view_blur = 1};
+    d.nearest_step = -1.04;
+    d.farthest_step = 0.5;
+    assert_true(lf_depth_exceeds(&d, &sharp, LF_DEPTH_PRINT));
+    assert_false(lf_depth_exceeds(&d, &smooth, LF_DEPTH_PRINT));
+    assert_false(lf_depth_exceeds(&d, &sharp, LF_DEPTH_FILE));
+    lf_depth_words(&d, 142, LF_DEPTH_PRINT, words, sizeof words);
+    assert_non_null(strstr(words, "before the focal plane shift by 1.04 of 142 lenses"));
+    assert_non_null(strstr(words, "at most 1.00 is sharp)"));
+    assert_null(strstr(words, "camera."));
+    assert_null(strstr(words, "panel"));
+    d.nearest_step = -(double)INFINITY;
+    lf_depth_words(&d, 142, LF_DEPTH_PRINT, words, sizeof words);
+    assert_non_null(strstr(words, "by more than a view holds"));
+    d.nearest_step = -1;
+    assert_false(lf_depth_exceeds(&d, &sharp, LF_DEPTH_PRINT));
+}
+
+/* Its manifest says it, too. */
+static void a_print_says_how_deep_it_is(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    char *manifest = NULL;
+    size_t n;
+    lf_error err = {0};
+    qr_run(&o, "%s -o %s/deep.tif --print 40@300 --print-size 30x40 --passes 1", f->scene,
+           f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "fog.json: deeper than lenses show sharply"));
+    assert_null(strstr(o.err, "ghost")); /* of the number of views that is the default */
+    lf_assert_ok(
+        lf_file_read(lf_test_path(f->folder, "deep.json"), NULL, 1 << 20, &manifest, &n, &err),
+        &err);
+    assert_non_null(memmem(manifest, n, "lenses from view to view", 24));
+    lf_free(manifest);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_sharp_and_what_meets_nothing_is_left_alone),
         cmocka_unit_test(what_is_too_near_is_red_and_what_is_too_far_is_blue),
         cmocka_unit_test(cubes_before_in_and_behind_the_window),
+        cmocka_unit_test(numbers_that_differ_are_told_apart),
+        cmocka_unit_test(a_print_says_how_deep_it_is),
     };
     return cmocka_run_group_tests(tests, qr_set_up, qr_tear_down);
 }
