@@ -57,6 +57,8 @@ typedef struct lf_options {
     bool has_exposure;                       /* it was given */
     bool fit;                                /* the camera moves to where all fills its views */
     bool png;                                /* of a folder: 8-bit views */
+    bool still;                              /* one view as a plain picture */
+    int quality;                             /* of JPEG, 1..100 */
     bool guides;                             /* what lies outside of the sharp depth is marked */
     double exposure;                         /* as in lf_exposed_film */
     lf_reconstruct reconstruct;

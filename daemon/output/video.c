@@ -55,8 +55,11 @@ const lf_output_kind lf_output_video = {.name = "video",
                                         .n_files = 1,
                                         .complete = output_quilt_path};
 
-const lf_output_kind lf_output_walk = {
-    .name = "video", .what = "a video of views", .endings = endings, .n_files = 1};
+const lf_output_kind lf_output_walk = {.name = "video",
+                                       .what = "a video of views",
+                                       .endings = endings,
+                                       .n_files = 1,
+                                       .complete = output_still_path};
 
 lf_layout lf_video_view_layout(const lf_layout *quilt)
 {

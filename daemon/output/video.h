@@ -9,8 +9,8 @@
 
 #include "daemon/output/output.h"
 
-/* The names of quilts with another ending; of views, any. Only lf_video writes them: they have no
- * write. */
+/* The names of quilts with another ending; of views, any that says no tiles. Only lf_video writes
+ * them: they have no write. */
 extern const lf_output_kind lf_output_video, lf_output_walk;
 
 typedef enum lf_codec { LF_CODEC_H264, LF_CODEC_H265 } lf_codec;

@@ -1,12 +1,15 @@
 /* quiltrender: one scene or quilt to one picture, print or folder of views, or to the frames of a
  * sequence. See docs/man/quiltrender.1. */
 #include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/import/import.h"
 #include "base/log.h"
+#include "base/thread.h"
 #include "daemon/tools/rendering_plan.h"
 
 #define PROGRAM LF_RENDER_PROGRAM
@@ -31,23 +34,61 @@ static lf_status make_one(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* Names that are not what -o says: the suffix was added. */
-static void tell_names(const lf_rendering *r)
+/* One more of the things that are said of a file. */
+__attribute__((format(printf, 3, 4))) static void add_words(char *words, size_t size,
+                                                            const char *format, ...)
+{
+    const size_t n = strlen(words);
+    va_list args;
+    snprintf(words + n, size - n, "%s", n > 0 ? ", " : " (");
+    va_start(args, format);
+    (void)vsnprintf(words + strlen(words), size - strlen(words), format, args);
+    va_end(args);
+}
+
+/* " (48 views of 420x560, 16 spp, 35 s)": what a file, or each of them, holds and what all took. */
+static void describe(const lf_rendering *r, double seconds, char *words, size_t size)
+{
+    const lf_render_settings *s = &r->settings;
+    const int rows = s->camera.n_rows > 0 ? s->camera.n_rows : 1;
+    const int views = r->is_quilt ? r->layout.n_views : lf_camera_views(&s->camera);
+    const int width = r->is_quilt ? r->layout.view_width : s->width,
+              height = r->is_quilt ? r->layout.view_height : s->height;
+    words[0] = '\0';
+    if (views == 1)
+        add_words(words, size, "%dx%d pixels", width, height);
+    else if (views > 1)
+        add_words(words, size, "%d views of %dx%d", views, width, height);
+    if (r->times.passes > 0)
+        add_words(words, size, "%.4g spp",
+                  (double)r->times.passes / ((double)rows * s->camera.n_views));
+    add_words(words, size, seconds < 10 ? "%.1f s)" : "%.0f s)", seconds);
+}
+
+static void tell_names(const lf_rendering *r, double seconds)
 {
     const lf_sequence_state *s = &r->sequence;
-    if ((!s->on || r->arguments->kind == &lf_output_video) &&
-        strcmp(r->path, r->arguments->out) != 0)
-        lf_log(LF_LOG_INFO, "wrote %s", r->path);
-    else if (s->on && s->n_done > 0)
-        lf_log(LF_LOG_INFO, "wrote %d of %d %s; the last is %s", s->n_done,
-               lf_frames_count(&r->arguments->frames), lf_frames_noun(&r->arguments->frames),
-               r->path);
+    const lf_frames *frames = &r->arguments->frames;
+    char words[128];
+    describe(r, seconds, words, sizeof words);
+    if (!s->on)
+        lf_log(LF_LOG_INFO, "wrote %s%s", r->path, words);
+    else if (r->arguments->kind == &lf_output_video)
+        lf_log(LF_LOG_INFO, "wrote %s, %d frames%s", r->path, s->n_done, words);
+    else if (s->n_done > 0)
+        lf_log(LF_LOG_INFO, "wrote %d of %d %s; the last is %s%s", s->n_done,
+               lf_frames_count(frames), lf_frames_noun(frames), r->path, words);
 }
 
 static int run(const lf_render_arguments *a)
 {
+    const bool is_terminal = isatty(STDERR_FILENO) == 1;
+    const double begun = lf_time_now();
     lf_rendering r = {.arguments = a,
-                      .line = {.on = isatty(STDERR_FILENO) == 1, .program = PROGRAM},
+                      .line = {.on = is_terminal,
+                               .logs = !is_terminal,
+                               .program = PROGRAM,
+                               .interval = LF_PROGRESS_INTERVAL},
                       .cancel = &cancel};
     lf_error err = {0};
     lf_import_watch(lf_progress_line_reading, &r.line);
@@ -68,7 +109,7 @@ static int run(const lf_render_arguments *a)
         lf_log_error(&err);
         code = LF_EXIT_FAILED;
     } else if (!a->plan) {
-        tell_names(&r);
+        tell_names(&r, lf_time_now() - begun);
     }
     lf_rendering_finish(&r);
     return code;

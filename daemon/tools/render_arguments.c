@@ -28,10 +28,10 @@ static const struct option table[] = {
     {NULL, 0, NULL, 0},
 };
 
-static const char shared[] =
-    LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
-                     " exposure panel png target-error target-shown-error aov"
-                     " fit guides";
+static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
+                                              " exposure panel png still quality target-error "
+                                              "target-shown-error aov"
+                                              " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
                               "target-shown-error aov fit guides reconstruct shift selection "
@@ -47,11 +47,14 @@ static void print_help(void)
         "A mesh or a volume (.glb, .obj, .vdb ...) may stand in for SCENE: it is framed and lit.\n"
         "So may a quilt picture or a folder of views: it is used as it is.\n"
         "\n"
-        "OUT by its ending: .png or .exr is a quilt (named ..._qsCxRaASPECT), .tif a print, .mp4 a "
-        "video, a path ending in / a folder of views.\n"
+        "OUT by its ending: .png, .exr or .jpg is a quilt (named ..._qsCxRaASPECT; one view keeps "
+        "the "
+        "name),\n"
+        ".tif a print, .mp4 a video, a path ending in / a folder of views.\n"
         "\n"
         "What:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " fit exposure panel png aov guides");
+    lf_param_print_help(lf_option_params,
+                        LF_OPTIONS_VIEWS " fit exposure panel png still quality aov guides");
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
@@ -216,6 +219,9 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
     if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->is_linear))
         return lf_error_set(err, LF_E_ARG, "--aov",
                             "only goes with OUT.exr and folders of EXR views");
+    if (a->options.quality > 0 && !lf_path_has_ending(a->out, ".jpg") &&
+        !lf_path_has_ending(a->out, ".jpeg"))
+        return lf_error_set(err, LF_E_ARG, "--quality", "only goes with OUT.jpg");
     if (a->options.guides && (a->kind->layers || !lf_path_has_ending(a->out, ".png")))
         return lf_error_set(err, LF_E_ARG, "--guides", "only goes with OUT.png that is shown");
     return LF_OK;
@@ -248,7 +254,8 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
 {
     char *path = NULL;
     lf_status status = LF_OK;
-    if (a->asked)
+    const bool is_video = lf_output_fits(&lf_output_video, a->out);
+    if (a->asked && !(a->asked == &lf_output_still && is_video))
         a->kind = a->asked;
     else
         status = kind_of_ending(a->out, &a->kind, err);
@@ -296,6 +303,17 @@ static lf_status take_plain_preset(lf_render_arguments *a, lf_error *err)
     return lf_frames_check(&a->frames, err);
 }
 
+/* --still is --views 1. */
+static lf_status take_still(lf_render_arguments *a, lf_error *err)
+{
+    if (a->options.still && a->options.views > 1)
+        return lf_error_set(err, LF_E_ARG, "--still", "is one view: no --views %d",
+                            a->options.views);
+    if (a->options.still)
+        a->options.views = 1;
+    return LF_OK;
+}
+
 /* What goes with one picture alone. */
 static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
 {
@@ -339,6 +357,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)
         status = lf_frames_check(&a->frames, err);
+    if (status == LF_OK)
+        status = take_still(a, err);
     if (status == LF_OK)
         status = choose_kind(a, err);
     if (status == LF_OK)

@@ -242,7 +242,8 @@ static json_t *make_record(const lf_rendering *r)
     if (r->is_quilt)
         return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", r->layout.n_views, "aspect",
                          r->layout.aspect);
-    return lf_output_settings(a->scene, &r->settings, a->kind->has_tiles ? &r->layout : NULL,
+    return lf_output_settings(a->scene, &r->settings,
+                              lf_rendering_kind(r)->has_tiles ? &r->layout : NULL,
                               a->options.estimator, a->options.reconstruct == LF_RECONSTRUCT_ON,
                               (double)r->times.passes / camera_rows(r), &r->film_settings);
 }
@@ -307,7 +308,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
     if (!r->record)
         return lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
     const lf_output_request request = {
-        .kind = a->kind,
+        .kind = lf_rendering_kind(r),
         .path = r->path,
         .overwrite = true,
         .layout = r->layout,
@@ -316,6 +317,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
         .print = &r->print,
         .rgbd = a->rgbd,
         .exposure = r->film_settings.exposure,
+        .quality = a->options.quality,
         .tonemap = r->film_settings.tonemap,
         .settings = r->record,
         .pool = r->pool,
@@ -330,6 +332,26 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
                           : lf_output_write(&request, &source, err);
     if (status == LF_E_CANCELLED)
         return lf_rendering_interrupted(r, err);
+    return status;
+}
+
+/* "-" is standard output. */
+static lf_status put_stats(const char *path, const char *text, lf_error *err)
+{
+    lf_outfile file = {.fd = -1};
+    if (strcmp(path, "-") == 0)
+        return puts(text) >= 0 && fflush(stdout) == 0
+                   ? LF_OK
+                   : lf_error_set(err, LF_E_IO, "--stats", "cannot write to standard output");
+    lf_status status = lf_outfile_open(&file, path, true, err);
+    if (status != LF_OK)
+        return status;
+    status = lf_outfile_write(&file, text, strlen(text), err);
+    if (status == LF_OK)
+        status = lf_outfile_write(&file, "\n", 1, err);
+    if (status == LF_OK)
+        status = lf_outfile_commit(&file, true, err);
+    lf_outfile_abandon(&file);
     return status;
 }
 
@@ -354,18 +376,9 @@ lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err)
     };
     json_t *object = lf_render_report_json(&report);
     char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
-    lf_outfile file = {.fd = -1};
     lf_status status = text ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->stats, "out of memory");
     if (status == LF_OK)
-        status = lf_outfile_open(&file, a->stats, true, err);
-    if (status == LF_OK) {
-        status = lf_outfile_write(&file, text, strlen(text), err);
-        if (status == LF_OK)
-            status = lf_outfile_write(&file, "\n", 1, err);
-        if (status == LF_OK)
-            status = lf_outfile_commit(&file, true, err);
-        lf_outfile_abandon(&file);
-    }
+        status = put_stats(a->stats, text, err);
     free(text);
     json_decref(object);
     return status;

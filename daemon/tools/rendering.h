@@ -65,6 +65,9 @@ LF_NODISCARD lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *e
 lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err);
 /* Checks that r->path is nothing that is being read, and no manifest of something else. */
 LF_NODISCARD lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err);
+/* The kind of the files: that of the arguments, but that one view alone is a plain picture, or
+ * video, unless --quilt says how it is laid out. */
+const lf_output_kind *lf_rendering_kind(const lf_rendering *r);
 /* Whether it is a video of the views of one job: a walk along a track. */
 bool lf_rendering_is_walk(const lf_rendering *r);
 /* Renders r->scene (nothing, of a finished light field). */

@@ -89,6 +89,8 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
         return lf_error_set(err, LF_E_ARG, where,
                             "does not go with a finished quilt: nothing is rendered");
     }
+    const bool is_still = a->kind == &lf_output_still ||
+                          (a->kind == &lf_output_quilt && o->views == 1 && o->columns == 0);
     lf_status status = lf_quilt_read(a->scene, NULL, o->columns, o->rows, &r->quilt, err);
     if (status != LF_OK)
         return status;
@@ -99,13 +101,15 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     else if (o->views > r->quilt.layout.n_views)
         status = lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but the quilt has %d",
                               o->views, r->quilt.layout.n_views);
-    else if (o->views > 0)
+    else if (o->views > 0 && !is_still)
         r->quilt.layout.n_views = r->quilt.views8.n_views = r->quilt.views32.n_views = o->views;
     if (status == LF_OK && o->has_exposure && !r->quilt.is_float)
         status = lf_error_set(err, LF_E_ARG, "--exposure",
                               "does not go with a finished picture of 8 bits (EXR has light)");
     if (status == LF_OK)
         lay_out_quilt(r);
+    if (status == LF_OK && is_still) /* all views are kept: the kind takes the middle one */
+        r->layout.columns = r->layout.rows = r->layout.n_views = 1;
     return status;
 }
 
@@ -140,6 +144,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     const bool of_rows = a->frames.of_rows;
     lf_camera row;
     const bool one_rig = a->kind->needs_panel || a->kind->check_print ||
+                         a->kind == &lf_output_still ||
                          (a->kind->layers && (!a->rgbd.is_quilt || camera->list));
     if (of_rows) {
         if (check_row(r, err) != LF_OK)
@@ -269,7 +274,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     lf_status status = check_not_input(r->path, a->scene, err);
-    if (status == LF_OK && a->stats)
+    if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_not_input(a->stats, a->scene, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
@@ -289,9 +294,18 @@ bool lf_rendering_is_walk(const lf_rendering *r)
     return r->arguments->kind == &lf_output_video && !r->sequence.on;
 }
 
+const lf_output_kind *lf_rendering_kind(const lf_rendering *r)
+{
+    const lf_render_arguments *a = r->arguments;
+    const bool one = r->layout.n_views == 1 && a->options.columns == 0;
+    if (lf_rendering_is_walk(r) || (one && a->kind == &lf_output_video))
+        return &lf_output_walk;
+    return one && a->kind == &lf_output_quilt ? &lf_output_still : a->kind;
+}
+
 lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err)
 {
-    const lf_output_kind *kind = lf_rendering_is_walk(r) ? &lf_output_walk : r->arguments->kind;
+    const lf_output_kind *kind = lf_rendering_kind(r);
     char *out = out_of(r, frame), *path = NULL;
     lf_status status = out ? lf_output_path(kind, out, &r->layout, &path, err)
                            : lf_error_set(err, LF_E_NOMEM, r->arguments->out, "out of memory");
@@ -311,7 +325,7 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
     lf_status status = first ? check_folder_of(first, err)
                              : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
     lf_free(first);
-    if (status == LF_OK && a->stats)
+    if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_folder_of(a->stats, err);
     return status;
 }

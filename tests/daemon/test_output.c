@@ -314,7 +314,7 @@ static void names_are_completed_and_contradictions_refused(void **state)
         {&lf_output_quilt, "out_qs3x2.png", "out_qs3x2.png"},
         {&lf_output_quilt, "out_qs2x3a1.25.png", NULL},
         {&lf_output_quilt, "out_qs3x2a0.75.png", NULL},
-        {&lf_output_quilt, "out.jpg", NULL},
+        {&lf_output_quilt, "out.gif", NULL},
         {&lf_output_quilt, "out/", NULL},
         {&lf_output_quilt, "out", NULL},
         {&lf_output_views, "out/", "out/"},
