@@ -28,6 +28,10 @@ lf_status output_views8(const lf_output_request *request, const lf_output_source
  * mean in light, which they point to. */
 lf_views32 output_views32(const lf_output_source *source, float light[256]);
 
+/* The n views in the middle of those of source, of an odd rest the right ones. layers: room for
+ * what its views32.layers become. */
+lf_output_source output_middle(const lf_output_source *source, int n, lf_layers32 *layers);
+
 /* The name of a quilt, and of one view alone (complete of lf_output_kind). */
 lf_status output_quilt_path(const char *path, const lf_layout *layout, char **out_path,
                             lf_error *err);

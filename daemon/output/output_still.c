@@ -15,36 +15,11 @@ lf_status output_still_path(const char *path, const lf_layout *layout, char **ou
     return *out_path ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
 }
 
-/* The right one of two, as in pictures with depth. */
-static lf_output_source middle_of(const lf_output_source *source, lf_layers32 *layers)
-{
-    lf_output_source one = *source;
-    lf_views8 *v8 = &one.views8;
-    lf_views32 *v32 = &one.views32;
-    if (!source->is_float) {
-        v8->data += (size_t)(v8->n_views / 2) * v8->view_stride;
-        v8->n_views = 1;
-        return one;
-    }
-    const int middle = v32->n_views / 2;
-    if (v32->codes)
-        v32->codes = lf_views32_codes(v32, middle, 0);
-    else
-        v32->data = lf_views32_row(v32, middle, 0);
-    if (v32->layers) {
-        *layers = *v32->layers;
-        layers->data = lf_layers32_row(v32->layers, middle, 0);
-        v32->layers = layers;
-    }
-    v32->n_views = 1;
-    return one;
-}
-
 static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
                              lf_outfile *files, lf_error *err)
 {
     lf_layers32 layers;
-    const lf_output_source one = middle_of(source, &layers);
+    const lf_output_source one = output_middle(source, 1, &layers);
     lf_output_request plain = *request;
     plain.layout = (lf_layout){
         .columns = 1,

@@ -47,10 +47,9 @@ static void print_help(void)
         "A mesh or a volume (.glb, .obj, .vdb ...) may stand in for SCENE: it is framed and lit.\n"
         "So may a quilt picture or a folder of views: it is used as it is.\n"
         "\n"
-        "OUT by its ending: .png, .exr or .jpg is a quilt (named ..._qsCxRaASPECT; one view keeps "
-        "the "
+        "OUT by its ending: .png, .exr or .jpg is a quilt, named ..._qsCxRaASPECT (one view keeps the "
         "name),\n"
-        ".tif a print, .mp4 a video, a path ending in / a folder of views.\n"
+        ".tif a print, .mp4 a video, .gif a loop, a path ending in / a folder of views.\n"
         "\n"
         "What:\n");
     lf_param_print_help(lf_option_params,
@@ -116,7 +115,16 @@ static const lf_output_kind *kind_of_option(const char *option)
     for (int i = 0; lf_output_kinds[i]; i++)
         if (lf_output_kinds[i]->option && strcmp(lf_output_kinds[i]->option, option) == 0)
             return lf_output_kinds[i];
-    return NULL;
+    return strcmp(lf_output_wiggle.option, option) == 0 ? &lf_output_wiggle : NULL;
+}
+
+static void take_video_option(lf_render_arguments *a, const char *option)
+{
+    const bool is_fps = strcmp(option, "fps") == 0;
+    a->video_option = a->video_option ? a->video_option : option;
+    a->has_codec |= strcmp(option, "codec") == 0;
+    a->has_fps |= is_fps;
+    a->mp4_option = a->mp4_option || is_fps ? a->mp4_option : option;
 }
 
 /* Remembers the kinds that were asked for, and the first option of those that say more. */
@@ -134,10 +142,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->panel_option = row->option;
     if (params == lf_rgbd_params && !kind && !a->rgbd_option)
         a->rgbd_option = row->option;
-    if (params == lf_video_params && !a->video_option)
-        a->video_option = row->option;
-    if (params == lf_video_params && strcmp(row->option, "codec") == 0)
-        a->has_codec = true;
+    if (params == lf_video_params && !kind)
+        take_video_option(a, row->option);
     if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
         a->render_option = row->option;
 }
@@ -195,6 +201,18 @@ static lf_status refuse_option(const char *option, bool (*reads)(const lf_output
     return lf_error_set(err, LF_E_ARG, where, "only goes with %s", known);
 }
 
+static lf_status check_video(const lf_render_arguments *a, lf_error *err)
+{
+    char where[64];
+    const bool is_gif = lf_path_has_ending(a->out, ".gif"),
+               is_video = a->kind == &lf_output_video || a->kind == &lf_output_wiggle;
+    const char *option = !is_video ? a->video_option : is_gif ? a->mp4_option : NULL;
+    if (!option)
+        return LF_OK;
+    snprintf(where, sizeof where, "--%s", option);
+    return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
+}
+
 /* The kind, and the options that say more of it. */
 static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 {
@@ -212,10 +230,8 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return refuse_option(a->panel_option, reads_panel, err);
     if (!a->kind->layers && a->rgbd_option)
         return refuse_option(a->rgbd_option, reads_rgbd, err);
-    if (a->kind != &lf_output_video && a->video_option) {
-        snprintf(where, sizeof where, "--%s", a->video_option);
-        return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
-    }
+    if (check_video(a, err) != LF_OK)
+        return LF_E_ARG;
     if (a->options.layers && !(lf_path_has_ending(a->out, ".exr") || a->kind->is_linear))
         return lf_error_set(err, LF_E_ARG, "--aov",
                             "only goes with OUT.exr and folders of EXR views");
@@ -246,7 +262,7 @@ static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind
                  lf_output_endings(kind, endings, sizeof endings), kind->what,
                  kind->option ? " with --" : "", kind->option ? kind->option : "");
     }
-    return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video)", known);
+    return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video), .gif (a loop with --wiggle)", known);
 }
 
 /* What OUT is, from the options and its ending. */
@@ -324,6 +340,9 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
     if (a->stats)
         return lf_error_set(err, LF_E_ARG, "--stats", "does not go with %s: it is of one picture",
                             where);
+    if (a->kind == &lf_output_wiggle)
+        return lf_error_set(err, LF_E_ARG, "--wiggle",
+                            "does not go with %s: it is a loop of one picture's views", where);
     if (a->frames.of_rows && a->kind == &lf_output_video)
         return lf_error_set(err, LF_E_ARG, where, "does not go with a video: rows are no frames");
     return LF_OK;

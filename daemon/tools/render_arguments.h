@@ -31,8 +31,9 @@ typedef struct lf_render_arguments {
     lf_rgbd_options rgbd;
     lf_frames frames; /* checked */
     lf_video_options video;
-    bool has_codec;
+    bool has_codec, has_fps;
     const char *video_option; /* the first option that only makes sense with a video */
+    const char *mp4_option;   /* the first of them that does not go with a GIF */
 } lf_render_arguments;
 
 /* Reads argv into *out (strings point into it; untouched parts are zero). *out_done: --help or

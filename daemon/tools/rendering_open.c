@@ -90,7 +90,8 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
                             "does not go with a finished quilt: nothing is rendered");
     }
     const bool is_still = a->kind == &lf_output_still ||
-                          (a->kind == &lf_output_quilt && o->views == 1 && o->columns == 0);
+                          (a->kind == &lf_output_quilt && o->views == 1 && o->columns == 0),
+               of_middle = is_still || a->kind == &lf_output_wiggle;
     lf_status status = lf_quilt_read(a->scene, NULL, o->columns, o->rows, &r->quilt, err);
     if (status != LF_OK)
         return status;
@@ -101,15 +102,19 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     else if (o->views > r->quilt.layout.n_views)
         status = lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but the quilt has %d",
                               o->views, r->quilt.layout.n_views);
-    else if (o->views > 0 && !is_still)
+    else if (o->views > 0 && !of_middle)
         r->quilt.layout.n_views = r->quilt.views8.n_views = r->quilt.views32.n_views = o->views;
     if (status == LF_OK && o->has_exposure && !r->quilt.is_float)
         status = lf_error_set(err, LF_E_ARG, "--exposure",
                               "does not go with a finished picture of 8 bits (EXR has light)");
     if (status == LF_OK)
         lay_out_quilt(r);
-    if (status == LF_OK && is_still) /* all views are kept: the kind takes the middle one */
-        r->layout.columns = r->layout.rows = r->layout.n_views = 1;
+    if (status == LF_OK && of_middle) { /* all views are kept: the kind takes those it writes */
+        r->layout.columns = r->layout.rows = 1;
+        r->layout.n_views = is_still       ? 1
+                            : o->views > 0 ? o->views
+                                           : lf_wiggle_views(r->layout.n_views);
+    }
     return status;
 }
 
@@ -136,6 +141,16 @@ static lf_status check_row(const lf_rendering *r, lf_error *err)
     return LF_OK;
 }
 
+/* Of a loop of views on an arc, where nothing says how many. */
+static lf_options options_of(const lf_rendering *r, const lf_camera *camera)
+{
+    lf_options options = r->arguments->options;
+    if (r->arguments->kind == &lf_output_wiggle && !camera->list && !(camera->track > 0.0) &&
+        camera->n_rows == 0 && options.views == 0 && !options.preset && options.columns == 0)
+        options.views = LF_WIGGLE_VIEWS;
+    return options;
+}
+
 lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -144,7 +159,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     const bool of_rows = a->frames.of_rows;
     lf_camera row;
     const bool one_rig = a->kind->needs_panel || a->kind->check_print ||
-                         a->kind == &lf_output_still ||
+                         a->kind == &lf_output_still || a->kind == &lf_output_wiggle ||
                          (a->kind->layers && (!a->rgbd.is_quilt || camera->list));
     if (of_rows) {
         if (check_row(r, err) != LF_OK)
@@ -152,8 +167,11 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
         row = lf_camera_row(camera, r->sequence.frame);
         camera = &row;
     }
+    const lf_options options = options_of(r, camera);
     lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(
-        &a->options, camera, calibration, &r->settings, &r->layout, err);
+        &options, camera, calibration, &r->settings, &r->layout, err);
+    if (a->kind == &lf_output_wiggle)
+        r->settings.camera.cone *= LF_WIGGLE_CONE;
     if (r->sequence.on)
         r->settings.seed =
             (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
@@ -291,14 +309,15 @@ static char *out_of(const lf_rendering *r, int frame)
 
 bool lf_rendering_is_walk(const lf_rendering *r)
 {
-    return r->arguments->kind == &lf_output_video && !r->sequence.on;
+    const lf_output_kind *kind = r->arguments->kind;
+    return kind == &lf_output_wiggle || (kind == &lf_output_video && !r->sequence.on);
 }
 
 const lf_output_kind *lf_rendering_kind(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
     const bool one = r->layout.n_views == 1 && a->options.columns == 0;
-    if (lf_rendering_is_walk(r) || (one && a->kind == &lf_output_video))
+    if (a->kind == &lf_output_video && (one || lf_rendering_is_walk(r)))
         return &lf_output_walk;
     return one && a->kind == &lf_output_quilt ? &lf_output_still : a->kind;
 }
@@ -346,25 +365,52 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
                         lf_frames_noun(&a->frames), lf_frames_option(&a->frames));
 }
 
-/* Whether it can be a video; that of views begins here, before hours of rendering. */
-static lf_status open_video(lf_rendering *r, lf_error *err)
+static lf_status check_walk(const lf_rendering *r, lf_error *err)
 {
-    const bool is_walk = lf_rendering_is_walk(r);
-    const lf_video_options *options = &r->arguments->video;
-    const lf_layout layout = is_walk ? lf_video_view_layout(&r->layout) : r->layout;
-    const char *warning = NULL;
-    if (is_walk && r->settings.camera.n_rows > 0 && !r->settings.camera.has_parts)
+    const lf_camera *camera = &r->settings.camera;
+    if (camera->n_rows > 0 && !camera->has_parts)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video of views needs them on a track, a path or a circle, or in a "
                             "list, and the scene has a grid of rows: --frames or --turntable make "
                             "videos of quilts");
-    if (is_walk && !(r->settings.camera.track > 0.0) && !r->settings.camera.list)
+    if (!(camera->track > 0.0) && !camera->list)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video needs --frames, --turntable or a scene whose camera.views are "
-                            "on a track, a path or a circle, or in a list");
-    lf_status status = lf_video_check(options, &layout, r->path, &warning, err);
+                            "on a track, a path or a circle, or in a list; --wiggle makes a loop of "
+                            "the views");
+    return LF_OK;
+}
+
+static lf_status check_wiggle(const lf_rendering *r, lf_error *err)
+{
+    if (r->layout.n_views > 1)
+        return LF_OK;
+    return lf_error_set(err, LF_E_ARG, "--wiggle", "needs two views or more");
+}
+
+static lf_video_options video_options(const lf_rendering *r)
+{
+    const lf_render_arguments *a = r->arguments;
+    lf_video_options options = a->video;
+    if (options.wiggle && !a->has_fps)
+        options.fps = lf_wiggle_fps(r->layout.n_views);
+    if (options.wiggle && a->options.view_width == 0)
+        options.most_width = LF_WIGGLE_WIDTH;
+    return options;
+}
+
+/* Whether it can be a video; that of views begins here, before hours of rendering. */
+static lf_status open_video(lf_rendering *r, lf_error *err)
+{
+    const bool is_walk = lf_rendering_is_walk(r);
+    const lf_video_options options = video_options(r);
+    const lf_layout layout = is_walk ? lf_video_view_layout(&r->layout) : r->layout;
+    const char *warning = NULL;
+    lf_status status = options.wiggle ? check_wiggle(r, err) : is_walk ? check_walk(r, err) : LF_OK;
+    if (status == LF_OK)
+        status = lf_video_check(&options, &layout, r->path, &warning, err);
     if (status == LF_OK && is_walk && !r->arguments->plan)
-        status = lf_video_create(r->path, &layout, options, r->cancel, &r->video, err);
+        status = lf_video_create(r->path, &layout, &options, r->cancel, &r->video, err);
     if (warning)
         lf_log(LF_LOG_WARNING, "%s: %s", r->path, warning);
     return status;
@@ -418,7 +464,7 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = lf_rendering_name(r, r->sequence.frame, err);
     if (status == LF_OK && r->sequence.on)
         status = check_exposure(r, err);
-    if (status == LF_OK && a->kind == &lf_output_video)
+    if (status == LF_OK && (a->kind == &lf_output_video || a->kind == &lf_output_wiggle))
         status = open_video(r, err);
     if (status == LF_OK)
         status = lf_rendering_check_outputs(r, err);
