@@ -47,7 +47,8 @@ static void print_help(void)
         "A mesh or a volume (.glb, .obj, .vdb ...) may stand in for SCENE: it is framed and lit.\n"
         "So may a quilt picture or a folder of views: it is used as it is.\n"
         "\n"
-        "OUT by its ending: .png, .exr or .jpg is a quilt, named ..._qsCxRaASPECT (one view keeps the "
+        "OUT by its ending: .png, .exr or .jpg is a quilt, named ..._qsCxRaASPECT (one view keeps "
+        "the "
         "name),\n"
         ".tif a print, .mp4 a video, .gif a loop, a path ending in / a folder of views.\n"
         "\n"
@@ -262,7 +263,8 @@ static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind
                  lf_output_endings(kind, endings, sizeof endings), kind->what,
                  kind->option ? " with --" : "", kind->option ? kind->option : "");
     }
-    return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video), .gif (a loop with --wiggle)", known);
+    return lf_error_set(err, LF_E_ARG, out,
+                        "must end in %s, .mp4 (a video), .gif (a loop with --wiggle)", known);
 }
 
 /* What OUT is, from the options and its ending. */

@@ -168,8 +168,8 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
         camera = &row;
     }
     const lf_options options = options_of(r, camera);
-    lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(
-        &options, camera, calibration, &r->settings, &r->layout, err);
+    lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(&options, camera, calibration,
+                                                                     &r->settings, &r->layout, err);
     if (a->kind == &lf_output_wiggle)
         r->settings.camera.cone *= LF_WIGGLE_CONE;
     if (r->sequence.on)
@@ -374,10 +374,11 @@ static lf_status check_walk(const lf_rendering *r, lf_error *err)
                             "list, and the scene has a grid of rows: --frames or --turntable make "
                             "videos of quilts");
     if (!(camera->track > 0.0) && !camera->list)
-        return lf_error_set(err, LF_E_ARG, r->arguments->out,
-                            "a video needs --frames, --turntable or a scene whose camera.views are "
-                            "on a track, a path or a circle, or in a list; --wiggle makes a loop of "
-                            "the views");
+        return lf_error_set(
+            err, LF_E_ARG, r->arguments->out,
+            "a video needs --frames, --turntable or a scene whose camera.views are "
+            "on a track, a path or a circle, or in a list; --wiggle makes a loop of "
+            "the views");
     return LF_OK;
 }
 

@@ -679,10 +679,12 @@ const lf_sharing lf_sharing_mvpt = {
     .pivot = pivot_mvpt,
     .glow = glow_mvpt,
     .balance = balance_mvpt};
-const lf_sharing lf_sharing_amvpt = {
-    .entry = {.name = "amvpt", .what = "mvpt with more paths where the error is", .shares = true},
-    .suffixes = 4,
-    .adaptive = true,
-    .pivot = pivot_mvpt,
-    .glow = glow_mvpt,
-    .balance = balance_mvpt};
+const lf_sharing lf_sharing_amvpt = {.entry = {.name = "amvpt",
+                                               .what = "mvpt with more paths where the error is",
+                                               .shares = true,
+                                               .remembers = true},
+                                     .suffixes = 4,
+                                     .adaptive = true,
+                                     .pivot = pivot_mvpt,
+                                     .glow = glow_mvpt,
+                                     .balance = balance_mvpt};
