@@ -19,7 +19,13 @@
 #include "render/render.h"
 
 /* Exit codes of every program. */
-enum { LF_EXIT_OK = 0, LF_EXIT_FAILED = 1, LF_EXIT_USAGE = 2, LF_EXIT_NO_DAEMON = 3 };
+enum {
+    LF_EXIT_OK = 0,
+    LF_EXIT_FAILED = 1,
+    LF_EXIT_USAGE = 2,
+    LF_EXIT_NO_DAEMON = 3,
+    LF_EXIT_INTERRUPTED = 75 /* the work is kept: the same command goes on */
+};
 
 /* Whether the reconstructed picture is shown. auto: yes on a display, no in files. */
 typedef enum lf_reconstruct {

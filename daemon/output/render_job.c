@@ -13,6 +13,7 @@ typedef struct run {
     float *film;
     int n_views, height;
     bool goes_on;            /* the film was not empty */
+    double before;           /* passes that it held, which are no news */
     lf_asked at;             /* of passes that go on */
     int64_t passes;          /* whole ones so far */
     atomic_llong row_passes; /* summed over rows, those under way included */
@@ -44,7 +45,7 @@ static void report(const run *r)
         .passes = passes,
         .n_views = r->n_views,
     };
-    if (r->progress)
+    if (r->progress && passes >= r->before)
         r->progress(r->context, &progress);
 }
 
@@ -153,6 +154,7 @@ static lf_status run_target(run *r, double target)
 static void take_up(run *r, const lf_render_times *before)
 {
     r->goes_on = true;
+    r->before = (double)before->passes;
     r->start -= before->seconds;
     r->cpu_start -= before->cpu_seconds;
     if (r->budget->passes > 0) /* those that are not given again are heard of again */

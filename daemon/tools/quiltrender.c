@@ -10,16 +10,18 @@
 #include "base/import/import.h"
 #include "base/log.h"
 #include "base/thread.h"
+#include "daemon/tools/job_state.h"
 #include "daemon/tools/rendering_plan.h"
 
 #define PROGRAM LF_RENDER_PROGRAM
 
-static lf_cancel cancel;
+static lf_cancel cancel, paused;
 
 static void on_signal(int number)
 {
     (void)number;
     atomic_store_explicit(&cancel, 1, memory_order_relaxed);
+    atomic_store_explicit(&paused, 1, memory_order_relaxed);
     lf_import_stop();
 }
 
@@ -89,7 +91,9 @@ static int run(const lf_render_arguments *a)
                                .logs = !is_terminal,
                                .program = PROGRAM,
                                .interval = LF_PROGRESS_INTERVAL},
-                      .cancel = &cancel};
+                      .cancel = &cancel,
+                      .pause = &paused,
+                      .state.interval = LF_STATE_INTERVAL};
     lf_error err = {0};
     lf_import_watch(lf_progress_line_reading, &r.line);
     lf_status status = lf_rendering_open(&r, &err);
@@ -107,12 +111,26 @@ static int run(const lf_render_arguments *a)
     lf_progress_line_clear(&r.line);
     if (status != LF_OK) {
         lf_log_error(&err);
-        code = LF_EXIT_FAILED;
+        code = a->state && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
     } else if (!a->plan) {
         tell_names(&r, lf_time_now() - begun);
     }
     lf_rendering_finish(&r);
     return code;
+}
+
+static int print_state(const char *path)
+{
+    json_t *info = NULL;
+    lf_error err = {0};
+    if (lf_job_state_info(path, &info, &err) != LF_OK) {
+        lf_log_error(&err);
+        return LF_EXIT_FAILED;
+    }
+    json_dumpf(info, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(info);
+    return fflush(stdout) == 0 ? LF_EXIT_OK : LF_EXIT_FAILED;
 }
 
 static void catch_signals(void)
@@ -136,6 +154,8 @@ int main(int argc, char **argv)
         return lf_usage_error(PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;
+    if (a.state_info)
+        return print_state(a.state_info);
     lf_options_limit_import(&a.options);
     catch_signals();
     return run(&a);

@@ -15,6 +15,8 @@ enum {
     OPTION_SPP,
     OPTION_TIME,
     OPTION_STATS,
+    OPTION_STATE,
+    OPTION_STATE_INFO,
     OPTION_PLAN,
 };
 
@@ -24,6 +26,8 @@ static const struct option table[] = {
     {"spp", required_argument, NULL, OPTION_SPP},
     {"time", required_argument, NULL, OPTION_TIME},
     {"stats", required_argument, NULL, OPTION_STATS},
+    {"state", required_argument, NULL, OPTION_STATE},
+    {"state-info", required_argument, NULL, OPTION_STATE_INFO},
     {"plan", no_argument, NULL, OPTION_PLAN},
     {NULL, 0, NULL, 0},
 };
@@ -42,6 +46,7 @@ static void print_help(void)
     printf(
         "Usage: quiltrender SCENE -o OUT [options]\n"
         "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
+        "       quiltrender --state-info FILE\n"
         "Renders a scene (JSON) into a quilt, an interlaced panel picture, a lenticular print or a "
         "folder of views.\n"
         "A mesh or a volume (.glb, .obj, .vdb ...) may stand in for SCENE: it is framed and lit.\n"
@@ -71,9 +76,12 @@ static void print_help(void)
     lf_param_print_help(lf_video_params, NULL);
     printf("\nHow:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT);
-    printf("  --stats FILE.json      writes what was done and what it took\n"
-           "  --plan                 renders nothing: prints what it would take, and a command for "
-           "each task\n" LF_OPTIONS_HELP_LAST);
+    printf(
+        "  --state FILE           keeps what is rendered: a job that was stopped goes on, exit 75\n"
+        "  --state-info FILE      prints what is in such a file, as JSON\n"
+        "  --stats FILE.json      writes what was done and what it took (- is standard output)\n"
+        "  --plan                 renders nothing: prints what it would take, and a command for "
+        "each task\n" LF_OPTIONS_HELP_LAST);
 }
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
@@ -100,6 +108,13 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return LF_OK;
     case OPTION_STATS:
         a->stats = text;
+        return LF_OK;
+    case OPTION_STATE:
+        a->state = text;
+        a->render_option = a->render_option ? a->render_option : "state";
+        return LF_OK;
+    case OPTION_STATE_INFO:
+        a->state_info = text;
         return LF_OK;
     case OPTION_PLAN:
         a->plan = true;
@@ -339,9 +354,9 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
     if (a->kind->is_drawn)
         return lf_error_set(err, LF_E_ARG, where, "does not go with --%s: nothing is rendered",
                             a->kind->option);
-    if (a->stats)
-        return lf_error_set(err, LF_E_ARG, "--stats", "does not go with %s: it is of one picture",
-                            where);
+    if (a->stats || a->state)
+        return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
+                            "does not go with %s: it is of one picture", where);
     if (a->kind == &lf_output_wiggle)
         return lf_error_set(err, LF_E_ARG, "--wiggle",
                             "does not go with %s: it is a loop of one picture's views", where);
@@ -353,6 +368,10 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
+    if (a->state_info && (optind < argc || a->out))
+        return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing: no SCENE and no -o");
+    if (a->state_info)
+        return LF_OK;
     if (optind >= argc && !(a->asked && a->asked->is_drawn))
         return lf_error_set(err, LF_E_ARG, "SCENE", "missing (see --help)");
     if (optind + 1 < argc)

@@ -15,8 +15,10 @@ typedef struct lf_render_arguments {
     lf_options options;
     const char *scene; /* NULL for a chart */
     const char *out, *stats;
-    bool plan;         /* tell what it would take instead */
-    char *const *argv; /* all of it, ended by NULL */
+    const char *state;      /* NULL: what is accumulated is not kept */
+    const char *state_info; /* tell what is in this state, and nothing else */
+    bool plan;              /* tell what it would take instead */
+    char *const *argv;      /* all of it, ended by NULL */
     const lf_output_kind *kind;
     const lf_output_kind *asked, *asked_too; /* kinds whose options were given: two of them */
     lf_budget budget; /* passes stay 0 for --spp until the number of views is known */

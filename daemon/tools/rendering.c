@@ -35,12 +35,13 @@ void lf_rendering_show_frame(lf_rendering *r, double fraction)
     lf_progress_line_draw(&r->line, text);
 }
 
-static void show_rendering(void *context, const lf_render_progress *progress)
+void lf_rendering_show(void *context, const lf_render_progress *progress)
 {
     lf_rendering *r = context;
     char text[160], left[64];
     const double fraction = (r->camera_row + progress->fraction) / camera_rows(r),
                  seconds = r->times.seconds + progress->seconds;
+    lf_rendering_state_look(r, progress);
     if (r->sequence.on) {
         lf_rendering_show_frame(r, fraction);
         return;
@@ -70,7 +71,13 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
         return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: %d of %d %s were written",
                             r->sequence.n_done, r->sequence.n_wanted,
                             lf_frames_noun(&r->arguments->frames));
-    return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: nothing was written");
+    if (r->state.is_kept)
+        return lf_error_set(err, LF_E_CANCELLED, out,
+                            "interrupted: %s keeps the work, and the same command goes on",
+                            r->arguments->state);
+    return lf_error_set(
+        err, LF_E_CANCELLED, out, "interrupted: nothing was written%s",
+        !r->scene || r->sequence.on || r->arguments->state ? "" : " (--state FILE keeps the work)");
 }
 
 /* --------------------------------------------------------------------------------- rendering -- */
@@ -140,8 +147,8 @@ static lf_status render_row(lf_rendering *r, const lf_budget *budget, float *fil
     if (r->gathered)
         times = *r->gathered;
     else
-        status = lf_render_spend(r->renderer, budget, estimator, film, show_rendering, r, r->cancel,
-                                 &times);
+        status = lf_render_spend(r->renderer, budget, estimator, film, lf_rendering_show, r,
+                                 r->cancel, &times);
     if (status == LF_OK)
         status = lf_render_answer(r->renderer, budget, estimator, film, r->cancel, &times);
     if (status == LF_OK)
@@ -173,6 +180,8 @@ static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_f
         settings.camera = lf_camera_row(&r->settings.camera, r->camera_row);
         settings.seed = lf_rows_seed(r->settings.seed, r->camera_row);
         status = begin(r, &settings, err);
+        if (status == LF_OK && r->arguments->state)
+            status = lf_rendering_state_spend(r, budget, row_film, err);
         if (status != LF_OK)
             return status;
         status = render_row(r, budget, row_film, row_layers);

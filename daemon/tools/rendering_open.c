@@ -294,6 +294,10 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     lf_status status = check_not_input(r->path, a->scene, err);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_not_input(a->stats, a->scene, err);
+    if (status == LF_OK && a->state)
+        status = check_not_input(a->state, a->scene, err);
+    if (status == LF_OK && a->state && strcmp(a->state, r->path) == 0)
+        status = lf_error_set(err, LF_E_ARG, "--state", "is where the picture goes: %s", r->path);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
     return status;
@@ -346,6 +350,8 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
     lf_free(first);
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_folder_of(a->stats, err);
+    if (status == LF_OK && a->state)
+        status = check_folder_of(a->state, err);
     return status;
 }
 
@@ -458,8 +464,8 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
     if (status == LF_OK && !r->is_quilt && !a->kind->is_drawn)
         status = provide_for_views(r, err);
-    if (status == LF_OK && a->stats && r->settings.camera.n_rows > 0)
-        status = lf_error_set(err, LF_E_ARG, "--stats",
+    if (status == LF_OK && (a->stats || a->state) && r->settings.camera.n_rows > 0)
+        status = lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
                               "is of one row of cameras, and the scene has several");
     if (status == LF_OK)
         status = lf_rendering_name(r, r->sequence.frame, err);
