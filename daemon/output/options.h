@@ -160,8 +160,8 @@ LF_NODISCARD lf_status lf_options_check_integrator(const lf_options *options, lf
 
 /* What to render and how it is laid out: the command line wins over the preset (views, layout, view
  * size, aspect), that over the panel's calibration (aspect, cone; NULL = none), that over the
- * scene's camera (lf_scene_camera). Views default to 45, the view's height to 560 pixels and its
- * width to aspect times that. A scene that states no aspect takes that of
+ * scene's camera (lf_scene_camera). Views default to 45, the view's height to 560 pixels (of a
+ * still 1080) and its width to aspect times that. A scene that states no aspect takes that of
  * --view-size. Fills everything of *out_settings but the window (zero = whole) and everything of
  * *out_layout. LF_E_ARG for a --quilt with too few tiles or a quilt over the picture limits. */
 LF_NODISCARD lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,

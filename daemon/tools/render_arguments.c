@@ -278,8 +278,9 @@ static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind
                  lf_output_endings(kind, endings, sizeof endings), kind->what,
                  kind->option ? " with --" : "", kind->option ? kind->option : "");
     }
-    return lf_error_set(err, LF_E_ARG, out,
-                        "must end in %s, .mp4 (a video), .gif (a loop with --wiggle)", known);
+    if (lf_path_has_ending(out, ".gif"))
+        return lf_error_set(err, LF_E_ARG, out, ".gif is a loop of views: --wiggle");
+    return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video)", known);
 }
 
 /* What OUT is, from the options and its ending. */

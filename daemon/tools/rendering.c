@@ -345,22 +345,18 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
 }
 
 /* "-" is standard output. */
-static lf_status put_stats(const char *path, const char *text, lf_error *err)
+static lf_status put_stats(const char *path, const json_t *object, lf_error *err)
 {
-    lf_outfile file = {.fd = -1};
-    if (strcmp(path, "-") == 0)
-        return puts(text) >= 0 && fflush(stdout) == 0
-                   ? LF_OK
-                   : lf_error_set(err, LF_E_IO, "--stats", "cannot write to standard output");
-    lf_status status = lf_outfile_open(&file, path, true, err);
-    if (status != LF_OK)
-        return status;
-    status = lf_outfile_write(&file, text, strlen(text), err);
-    if (status == LF_OK)
-        status = lf_outfile_write(&file, "\n", 1, err);
-    if (status == LF_OK)
-        status = lf_outfile_commit(&file, true, err);
-    lf_outfile_abandon(&file);
+    char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL, *lines = NULL;
+    lf_status status = LF_OK;
+    if (!text || asprintf(&lines, "%s\n", text) < 0)
+        status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    else if (strcmp(path, "-") != 0)
+        status = lf_outfile_text(path, lines, err);
+    else if (fputs(lines, stdout) < 0 || fflush(stdout) != 0)
+        status = lf_error_set(err, LF_E_IO, "--stats", "cannot write to standard output");
+    free(lines);
+    free(text);
     return status;
 }
 
@@ -384,11 +380,7 @@ lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err)
         .times = r->times,
     };
     json_t *object = lf_render_report_json(&report);
-    char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
-    lf_status status = text ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->stats, "out of memory");
-    if (status == LF_OK)
-        status = put_stats(a->stats, text, err);
-    free(text);
+    const lf_status status = put_stats(a->stats, object, err);
     json_decref(object);
     return status;
 }

@@ -23,6 +23,7 @@ typedef struct lf_rendering_state {
     double saved;          /* when the last was, or the job began */
     double passes;         /* when the last was asked for */
     bool goes_on, is_kept; /* the renderer held something; so does the file */
+    bool told;             /* that it goes on */
     lf_render_times times; /* of all runs */
 } lf_rendering_state;
 

@@ -6,12 +6,22 @@
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/rendering.h"
 
+static double spp(const lf_rendering *r, double passes)
+{
+    return passes / r->settings.camera.n_views;
+}
+
 void lf_rendering_state_look(lf_rendering *r, const lf_render_progress *progress)
 {
     lf_rendering_state *s = &r->state;
+    if (!r->arguments->state)
+        return;
+    if (s->goes_on && !s->told)
+        lf_log(LF_LOG_INFO, "%s: going on at %.4g spp", r->arguments->state,
+               spp(r, progress->passes));
+    s->told = true;
     /* what stops again before anything is added never ends */
-    if (!r->arguments->state || lf_time_now() - s->saved < s->interval ||
-        !(progress->passes > s->passes))
+    if (lf_time_now() - s->saved < s->interval || !(progress->passes > s->passes))
         return;
     s->passes = progress->passes;
     atomic_store_explicit(r->pause, 1, memory_order_relaxed);
@@ -33,7 +43,8 @@ static lf_status save(lf_rendering *r, const json_t *of, bool complete, lf_error
 }
 
 /* What is there of an earlier run. */
-static lf_status take_up(lf_rendering *r, const json_t *of, lf_job_progress *out, lf_error *err)
+static lf_status take_up(lf_rendering *r, const lf_budget *budget, const json_t *of,
+                         lf_job_progress *out, lf_error *err)
 {
     const char *path = r->arguments->state;
     struct stat st;
@@ -42,13 +53,15 @@ static lf_status take_up(lf_rendering *r, const json_t *of, lf_job_progress *out
     lf_status status = lf_job_state_restore(path, of, r->renderer, out, err);
     if (status != LF_OK)
         return status;
+    const double there = spp(r, (double)out->times.passes), wanted = spp(r, (double)budget->passes);
+    if (budget->passes > 0 && there > wanted)
+        return lf_error_set(err, LF_E_STATE, path,
+                            "holds %.4g spp, and this job is of %.4g; give another --state FILE",
+                            there, wanted);
     r->state.goes_on = r->state.is_kept = true;
     r->state.times = out->times;
-    const double spp = (double)out->times.passes / r->settings.camera.n_views;
     if (out->complete)
-        lf_log(LF_LOG_INFO, "%s: the picture is complete (%.4g spp)", path, spp);
-    else
-        lf_log(LF_LOG_INFO, "%s: going on at %.4g spp", path, spp);
+        lf_log(LF_LOG_INFO, "%s: the picture is complete (%.4g spp)", path, there);
     return LF_OK;
 }
 
@@ -64,9 +77,10 @@ static lf_status gather(lf_rendering *r, const lf_budget *budget, const json_t *
             lf_render_gather(r->renderer, budget, a->options.estimator, s->goes_on ? &before : NULL,
                              film, lf_rendering_show, r, r->pause, &s->times);
         if (status == LF_E_STATE)
-            return lf_error_set(err, status, a->state,
-                                "holds passes that this budget would not have made (--state-info "
-                                "tells its own); remove it, or give another --state FILE");
+            return lf_error_set(
+                err, status, a->state,
+                "holds passes that this job would not have made (--state-info tells "
+                "of which it is); remove it, or give another --state FILE");
         if (status != LF_OK && status != LF_E_CANCELLED)
             return lf_error_set(err, status, a->out, "rendering failed");
         const lf_status kept = save(r, of, status == LF_OK, err);
@@ -92,7 +106,7 @@ lf_status lf_rendering_state_spend(lf_rendering *r, const lf_budget *budget, flo
     json_t *of = lf_job_state_of(a->scene, r->renderer, budget);
     if (!of)
         return lf_error_set(err, LF_E_NOMEM, a->state, "out of memory");
-    lf_status status = take_up(r, of, &progress, err);
+    lf_status status = take_up(r, budget, of, &progress, err);
     if (status == LF_OK && !progress.complete)
         status = gather(r, budget, of, film, err);
     json_decref(of);
