@@ -89,7 +89,8 @@ static void a_stopped_job_says_75_and_keeps_its_work(void **state)
         }
         assert_non_null(strstr(said, "interrupted: "));
         assert_non_null(strstr(said, "keeps the work, and the same command goes on"));
-        assert_int_equal(strstr(said, "going on at ") != NULL, i);
+        const bool goes_on = strstr(said, "going on at ");
+        assert_int_equal(goes_on, i);
         passes = passes_of(path, false);
     }
     assert_false(qr_exists(f->folder, "long_qs3x2a0.75.png"));
