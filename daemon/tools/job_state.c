@@ -10,6 +10,7 @@
 #include <zlib.h>
 
 #include "base/alloc.h"
+#include "base/list.h"
 #include "base/version.h"
 
 #define VERSION 1
@@ -74,17 +75,6 @@ json_t *lf_job_state_of(const char *scene, const lf_renderer *renderer, const lf
 
 /* ----------------------------------------------------------------------------------- differ -- */
 
-static void add_words(char *words, size_t size, const char *format, ...) LF_PRINTF(3, 4);
-static void add_words(char *words, size_t size, const char *format, ...)
-{
-    const size_t n = strlen(words);
-    va_list args;
-    snprintf(words + n, size - n, "%s", n > 0 ? ", " : "");
-    va_start(args, format);
-    (void)vsnprintf(words + strlen(words), size - strlen(words), format, args);
-    va_end(args);
-}
-
 static bool differs(const json_t *a, const json_t *b, const char *key)
 {
     return !json_equal(json_object_get(a, key), json_object_get(b, key));
@@ -103,8 +93,8 @@ static void add_said(char *words, size_t size, const char *what, const json_t *t
                      const json_t *of, const char *key)
 {
     char a[64], b[64];
-    add_words(words, size, "%s (%s, now %s)", what, said(there, key, a, sizeof a),
-              said(of, key, b, sizeof b));
+    lf_list_add(words, size, "%s (%s, now %s)", what, said(there, key, a, sizeof a),
+                said(of, key, b, sizeof b));
 }
 
 /* What the picture of a file differs in from that of a job; empty: in nothing. */
@@ -117,14 +107,14 @@ static void differences(const json_t *there, const json_t *of, char *words, size
     const json_t *hashes = json_object_get(there, "hashes"), *ours = json_object_get(of, "hashes");
     words[0] = '\0';
     if (differs(hashes, ours, "scene"))
-        add_words(words, size, "the scene");
+        lf_list_add(words, size, "the scene");
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
         if (differs(there, of, keys[i][0]))
             add_said(words, size, keys[i][1], there, of, keys[i][0]);
     if (differs(hashes, ours, "camera"))
-        add_words(words, size, "the camera");
+        lf_list_add(words, size, "the camera");
     if (words[0] == '\0' && differs(hashes, ours, "all"))
-        add_words(words, size, "how it is rendered");
+        lf_list_add(words, size, "how it is rendered");
 }
 
 /* ------------------------------------------------------------------------------------- write -- */

@@ -1,13 +1,13 @@
 /* quiltrender: one scene or quilt to one picture, print or folder of views, or to the frames of a
  * sequence. See docs/man/quiltrender.1. */
 #include <signal.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/import/import.h"
+#include "base/list.h"
 #include "base/log.h"
 #include "base/thread.h"
 #include "daemon/tools/job_state.h"
@@ -36,19 +36,7 @@ static lf_status make_one(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* One more of the things that are said of a file. */
-__attribute__((format(printf, 3, 4))) static void add_words(char *words, size_t size,
-                                                            const char *format, ...)
-{
-    const size_t n = strlen(words);
-    va_list args;
-    snprintf(words + n, size - n, "%s", n > 0 ? ", " : " (");
-    va_start(args, format);
-    (void)vsnprintf(words + strlen(words), size - strlen(words), format, args);
-    va_end(args);
-}
-
-/* " (48 views of 420x560, 16 spp, 35 s)": what a file, or each of them, holds and what all took. */
+/* "48 views of 420x560, 16 spp, 35 s": what a file, or each of them, holds and what all took. */
 static void describe(const lf_rendering *r, double seconds, char *words, size_t size)
 {
     const lf_render_settings *s = &r->settings;
@@ -58,13 +46,13 @@ static void describe(const lf_rendering *r, double seconds, char *words, size_t 
               height = r->is_quilt ? r->layout.view_height : s->height;
     words[0] = '\0';
     if (views == 1)
-        add_words(words, size, "%dx%d pixels", width, height);
+        lf_list_add(words, size, "%dx%d pixels", width, height);
     else if (views > 1)
-        add_words(words, size, "%d views of %dx%d", views, width, height);
+        lf_list_add(words, size, "%d views of %dx%d", views, width, height);
     if (r->times.passes > 0)
-        add_words(words, size, "%.4g spp",
-                  (double)r->times.passes / ((double)rows * s->camera.n_views));
-    add_words(words, size, seconds < 10 ? "%.1f s)" : "%.0f s)", seconds);
+        lf_list_add(words, size, "%.4g spp",
+                    (double)r->times.passes / ((double)rows * s->camera.n_views));
+    lf_list_add(words, size, seconds < 10 ? "%.1f s" : "%.0f s", seconds);
 }
 
 static void tell_names(const lf_rendering *r, double seconds)
@@ -74,11 +62,11 @@ static void tell_names(const lf_rendering *r, double seconds)
     char words[128];
     describe(r, seconds, words, sizeof words);
     if (!s->on)
-        lf_log(LF_LOG_INFO, "wrote %s%s", r->path, words);
+        lf_log(LF_LOG_INFO, "wrote %s (%s)", r->path, words);
     else if (r->arguments->kind == &lf_output_video)
-        lf_log(LF_LOG_INFO, "wrote %s, %d frames%s", r->path, s->n_done, words);
+        lf_log(LF_LOG_INFO, "wrote %s (%d frames of %s)", r->path, s->n_done, words);
     else if (s->n_done > 0)
-        lf_log(LF_LOG_INFO, "wrote %d of %d %s; the last is %s%s", s->n_done,
+        lf_log(LF_LOG_INFO, "wrote %d of %d %s; the last is %s (%s)", s->n_done,
                lf_frames_count(frames), lf_frames_noun(frames), r->path, words);
 }
 

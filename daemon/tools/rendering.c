@@ -349,9 +349,11 @@ static lf_status put_stats(const char *path, const json_t *object, lf_error *err
 {
     char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL, *lines = NULL;
     lf_status status = LF_OK;
-    if (!text || asprintf(&lines, "%s\n", text) < 0)
-        status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    else if (strcmp(path, "-") != 0)
+    if (!text || asprintf(&lines, "%s\n", text) < 0) {
+        free(text);
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    }
+    if (strcmp(path, "-") != 0)
         status = lf_outfile_text(path, lines, err);
     else if (fputs(lines, stdout) < 0 || fflush(stdout) != 0)
         status = lf_error_set(err, LF_E_IO, "--stats", "cannot write to standard output");
