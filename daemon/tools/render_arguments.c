@@ -52,9 +52,8 @@ static void print_help(void)
         "A mesh or a volume (.glb, .obj, .vdb ...) may stand in for SCENE: it is framed and lit.\n"
         "So may a quilt picture or a folder of views: it is used as it is.\n"
         "\n"
-        "OUT by its ending: .png, .exr or .jpg is a quilt, named ..._qsCxRaASPECT (one view keeps "
-        "the "
-        "name),\n"
+        "OUT by its ending: .png, .exr or .jpg is a quilt, named ..._qsCxRaASPECT, or one view, as "
+        "named;\n"
         ".tif a print, .mp4 a video, .gif a loop, a path ending in / a folder of views.\n"
         "\n"
         "What:\n");
