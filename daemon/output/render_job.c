@@ -173,7 +173,6 @@ lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_es
         .renderer = renderer,
         .budget = budget,
         .estimator = estimator,
-        .film = film,
         .n_views = settings->camera.n_views,
         .height = settings->height,
         .start = lf_time_now(),
@@ -183,6 +182,7 @@ lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_es
         .cancel = cancel,
     };
     lf_status status = LF_OK;
+    r.film = film;
     if (before)
         take_up(&r, before);
     report(&r);
