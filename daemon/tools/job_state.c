@@ -15,6 +15,7 @@
 
 #define VERSION 1
 #define MOST_TEXT (UINT32_C(1) << 20)
+#define MOST_PASSES (INT64_C(1) << 40) /* as of --passes */
 
 static const char magic[8] = "quiltdJB";
 
@@ -194,7 +195,8 @@ static bool is_progress(const json_t *words, lf_job_progress *out)
                                    .cpu_seconds = json_number_value(cpu)};
     out->complete = json_is_true(complete);
     return json_is_integer(passes) && json_is_number(seconds) && json_is_number(cpu) &&
-           json_is_boolean(complete) && out->times.passes >= 0 && out->times.seconds >= 0 &&
+           json_is_boolean(complete) && out->times.passes >= 0 &&
+           out->times.passes <= MOST_PASSES && out->times.seconds >= 0 &&
            out->times.cpu_seconds >= 0;
 }
 
