@@ -73,6 +73,11 @@ LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height
                                          int n, lf_error *err);
 LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
                                     const lf_attribute *attributes, int n, lf_error *err);
+/* JPEG, sRGB, colours at full resolution (4:4:4); quality 1..100 is libjpeg's. No attributes. Else
+ * as lf_png_write_rows. LF_E_ARG: more than 65500 pixels a side. */
+#define LF_JPEG_QUALITY 92 /* where nobody says one */
+LF_NODISCARD lf_status lf_jpeg_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
+                                          void *context, int quality, lf_error *err);
 /* Channels by name, each once; rows fills [width][n] in their order. */
 #define LF_EXR_MAX_CHANNELS 32
 typedef struct lf_channels32 {

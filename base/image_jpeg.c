@@ -7,8 +7,11 @@
 #include <jerror.h>
 #include <jpeglib.h>
 
+#include "base/alloc.h"
 #include "base/image_formats.h"
 #include "base/image_profile.h"
+
+#define BUFFER_BYTES (1 << 16)
 
 /* libjpeg's error manager first, so that its callbacks find the rest. */
 typedef struct jpeg_session {
@@ -203,3 +206,120 @@ const lf_image_format lf_format_jpeg = {.name = "JPEG",
                                         .kind = LF_IMAGE_8BIT,
                                         .recognises = recognises_jpeg,
                                         .read8 = read_jpeg};
+
+/* ------------------------------------------------------------------------------------- write -- */
+
+typedef struct jpeg_writing {
+    struct jpeg_error_mgr manager;
+    struct jpeg_destination_mgr to;
+    jmp_buf escape;
+    lf_outfile *file;
+    lf_status status;
+    lf_error *err;
+    JOCTET buffer[BUFFER_BYTES];
+    uint8_t *row; /* [width][3] */
+} jpeg_writing;
+
+/* Keeps the first cause: a failed write has reported itself already. */
+static _Noreturn void on_write_error(j_common_ptr jpeg)
+{
+    jpeg_writing *w = (jpeg_writing *)(void *)jpeg->err;
+    char message[JMSG_LENGTH_MAX];
+    w->manager.format_message(jpeg, message);
+    if (w->status == LF_OK)
+        w->status = lf_error_set(w->err, LF_E_IO, lf_outfile_name(w->file), "JPEG: %s", message);
+    longjmp(w->escape, 1);
+}
+
+static void begin_buffer(j_compress_ptr jpeg)
+{
+    jpeg_writing *w = (jpeg_writing *)(void *)jpeg->err;
+    w->to.next_output_byte = w->buffer;
+    w->to.free_in_buffer = BUFFER_BYTES;
+}
+
+static void write_buffer(j_compress_ptr jpeg, size_t n)
+{
+    jpeg_writing *w = (jpeg_writing *)(void *)jpeg->err;
+    w->status = lf_outfile_write(w->file, w->buffer, n, w->err);
+    if (w->status != LF_OK)
+        longjmp(w->escape, 1);
+    begin_buffer(jpeg);
+}
+
+static boolean flush_buffer(j_compress_ptr jpeg)
+{
+    write_buffer(jpeg, BUFFER_BYTES); /* whole, whatever free_in_buffer says: libjpeg's rule */
+    return TRUE;
+}
+
+static void end_buffer(j_compress_ptr jpeg)
+{
+    const jpeg_writing *w = (const jpeg_writing *)(const void *)jpeg->err;
+    write_buffer(jpeg, BUFFER_BYTES - w->to.free_in_buffer);
+}
+
+/* Colours at full resolution: with 4:2:0 those of neighbouring tiles would run into each other. */
+static void set_up_writing(struct jpeg_compress_struct *jpeg, int width, int height, int quality)
+{
+    jpeg->image_width = (JDIMENSION)width;
+    jpeg->image_height = (JDIMENSION)height;
+    jpeg->input_components = 3;
+    jpeg->in_color_space = JCS_RGB;
+    jpeg_set_defaults(jpeg);
+    jpeg_set_quality(jpeg, quality, TRUE);
+    jpeg->dct_method = JDCT_ISLOW;
+    jpeg->optimize_coding = TRUE;
+    for (int i = 0; i < jpeg->num_components; i++)
+        jpeg->comp_info[i].h_samp_factor = jpeg->comp_info[i].v_samp_factor = 1;
+}
+
+static lf_status encode(struct jpeg_compress_struct *jpeg, jpeg_writing *w, lf_rows8_fn rows,
+                        void *context, int quality, int width, int height)
+{
+    if (setjmp(w->escape))
+        return w->status;
+    jpeg_create_compress(jpeg);
+    w->to = (struct jpeg_destination_mgr){.init_destination = begin_buffer,
+                                          .empty_output_buffer = flush_buffer,
+                                          .term_destination = end_buffer};
+    jpeg->dest = &w->to;
+    set_up_writing(jpeg, width, height, quality);
+    jpeg_start_compress(jpeg, TRUE);
+    while (jpeg->next_scanline < jpeg->image_height) {
+        JSAMPROW row = w->row;
+        rows(context, (int)jpeg->next_scanline, w->row);
+        jpeg_write_scanlines(jpeg, &row, 1);
+    }
+    jpeg_finish_compress(jpeg);
+    return LF_OK;
+}
+
+lf_status lf_jpeg_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
+                             void *context, int quality, lf_error *err)
+{
+    if (width < 1 || width > JPEG_MAX_DIMENSION || height < 1 || height > JPEG_MAX_DIMENSION ||
+        quality < 1 || quality > 100)
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file),
+                            "%dx%d pixels at quality %d cannot be a JPEG (%ld pixels a side at "
+                            "most): write .png or .exr",
+                            width, height, quality, JPEG_MAX_DIMENSION);
+    struct jpeg_compress_struct jpeg = {0};
+    jpeg_writing *w = lf_calloc(1, sizeof *w);
+    uint8_t *row = w ? lf_calloc((size_t)width, 3) : NULL;
+    lf_status status = LF_OK;
+    if (!row) {
+        status = lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file), "no memory for libjpeg");
+    } else {
+        w->file = file;
+        w->err = err;
+        w->row = row;
+        jpeg.err = jpeg_std_error(&w->manager);
+        w->manager.error_exit = on_write_error;
+        status = encode(&jpeg, w, rows, context, quality, width, height);
+        jpeg_destroy_compress(&jpeg);
+    }
+    lf_free(row);
+    lf_free(w);
+    return status;
+}

@@ -371,6 +371,17 @@ lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views, const lf_
                              row8, &rows, PNG_LEVEL, attributes, n_attributes, err);
 }
 
+lf_status lf_quilt_write_jpeg(lf_outfile *file, const lf_views8 *views, const lf_layout *layout,
+                              int quality, lf_error *err)
+{
+    lf_status status = check_layout(layout, views->n_views, views->width, views->height, err);
+    if (status != LF_OK)
+        return status;
+    quilt_rows8 rows = {views, layout};
+    return lf_jpeg_write_rows(file, layout->columns * views->width, layout->rows * views->height,
+                              row8, &rows, quality, err);
+}
+
 lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf_layout *layout,
                              const lf_attribute *attributes, int n_attributes, lf_error *err)
 {

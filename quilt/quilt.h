@@ -192,6 +192,9 @@ void lf_quilt_row8(const lf_views8 *views, const lf_layout *layout, int y, uint8
 LF_NODISCARD lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views,
                                           const lf_layout *layout, const lf_attribute *attributes,
                                           int n_attributes, lf_error *err);
+/* The same picture as a JPEG of this quality (lf_jpeg_write_rows). */
+LF_NODISCARD lf_status lf_quilt_write_jpeg(lf_outfile *file, const lf_views8 *views,
+                                           const lf_layout *layout, int quality, lf_error *err);
 LF_NODISCARD lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views,
                                           const lf_layout *layout, const lf_attribute *attributes,
                                           int n_attributes, lf_error *err);

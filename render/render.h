@@ -235,6 +235,7 @@ typedef struct lf_integrator_entry {
     /* picture files show its reconstruction unless told otherwise; false: it is there to compare
      * with, or has none */
     bool reconstructs;
+    bool remembers;   /* more than its film: lf_renderer_passes_after does not take it */
 } lf_integrator_entry;
 
 /* The first is the default; NULL behind the last. */
@@ -400,6 +401,26 @@ typedef void (*lf_passes_fn)(void *context, int passes, int worker);
 LF_NODISCARD lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *part,
                                           int64_t n_passes, bool split, lf_passes_fn row_done,
                                           void *context, const lf_cancel *cancel);
+
+/* What lf_renderer_passes has given a film that was empty before, by calls of it for all rows.
+ * Zeroed: nothing. */
+typedef struct lf_asked {
+    double given[2]; /* passes of each half */
+    uint32_t visits[2];
+} lf_asked;
+
+/* lf_renderer_passes for a film that was restored, or is there of a call that was cancelled: rows
+ * that had a visit already do not get it again, but row_done hears of them, too. *at: what was
+ * asked for before, and with success what was asked for now, too. The same calls as before from a
+ * zeroed *at on, and then others, leave the film that they would have left at once.
+ * LF_E_STATE: no such calls have left this film, or the integrator remembers more than it. */
+LF_NODISCARD lf_status lf_renderer_passes_after(lf_renderer *renderer, lf_asked *at,
+                                                int64_t n_passes, bool split, lf_passes_fn row_done,
+                                                void *context, const lf_cancel *cancel);
+/* Whether that is all that the film holds. */
+bool lf_renderer_is_at(const lf_renderer *renderer, const lf_asked *at);
+/* Whether the integrator in use remembers nothing beside its film. */
+bool lf_renderer_is_its_film(const lf_renderer *renderer);
 
 /* Per-pixel flags of a resolved row. */
 /* scattering is possible here but nothing was found yet (W = 0): out is a stand-in */

@@ -186,8 +186,9 @@ lf_status lf_renderer_restart(lf_renderer *renderer, lf_scene *scene,
 typedef struct lf_pass_job {
     lf_renderer *renderer;
     lf_visit_order order;
-    lf_part part; /* whole: no zeros that stand for something else */
-    int half;     /* -1 = the one with fewer visits, A first */
+    lf_part part;       /* whole: no zeros that stand for something else */
+    int half;           /* -1 = the one with fewer visits, A first */
+    const lf_asked *at; /* rows beyond it have had this visit; NULL: none has */
     lf_row_fn row_done;
     void *context;
     const lf_cancel *cancel;
@@ -200,7 +201,9 @@ static void run_row(void *context, int item, int worker)
     int row = job->part.first_row + item * job->part.row_step;
     const lf_film_counts *given = &r->film.streams[job->order.stream].rows[row];
     int half = job->half >= 0 ? job->half : given->visits[0] > given->visits[1];
-    if (r->integrator->visit(r->state, &job->order, row, half, worker, job->cancel) &&
+    const bool has_had_it = job->at && given->visits[half] > job->at->visits[half];
+    if ((has_had_it ||
+         r->integrator->visit(r->state, &job->order, row, half, worker, job->cancel)) &&
         job->row_done)
         job->row_done(job->context, row, worker);
 }
@@ -315,17 +318,20 @@ static void report_row(void *context, int row, int worker)
 {
     const lf_passes_report *report = context;
     (void)row;
-    report->row_done(report->context, report->passes, worker);
+    if (report->row_done)
+        report->row_done(report->context, report->passes, worker);
 }
 
-/* One visit of every row of the part. */
+/* One visit of every row of the part; at: of those that have not had it. */
 static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half, int subsets,
-                           int column_step, lf_passes_report *report, const lf_cancel *cancel)
+                           int column_step, lf_passes_report *report, const lf_asked *at,
+                           const lf_cancel *cancel)
 {
     lf_pass_job job = {.renderer = renderer,
                        .order = {.subsets = subsets, .column_step = column_step, .hole_reach = -1},
                        .part = whole_part(renderer, part),
                        .half = half,
+                       .at = at,
                        .cancel = cancel};
     if (report->row_done) {
         /* a pass split between the halves is one */
@@ -337,18 +343,94 @@ static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half,
 }
 
 /* A reconstruction wants many film points early on: short visits, each at most a quarter of what
- * the half has had. */
-static int passes_of_visit(const lf_renderer *r, const lf_part *part, int half)
+ * the half has been given. */
+static int passes_of_visit(const lf_renderer *r, double given)
+{
+    if (!r->film.layout.has_features)
+        return r->visit_passes;
+    int most = (int)fmin(given / 4.0, (double)r->visit_passes);
+    return most > 1 ? most : 1;
+}
+
+static double given_to(const lf_renderer *r, const lf_part *part, int half)
 {
     const lf_part whole = whole_part(r, part);
     const lf_film_stream *stream = lf_film_find_stream(&r->film, r->settings.seed, whole.stream);
-    if (!r->film.layout.has_features)
-        return r->visit_passes;
-    double given = stream && whole.first_row >= 0 && whole.first_row < r->film.height
-                       ? stream->rows[whole.first_row].n[half] * r->film.n_views
-                       : 0.0;
-    int most = (int)fmin(given / 4.0, (double)r->visit_passes);
-    return most > 1 ? most : 1;
+    return stream && whole.first_row >= 0 && whole.first_row < r->film.height
+               ? stream->rows[whole.first_row].n[half] * r->film.n_views
+               : 0.0;
+}
+
+static bool same_passes(double a, double b)
+{
+    return fabs(a - b) < 0.25;
+}
+
+/* How many rows lack the next visit of a half, which gives so many passes; -1: some row was given
+ * others. */
+static int count_lacking(const lf_renderer *r, const lf_asked *at, int half, double passes)
+{
+    const lf_film_stream *stream = lf_film_find_stream(&r->film, r->settings.seed, 0);
+    int lacking = 0;
+    for (int row = 0; row < r->film.height; row++) {
+        const lf_film_counts none = {0}, *had = stream ? &stream->rows[row] : &none;
+        const double given = had->n[half] * r->film.n_views;
+        const uint32_t visits = had->visits[half];
+        if (visits < at->visits[half] ||
+            (visits == at->visits[half] && !same_passes(given, at->given[half])) ||
+            (visits == at->visits[half] + 1 && !same_passes(given, at->given[half] + passes)))
+            return -1;
+        lacking += visits == at->visits[half];
+    }
+    return lacking;
+}
+
+/* The next visit of a half, for the rows that lack it. */
+static lf_status visit_lacking(lf_renderer *r, lf_asked *at, int half, int subsets, int column_step,
+                               lf_passes_report *report, const lf_cancel *cancel)
+{
+    const double passes = (double)subsets / column_step;
+    const int lacking = count_lacking(r, at, half, passes);
+    lf_status status = lacking < 0 ? LF_E_STATE : LF_OK;
+    report->passes = column_step > 1 ? half : subsets;
+    if (lacking > 0)
+        status = visit_all(r, NULL, half, subsets, column_step, report, at, cancel);
+    for (int row = 0; row < r->film.height && lacking == 0; row++)
+        report_row(report, row, 0);
+    if (status == LF_OK) {
+        at->given[half] += passes;
+        at->visits[half]++;
+    }
+    return status;
+}
+
+static lf_status visit(lf_renderer *r, const lf_part *part, lf_asked *at, int half, int subsets,
+                       int column_step, lf_passes_report *report, const lf_cancel *cancel)
+{
+    return at ? visit_lacking(r, at, half, subsets, column_step, report, cancel)
+              : visit_all(r, part, half, subsets, column_step, report, NULL, cancel);
+}
+
+static lf_status give_passes(lf_renderer *r, const lf_part *part, lf_asked *at, int64_t n_passes,
+                             bool split, lf_passes_report *report, const lf_cancel *cancel)
+{
+    int64_t left[2] = {n_passes - n_passes / 2, n_passes / 2};
+    lf_status status = LF_OK;
+    if (n_passes < 1)
+        return LF_E_ARG;
+    if (n_passes == 1 && split && r->film.width > 1) {
+        for (int half = 0; half < 2 && status == LF_OK; half++)
+            status = visit(r, part, at, half, 1, 2, report, cancel);
+        return status;
+    }
+    while (status == LF_OK && left[0] + left[1] > 0) {
+        int half = left[1] > left[0];
+        int most = passes_of_visit(r, at ? at->given[half] : given_to(r, part, half));
+        int subsets = left[half] < most ? (int)left[half] : most;
+        status = visit(r, part, at, half, subsets, 1, report, cancel);
+        left[half] -= subsets;
+    }
+    return status;
 }
 
 lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *part, int64_t n_passes,
@@ -356,23 +438,35 @@ lf_status lf_renderer_passes(lf_renderer *renderer, const lf_part *part, int64_t
                              const lf_cancel *cancel)
 {
     lf_passes_report report = {.row_done = row_done, .context = context};
-    int64_t left[2] = {n_passes - n_passes / 2, n_passes / 2};
-    lf_status status = LF_OK;
-    if (n_passes < 1)
-        return LF_E_ARG;
-    if (n_passes == 1 && split && renderer->film.width > 1) {
-        for (int half = 0; half < 2 && status == LF_OK; half++)
-            status = visit_all(renderer, part, half, 1, 2, &report, cancel);
-        return status;
-    }
-    while (status == LF_OK && left[0] + left[1] > 0) {
-        int half = left[1] > left[0];
-        int most = passes_of_visit(renderer, part, half);
-        int subsets = left[half] < most ? (int)left[half] : most;
-        status = visit_all(renderer, part, half, subsets, 1, &report, cancel);
-        left[half] -= subsets;
-    }
-    return status;
+    return give_passes(renderer, part, NULL, n_passes, split, &report, cancel);
+}
+
+lf_status lf_renderer_passes_after(lf_renderer *renderer, lf_asked *at, int64_t n_passes,
+                                   bool split, lf_passes_fn row_done, void *context,
+                                   const lf_cancel *cancel)
+{
+    lf_passes_report report = {.row_done = row_done, .context = context};
+    return lf_renderer_is_its_film(renderer)
+               ? give_passes(renderer, NULL, at, n_passes, split, &report, cancel)
+               : LF_E_STATE;
+}
+
+bool lf_renderer_is_at(const lf_renderer *renderer, const lf_asked *at)
+{
+    for (int row = 0; row < renderer->film.height; row++)
+        for (int half = 0; half < 2; half++)
+            if (renderer->film.rows[row].visits[half] != at->visits[half])
+                return false;
+    return true;
+}
+
+bool lf_renderer_is_its_film(const lf_renderer *renderer)
+{
+    const lf_integrator *integrator = renderer->integrator;
+    int i = 0;
+    while (strcmp(integrator->entry(i)->name, renderer->settings.integrator) != 0)
+        i++;
+    return !integrator->entry(i)->remembers;
 }
 
 /* ----------------------------------------------------------------------------------- answers -- */

@@ -58,6 +58,9 @@ wrap_test_stuck_display := -Wl,--wrap=lf_usb_list,--wrap=lf_usb_open
 # states that cannot be read now
 wrap_test_states := -Wl,--wrap=lf_renderer_restore
 
+# how often a state is saved
+wrap_test_job_state := -Wl,--wrap=lf_job_state_write
+
 # waiting that takes no time
 wrap_test_video_stopped := -Wl,--wrap=poll,--wrap=nanosleep
 

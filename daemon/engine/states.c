@@ -15,6 +15,7 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/list.h"
 #include "base/log.h"
 
 #define BEGINNING "film"
@@ -238,21 +239,6 @@ static void tell_left_aside(const char *path, const lf_error *err)
     lf_log(LF_LOG_WARNING, "%s: the saved state is left aside: %s", path, err->what);
 }
 
-/* One more of the things that differ. */
-__attribute__((format(printf, 3, 4))) static void add_words(char *words, size_t size,
-                                                            const char *format, ...)
-{
-    size_t n = strlen(words);
-    va_list args;
-    if (n > 0 && n + 2 < size) {
-        memcpy(words + n, ", ", 3);
-        n += 2;
-    }
-    va_start(args, format);
-    (void)vsnprintf(words + n, size - n, format, args);
-    va_end(args);
-}
-
 /* What the state `name` differs in from the one of `id`, which is called `wanted`. */
 static void differences(const char *name, const lf_state_id *there, const char *wanted,
                         const lf_state_id *id, char *words, size_t size)
@@ -260,18 +246,18 @@ static void differences(const char *name, const lf_state_id *there, const char *
     bool known = is_name(name);
     words[0] = '\0';
     if (known && !same_part(name, wanted, SCENE_AT))
-        add_words(words, size, "the scene");
+        lf_list_add(words, size, "the scene");
     if (known && !same_part(name, wanted, CAMERA_AT))
-        add_words(words, size, "the camera");
+        lf_list_add(words, size, "the camera");
     if (there->n_views != id->n_views)
-        add_words(words, size, "views (%d, now %d)", there->n_views, id->n_views);
+        lf_list_add(words, size, "views (%d, now %d)", there->n_views, id->n_views);
     if (there->width != id->width || there->height != id->height)
-        add_words(words, size, "the view size (%dx%d, now %dx%d)", there->width, there->height,
-                  id->width, id->height);
+        lf_list_add(words, size, "the view size (%dx%d, now %dx%d)", there->width, there->height,
+                    id->width, id->height);
     if (there->seed != id->seed)
-        add_words(words, size, "the seed (%" PRIu64 ", now %" PRIu64 ")", there->seed, id->seed);
+        lf_list_add(words, size, "the seed (%" PRIu64 ", now %" PRIu64 ")", there->seed, id->seed);
     if (words[0] == '\0')
-        add_words(words, size, "%show it is rendered", known ? "" : "the scene, the camera or ");
+        lf_list_add(words, size, "%show it is rendered", known ? "" : "the scene, the camera or ");
 }
 
 /* Whether it was gone on with the one state of before, which has the new name then. */

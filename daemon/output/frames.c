@@ -29,7 +29,7 @@ const lf_param lf_frames_params[] = {
     {.option = "camera-rows", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE,
      .high = LF_MAX_CAMERA_ROWS - 1},
     {.option = "overwrite", PLACE(overwrite), .type = LF_PARAM_SWITCH,
-     .help = "frames whose files are there are not kept but rendered anew"},
+     .help = "frames whose files are there are rendered anew, as single files always are"},
     {0},
 };
 /* clang-format on */
@@ -52,11 +52,7 @@ const char *lf_frames_noun(const lf_frames *frames)
 lf_status lf_frames_check(lf_frames *frames, lf_error *err)
 {
     if (!lf_frames_wanted(frames))
-        return frames->overwrite
-                   ? lf_error_set(err, LF_E_ARG, "--overwrite",
-                                  "only goes with --frames, --turntable or --camera-rows (what is "
-                                  "no sequence is written over)")
-                   : LF_OK;
+        return LF_OK;
     if (frames->of_rows && (frames->has_range || frames->turntable > 0))
         return lf_error_set(err, LF_E_ARG, "--camera-rows", "does not go with %s",
                             frames->turntable > 0 ? "--turntable" : "--frames");

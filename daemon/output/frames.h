@@ -26,7 +26,7 @@ bool lf_frames_wanted(const lf_frames *frames);
 const char *lf_frames_option(const lf_frames *frames);
 const char *lf_frames_noun(const lf_frames *frames);
 /* Completes first and last: without a range all of the turntable. LF_E_ARG: they are the wrong way
- * round, or not of the turntable; rows beside frames; overwrite without a sequence. */
+ * round, or not of the turntable; rows beside frames. */
 LF_NODISCARD lf_status lf_frames_check(lf_frames *frames, lf_error *err);
 int lf_frames_count(const lf_frames *frames);
 

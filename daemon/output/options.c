@@ -7,6 +7,7 @@
 
 #define DEFAULT_VIEWS 45
 #define DEFAULT_VIEW_HEIGHT 560
+#define STILL_HEIGHT 1080
 
 static const char *preset_at(int index)
 {
@@ -99,6 +100,10 @@ const lf_param lf_option_params[] = {
      .help = "the camera moves to where all that is there fills its views"},
     {.name = "png", .option = "png", PLACE(png), .type = LF_PARAM_SWITCH,
      .help = "the views of OUT/ as 8-bit PNG pictures in place of EXR"},
+    {.option = "still", PLACE(still), .type = LF_PARAM_SWITCH,
+     .help = "one view as a plain picture, 1080 pixels high; of a finished quilt its middle view"},
+    {.option = "quality", .argument = "N", PLACE(quality), .type = LF_PARAM_WHOLE, .low = 1,
+     .high = 100, .help = "of OUT.jpg, 1 to 100 (92)"},
     {.name = "guides", .option = "guides", PLACE(guides), .type = LF_PARAM_SWITCH,
      .help = "a picture to frame by: red is nearer than a panel shows sharply, blue farther"},
     {.name = "threads", .option = "threads", .argument = "N", PLACE(threads),
@@ -265,9 +270,10 @@ static void resolve_view_size(const lf_options *options, const lf_calibration *c
                               double aspect, lf_layout *layout)
 {
     lf_layout quilt;
-    double width = round(aspect * DEFAULT_VIEW_HEIGHT);
+    const int height = options->still ? STILL_HEIGHT : DEFAULT_VIEW_HEIGHT;
+    double width = round(aspect * height);
     layout->view_width = (int)fmax(1.0, fmin(width, LF_MAX_VIEW_SIDE));
-    layout->view_height = DEFAULT_VIEW_HEIGHT;
+    layout->view_height = height;
     if (quilt_of(options, calibration, &quilt)) {
         layout->view_width = quilt.view_width;
         layout->view_height = quilt.view_height;

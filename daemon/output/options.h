@@ -19,7 +19,13 @@
 #include "render/render.h"
 
 /* Exit codes of every program. */
-enum { LF_EXIT_OK = 0, LF_EXIT_FAILED = 1, LF_EXIT_USAGE = 2, LF_EXIT_NO_DAEMON = 3 };
+enum {
+    LF_EXIT_OK = 0,
+    LF_EXIT_FAILED = 1,
+    LF_EXIT_USAGE = 2,
+    LF_EXIT_NO_DAEMON = 3,
+    LF_EXIT_INTERRUPTED = 75 /* the work is kept: the same command goes on */
+};
 
 /* Whether the reconstructed picture is shown. auto: on displays and in pictures, where the
  * estimator is mwis and nobody measures: not in files of light, nor where an estimator was asked
@@ -59,6 +65,8 @@ typedef struct lf_options {
     bool has_exposure;                       /* it was given */
     bool fit;                                /* the camera moves to where all fills its views */
     bool png;                                /* of a folder: 8-bit views */
+    bool still;                              /* one view as a plain picture */
+    int quality;                             /* of JPEG, 1..100 */
     bool guides;                             /* what lies outside of the sharp depth is marked */
     double exposure;                         /* as in lf_exposed_film */
     lf_reconstruct reconstruct;
@@ -154,8 +162,8 @@ LF_NODISCARD lf_status lf_options_check_integrator(const lf_options *options, lf
 
 /* What to render and how it is laid out: the command line wins over the preset (views, layout, view
  * size, aspect), that over the panel's calibration (aspect, cone; NULL = none), that over the
- * scene's camera (lf_scene_camera). Views default to 45, the view's height to 560 pixels and its
- * width to aspect times that. A scene that states no aspect takes that of
+ * scene's camera (lf_scene_camera). Views default to 45, the view's height to 560 pixels (of a
+ * still 1080) and its width to aspect times that. A scene that states no aspect takes that of
  * --view-size. Fills everything of *out_settings but the window (zero = whole) and everything of
  * *out_layout. LF_E_ARG for a --quilt with too few tiles or a quilt over the picture limits. */
 LF_NODISCARD lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,

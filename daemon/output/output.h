@@ -1,6 +1,6 @@
-/* Writing what users asked for: quilt pictures, folders of views, interlaced panel pictures,
- * lenticular prints and pictures with depth, from rendered views or from a quilt that was read.
- * Used by quiltrender and by the daemon's export jobs.
+/* Writing what users asked for: quilt pictures, single views, folders of views, interlaced panel
+ * pictures, lenticular prints and pictures with depth, from rendered views or from a quilt that was
+ * read. Used by quiltrender and by the daemon's export jobs.
  *
  * Nothing here prints or exits. Every file becomes visible whole or not at all (base/file.h); a job
  * that fails or is cancelled publishes nothing, but for one of several files (a folder of views, a
@@ -73,6 +73,7 @@ typedef struct lf_output_request {
     lf_rgbd_options rgbd;  /* kinds that read layers */
     const lf_print *print; /* kinds with check_print */
     double exposure;       /* stops, for float views on the way to 8 bits */
+    int quality;           /* of JPEG, 1..100; 0: LF_JPEG_QUALITY */
     const char *tonemap;   /* NULL = "srgb" */
     /* NULL, or an object (lf_output_settings): text attributes of EXR and PNG, and in the manifest
      */
@@ -121,6 +122,7 @@ struct lf_output_kind {
 /* All kinds, a line each. */
 #define LF_OUTPUT_KINDS(KIND)                                                                      \
     KIND(quilt)                                                                                    \
+    KIND(still)                                                                                    \
     KIND(views)                                                                                    \
     KIND(pictures)                                                                                 \
     KIND(panel)                                                                                    \

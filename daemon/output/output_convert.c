@@ -77,3 +77,27 @@ lf_views32 output_views32(const lf_output_source *source, float light[256])
                         .codes = in->data,
                         .light = light};
 }
+
+lf_output_source output_middle(const lf_output_source *source, int n, lf_layers32 *layers)
+{
+    lf_output_source some = *source;
+    lf_views8 *v8 = &some.views8;
+    lf_views32 *v32 = &some.views32;
+    if (!source->is_float) {
+        v8->data += (size_t)((v8->n_views - n + 1) / 2) * v8->view_stride;
+        v8->n_views = n;
+        return some;
+    }
+    const int first = (v32->n_views - n + 1) / 2;
+    if (v32->codes)
+        v32->codes = lf_views32_codes(v32, first, 0);
+    else
+        v32->data = lf_views32_row(v32, first, 0);
+    if (v32->layers) {
+        *layers = *v32->layers;
+        layers->data = lf_layers32_row(v32->layers, first, 0);
+        v32->layers = layers;
+    }
+    v32->n_views = n;
+    return some;
+}

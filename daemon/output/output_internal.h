@@ -28,9 +28,19 @@ lf_status output_views8(const lf_output_request *request, const lf_output_source
  * mean in light, which they point to. */
 lf_views32 output_views32(const lf_output_source *source, float light[256]);
 
-/* The name of a quilt (complete of lf_output_kind). */
+/* The n views in the middle of those of source, of an odd rest the right ones. layers: room for
+ * what its views32.layers become. */
+lf_output_source output_middle(const lf_output_source *source, int n, lf_layers32 *layers);
+
+/* The name of a quilt, and of one view alone (complete of lf_output_kind). */
 lf_status output_quilt_path(const char *path, const lf_layout *layout, char **out_path,
                             lf_error *err);
+lf_status output_still_path(const char *path, const lf_layout *layout, char **out_path,
+                            lf_error *err);
+/* What their names end in, and the picture of the request's layout in the format that says. */
+extern const char *const output_quilt_endings[];
+lf_status output_quilt_write(const lf_output_request *request, const lf_output_source *source,
+                             lf_outfile *files, lf_error *err);
 /* Of a TIFF and its manifest "OUT.json", which prints and charts are: their endings, and their
  * files' names. */
 extern const char *const output_print_endings[];

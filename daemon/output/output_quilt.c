@@ -61,6 +61,22 @@ static lf_status write_png(const lf_output_request *request, const lf_output_sou
     return status;
 }
 
+/* Which carries no attributes: what made a picture that is passed on is nobody's business. */
+static lf_status write_jpeg(const lf_output_request *request, const lf_output_source *source,
+                            lf_outfile *file, lf_error *err)
+{
+    lf_views8 views;
+    uint8_t *buffer = NULL;
+    const int quality = request->quality > 0 ? request->quality : LF_JPEG_QUALITY;
+    lf_status status = output_views8(request, source, &views, &buffer, err);
+    if (status == LF_OK) {
+        output_progress(request, 0.2);
+        status = lf_quilt_write_jpeg(file, &views, &request->layout, quality, err);
+    }
+    lf_free(buffer);
+    return status;
+}
+
 static lf_status write_exr(const lf_output_request *request, const lf_output_source *source,
                            lf_outfile *file, const output_attributes *attributes, lf_error *err)
 {
@@ -70,22 +86,24 @@ static lf_status write_exr(const lf_output_request *request, const lf_output_sou
     return lf_quilt_write_exr(file, &views, &request->layout, attributes->list, attributes->n, err);
 }
 
-static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
+lf_status output_quilt_write(const lf_output_request *request, const lf_output_source *source,
                              lf_outfile *files, lf_error *err)
 {
     output_attributes attributes;
     output_attributes_fill(&attributes, request->settings);
-    return lf_path_has_ending(request->path, ".exr")
-               ? write_exr(request, source, files, &attributes, err)
-               : write_png(request, source, files, &attributes, err);
+    if (lf_path_has_ending(request->path, ".exr"))
+        return write_exr(request, source, files, &attributes, err);
+    return lf_path_has_ending(request->path, ".png")
+               ? write_png(request, source, files, &attributes, err)
+               : write_jpeg(request, source, files, err);
 }
 
-static const char *const endings[] = {".png", ".exr", NULL};
+const char *const output_quilt_endings[] = {".png", ".exr", ".jpg", ".jpeg", NULL};
 
 const lf_output_kind lf_output_quilt = {.name = "quilt",
                                         .what = "a quilt",
-                                        .endings = endings,
+                                        .endings = output_quilt_endings,
                                         .has_tiles = true,
                                         .n_files = 1,
                                         .complete = output_quilt_path,
-                                        .write = write_files};
+                                        .write = output_quilt_write};

@@ -12,6 +12,9 @@ typedef struct run {
     lf_estimator estimator;
     float *film;
     int n_views, height;
+    bool goes_on;            /* the film was not empty */
+    double before;           /* passes that it held, which are no news */
+    lf_asked at;             /* of passes that go on */
     int64_t passes;          /* whole ones so far */
     atomic_llong row_passes; /* summed over rows, those under way included */
     double start, cpu_start;
@@ -42,7 +45,7 @@ static void report(const run *r)
         .passes = passes,
         .n_views = r->n_views,
     };
-    if (r->progress)
+    if (r->progress && passes >= r->before)
         r->progress(r->context, &progress);
 }
 
@@ -63,7 +66,10 @@ static lf_status add(run *r, int64_t n_passes, bool split)
     lf_status status = LF_OK;
     while (n_passes > 0 && status == LF_OK) {
         int64_t now = n_passes < cycles ? n_passes : cycles;
-        status = lf_renderer_passes(r->renderer, NULL, now, split, row_done, r, r->cancel);
+        status =
+            r->goes_on && r->budget->passes > 0
+                ? lf_renderer_passes_after(r->renderer, &r->at, now, split, row_done, r, r->cancel)
+                : lf_renderer_passes(r->renderer, NULL, now, split, row_done, r, r->cancel);
         if (status == LF_OK)
             r->passes += now;
         n_passes -= now;
@@ -72,19 +78,28 @@ static lf_status add(run *r, int64_t n_passes, bool split)
     return status;
 }
 
+static lf_status run_passes(run *r)
+{
+    const int64_t n = r->budget->passes;
+    lf_status status = add(r, n, n == 1 && r->estimator == LF_ESTIMATOR_CV);
+    if (status == LF_OK && r->goes_on && !lf_renderer_is_at(r->renderer, &r->at))
+        return LF_E_STATE;
+    return status;
+}
+
 /* Short visits cost more a pass than whole cycles (B and q are refreshed in each), so the rest is
  * not halved into crumbs. */
 static lf_status run_time(run *r, double seconds, double start, double (*clock_now)(void))
 {
-    double spent = 0;
-    double fits = 2;
+    double spent = r->passes > 0 ? clock_now() - start : 0;
+    double fits = r->passes > 0 ? (seconds - spent) * (double)r->passes / fmax(spent, 1e-9) : 2;
     lf_status status = LF_OK;
-    do {
+    while (status == LF_OK && fits >= 2 && spent < 0.97 * seconds) {
         int64_t next = (int64_t)fmin(0.95 * fits + 1, 2.0 * r->n_views) & ~INT64_C(1);
         status = add(r, next > 2 ? next : 2, false);
         spent = clock_now() - start;
         fits = (seconds - spent) * (double)r->passes / fmax(spent, 1e-9);
-    } while (status == LF_OK && fits >= 2 && spent < 0.97 * seconds);
+    }
     return status;
 }
 
@@ -135,9 +150,23 @@ static lf_status run_target(run *r, double target)
     return status;
 }
 
-lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
-                          float *film, lf_render_progress_fn progress, void *context,
-                          const lf_cancel *cancel, lf_render_times *out_times)
+/* What was spent before is as if it had been spent just now. */
+static void take_up(run *r, const lf_render_times *before)
+{
+    r->goes_on = true;
+    r->before = (double)before->passes;
+    r->start -= before->seconds;
+    r->cpu_start -= before->cpu_seconds;
+    if (r->budget->passes > 0) /* those that are not given again are heard of again */
+        return;
+    r->passes = before->passes;
+    atomic_store_explicit(&r->row_passes, before->passes * r->height, memory_order_relaxed);
+}
+
+lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
+                           const lf_render_times *before, float *film,
+                           lf_render_progress_fn progress, void *context, const lf_cancel *cancel,
+                           lf_render_times *out_times)
 {
     const lf_render_settings *settings = lf_renderer_settings(renderer);
     run r = {
@@ -154,9 +183,11 @@ lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_est
     };
     lf_status status = LF_OK;
     r.film = film;
+    if (before)
+        take_up(&r, before);
     report(&r);
     if (budget->passes > 0) {
-        status = add(&r, budget->passes, budget->passes == 1 && estimator == LF_ESTIMATOR_CV);
+        status = run_passes(&r);
     } else if (budget->seconds > 0) {
         status = run_time(&r, budget->seconds, r.start, lf_time_now);
     } else if (budget->cpu_seconds > 0) {
@@ -165,13 +196,35 @@ lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_est
         assert(budget->target_error > 0 || budget->target_shown_error > 0);
         status = run_target(&r, fmax(budget->target_error, budget->target_shown_error));
     }
-    const double cpu_passes = lf_time_cpu();
-    if (status == LF_OK && estimator == LF_ESTIMATOR_MWIS && !budget->reconstructed)
-        status = lf_renderer_fill_holes(renderer, NULL, cancel);
-    const double cpu_end = lf_time_cpu();
-    *out_times = (lf_render_times){r.passes, lf_time_now() - r.start, cpu_end - r.cpu_start,
-                                   cpu_end - cpu_passes};
+    if (status == LF_E_CANCELLED)
+        r.passes = atomic_load_explicit(&r.row_passes, memory_order_relaxed) / r.height;
+    *out_times =
+        (lf_render_times){r.passes, lf_time_now() - r.start, lf_time_cpu() - r.cpu_start, 0};
     return status;
+}
+
+lf_status lf_render_fill(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
+                         const lf_cancel *cancel, lf_render_times *times)
+{
+    const double start = lf_time_now(), cpu_start = lf_time_cpu();
+    lf_status status = LF_OK;
+    if (estimator == LF_ESTIMATOR_MWIS && !budget->reconstructed)
+        status = lf_renderer_fill_holes(renderer, NULL, cancel);
+    const double cpu = lf_time_cpu() - cpu_start;
+    times->answer_cpu_seconds += cpu;
+    times->cpu_seconds += cpu;
+    times->seconds += lf_time_now() - start;
+    return status;
+}
+
+lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,
+                          float *film, lf_render_progress_fn progress, void *context,
+                          const lf_cancel *cancel, lf_render_times *out_times)
+{
+    lf_status status = lf_render_gather(renderer, budget, estimator, NULL, film, progress, context,
+                                        cancel, out_times);
+    return status == LF_OK ? lf_render_fill(renderer, budget, estimator, cancel, out_times)
+                           : status;
 }
 
 lf_status lf_render_answer(lf_renderer *renderer, const lf_budget *budget, lf_estimator estimator,

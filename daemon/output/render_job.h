@@ -20,6 +20,13 @@ typedef struct lf_budget {
     bool reconstructed;
 } lf_budget;
 
+/* What a rendering took. */
+typedef struct lf_render_times {
+    int64_t passes;
+    double seconds, cpu_seconds;
+    double answer_cpu_seconds; /* of them, behind the last pass: holes, a fit, the answer */
+} lf_render_times;
+
 typedef struct lf_render_progress {
     double fraction; /* 0..1 of the budget */
     double seconds;  /* wall time so far */
@@ -29,18 +36,26 @@ typedef struct lf_render_progress {
 
 typedef void (*lf_render_progress_fn)(void *context, const lf_render_progress *progress);
 
-/* What a rendering took. */
-typedef struct lf_render_times {
-    int64_t passes;
-    double seconds, cpu_seconds;
-    double answer_cpu_seconds; /* of them, behind the last pass: holes, a fit, the answer */
-} lf_render_times;
-
-/* Adds passes to the renderer until the budget is spent, and for mwis that is not reconstructed
- * what holes lack (lf_renderer_fill_holes). With passes, the same seed and settings give the same
- * film for any number of threads. A time budget runs at least two passes and ends within about one
- * pass of its time. film, room for the answer [row][view][column][3], is what error targets look
- * at; NULL without one. progress may be NULL. LF_E_CANCELLED. */
+/* Adds passes to the renderer until the budget is spent. With passes, the same seed and settings
+ * give the same film for any number of threads. A time budget runs at least two passes and ends
+ * within about one pass of its time. film, room for the answer [row][view][column][3], is what
+ * error targets look at; NULL without one. progress may be NULL. LF_E_CANCELLED: *out_times is what
+ * was spent.
+ *
+ * before NULL: the renderer's film is empty. Else what was spent on what it holds, by calls of this
+ * function that were cancelled, or ended with another budget: this one goes on, *out_times is all
+ * of it, and passes leave the film that they would have left at once, to the bit. LF_E_STATE: it
+ * holds what no such passes have left. */
+LF_NODISCARD lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget,
+                                        lf_estimator estimator, const lf_render_times *before,
+                                        float *film, lf_render_progress_fn progress, void *context,
+                                        const lf_cancel *cancel, lf_render_times *out_times);
+/* Behind it, for mwis that is not reconstructed: what holes lack (lf_renderer_fill_holes). A film
+ * that was filled cannot be gone on with to the bit. LF_E_CANCELLED. */
+LF_NODISCARD lf_status lf_render_fill(lf_renderer *renderer, const lf_budget *budget,
+                                      lf_estimator estimator, const lf_cancel *cancel,
+                                      lf_render_times *times);
+/* Both, for a renderer whose film is empty. */
 LF_NODISCARD lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *budget,
                                        lf_estimator estimator, float *film,
                                        lf_render_progress_fn progress, void *context,
@@ -50,7 +65,7 @@ LF_NODISCARD lf_status lf_render_spend(lf_renderer *renderer, const lf_budget *b
 LF_NODISCARD lf_status lf_render_answer(lf_renderer *renderer, const lf_budget *budget,
                                         lf_estimator estimator, float *film,
                                         const lf_cancel *cancel, lf_render_times *times);
-/* Both, one after the other. */
+/* Spends the budget and answers. */
 LF_NODISCARD lf_status lf_render_run(lf_renderer *renderer, const lf_budget *budget,
                                      lf_estimator estimator, float *film,
                                      lf_render_progress_fn progress, void *context,

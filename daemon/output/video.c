@@ -1,5 +1,6 @@
 #include "daemon/output/video.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -23,6 +24,7 @@
 #define LOOK_MS 50
 #define NAP_MS 5
 #define MOST_OF_H264 4096
+#define LOOPS 2 /* in an MP4 of a loop: not every player begins again */
 
 /* ----------------------------------------------------------------------------------- options -- */
 
@@ -42,11 +44,14 @@ const lf_param lf_video_params[] = {
      .help = "colours of 2x2 pixels together, which players take, or of each"},
     {.name = "crf", .option = "crf", .argument = "N", PLACE(crf), .type = LF_PARAM_WHOLE,
      .high = 51, .initial = 18, .help = "how much a video may lose, 0 to 51"},
+    {.option = "wiggle", PLACE(wiggle), .type = LF_PARAM_SWITCH,
+     .help = "a loop to share, through the views and back: OUT.gif or OUT.mp4"},
     {0},
 };
 /* clang-format on */
 
 static const char *const endings[] = {".mp4", NULL};
+static const char *const loop_endings[] = {".gif", ".mp4", NULL};
 
 const lf_output_kind lf_output_video = {.name = "video",
                                         .what = "a video",
@@ -55,8 +60,34 @@ const lf_output_kind lf_output_video = {.name = "video",
                                         .n_files = 1,
                                         .complete = output_quilt_path};
 
-const lf_output_kind lf_output_walk = {
-    .name = "video", .what = "a video of views", .endings = endings, .n_files = 1};
+const lf_output_kind lf_output_walk = {.name = "video",
+                                       .what = "a video of views",
+                                       .endings = endings,
+                                       .n_files = 1,
+                                       .complete = output_still_path};
+
+const lf_output_kind lf_output_wiggle = {.name = "wiggle",
+                                         .what = "a loop of views",
+                                         .endings = loop_endings,
+                                         .option = "wiggle",
+                                         .n_files = 1,
+                                         .complete = output_still_path};
+
+int lf_wiggle_views(int n_views)
+{
+    const int least = 12;
+    return n_views < least ? n_views : n_views / 2 > least ? n_views / 2 : least;
+}
+
+static int wiggle_frames(int n_views)
+{
+    return n_views > 1 ? 2 * n_views - 2 : 1;
+}
+
+double lf_wiggle_fps(int n_views)
+{
+    return fmin(25.0, fmax(6.0, wiggle_frames(n_views) / 2.0));
+}
 
 lf_layout lf_video_view_layout(const lf_layout *quilt)
 {
@@ -69,13 +100,15 @@ lf_status lf_video_check(const lf_video_options *options, const lf_layout *layou
                          const char **out_warning, lf_error *err)
 {
     int width = layout->columns * layout->view_width, height = layout->rows * layout->view_height;
-    if (!options->is_444 && (width % 2 != 0 || height % 2 != 0))
+    if (!options->is_444 && !options->wiggle && (width % 2 != 0 || height % 2 != 0))
         return lf_error_set(err, LF_E_ARG, path,
                             "a picture of %dx%d pixels has an odd side, which yuv420p has not: "
                             "--view-size %dx%d (or --pixel-format yuv444p)",
                             width, height, layout->view_width + width % 2,
                             layout->view_height + height % 2);
     *out_warning = NULL;
+    if (lf_path_has_ending(path, ".gif"))
+        return LF_OK;
     if (options->codec == LF_CODEC_H264 && (width > MOST_OF_H264 || height > MOST_OF_H264))
         *out_warning = "more than 4096 pixels a side: few players take that of H.264 (--codec h265 "
                        "goes up to 8192)";
@@ -93,6 +126,7 @@ struct lf_video {
     int pipe;  /* its standard input */
     int said;  /* its standard error, a file in memory */
     uint8_t *row;
+    bool wiggles, is_gif;
     int stopped_ms; /* for which it was waited for in vain, of a stop */
     bool told;      /* that it is stopped */
 };
@@ -112,48 +146,64 @@ static int spawn(lf_video *video, int input, int file, const char *const words[]
     return lf_spawn(PROGRAM, fds, FILE_FD + 1, words, environ, &video->pid);
 }
 
-/* The filters: a quilt's pixels are as they are, those of a view alone as wide as they are meant.
- */
-static void put_filters(const lf_layout *layout, char *out, size_t size)
+/* Words of a command line; what does not fit is a mistake of ours. */
+typedef struct words {
+    int n;
+    const char *list[64];
+} words;
+
+static void add(words *w, const char *const more[])
 {
-    const double wide = layout->aspect * layout->view_height / layout->view_width;
-    int n = snprintf(
-        out, size, "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int");
-    if (layout->n_views == 1 && fabs(wide - 1.0) > 2e-3)
-        snprintf(out + n, size - (size_t)n, ",setsar=%.4g", wide);
+    for (; *more; more++) {
+        assert(w->n < (int)(sizeof w->list / sizeof w->list[0]) - 1);
+        w->list[w->n++] = *more;
+    }
 }
 
 /* Codes are sRGB's and players take them as BT.709's, whose matrix is then the one to use. */
-static int start_program(lf_video *video, const lf_layout *layout, const lf_video_options *o,
-                         int input, int file)
+#define TO_BT709 "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int"
+/* One palette for all frames. Errors in a fixed pattern do not crawl from frame to frame as
+ * diffused ones do. */
+#define TO_PALETTE                                                                                 \
+    "split[a][b];[a]palettegen=stats_mode=full[p];[b][p]paletteuse=dither=bayer:bayer_scale=3"
+
+/* How wide the pixels of a view alone are meant; 1: square, and those of a quilt always. */
+static double pixel_aspect(const lf_layout *layout)
 {
-    char size[32], fps[32], crf[16], filters[160];
+    const double wide = layout->aspect * layout->view_height / layout->view_width;
+    return layout->n_views == 1 && fabs(wide - 1.0) > 2e-3 ? wide : 1.0;
+}
+
+/* Of a loop: many a page that shows them knows square pixels alone, and no large GIFs. */
+static void put_loop_filters(const lf_video *video, const lf_layout *layout,
+                             const lf_video_options *o, char *out, size_t size)
+{
+    double width = fmax(2.0, round(pixel_aspect(layout) * layout->view_width)),
+           height = layout->view_height;
+    int n = 0;
+    if (video->is_gif && o->most_width > 0 && width > o->most_width) {
+        height = fmax(1.0, round(height * o->most_width / width));
+        width = o->most_width;
+    }
+    if (width != layout->view_width || height != layout->view_height)
+        n += snprintf(out, size, "scale=%.0f:%.0f:flags=lanczos,", width, height);
+    if (!video->is_gif && !o->is_444)
+        n += snprintf(out + n, size - (size_t)n, "crop=trunc(iw/2)*2:trunc(ih/2)*2,");
+    snprintf(out + n, size - (size_t)n, "%s", video->is_gif ? TO_PALETTE : TO_BT709);
+}
+
+static void put_filters(const lf_layout *layout, char *out, size_t size)
+{
+    const double wide = pixel_aspect(layout);
+    const int n = snprintf(out, size, "%s", TO_BT709);
+    if (wide != 1.0)
+        snprintf(out + n, size - (size_t)n, ",setsar=%.4g", wide);
+}
+
+static void add_mp4(words *w, const lf_video_options *o, const char *crf)
+{
     const bool is_265 = o->codec == LF_CODEC_H265;
-    snprintf(size, sizeof size, "%dx%d", layout->columns * layout->view_width,
-             layout->rows * layout->view_height);
-    put_filters(layout, filters, sizeof filters);
-    snprintf(fps, sizeof fps, "%.6g", o->fps);
-    snprintf(crf, sizeof crf, "%d", o->crf);
-    const char *const words[] = {PROGRAM,
-                                 "-nostdin",
-                                 "-hide_banner",
-                                 "-loglevel",
-                                 "error",
-                                 "-y",
-                                 "-f",
-                                 "rawvideo",
-                                 "-pixel_format",
-                                 "rgb24",
-                                 "-video_size",
-                                 size,
-                                 "-framerate",
-                                 fps,
-                                 "-i",
-                                 "pipe:0",
-                                 "-an",
-                                 "-vf",
-                                 filters,
-                                 "-c:v",
+    const char *const codec[] = {"-c:v",
                                  is_265 ? "libx265" : "libx264",
                                  "-tag:v",
                                  is_265 ? "hvc1" : "avc1",
@@ -177,9 +227,36 @@ static int start_program(lf_video *video, const lf_layout *layout, const lf_vide
                                  "+faststart",
                                  "-f",
                                  "mp4",
-                                 "/dev/fd/3",
                                  NULL};
-    return spawn(video, input, file, words);
+    add(w, codec);
+}
+
+static int start_program(lf_video *video, const lf_layout *layout, const lf_video_options *o,
+                         int input, int file)
+{
+    char size[32], fps[32], crf[16], filters[256];
+    words w = {0};
+    snprintf(size, sizeof size, "%dx%d", layout->columns * layout->view_width,
+             layout->rows * layout->view_height);
+    if (o->wiggle)
+        put_loop_filters(video, layout, o, filters, sizeof filters);
+    else
+        put_filters(layout, filters, sizeof filters);
+    snprintf(fps, sizeof fps, "%.6g", o->fps);
+    snprintf(crf, sizeof crf, "%d", o->crf);
+    const char *const begin[] = {
+        PROGRAM,    "-nostdin",      "-hide_banner", "-loglevel",   "error", "-y",         "-f",
+        "rawvideo", "-pixel_format", "rgb24",        "-video_size", size,    "-framerate", fps,
+        "-i",       "pipe:0",        "-an",          "-vf",         filters, NULL};
+    const char *const gif[] = {"-loop", "0", "-fflags", "+bitexact", "-f", "gif", NULL};
+    const char *const end[] = {"/dev/fd/3", NULL};
+    add(&w, begin);
+    if (video->is_gif)
+        add(&w, gif);
+    else
+        add_mp4(&w, o, crf);
+    add(&w, end);
+    return spawn(video, input, file, w.list);
 }
 
 static lf_status begin_program(lf_video *video, const lf_layout *layout,
@@ -326,6 +403,8 @@ lf_status lf_video_create(const char *path, const lf_layout *layout,
     if (!video)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     video->cancel = cancel;
+    video->wiggles = options->wiggle;
+    video->is_gif = lf_path_has_ending(path, ".gif");
     video->pipe = video->said = video->file.fd = -1;
     video->row = lf_calloc((size_t)layout->columns * (size_t)layout->view_width, 3);
     lf_status status = video->row ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
@@ -368,13 +447,20 @@ lf_status lf_video_add_views(lf_video *video, const lf_output_request *request,
                              const lf_output_source *source, lf_error *err)
 {
     const lf_layout layout = lf_video_view_layout(&request->layout);
+    lf_layers32 layers;
+    const lf_output_source middle = output_middle(source, request->layout.n_views, &layers);
     lf_views8 views;
     uint8_t *buffer = NULL;
-    lf_status status = output_views8(request, source, &views, &buffer, err);
-    const int n = status == LF_OK ? views.n_views : 0;
-    views.n_views = 1;
-    for (int k = 0; k < n && status == LF_OK; k++, views.data += views.view_stride)
-        status = push_frame(video, &views, &layout, err);
+    lf_status status = output_views8(request, &middle, &views, &buffer, err);
+    const int n = request->layout.n_views, n_loop = video->wiggles ? wiggle_frames(n) : n,
+              n_frames = video->wiggles && !video->is_gif ? LOOPS * n_loop : n_loop;
+    for (int k = 0; k < n_frames && status == LF_OK; k++) {
+        const int at = k % n_loop;
+        lf_views8 one = views;
+        one.data += (size_t)(at < n ? at : n_loop - at) * views.view_stride;
+        one.n_views = 1;
+        status = push_frame(video, &one, &layout, err);
+    }
     lf_free(buffer);
     return status;
 }

@@ -1,6 +1,7 @@
-/* A video of quilts, frame after frame, or of the views of one light field: 8-bit pictures go
- * through a pipe to the program ffmpeg, which is found in PATH and writes an MP4 file. What it
- * writes becomes visible whole at the end or not at all (base/file.h).
+/* A video of quilts, frame after frame, or of the views of one light field, once or in a loop:
+ * 8-bit pictures go through a pipe to the program ffmpeg, which is found in PATH and writes an MP4
+ * file, or of a loop a GIF that goes on for ever. What it writes becomes visible whole at the end
+ * or not at all (base/file.h).
  *
  * Whoever uses this ignores SIGPIPE. Signals of a terminal do not reach ffmpeg; a video that is
  * given up ends it. Thread: one at a time. */
@@ -9,9 +10,11 @@
 
 #include "daemon/output/output.h"
 
-/* The names of quilts with another ending; of views, any. Only lf_video writes them: they have no
- * write. */
+/* The names of quilts with another ending; of views, any that says no tiles. Only lf_video writes
+ * them: they have no write. */
 extern const lf_output_kind lf_output_video, lf_output_walk;
+/* The same of loops, GIF or MP4. */
+extern const lf_output_kind lf_output_wiggle;
 
 typedef enum lf_codec { LF_CODEC_H264, LF_CODEC_H265 } lf_codec;
 
@@ -20,7 +23,9 @@ typedef struct lf_video_options {
     lf_codec codec;
     int is_444; /* 0: the colours of 2x2 pixels are one (yuv420p); 1: each has its own */
     double fps;
-    int crf; /* how much may be lost: 0 nothing (of H.264), 51 most */
+    int crf;        /* how much may be lost: 0 nothing (of H.264), 51 most */
+    bool wiggle;    /* the views there and back, without the first and the last twice */
+    int most_width; /* of a GIF, in pixels; 0: as wide as the views */
 } lf_video_options;
 extern const lf_param lf_video_params[];
 
@@ -37,8 +42,17 @@ LF_NODISCARD lf_status lf_video_check(const lf_video_options *options, const lf_
 
 typedef struct lf_video lf_video;
 
-/* Starts ffmpeg for a video of such quilts in path, what is there is replaced. cancel is looked at
- * whenever ffmpeg is waited for. LF_E_IO: the folder cannot be written to, there is no ffmpeg;
+/* A loop, where nobody says more: so many views of a scene over the middle half of its cone; of so
+ * many views of a quilt the middle ones; in about two seconds; a GIF not wider than this. */
+#define LF_WIGGLE_VIEWS 24
+#define LF_WIGGLE_CONE 0.5
+#define LF_WIGGLE_WIDTH 480
+int lf_wiggle_views(int n_views);
+double lf_wiggle_fps(int n_views);
+
+/* Starts ffmpeg for a video of such quilts in path, what is there is replaced. Loops have square
+ * pixels, and as MP4 even sides, whatever the views have. cancel is looked at whenever ffmpeg is
+ * waited for. LF_E_IO: the folder cannot be written to, there is no ffmpeg;
  * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_video_create(const char *path, const lf_layout *layout,
                                        const lf_video_options *options, const lf_cancel *cancel,
@@ -49,8 +63,9 @@ LF_NODISCARD lf_status lf_video_create(const char *path, const lf_layout *layout
  * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_video_add(lf_video *video, const lf_output_request *request,
                                     const lf_output_source *source, lf_error *err);
-/* Adds all views, one after the other: of a video whose layout is one tile of one view. Errors as
- * of lf_video_add. */
+/* Adds as many views as request->layout has, the middle ones of the source, one after the other; of
+ * a loop also back to the second, and as MP4 all of it twice. For a video whose own layout is one
+ * tile of one view. Errors as of lf_video_add. */
 LF_NODISCARD lf_status lf_video_add_views(lf_video *video, const lf_output_request *request,
                                           const lf_output_source *source, lf_error *err);
 /* Waits for ffmpeg to be done and publishes the file. Errors as of lf_video_add, and those of

@@ -1,22 +1,27 @@
 /* quiltrender: one scene or quilt to one picture, print or folder of views, or to the frames of a
  * sequence. See docs/man/quiltrender.1. */
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/import/import.h"
+#include "base/list.h"
 #include "base/log.h"
+#include "base/thread.h"
+#include "daemon/tools/job_state.h"
 #include "daemon/tools/rendering_plan.h"
 
 #define PROGRAM LF_RENDER_PROGRAM
 
-static lf_cancel cancel;
+static lf_cancel cancel, paused;
 
 static void on_signal(int number)
 {
     (void)number;
     atomic_store_explicit(&cancel, 1, memory_order_relaxed);
+    atomic_store_explicit(&paused, 1, memory_order_relaxed);
     lf_import_stop();
 }
 
@@ -31,24 +36,52 @@ static lf_status make_one(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* Names that are not what -o says: the suffix was added. */
-static void tell_names(const lf_rendering *r)
+/* "48 views of 420x560, 16 spp, 35 s": what a file, or each of them, holds and what all took. */
+static void describe(const lf_rendering *r, double seconds, char *words, size_t size)
+{
+    const lf_render_settings *s = &r->settings;
+    const int rows = s->camera.n_rows > 0 ? s->camera.n_rows : 1;
+    const int views = r->is_quilt ? r->layout.n_views : lf_camera_views(&s->camera);
+    const int width = r->is_quilt ? r->layout.view_width : s->width,
+              height = r->is_quilt ? r->layout.view_height : s->height;
+    words[0] = '\0';
+    if (views == 1)
+        lf_list_add(words, size, "%dx%d pixels", width, height);
+    else if (views > 1)
+        lf_list_add(words, size, "%d views of %dx%d", views, width, height);
+    if (r->times.passes > 0)
+        lf_list_add(words, size, "%.4g spp",
+                    (double)r->times.passes / ((double)rows * s->camera.n_views));
+    lf_list_add(words, size, seconds < 10 ? "%.1f s" : "%.0f s", seconds);
+}
+
+static void tell_names(const lf_rendering *r, double seconds)
 {
     const lf_sequence_state *s = &r->sequence;
-    if ((!s->on || r->arguments->kind == &lf_output_video) &&
-        strcmp(r->path, r->arguments->out) != 0)
-        lf_log(LF_LOG_INFO, "wrote %s", r->path);
-    else if (s->on && s->n_done > 0)
-        lf_log(LF_LOG_INFO, "wrote %d of %d %s; the last is %s", s->n_done,
-               lf_frames_count(&r->arguments->frames), lf_frames_noun(&r->arguments->frames),
-               r->path);
+    const lf_frames *frames = &r->arguments->frames;
+    char words[128];
+    describe(r, seconds, words, sizeof words);
+    if (!s->on)
+        lf_log(LF_LOG_INFO, "wrote %s (%s)", r->path, words);
+    else if (r->arguments->kind == &lf_output_video)
+        lf_log(LF_LOG_INFO, "wrote %s (%d frames of %s)", r->path, s->n_done, words);
+    else if (s->n_done > 0)
+        lf_log(LF_LOG_INFO, "wrote %d of %d %s; the last is %s (%s)", s->n_done,
+               lf_frames_count(frames), lf_frames_noun(frames), r->path, words);
 }
 
 static int run(const lf_render_arguments *a)
 {
+    const bool is_terminal = isatty(STDERR_FILENO) == 1;
+    const double begun = lf_time_now();
     lf_rendering r = {.arguments = a,
-                      .line = {.on = isatty(STDERR_FILENO) == 1, .program = PROGRAM},
-                      .cancel = &cancel};
+                      .line = {.on = is_terminal,
+                               .logs = !is_terminal,
+                               .program = PROGRAM,
+                               .interval = LF_PROGRESS_INTERVAL},
+                      .cancel = &cancel,
+                      .pause = &paused,
+                      .state.interval = LF_STATE_INTERVAL};
     lf_error err = {0};
     lf_import_watch(lf_progress_line_reading, &r.line);
     lf_status status = lf_rendering_open(&r, &err);
@@ -66,12 +99,26 @@ static int run(const lf_render_arguments *a)
     lf_progress_line_clear(&r.line);
     if (status != LF_OK) {
         lf_log_error(&err);
-        code = LF_EXIT_FAILED;
+        code = a->state && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
     } else if (!a->plan) {
-        tell_names(&r);
+        tell_names(&r, lf_time_now() - begun);
     }
     lf_rendering_finish(&r);
     return code;
+}
+
+static int print_state(const char *path)
+{
+    json_t *info = NULL;
+    lf_error err = {0};
+    if (lf_job_state_info(path, &info, &err) != LF_OK) {
+        lf_log_error(&err);
+        return LF_EXIT_FAILED;
+    }
+    json_dumpf(info, stdout, JSON_INDENT(2));
+    putchar('\n');
+    json_decref(info);
+    return fflush(stdout) == 0 ? LF_EXIT_OK : LF_EXIT_FAILED;
 }
 
 static void catch_signals(void)
@@ -95,6 +142,8 @@ int main(int argc, char **argv)
         return lf_usage_error(PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;
+    if (a.state_info)
+        return print_state(a.state_info);
     lf_options_limit_import(&a.options);
     catch_signals();
     return run(&a);

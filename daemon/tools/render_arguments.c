@@ -14,6 +14,8 @@ enum {
     OPTION_SPP,
     OPTION_TIME,
     OPTION_STATS,
+    OPTION_STATE,
+    OPTION_STATE_INFO,
     OPTION_PLAN,
 };
 
@@ -23,14 +25,16 @@ static const struct option table[] = {
     {"spp", required_argument, NULL, OPTION_SPP},
     {"time", required_argument, NULL, OPTION_TIME},
     {"stats", required_argument, NULL, OPTION_STATS},
+    {"state", required_argument, NULL, OPTION_STATE},
+    {"state-info", required_argument, NULL, OPTION_STATE_INFO},
     {"plan", no_argument, NULL, OPTION_PLAN},
     {NULL, 0, NULL, 0},
 };
 
-static const char shared[] =
-    LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
-                     " exposure panel png target-error target-shown-error aov"
-                     " fit guides";
+static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
+                                              " exposure panel png still quality target-error "
+                                              "target-shown-error aov"
+                                              " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
                               "target-shown-error aov fit guides reconstruct denoise shift "
@@ -41,16 +45,19 @@ static void print_help(void)
     printf(
         "Usage: quiltrender SCENE -o OUT [options]\n"
         "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
+        "       quiltrender --state-info FILE\n"
         "Renders a scene (JSON) into a quilt, an interlaced panel picture, a lenticular print or a "
         "folder of views.\n"
         "A mesh or a volume (.glb, .obj, .vdb ...) may stand in for SCENE: it is framed and lit.\n"
         "So may a quilt picture or a folder of views: it is used as it is.\n"
         "\n"
-        "OUT by its ending: .png or .exr is a quilt (named ..._qsCxRaASPECT), .tif a print, .mp4 a "
-        "video, a path ending in / a folder of views.\n"
+        "OUT by its ending: .png, .exr or .jpg is a quilt, named ..._qsCxRaASPECT, or one view, as "
+        "named;\n"
+        ".tif a print, .mp4 a video, .gif a loop, a path ending in / a folder of views.\n"
         "\n"
         "What:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_VIEWS " fit exposure panel png aov guides");
+    lf_param_print_help(lf_option_params,
+                        LF_OPTIONS_VIEWS " fit exposure panel png still quality aov guides");
     lf_param_print_help(lf_panel_params, NULL);
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
@@ -67,9 +74,12 @@ static void print_help(void)
     lf_param_print_help(lf_video_params, NULL);
     printf("\nHow:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT);
-    printf("  --stats FILE.json      writes what was done and what it took\n"
-           "  --plan                 renders nothing: prints what it would take, and a command for "
-           "each task\n" LF_OPTIONS_HELP_LAST);
+    printf(
+        "  --state FILE           keeps what is rendered: a job that was stopped goes on, exit 75\n"
+        "  --state-info FILE      prints what is in such a file, as JSON\n"
+        "  --stats FILE.json      writes what was done and what it took (- is standard output)\n"
+        "  --plan                 renders nothing: prints what it would take, and a command for "
+        "each task\n" LF_OPTIONS_HELP_LAST);
 }
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
@@ -97,6 +107,13 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     case OPTION_STATS:
         a->stats = text;
         return LF_OK;
+    case OPTION_STATE:
+        a->state = text;
+        a->render_option = a->render_option ? a->render_option : "state";
+        return LF_OK;
+    case OPTION_STATE_INFO:
+        a->state_info = text;
+        return LF_OK;
     case OPTION_PLAN:
         a->plan = true;
         a->render_option = a->render_option ? a->render_option : "plan";
@@ -112,7 +129,16 @@ static const lf_output_kind *kind_of_option(const char *option)
     for (int i = 0; lf_output_kinds[i]; i++)
         if (lf_output_kinds[i]->option && strcmp(lf_output_kinds[i]->option, option) == 0)
             return lf_output_kinds[i];
-    return NULL;
+    return strcmp(lf_output_wiggle.option, option) == 0 ? &lf_output_wiggle : NULL;
+}
+
+static void take_video_option(lf_render_arguments *a, const char *option)
+{
+    const bool is_fps = strcmp(option, "fps") == 0;
+    a->video_option = a->video_option ? a->video_option : option;
+    a->has_codec |= strcmp(option, "codec") == 0;
+    a->has_fps |= is_fps;
+    a->mp4_option = a->mp4_option || is_fps ? a->mp4_option : option;
 }
 
 /* Remembers the kinds that were asked for, and the first option of those that say more. */
@@ -130,10 +156,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->panel_option = row->option;
     if (params == lf_rgbd_params && !kind && !a->rgbd_option)
         a->rgbd_option = row->option;
-    if (params == lf_video_params && !a->video_option)
-        a->video_option = row->option;
-    if (params == lf_video_params && strcmp(row->option, "codec") == 0)
-        a->has_codec = true;
+    if (params == lf_video_params && !kind)
+        take_video_option(a, row->option);
     if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
         a->render_option = row->option;
 }
@@ -191,6 +215,18 @@ static lf_status refuse_option(const char *option, bool (*reads)(const lf_output
     return lf_error_set(err, LF_E_ARG, where, "only goes with %s", known);
 }
 
+static lf_status check_video(const lf_render_arguments *a, lf_error *err)
+{
+    char where[64];
+    const bool is_gif = lf_path_has_ending(a->out, ".gif"),
+               is_video = a->kind == &lf_output_video || a->kind == &lf_output_wiggle;
+    const char *option = !is_video ? a->video_option : is_gif ? a->mp4_option : NULL;
+    if (!option)
+        return LF_OK;
+    snprintf(where, sizeof where, "--%s", option);
+    return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
+}
+
 /* The kind, and the options that say more of it. */
 static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 {
@@ -208,13 +244,14 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return refuse_option(a->panel_option, reads_panel, err);
     if (!a->kind->layers && a->rgbd_option)
         return refuse_option(a->rgbd_option, reads_rgbd, err);
-    if (a->kind != &lf_output_video && a->video_option) {
-        snprintf(where, sizeof where, "--%s", a->video_option);
-        return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
-    }
+    if (check_video(a, err) != LF_OK)
+        return LF_E_ARG;
     if (a->options.layers && !lf_output_is_light(a->kind, a->out))
         return lf_error_set(err, LF_E_ARG, "--aov",
                             "only goes with OUT.exr and folders of EXR views");
+    if (a->options.quality > 0 && !lf_path_has_ending(a->out, ".jpg") &&
+        !lf_path_has_ending(a->out, ".jpeg"))
+        return lf_error_set(err, LF_E_ARG, "--quality", "only goes with OUT.jpg");
     if (a->options.guides && (a->kind->layers || !lf_path_has_ending(a->out, ".png")))
         return lf_error_set(err, LF_E_ARG, "--guides", "only goes with OUT.png that is shown");
     return LF_OK;
@@ -239,6 +276,8 @@ static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind
                  lf_output_endings(kind, endings, sizeof endings), kind->what,
                  kind->option ? " with --" : "", kind->option ? kind->option : "");
     }
+    if (lf_path_has_ending(out, ".gif"))
+        return lf_error_set(err, LF_E_ARG, out, ".gif is a loop of views: --wiggle");
     return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video)", known);
 }
 
@@ -247,7 +286,8 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
 {
     char *path = NULL;
     lf_status status = LF_OK;
-    if (a->asked)
+    const bool is_video = lf_output_fits(&lf_output_video, a->out);
+    if (a->asked && !(a->asked == &lf_output_still && is_video))
         a->kind = a->asked;
     else
         status = kind_of_ending(a->out, &a->kind, err);
@@ -295,6 +335,17 @@ static lf_status take_plain_preset(lf_render_arguments *a, lf_error *err)
     return lf_frames_check(&a->frames, err);
 }
 
+/* --still is --views 1. */
+static lf_status take_still(lf_render_arguments *a, lf_error *err)
+{
+    if (a->options.still && a->options.views > 1)
+        return lf_error_set(err, LF_E_ARG, "--still", "is one view: no --views %d",
+                            a->options.views);
+    if (a->options.still)
+        a->options.views = 1;
+    return LF_OK;
+}
+
 /* What goes with one picture alone. */
 static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
 {
@@ -302,9 +353,12 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
     if (a->kind->is_drawn)
         return lf_error_set(err, LF_E_ARG, where, "does not go with --%s: nothing is rendered",
                             a->kind->option);
-    if (a->stats)
-        return lf_error_set(err, LF_E_ARG, "--stats", "does not go with %s: it is of one picture",
-                            where);
+    if (a->stats || a->state)
+        return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
+                            "does not go with %s: it is of one picture", where);
+    if (a->kind == &lf_output_wiggle)
+        return lf_error_set(err, LF_E_ARG, "--wiggle",
+                            "does not go with %s: it is a loop of one picture's views", where);
     if (a->frames.of_rows && a->kind == &lf_output_video)
         return lf_error_set(err, LF_E_ARG, where, "does not go with a video: rows are no frames");
     return LF_OK;
@@ -328,6 +382,10 @@ static lf_status choose_reconstruction(lf_render_arguments *a, lf_error *err)
 static lf_status check_arguments(lf_render_arguments *a, int argc, char *const argv[],
                                  lf_error *err)
 {
+    if (a->state_info && (optind < argc || a->out))
+        return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing: no SCENE and no -o");
+    if (a->state_info)
+        return LF_OK;
     if (optind >= argc && !(a->asked && a->asked->is_drawn))
         return lf_error_set(err, LF_E_ARG, "SCENE", "missing (see --help)");
     if (optind + 1 < argc)
@@ -348,6 +406,8 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)
         status = lf_frames_check(&a->frames, err);
+    if (status == LF_OK)
+        status = take_still(a, err);
     if (status == LF_OK)
         status = choose_kind(a, err);
     if (status == LF_OK)

@@ -20,8 +20,10 @@ typedef struct lf_render_arguments {
     lf_options options; /* reconstruct auto: on, unless the scene lists its cameras one by one */
     const char *scene;  /* NULL for a chart */
     const char *out, *stats;
-    bool plan;         /* tell what it would take instead */
-    char *const *argv; /* all of it, ended by NULL */
+    const char *state;      /* NULL: what is accumulated is not kept */
+    const char *state_info; /* tell what is in this state, and nothing else */
+    bool plan;              /* tell what it would take instead */
+    char *const *argv;      /* all of it, ended by NULL */
     const lf_output_kind *kind;
     const lf_output_kind *asked, *asked_too; /* kinds whose options were given: two of them */
     lf_budget budget; /* passes stay 0 for --spp, and without any, until the views are known */
@@ -37,8 +39,9 @@ typedef struct lf_render_arguments {
     lf_rgbd_options rgbd;
     lf_frames frames; /* checked */
     lf_video_options video;
-    bool has_codec;
+    bool has_codec, has_fps;
     const char *video_option; /* the first option that only makes sense with a video */
+    const char *mp4_option;   /* the first of them that does not go with a GIF */
 } lf_render_arguments;
 
 /* Reads argv into *out (strings point into it; untouched parts are zero). *out_done: --help or

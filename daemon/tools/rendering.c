@@ -36,12 +36,13 @@ void lf_rendering_show_frame(lf_rendering *r, double fraction)
     lf_progress_line_draw(&r->line, text);
 }
 
-static void show_rendering(void *context, const lf_render_progress *progress)
+void lf_rendering_show(void *context, const lf_render_progress *progress)
 {
     lf_rendering *r = context;
     char text[160], left[64];
     const double fraction = (r->camera_row + progress->fraction) / camera_rows(r),
                  seconds = r->times.seconds + progress->seconds;
+    lf_rendering_state_look(r, progress);
     if (r->sequence.on) {
         lf_rendering_show_frame(r, fraction);
         return;
@@ -71,7 +72,13 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
         return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: %d of %d %s were written",
                             r->sequence.n_done, r->sequence.n_wanted,
                             lf_frames_noun(&r->arguments->frames));
-    return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: nothing was written");
+    if (r->state.is_kept)
+        return lf_error_set(err, LF_E_CANCELLED, out,
+                            "interrupted: %s keeps the work, and the same command goes on",
+                            r->arguments->state);
+    return lf_error_set(
+        err, LF_E_CANCELLED, out, "interrupted: nothing was written%s",
+        !r->scene || r->sequence.on || r->arguments->state ? "" : " (--state FILE keeps the work)");
 }
 
 /* --------------------------------------------------------------------------------- rendering -- */
@@ -154,8 +161,8 @@ static lf_status render_row(lf_rendering *r, const lf_budget *budget, float *fil
     if (r->gathered)
         times = *r->gathered;
     else
-        status = lf_render_spend(r->renderer, budget, estimator, film, show_rendering, r, r->cancel,
-                                 &times);
+        status = lf_render_spend(r->renderer, budget, estimator, film, lf_rendering_show, r,
+                                 r->cancel, &times);
     if (status == LF_OK)
         status = lf_render_answer(r->renderer, budget, estimator, film, r->cancel, &times);
     if (status == LF_OK)
@@ -187,6 +194,8 @@ static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_f
         settings.camera = lf_camera_row(&r->settings.camera, r->camera_row);
         settings.seed = lf_rows_seed(r->settings.seed, r->camera_row);
         status = begin(r, &settings, err);
+        if (status == LF_OK && r->arguments->state)
+            status = lf_rendering_state_spend(r, budget, row_film, err);
         if (status != LF_OK)
             return status;
         status = render_row(r, budget, row_film, row_layers);
@@ -258,7 +267,8 @@ static json_t *make_record(const lf_rendering *r)
     if (r->is_quilt)
         return json_pack("{s:s, s:i, s:f}", "scene", a->scene, "views", r->layout.n_views, "aspect",
                          r->layout.aspect);
-    return lf_output_settings(a->scene, &r->settings, a->kind->has_tiles ? &r->layout : NULL,
+    return lf_output_settings(a->scene, &r->settings,
+                              lf_rendering_kind(r)->has_tiles ? &r->layout : NULL,
                               a->options.estimator, r->reconstructs,
                               (double)r->times.passes / camera_rows(r), &r->film_settings);
 }
@@ -324,7 +334,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
     if (!r->record)
         return lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
     const lf_output_request request = {
-        .kind = a->kind,
+        .kind = lf_rendering_kind(r),
         .path = r->path,
         .overwrite = true,
         .layout = r->layout,
@@ -333,6 +343,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
         .print = &r->print,
         .rgbd = a->rgbd,
         .exposure = r->film_settings.exposure,
+        .quality = a->options.quality,
         .tonemap = r->film_settings.tonemap,
         .settings = r->record,
         .pool = r->pool,
@@ -347,6 +358,24 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
                           : lf_output_write(&request, &source, err);
     if (status == LF_E_CANCELLED)
         return lf_rendering_interrupted(r, err);
+    return status;
+}
+
+/* "-" is standard output. */
+static lf_status put_stats(const char *path, const json_t *object, lf_error *err)
+{
+    char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL, *lines = NULL;
+    lf_status status = LF_OK;
+    if (!text || asprintf(&lines, "%s\n", text) < 0) {
+        free(text);
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    }
+    if (strcmp(path, "-") != 0)
+        status = lf_outfile_text(path, lines, err);
+    else if (fputs(lines, stdout) < 0 || fflush(stdout) != 0)
+        status = lf_error_set(err, LF_E_IO, "--stats", "cannot write to standard output");
+    free(lines);
+    free(text);
     return status;
 }
 
@@ -370,20 +399,7 @@ lf_status lf_rendering_write_stats(const lf_rendering *r, lf_error *err)
         .times = r->times,
     };
     json_t *object = lf_render_report_json(&report);
-    char *text = object ? json_dumps(object, JSON_INDENT(2)) : NULL;
-    lf_outfile file = {.fd = -1};
-    lf_status status = text ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->stats, "out of memory");
-    if (status == LF_OK)
-        status = lf_outfile_open(&file, a->stats, true, err);
-    if (status == LF_OK) {
-        status = lf_outfile_write(&file, text, strlen(text), err);
-        if (status == LF_OK)
-            status = lf_outfile_write(&file, "\n", 1, err);
-        if (status == LF_OK)
-            status = lf_outfile_commit(&file, true, err);
-        lf_outfile_abandon(&file);
-    }
-    free(text);
+    const lf_status status = put_stats(a->stats, object, err);
     json_decref(object);
     return status;
 }

@@ -10,7 +10,7 @@
 /* Whether all files of the frame whose name is r->path are there. */
 static bool is_there(const lf_rendering *r)
 {
-    const lf_output_kind *kind = r->arguments->kind;
+    const lf_output_kind *kind = lf_rendering_kind(r);
     int n = lf_output_n_files(kind, lf_camera_views(&r->settings.camera));
     bool there = true;
     for (int i = 0; i < n && there; i++) {

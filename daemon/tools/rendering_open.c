@@ -89,6 +89,9 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
         return lf_error_set(err, LF_E_ARG, where,
                             "does not go with a finished quilt: nothing is rendered");
     }
+    const bool is_still = a->kind == &lf_output_still ||
+                          (a->kind == &lf_output_quilt && o->views == 1 && o->columns == 0),
+               of_middle = is_still || a->kind == &lf_output_wiggle;
     lf_status status = lf_quilt_read(a->scene, NULL, o->columns, o->rows, &r->quilt, err);
     if (status != LF_OK)
         return status;
@@ -99,13 +102,19 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     else if (o->views > r->quilt.layout.n_views)
         status = lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but the quilt has %d",
                               o->views, r->quilt.layout.n_views);
-    else if (o->views > 0)
+    else if (o->views > 0 && !of_middle)
         r->quilt.layout.n_views = r->quilt.views8.n_views = r->quilt.views32.n_views = o->views;
     if (status == LF_OK && o->has_exposure && !r->quilt.is_float)
         status = lf_error_set(err, LF_E_ARG, "--exposure",
                               "does not go with a finished picture of 8 bits (EXR has light)");
     if (status == LF_OK)
         lay_out_quilt(r);
+    if (status == LF_OK && of_middle) { /* all views are kept: the kind takes those it writes */
+        r->layout.columns = r->layout.rows = 1;
+        r->layout.n_views = is_still       ? 1
+                            : o->views > 0 ? o->views
+                                           : lf_wiggle_views(r->layout.n_views);
+    }
     return status;
 }
 
@@ -132,6 +141,16 @@ static lf_status check_row(const lf_rendering *r, lf_error *err)
     return LF_OK;
 }
 
+/* Of a loop of views on an arc, where nothing says how many. */
+static lf_options options_of(const lf_rendering *r, const lf_camera *camera)
+{
+    lf_options options = r->arguments->options;
+    if (r->arguments->kind == &lf_output_wiggle && !camera->list && !(camera->track > 0.0) &&
+        camera->n_rows == 0 && options.views == 0 && !options.preset && options.columns == 0)
+        options.views = LF_WIGGLE_VIEWS;
+    return options;
+}
+
 lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -140,6 +159,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     const bool of_rows = a->frames.of_rows;
     lf_camera row;
     const bool one_rig = a->kind->needs_panel || a->kind->check_print ||
+                         a->kind == &lf_output_still || a->kind == &lf_output_wiggle ||
                          (a->kind->layers && (!a->rgbd.is_quilt || camera->list));
     if (of_rows) {
         if (check_row(r, err) != LF_OK)
@@ -147,11 +167,14 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
         row = lf_camera_row(camera, r->sequence.frame);
         camera = &row;
     }
-    lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(
-        &a->options, camera, calibration, &r->settings, &r->layout, err);
+    const lf_options options = options_of(r, camera);
+    lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(&options, camera, calibration,
+                                                                     &r->settings, &r->layout, err);
     r->reconstructs = a->options.reconstruct == LF_RECONSTRUCT_ON ||
                       (a->options.reconstruct == LF_RECONSTRUCT_AUTO && !camera->list);
     r->settings.features |= r->reconstructs;
+    if (a->kind == &lf_output_wiggle)
+        r->settings.camera.cone *= LF_WIGGLE_CONE;
     if (r->sequence.on)
         r->settings.seed =
             (of_rows ? lf_rows_seed : lf_frames_seed)(a->options.seed, r->sequence.frame);
@@ -272,8 +295,12 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
     lf_status status = check_not_input(r->path, a->scene, err);
-    if (status == LF_OK && a->stats)
+    if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_not_input(a->stats, a->scene, err);
+    if (status == LF_OK && a->state)
+        status = check_not_input(a->state, a->scene, err);
+    if (status == LF_OK && a->state && strcmp(a->state, r->path) == 0)
+        status = lf_error_set(err, LF_E_ARG, "--state", "is where the picture goes: %s", r->path);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
     return status;
@@ -289,12 +316,22 @@ static char *out_of(const lf_rendering *r, int frame)
 
 bool lf_rendering_is_walk(const lf_rendering *r)
 {
-    return r->arguments->kind == &lf_output_video && !r->sequence.on;
+    const lf_output_kind *kind = r->arguments->kind;
+    return kind == &lf_output_wiggle || (kind == &lf_output_video && !r->sequence.on);
+}
+
+const lf_output_kind *lf_rendering_kind(const lf_rendering *r)
+{
+    const lf_render_arguments *a = r->arguments;
+    const bool one = r->layout.n_views == 1 && a->options.columns == 0;
+    if (a->kind == &lf_output_video && (one || lf_rendering_is_walk(r)))
+        return &lf_output_walk;
+    return one && a->kind == &lf_output_quilt ? &lf_output_still : a->kind;
 }
 
 lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err)
 {
-    const lf_output_kind *kind = lf_rendering_is_walk(r) ? &lf_output_walk : r->arguments->kind;
+    const lf_output_kind *kind = lf_rendering_kind(r);
     char *out = out_of(r, frame), *path = NULL;
     lf_status status = out ? lf_output_path(kind, out, &r->layout, &path, err)
                            : lf_error_set(err, LF_E_NOMEM, r->arguments->out, "out of memory");
@@ -314,8 +351,10 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
     lf_status status = first ? check_folder_of(first, err)
                              : lf_error_set(err, LF_E_NOMEM, a->out, "out of memory");
     lf_free(first);
-    if (status == LF_OK && a->stats)
+    if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_folder_of(a->stats, err);
+    if (status == LF_OK && a->state)
+        status = check_folder_of(a->state, err);
     return status;
 }
 
@@ -335,25 +374,53 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
                         lf_frames_noun(&a->frames), lf_frames_option(&a->frames));
 }
 
-/* Whether it can be a video; that of views begins here, before hours of rendering. */
-static lf_status open_video(lf_rendering *r, lf_error *err)
+static lf_status check_walk(const lf_rendering *r, lf_error *err)
 {
-    const bool is_walk = lf_rendering_is_walk(r);
-    const lf_video_options *options = &r->arguments->video;
-    const lf_layout layout = is_walk ? lf_video_view_layout(&r->layout) : r->layout;
-    const char *warning = NULL;
-    if (is_walk && r->settings.camera.n_rows > 0 && !r->settings.camera.has_parts)
+    const lf_camera *camera = &r->settings.camera;
+    if (camera->n_rows > 0 && !camera->has_parts)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
                             "a video of views needs them on a track, a path or a circle, or in a "
                             "list, and the scene has a grid of rows: --frames or --turntable make "
                             "videos of quilts");
-    if (is_walk && !(r->settings.camera.track > 0.0) && !r->settings.camera.list)
-        return lf_error_set(err, LF_E_ARG, r->arguments->out,
-                            "a video needs --frames, --turntable or a scene whose camera.views are "
-                            "on a track, a path or a circle, or in a list");
-    lf_status status = lf_video_check(options, &layout, r->path, &warning, err);
+    if (!(camera->track > 0.0) && !camera->list)
+        return lf_error_set(
+            err, LF_E_ARG, r->arguments->out,
+            "a video needs --frames, --turntable or a scene whose camera.views are "
+            "on a track, a path or a circle, or in a list; --wiggle makes a loop of "
+            "the views");
+    return LF_OK;
+}
+
+static lf_status check_wiggle(const lf_rendering *r, lf_error *err)
+{
+    if (r->layout.n_views > 1)
+        return LF_OK;
+    return lf_error_set(err, LF_E_ARG, "--wiggle", "needs two views or more");
+}
+
+static lf_video_options video_options(const lf_rendering *r)
+{
+    const lf_render_arguments *a = r->arguments;
+    lf_video_options options = a->video;
+    if (options.wiggle && !a->has_fps)
+        options.fps = lf_wiggle_fps(r->layout.n_views);
+    if (options.wiggle && a->options.view_width == 0)
+        options.most_width = LF_WIGGLE_WIDTH;
+    return options;
+}
+
+/* Whether it can be a video; that of views begins here, before hours of rendering. */
+static lf_status open_video(lf_rendering *r, lf_error *err)
+{
+    const bool is_walk = lf_rendering_is_walk(r);
+    const lf_video_options options = video_options(r);
+    const lf_layout layout = is_walk ? lf_video_view_layout(&r->layout) : r->layout;
+    const char *warning = NULL;
+    lf_status status = options.wiggle ? check_wiggle(r, err) : is_walk ? check_walk(r, err) : LF_OK;
+    if (status == LF_OK)
+        status = lf_video_check(&options, &layout, r->path, &warning, err);
     if (status == LF_OK && is_walk && !r->arguments->plan)
-        status = lf_video_create(r->path, &layout, options, r->cancel, &r->video, err);
+        status = lf_video_create(r->path, &layout, &options, r->cancel, &r->video, err);
     if (warning)
         lf_log(LF_LOG_WARNING, "%s: %s", r->path, warning);
     return status;
@@ -400,14 +467,14 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = lf_is_quilt(a->scene, NULL) ? open_quilt(r, err) : open_scene(r, err);
     if (status == LF_OK && !r->is_quilt && !a->kind->is_drawn)
         status = provide_for_views(r, err);
-    if (status == LF_OK && a->stats && r->settings.camera.n_rows > 0)
-        status = lf_error_set(err, LF_E_ARG, "--stats",
+    if (status == LF_OK && (a->stats || a->state) && r->settings.camera.n_rows > 0)
+        status = lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
                               "is of one row of cameras, and the scene has several");
     if (status == LF_OK)
         status = lf_rendering_name(r, r->sequence.frame, err);
     if (status == LF_OK && r->sequence.on)
         status = check_exposure(r, err);
-    if (status == LF_OK && a->kind == &lf_output_video)
+    if (status == LF_OK && (a->kind == &lf_output_video || a->kind == &lf_output_wiggle))
         status = open_video(r, err);
     if (status == LF_OK)
         status = lf_rendering_check_outputs(r, err);

@@ -164,7 +164,7 @@ static void print_light_fields(const lf_rendering *r, int fields, int views)
            !r->sequence.on ? "light field" : lf_frames_noun(&r->arguments->frames), views,
            views == 1 ? "" : "s", s->width, s->height);
     print_amount("view pixels", pixels * fields, "");
-    if (kind->surplus || kind == &lf_output_quilt)
+    if (kind->surplus || kind == &lf_output_quilt || kind == &lf_output_still)
         print_amount("files, uncompressed", pixels * fields * file_bytes(r->arguments), "B");
 }
 

@@ -139,7 +139,8 @@ lf_status lf_normalise(lf_general *g)
 const lf_general_kind lf_general_amv2019 = {
     .entry = {.name = "amv2019",
               .what = "surfaces shared by Jacobian and lobe, as in 2019",
-              .shares = true},
+              .shares = true,
+              .remembers = true},
     .adaptive = true,
     .no_media = true,
     .map = lf_variation_map,
@@ -147,7 +148,8 @@ const lf_general_kind lf_general_amv2019 = {
 const lf_general_kind lf_general_amv2019k = {
     .entry = {.name = "amv2019k",
               .what = "the same normalised by K, as printed: biased",
-              .shares = true},
+              .shares = true,
+              .remembers = true},
     .mis = true,
     .adaptive = true,
     .no_media = true,

@@ -12,8 +12,11 @@
 enum { MVPT, VPT, N_ENTRIES };
 
 static const lf_integrator_entry entries[N_ENTRIES] = {
-    [MVPT] = {.name = "mvpt", .what = "every path serves all views that see it", .shares = true},
-    [VPT] = {.name = "vpt", .what = "every view for itself"}};
+    [MVPT] = {.name = "mvpt",
+              .what = "every path serves all views that see it",
+              .shares = true,
+              .remembers = true}, /* what rows have given others, while a pass is under way */
+    [VPT] = {.name = "vpt", .what = "every view for itself", .remembers = true}};
 
 /* Paths that find how bright it gets. */
 #define PILOT_PATHS 1024

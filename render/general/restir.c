@@ -12,11 +12,13 @@ enum { RESTIR, MVRESTIR, N_ENTRIES };
 static const lf_integrator_entry entries[N_ENTRIES] = {
     [RESTIR] = {.name = "restir",
                 .what = "reservoirs of paths, each view alone, as in 2021",
-                .reuses = true},
+                .reuses = true,
+                .remembers = true},
     [MVRESTIR] = {.name = "mvrestir",
                   .what = "the same with neighbours in other views",
                   .shares = true,
-                  .reuses = true}};
+                  .reuses = true,
+                  .remembers = true}};
 
 /* The first is the default, the paper's own. */
 static const lf_restir_reuse reuses[] = {

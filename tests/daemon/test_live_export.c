@@ -56,8 +56,11 @@ static void an_export_that_fails_tells_the_name_asked_for(void **state)
     live_client c;
     live_connect(&l, &c);
     live_wait(&c, "coarse");
-    static const char *const kinds[][2] = {
-        {"panel", "p.png"}, {"state", "s.lfstate"}, {"print", "t.tif"}, {"chart", "c.tif"}};
+    static const char *const kinds[][2] = {{"panel", "p.png"},
+                                           {"still", "s.jpg"},
+                                           {"state", "s.lfstate"},
+                                           {"print", "t.tif"},
+                                           {"chart", "c.tif"}};
     const char *end;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         assert_int_equal(export_to(&c, kinds[i][0], kinds[i][1], false, &end), 0);

@@ -96,7 +96,7 @@ static void every_shared_option_stands_in_the_manuals(void **state)
     for (const lf_param *row = lf_option_params; row->option; row = lf_param_next(row)) {
         if (strcmp(row->option, "calibration") != 0)
             check_option(page, row, true);
-        if (!lf_param_among(row, "panel aov png fit target-shown-error"))
+        if (!lf_param_among(row, "panel aov png still quality fit target-shown-error"))
             check_option(daemon, row, false); /* whose page leaves words to the other's */
     }
     for (const lf_param *row = lf_panel_params; row->option; row++) {
@@ -132,7 +132,7 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
             !lf_param_find(lf_panel_params, option) && !lf_param_find(lf_response_params, option) &&
             !lf_param_find(lf_rgbd_params, option) && !lf_param_find(lf_frames_params, option) &&
             !lf_param_find(lf_video_params, option) &&
-            !lf_param_among(&own, "passes spp time stats plan help"))
+            !lf_param_among(&own, "passes spp time state state-info stats plan help"))
             fail_msg("--%s is in no table", option);
         n++;
     }

@@ -314,7 +314,13 @@ static void names_are_completed_and_contradictions_refused(void **state)
         {&lf_output_quilt, "out_qs3x2.png", "out_qs3x2.png"},
         {&lf_output_quilt, "out_qs2x3a1.25.png", NULL},
         {&lf_output_quilt, "out_qs3x2a0.75.png", NULL},
-        {&lf_output_quilt, "out.jpg", NULL},
+        {&lf_output_quilt, "out.jpg", "out_qs3x2a1.25.jpg"},
+        {&lf_output_quilt, "out.JPEG", "out_qs3x2a1.25.JPEG"},
+        {&lf_output_quilt, "out.gif", NULL},
+        {&lf_output_still, "out.png", "out.png"},
+        {&lf_output_still, "out_qs1x1a0.75.jpg", "out_qs1x1a0.75.jpg"},
+        {&lf_output_still, "out_qs3x2a1.25.png", NULL},
+        {&lf_output_still, "out/", NULL},
         {&lf_output_quilt, "out/", NULL},
         {&lf_output_quilt, "out", NULL},
         {&lf_output_views, "out/", "out/"},
@@ -488,7 +494,7 @@ static void names_of_choices_are_known(void **state)
     lf_assert_ok(lf_output_kind_from_name("print", &kind, &err), &err);
     assert_ptr_equal(kind, &lf_output_print);
     assert_int_equal(lf_output_kind_from_name("film", &kind, &err), LF_E_ARG);
-    assert_non_null(strstr(err.what, "quilt, views"));
+    assert_non_null(strstr(err.what, "quilt, still, views"));
     assert_ptr_equal(kind, &lf_output_print);
     lf_assert_ok(lf_param_from_text(filter, "linear", &panel, &err), &err);
     lf_assert_ok(lf_param_from_text(invert, "no", &panel, &err), &err);

@@ -97,7 +97,7 @@ static void a_killed_job_leaves_no_broken_file(void **state)
 static void a_full_disk_is_an_error_and_leaves_nothing(void **state)
 {
     const qr_files *f = *state;
-    static const char *const outs[] = {"d_qs3x2a1.5.exr", "d_qs3x2a1.5.png", "d/",
+    static const char *const outs[] = {"d_qs3x2a1.5.exr", "d_qs3x2a1.5.png", "d.jpg", "d/",
                                        "d.tif --print 60@600 --print-size 40x40"};
     for (size_t i = 0; i < sizeof outs / sizeof outs[0]; i++) {
         char line[4 * PATH_MAX];

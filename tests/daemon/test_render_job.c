@@ -2,6 +2,8 @@
  * lf_renderer_passes. */
 #include "tests/testing.h"
 
+#include <fcntl.h>
+
 #include "base/alloc.h"
 #include "daemon/output/render_job.h"
 
@@ -168,6 +170,164 @@ static void a_cancelled_job_says_so(void **state)
     }
 }
 
+/* ---------------------------------------------------------------------------------- going on -- */
+
+/* Cancels once it was called so many times. */
+typedef struct stopper {
+    lf_cancel cancel;
+    int left;
+    double passes;
+} stopper;
+
+static void stop(void *context, const lf_render_progress *progress)
+{
+    stopper *s = context;
+    assert_true(progress->passes >= s->passes);
+    s->passes = progress->passes;
+    if (--s->left < 0)
+        atomic_store(&s->cancel, 1);
+}
+
+/* The renderer anew, with the film that it had, as another process would have it. */
+static void take_up(fixture *f)
+{
+    char path[PATH_MAX], *folder = lf_test_folder();
+    lf_error err = {0};
+    lf_outfile file;
+    snprintf(path, sizeof path, "%s/state", folder);
+    lf_assert_ok(lf_outfile_open(&file, path, true, &err), &err);
+    lf_assert_ok(lf_renderer_save(f->renderer, &file, NULL, &err), &err);
+    lf_assert_ok(lf_outfile_commit(&file, true, &err), &err);
+    lf_renderer *old = f->renderer;
+    lf_assert_ok(lf_renderer_create(f->scene, &f->settings, f->pool, &f->renderer, &err), &err);
+    lf_renderer_destroy(old);
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    assert_true(fd >= 0);
+    lf_assert_ok(lf_renderer_restore(f->renderer, fd, &err), &err);
+    close(fd);
+    lf_test_folder_remove(folder);
+}
+
+/* Stopped again and again, each time after so many more rows, by one thread, which hears of each.
+ * Returns how often. */
+static int run_in_pieces(fixture *f, const lf_budget *budget, lf_estimator estimator, int rows)
+{
+    lf_render_times times = {0};
+    lf_pool *const pool = f->pool;
+    int n = 0;
+    restart(f);
+    lf_assert_ok(lf_pool_create(1, &f->pool), NULL);
+    take_up(f);
+    for (bool first = true;; first = false, n++) {
+        stopper s = {.left = rows * (n + 1)};
+        lf_status status = lf_render_gather(f->renderer, budget, estimator, first ? NULL : &times,
+                                            f->film, stop, &s, &s.cancel, &times);
+        if (status != LF_E_CANCELLED) {
+            lf_assert_ok(status, NULL);
+            break;
+        }
+        take_up(f);
+    }
+    assert_int_equal(times.passes, budget->passes);
+    lf_assert_ok(lf_render_fill(f->renderer, budget, estimator, NULL, &times), NULL);
+    lf_assert_ok(lf_render_answer(f->renderer, budget, estimator, f->film, NULL, &times), NULL);
+    lf_pool *const one = f->pool;
+    f->pool = pool;
+    take_up(f);
+    lf_pool_destroy(one);
+    return n;
+}
+
+static void a_job_in_pieces_gives_the_bits_of_one_at_once(void **state)
+{
+    static const struct {
+        const char *integrator;
+        lf_estimator estimator;
+        bool reconstructed;
+        int64_t passes;
+    } cases[] = {
+        {"mvpt", LF_ESTIMATOR_MWIS, false, 5 * VIEWS + 3}, {"mvpt", LF_ESTIMATOR_CV, false, 1},
+        {"mvpt", LF_ESTIMATOR_MWIS, true, 6 * VIEWS},      {"vpt", LF_ESTIMATOR_MIS, false, 9},
+        {"mvpt2022", LF_ESTIMATOR_MIS, false, 7},          {"mismvpt", LF_ESTIMATOR_MIS, false, 7},
+    };
+    fixture *f = *state;
+    float expected[FLOATS];
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const lf_budget budget = {.passes = cases[i].passes,
+                                  .reconstructed = cases[i].reconstructed};
+        lf_render_times times;
+        f->settings.integrator = cases[i].integrator;
+        f->settings.features = cases[i].reconstructed;
+        restart(f);
+        lf_assert_ok(lf_render_run(f->renderer, &budget, cases[i].estimator, expected, NULL, NULL,
+                                   NULL, &times),
+                     NULL);
+        for (int rows = 1; rows < HEIGHT; rows += 3) {
+            assert_true(run_in_pieces(f, &budget, cases[i].estimator, rows) > 0);
+            assert_memory_equal(f->film, expected, sizeof expected);
+        }
+    }
+}
+
+/* And with another budget, where it has passed through the films of the first. */
+static void a_larger_budget_goes_on_where_a_smaller_one_ended(void **state)
+{
+    fixture *f = *state;
+    float expected[FLOATS];
+    const lf_budget all = {.passes = 6 * VIEWS};
+    lf_render_times times;
+    lf_assert_ok(
+        lf_render_run(f->renderer, &all, LF_ESTIMATOR_MWIS, expected, NULL, NULL, NULL, &times),
+        NULL);
+    for (int64_t passes = 1; passes <= 7 * VIEWS; passes++) {
+        const lf_budget some = {.passes = passes};
+        const bool on_the_way = passes % (2 * (int64_t)VIEWS) == 0 && passes <= all.passes;
+        restart(f);
+        lf_assert_ok(lf_render_gather(f->renderer, &some, LF_ESTIMATOR_MWIS, NULL, f->film, NULL,
+                                      NULL, NULL, &times),
+                     NULL);
+        lf_status status = lf_render_gather(f->renderer, &all, LF_ESTIMATOR_MWIS, &times, f->film,
+                                            NULL, NULL, NULL, &times);
+        assert_true(!on_the_way || status == LF_OK);
+        if (status != LF_OK) {
+            assert_int_equal(status, LF_E_STATE);
+            continue;
+        }
+        lf_assert_ok(lf_render_fill(f->renderer, &all, LF_ESTIMATOR_MWIS, NULL, &times), NULL);
+        lf_assert_ok(lf_render_answer(f->renderer, &all, LF_ESTIMATOR_MWIS, f->film, NULL, &times),
+                     NULL);
+        assert_memory_equal(f->film, expected, sizeof expected);
+    }
+}
+
+static void a_time_that_was_spent_is_spent(void **state)
+{
+    fixture *f = *state;
+    const lf_budget budget = {.seconds = 100};
+    const lf_render_times before = {.passes = 8, .seconds = 99, .cpu_seconds = 99};
+    lf_render_times times;
+    lf_assert_ok(lf_renderer_passes(f->renderer, NULL, 8, false, NULL, NULL, NULL), NULL);
+    lf_assert_ok(lf_render_gather(f->renderer, &budget, LF_ESTIMATOR_MIS, &before, f->film, NULL,
+                                  NULL, NULL, &times),
+                 NULL);
+    assert_int_equal(times.passes, 8);
+    assert_true(times.seconds >= 99);
+}
+
+static void integrators_that_remember_more_than_their_film_do_not_go_on(void **state)
+{
+    fixture *f = *state;
+    const lf_budget budget = {.passes = 4};
+    const lf_render_times before = {.passes = 2};
+    lf_render_times times;
+    f->settings.integrator = "amvpt";
+    restart(f);
+    assert_false(lf_renderer_is_its_film(f->renderer));
+    assert_int_equal(lf_render_gather(f->renderer, &budget, LF_ESTIMATOR_MIS, &before, f->film,
+                                      NULL, NULL, NULL, &times),
+                     LF_E_STATE);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -177,6 +337,13 @@ int main(void)
         cmocka_unit_test_setup_teardown(progress_rises_to_the_end, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_target_is_met_by_the_estimate, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_cancelled_job_says_so, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_job_in_pieces_gives_the_bits_of_one_at_once, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(a_larger_budget_goes_on_where_a_smaller_one_ended, set_up,
+                                        tear_down),
+        cmocka_unit_test_setup_teardown(a_time_that_was_spent_is_spent, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(integrators_that_remember_more_than_their_film_do_not_go_on,
+                                        set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -165,7 +165,8 @@ static void a_furnace_has_no_dark_pixels(void **state)
         "\"transform\": { \"scale\": 0.5, \"translate\": { \"keys\": [[3, [-1,0,0]], [5, [1,0,0]], "
         "[7, [-1,0.3,0]]] } } } },\n"
         "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }\n");
-    qr_succeed("%s -o %s/f.exr --frames 3:4 --spp 1 --view-size 96x48 --views 1", scene, f->folder);
+    qr_succeed("%s -o %s/f.exr --frames 3:4 --spp 1 --view-size 96x48 --views 1 --quilt 1x1", scene,
+               f->folder);
     for (int frame = 3; frame <= 4; frame++) {
         lf_quilt_file picture;
         char name[32];

@@ -141,6 +141,70 @@ static void a_walk_is_a_video_of_the_views_of_one_job(void **state)
     qr_assert_fails(&o, 2, "a video needs --frames, --turntable or");
 }
 
+/* What ffmpeg was given for a loop, and the words that it had. */
+static uint8_t *loop(const qr_files *f, const char *scene, const char *out, const char *options,
+                     size_t *out_n, char **out_words)
+{
+    size_t size = 0;
+    char script[2 * PATH_MAX];
+    snprintf(script, sizeof script, "#!/bin/sh\nprintf '%%s ' \"$@\" >%s/words\ncat >&3\n",
+             f->folder);
+    pretend(f, script);
+    qr_succeed("%s -o %s/%s --wiggle%s", scene, f->folder, out, options);
+    *out_words = read_text(f->folder, "words", &size);
+    return (uint8_t *)read_text(f->folder, out, out_n);
+}
+
+/* Six views, so all of them: 0 to 5 and back to 1. */
+static void a_loop_goes_there_and_back(void **state)
+{
+    const qr_files *f = *state;
+    static const int views[] = {0, 1, 2, 3, 4, 5, 4, 3, 2, 1};
+    const size_t frame = (size_t)WIDTH * HEIGHT * 3;
+    size_t n = 0;
+    char *words;
+    lf_quilt_file quilt = {0};
+    lf_error err = {0};
+    lf_assert_ok(lf_quilt_read(f->quilt, NULL, 0, 0, &quilt, &err), &err);
+    for (int mp4 = 0; mp4 < 2; mp4++) {
+        uint8_t *raw = loop(f, f->quilt, mp4 ? "l.mp4" : "l.gif", "", &n, &words);
+        assert_int_equal(n, (mp4 ? 20 : 10) * frame);
+        for (size_t k = 0; k < n / frame; k++)
+            for (int y = 0; y < HEIGHT; y++)
+                assert_memory_equal(raw + k * frame + (size_t)y * WIDTH * 3,
+                                    lf_views8_row(&quilt.views8, views[k % 10], y),
+                                    (size_t)WIDTH * 3);
+        assert_non_null(strstr(words, "-framerate 6 "));
+        assert_non_null(strstr(words, mp4 ? "-c:v libx264 " : "-loop 0 "));
+        assert_non_null(strstr(words, "scale=18:12:")); /* as the name says: a1.5 */
+        lf_free(raw);
+        lf_free(words);
+    }
+    uint8_t *raw = loop(f, f->quilt, "l.gif", " --views 3 --fps 10", &n, &words);
+    assert_int_equal(n, 4 * frame);
+    assert_memory_equal(raw, lf_views8_row(&quilt.views8, 2, 0), (size_t)WIDTH * 3);
+    assert_non_null(strstr(words, "-framerate 10 "));
+    lf_free(raw);
+    lf_free(words);
+    lf_quilt_finish(&quilt);
+}
+
+static void a_loop_of_a_scene_has_views_of_its_own(void **state)
+{
+    const qr_files *f = *state;
+    size_t n = 0;
+    char *words;
+    uint8_t *raw = loop(f, f->scene, "s.gif", " --view-size 12x16 --spp 1", &n, &words);
+    assert_int_equal(n, 46 * 12 * 16 * 3);
+    assert_non_null(strstr(words, "-framerate 23 "));
+    lf_free(raw);
+    lf_free(words);
+    raw = loop(f, f->scene, "s.mp4", " --view-size 12x16 --spp 1 --views 2", &n, &words);
+    assert_int_equal(n, 2 * 2 * 12 * 16 * 3);
+    lf_free(raw);
+    lf_free(words);
+}
+
 static void a_failing_ffmpeg_is_one_line_and_leaves_the_file_that_was_there(void **state)
 {
     const qr_files *f = *state;
@@ -303,11 +367,39 @@ static void a_real_video_has_the_frames_in_the_right_colours(void **state)
         lf_assert_close(video[i], picture[i], 0, 3);
 }
 
+static void a_real_loop_has_the_frames_and_square_pixels(void **state)
+{
+    const qr_files *f = *state;
+    char text[512];
+    size_t n = 0;
+    if (!is_installed("ffmpeg") || !is_installed("ffprobe")) {
+        print_message("ffmpeg is not installed\n");
+        skip();
+    }
+    qr_succeed("%s -o %s/l.gif --wiggle", f->large, f->folder);
+    qr_succeed("%s -o %s/l.mp4 --wiggle", f->quilt, f->folder);
+    ask(text, sizeof text,
+        "ffprobe -v error -count_frames -show_entries stream=codec_name,width,height,"
+        "nb_read_frames -of csv=p=0 %s/l.gif",
+        f->folder);
+    assert_string_equal(text, "gif,240,160,10\n");
+    ask(text, sizeof text,
+        "ffprobe -v error -count_frames -show_entries stream=codec_name,width,height,pix_fmt,"
+        "nb_read_frames -of csv=p=0 %s/l.mp4",
+        f->folder);
+    assert_string_equal(text, "h264,18,12,yuv420p,20\n");
+    char *gif = read_text(f->folder, "l.gif", &n);
+    assert_non_null(memmem(gif, n, "NETSCAPE2.0\x03\x01\0\0", 15)); /* for ever */
+    lf_free(gif);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(
             ffmpeg_gets_the_pixels_of_the_pictures_and_a_file_to_write_into, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_loop_goes_there_and_back, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_loop_of_a_scene_has_views_of_its_own, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_walk_is_a_video_of_the_views_of_one_job, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(
@@ -315,6 +407,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(without_ffmpeg_nothing_is_rendered, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_terminated_video_leaves_nothing_within_two_seconds,
                                         set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_real_loop_has_the_frames_and_square_pixels, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(a_real_video_has_the_frames_in_the_right_colours, set_up,
                                         tear_down),
     };

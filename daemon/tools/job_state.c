@@ -1,0 +1,311 @@
+#include "daemon/tools/job_state.h"
+
+#include <endian.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "base/alloc.h"
+#include "base/list.h"
+#include "base/version.h"
+
+#define VERSION 1
+#define MOST_TEXT (UINT32_C(1) << 20)
+#define MOST_PASSES (INT64_C(1) << 40) /* as of --passes */
+
+static const char magic[8] = "quiltdJB";
+
+typedef struct head {
+    char magic[sizeof magic];
+    uint32_t version, n, crc; /* little-endian */
+} head;
+_Static_assert(sizeof(head) == sizeof magic + 12, "as it lies in files");
+
+static uint32_t checksum(const head *h, const char *text)
+{
+    uLong crc = crc32_z(0, (const unsigned char *)&h->n, sizeof h->n);
+    return htole32((uint32_t)crc32_z(crc, (const unsigned char *)text, le32toh(h->n)));
+}
+
+/* ------------------------------------------------------------------------------ what it is of --
+ */
+
+static json_t *hash_words(const uint8_t bytes[LF_STATE_HASH])
+{
+    char text[2 * LF_STATE_HASH + 1];
+    for (size_t i = 0; i < LF_STATE_HASH; i++)
+        snprintf(text + 2 * i, 3, "%02x", bytes[i]);
+    return json_string(text);
+}
+
+/* JSON has no whole numbers of 64 bits. */
+static json_t *seed_words(uint64_t seed)
+{
+    char text[24];
+    if (seed <= INT64_MAX)
+        return json_integer((json_int_t)seed);
+    snprintf(text, sizeof text, "%" PRIu64, seed);
+    return json_string(text);
+}
+
+static json_t *budget_words(const lf_budget *b)
+{
+    return b->passes > 0         ? json_pack("{s:I}", "passes", (json_int_t)b->passes)
+           : b->seconds > 0      ? json_pack("{s:f}", "seconds", b->seconds)
+           : b->target_error > 0 ? json_pack("{s:f}", "target_error", b->target_error)
+                                 : json_pack("{s:f}", "target_shown_error", b->target_shown_error);
+}
+
+json_t *lf_job_state_of(const char *scene, const lf_renderer *renderer, const lf_budget *budget)
+{
+    const lf_render_settings *s = lf_renderer_settings(renderer);
+    lf_state_id id;
+    if (lf_renderer_state_id(renderer, &id) != LF_OK)
+        return NULL;
+    return json_pack("{s:s, s:s, s:i, s:i, s:i, s:o, s:s, s:b, s:{s:o, s:o, s:o}, s:o}", "quiltd",
+                     LF_VERSION, "scene", scene, "views", s->camera.n_views, "width", s->width,
+                     "height", s->height, "seed", seed_words(s->seed), "integrator", s->integrator,
+                     "reconstruct", s->features, "hashes", "scene", hash_words(id.scene), "camera",
+                     hash_words(id.camera), "all", hash_words(id.whole), "budget",
+                     budget_words(budget));
+}
+
+/* ----------------------------------------------------------------------------------- differ -- */
+
+static bool differs(const json_t *a, const json_t *b, const char *key)
+{
+    return !json_equal(json_object_get(a, key), json_object_get(b, key));
+}
+
+/* As JSON has it; returns buf. */
+static const char *said(const json_t *object, const char *key, char *buf, size_t size)
+{
+    char *text = json_dumps(json_object_get(object, key), JSON_ENCODE_ANY);
+    snprintf(buf, size, "%s", text ? text : "nothing");
+    free(text);
+    return buf;
+}
+
+static void add_said(char *words, size_t size, const char *what, const json_t *there,
+                     const json_t *of, const char *key)
+{
+    char a[64], b[64];
+    lf_list_add(words, size, "%s (%s, now %s)", what, said(there, key, a, sizeof a),
+                said(of, key, b, sizeof b));
+}
+
+/* What the picture of a file differs in from that of a job; empty: in nothing. */
+static void differences(const json_t *there, const json_t *of, char *words, size_t size)
+{
+    static const char *const keys[][2] = {
+        {"views", "the number of views"}, {"width", "the views' width"},
+        {"height", "the views' height"},  {"seed", "the seed"},
+        {"integrator", "the integrator"}, {"reconstruct", "--reconstruct"}};
+    const json_t *hashes = json_object_get(there, "hashes"), *ours = json_object_get(of, "hashes");
+    words[0] = '\0';
+    if (differs(hashes, ours, "scene"))
+        lf_list_add(words, size, "the scene");
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
+        if (differs(there, of, keys[i][0]))
+            add_said(words, size, keys[i][1], there, of, keys[i][0]);
+    if (differs(hashes, ours, "camera"))
+        lf_list_add(words, size, "the camera");
+    if (words[0] == '\0' && differs(hashes, ours, "all"))
+        lf_list_add(words, size, "how it is rendered");
+}
+
+/* ------------------------------------------------------------------------------------- write -- */
+
+static char *text_of(const json_t *of, const lf_job_progress *p)
+{
+    json_t *all = json_copy((json_t *)(uintptr_t)of),
+           *progress = json_pack("{s:I, s:f, s:f, s:b}", "passes", (json_int_t)p->times.passes,
+                                 "seconds", p->times.seconds, "cpu_seconds", p->times.cpu_seconds,
+                                 "complete", p->complete);
+    char *text = all && progress && json_object_update(all, progress) == 0
+                     ? json_dumps(all, JSON_COMPACT)
+                     : NULL;
+    json_decref(all);
+    json_decref(progress);
+    return text;
+}
+
+lf_status lf_job_state_write(const char *path, const json_t *of, const lf_renderer *renderer,
+                             const lf_job_progress *progress, lf_error *err)
+{
+    lf_outfile file = {.fd = -1};
+    char *text = text_of(of, progress);
+    if (!text)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    head h = {.version = htole32(VERSION), .n = htole32((uint32_t)strlen(text))};
+    memcpy(h.magic, magic, sizeof magic);
+    h.crc = checksum(&h, text);
+    lf_status status = lf_outfile_open(&file, path, true, err);
+    if (status == LF_OK)
+        status = lf_outfile_write(&file, &h, sizeof h, err);
+    if (status == LF_OK)
+        status = lf_outfile_write(&file, text, strlen(text), err);
+    if (status == LF_OK)
+        status = lf_renderer_save(renderer, &file, NULL, err);
+    if (status == LF_OK)
+        status = lf_outfile_commit(&file, true, err);
+    lf_outfile_abandon(&file);
+    free(text);
+    return status;
+}
+
+/* -------------------------------------------------------------------------------------- read -- */
+
+#define REMEDY "; remove it, or give another --state FILE"
+
+static lf_status damaged(const char *path, const char *what, lf_error *err)
+{
+    return lf_error_set(err, LF_E_FORMAT, path, "is damaged: %s" REMEDY, what);
+}
+
+static lf_status read_all(int fd, const char *path, void *data, size_t n, lf_error *err)
+{
+    char *p = data;
+    while (n > 0) {
+        const ssize_t got = read(fd, p, n);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
+        if (got == 0)
+            return damaged(path, "the file ends too early", err);
+        p += got;
+        n -= (size_t)got;
+    }
+    return LF_OK;
+}
+
+static bool is_progress(const json_t *words, lf_job_progress *out)
+{
+    const json_t *passes = json_object_get(words, "passes"),
+                 *seconds = json_object_get(words, "seconds"),
+                 *cpu = json_object_get(words, "cpu_seconds"),
+                 *complete = json_object_get(words, "complete");
+    out->times = (lf_render_times){.passes = json_integer_value(passes),
+                                   .seconds = json_number_value(seconds),
+                                   .cpu_seconds = json_number_value(cpu)};
+    out->complete = json_is_true(complete);
+    return json_is_integer(passes) && json_is_number(seconds) && json_is_number(cpu) &&
+           json_is_boolean(complete) && out->times.passes >= 0 &&
+           out->times.passes <= MOST_PASSES && out->times.seconds >= 0 &&
+           out->times.cpu_seconds >= 0;
+}
+
+/* Up to where the film begins. */
+static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err)
+{
+    head h;
+    lf_job_progress progress;
+    lf_status status = read_all(fd, path, &h, sizeof h, err);
+    if (status != LF_OK)
+        return status;
+    if (memcmp(h.magic, magic, sizeof magic) != 0)
+        return lf_error_set(err, LF_E_FORMAT, path,
+                            "is there already and holds no state of a job; give another --state "
+                            "FILE");
+    if (le32toh(h.version) != VERSION)
+        return lf_error_set(err, LF_E_STATE, path,
+                            "is a state of version %" PRIu32 ", and this program reads version "
+                            "%d" REMEDY,
+                            le32toh(h.version), VERSION);
+    const uint32_t n = le32toh(h.n);
+    if (n > MOST_TEXT)
+        return damaged(path, "its head is too long", err);
+    char *text = lf_calloc((size_t)n + 1, 1);
+    if (!text)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    status = read_all(fd, path, text, n, err);
+    if (status == LF_OK && checksum(&h, text) != h.crc)
+        status = damaged(path, "the checksum of its head does not fit", err);
+    json_t *words = status == LF_OK ? json_loadb(text, n, 0, NULL) : NULL;
+    if (status == LF_OK && !is_progress(words, &progress))
+        status = damaged(path, "its head says nothing of a job", err);
+    lf_free(text);
+    if (status == LF_OK)
+        *out = words;
+    else
+        json_decref(words);
+    return status;
+}
+
+static lf_status open_head(const char *path, int *out_fd, uint64_t *out_size, json_t **out,
+                           lf_error *err)
+{
+    int fd = -1;
+    lf_status status = lf_file_open(path, NULL, UINT64_MAX, &fd, out_size, err);
+    if (status != LF_OK)
+        return status;
+    status = read_head(fd, path, out, err);
+    if (status == LF_OK)
+        *out_fd = fd;
+    else
+        close(fd);
+    return status;
+}
+
+/* What the film's reader says, of this file. */
+static lf_status restore_film(int fd, const char *path, lf_renderer *renderer, lf_error *err)
+{
+    lf_error why = {0};
+    const lf_status status = lf_renderer_restore(renderer, fd, &why);
+    if (status == LF_OK)
+        return LF_OK;
+    if (status == LF_E_FORMAT)
+        return damaged(path, why.what, err);
+    return lf_error_set(err, status, path, "%s%s", why.what, status == LF_E_STATE ? REMEDY : "");
+}
+
+lf_status lf_job_state_restore(const char *path, const json_t *of, lf_renderer *renderer,
+                               lf_job_progress *out_progress, lf_error *err)
+{
+    json_t *there = NULL;
+    char words[384];
+    int fd = -1;
+    lf_status status = open_head(path, &fd, NULL, &there, err);
+    if (status != LF_OK)
+        return status;
+    differences(there, of, words, sizeof words);
+    if (words[0] != '\0')
+        status = lf_error_set(err, LF_E_STATE, path,
+                              "is the state of another job: it differs in %s" REMEDY, words);
+    if (status == LF_OK)
+        status = restore_film(fd, path, renderer, err);
+    if (status == LF_OK) {
+        (void)is_progress(there, out_progress);
+        out_progress->complete &= !differs(there, of, "budget");
+    }
+    close(fd);
+    json_decref(there);
+    return status;
+}
+
+lf_status lf_job_state_info(const char *path, json_t **out, lf_error *err)
+{
+    json_t *there = NULL;
+    uint64_t size = 0;
+    lf_state_id id;
+    lf_error why = {0};
+    int fd = -1;
+    lf_status status = open_head(path, &fd, &size, &there, err);
+    if (status != LF_OK)
+        return status;
+    status = lf_state_look(fd, &id, &why);
+    close(fd);
+    if (status != LF_OK) {
+        json_decref(there);
+        return status == LF_E_FORMAT ? damaged(path, why.what, err)
+                                     : lf_error_set(err, status, path, "%s", why.what);
+    }
+    json_object_set_new(there, "bytes", json_integer((json_int_t)size));
+    *out = there;
+    return LF_OK;
+}
