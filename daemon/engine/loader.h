@@ -40,7 +40,9 @@ typedef struct lf_load {
     /* FILE: what the options are for, borrowed; in another quilt's name the layout wins over theirs
      */
     const char *meant;
+    int columns, rows;       /* FILE: tiles of a picture, whatever its name says; 0 = not given */
     json_t *patch;           /* PATCH */
+    lf_passed *passed;       /* FILE, PATCH: files that the client has passed; NULL = none */
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
     char *name;              /* FIT: of what is to fill it; NULL = all */
     double fill, steps;      /* FIT: as in lf_camera_fit */

@@ -16,6 +16,8 @@
 #define FRAME "{\"type\":\"integer\",\"minimum\":0,\"maximum\":999999}"
 #define ENUM(words) "{\"type\":\"string\",\"enum\":[" words "]}"
 
+#define FILES "\"files\":{\"type\":\"array\",\"items\":" STRING ",\"maxItems\":64}"
+
 #define EXPORT_KEYS                                                                                \
     "\"kind\":" STRING ",\"file\":" STRING                                                         \
     ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"") ",\"detach\":" BOOLEAN              \
@@ -29,10 +31,12 @@ static const lf_method methods[] = {
     {"hello", "version, protocol and methods", OBJECT(""), lf_method_hello},
     {"status", "what the daemon is doing", OBJECT(""), lf_method_status},
     {"scene.load", "show a scene file or a quilt picture",
-     OBJECT_WITH("\"file\"", "\"file\":" STRING), lf_method_scene_load},
+     OBJECT_WITH("\"file\"", "\"file\":" STRING ",\"quilt\":" STRING "," FILES),
+     lf_method_scene_load},
     {"scene.get", "the scene that is shown", OBJECT(""), lf_method_scene_get},
     {"scene.patch", "JSON Merge Patch (RFC 7396) on the scene that is shown",
-     OBJECT_WITH("\"patch\"", "\"patch\":{\"type\":\"object\",\"additionalProperties\":true}"),
+     OBJECT_WITH("\"patch\"",
+                 "\"patch\":{\"type\":\"object\",\"additionalProperties\":true}," FILES),
      lf_method_scene_patch},
     {"camera.set", "keys of the scene's camera", OBJECT(""), lf_method_camera_set},
     {"camera.orbit", "move the camera around its target: degrees, and how many times nearer",
