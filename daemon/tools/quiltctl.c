@@ -8,6 +8,7 @@
 #include "base/log.h"
 #include "daemon/output/options.h"
 #include "daemon/tools/ctl.h"
+#include "daemon/tools/ctl_files.h"
 #include "daemon/tools/prometheus.h"
 #include "device/device.h"
 
@@ -178,45 +179,81 @@ static lf_status read_words(const arguments *a, const json_t *schema, json_t *pa
     return lf_schema_check(schema, params, a->method, err);
 }
 
-/* Asks the daemon for its methods; *out_schema is a new reference. LF_E_ARG: there is no such
- * method. */
-static lf_status ask_schema(lf_ctl *ctl, const char *method, json_t **out_schema, lf_error *err)
+/* The schema of a method in the daemon's hello. LF_E_ARG: there is no such method. */
+static lf_status find_schema(const json_t *hello, const char *method, const json_t **out_schema,
+                             lf_error *err)
 {
-    json_t *hello = NULL;
-    lf_status status = lf_ctl_call(ctl, "hello", json_object(), NULL, 0, &hello, NULL, err);
-    if (status != LF_OK)
-        return status;
     json_t *methods = json_object_get(hello, "methods");
-    *out_schema = json_incref(json_object_get(json_object_get(methods, method), "params"));
-    if (!*out_schema) {
-        const char *meant = lf_nearest_key(method, methods);
-        status = meant ? lf_error_set(err, LF_E_ARG, method,
-                                      "is no method of this daemon; did you mean \"%s\"?", meant)
-                       : lf_error_set(err, LF_E_ARG, method,
-                                      "is no method of this daemon; quiltctl hello lists them");
-    }
-    json_decref(hello);
-    return status;
+    *out_schema = json_object_get(json_object_get(methods, method), "params");
+    if (*out_schema)
+        return LF_OK;
+    const char *meant = lf_nearest_key(method, methods);
+    return meant ? lf_error_set(err, LF_E_ARG, method,
+                                "is no method of this daemon; did you mean \"%s\"?", meant)
+                 : lf_error_set(err, LF_E_ARG, method,
+                                "is no method of this daemon; quiltctl hello lists them");
 }
 
-static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_error *err)
+/* The scene that is shown; NULL: none. A new reference. */
+static json_t *ask_scene(lf_ctl *ctl)
 {
-    if (strcmp(a->method, "watch") == 0)
-        return lf_ctl_watch(ctl, err);
-    json_t *schema = NULL;
-    lf_status status = ask_schema(ctl, a->method, &schema, err);
-    if (status != LF_OK)
-        return status;
-    json_t *params = json_object();
-    status = read_words(a, schema, params, err);
-    json_decref(schema);
+    json_t *status = NULL, *scene = NULL;
+    if (lf_ctl_call(ctl, "status", json_object(), NULL, 0, &status, NULL, NULL) == LF_OK)
+        scene = json_incref(json_object_get(status, "scene"));
+    json_decref(status);
+    return scene;
+}
+
+/* A call that names files, with those that the daemon may not open. params are taken over. */
+static lf_status call_with_files(lf_ctl *ctl, const arguments *a, const json_t *hello,
+                                 json_t *params, json_t **out_result, lf_error *err)
+{
+    json_t *patch = json_object_get(params, "patch");
+    json_t *named = patch ? patch : json_object_get(params, "file");
+    json_t *scene = patch ? ask_scene(ctl) : NULL;
+    lf_ctl_files files;
+    lf_status status = lf_ctl_files_open(json_object_get(hello, "folders"), named,
+                                         json_string_value(scene), &files, err);
+    json_decref(scene);
     if (status != LF_OK) {
         json_decref(params);
         return status;
     }
+    if (files.n > 0)
+        json_object_set(params, "files", files.names);
+    status = lf_ctl_call(ctl, a->method, params, files.fd, files.n, out_result, NULL, err);
+    lf_ctl_files_close(&files);
+    return status;
+}
+
+/* params are taken over. */
+static lf_status call(lf_ctl *ctl, const arguments *a, const json_t *hello, json_t *params,
+                      json_t **out_result, lf_error *err)
+{
     if (strcmp(a->method, "export") == 0 && !is_detached(params))
         return lf_ctl_export(ctl, params, out_result, err);
+    if (strcmp(a->method, "scene.load") == 0 || strcmp(a->method, "scene.patch") == 0)
+        return call_with_files(ctl, a, hello, params, out_result, err);
     return lf_ctl_call(ctl, a->method, params, NULL, 0, out_result, NULL, err);
+}
+
+static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_error *err)
+{
+    json_t *hello = NULL;
+    const json_t *schema;
+    if (strcmp(a->method, "watch") == 0)
+        return lf_ctl_watch(ctl, err);
+    lf_status status = lf_ctl_call(ctl, "hello", json_object(), NULL, 0, &hello, NULL, err);
+    if (status == LF_OK)
+        status = find_schema(hello, a->method, &schema, err);
+    json_t *params = json_object();
+    if (status == LF_OK)
+        status = read_words(a, schema, params, err);
+    if (status == LF_OK)
+        status = call(ctl, a, hello, json_incref(params), out_result, err);
+    json_decref(params);
+    json_decref(hello);
+    return status;
 }
 
 /* hello's schemas are for programs: people get the names and what they do. */

@@ -289,6 +289,120 @@ static void a_picture_without_tiles_in_its_name_gets_them_from_the_call(void **s
     end(&o);
 }
 
+/* -------------------------------------------------------------------------------- quiltctl -- */
+
+static int ctl(const outside *o, const char *method, const char *word)
+{
+    return live_run(&o->l, "quiltctl", "--socket", o->l.socket, "--timeout", "300", method, word,
+                    NULL);
+}
+
+static int ctl_load(const outside *o, const char *name)
+{
+    char word[PATH_MAX + 8];
+    snprintf(word, sizeof word, "file=%s", lf_test_path(o->folder, name));
+    return ctl(o, "scene.load", word);
+}
+
+/* A triangle with a material of model.mtl. */
+static void write_model(const outside *o, const char *name, const char *library)
+{
+    char text[512];
+    snprintf(text, sizeof text,
+             "mtllib %s\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl skin\n"
+             "f 1/1 2/2 3/3\n",
+             library);
+    lf_test_write(o->folder, name, text);
+}
+
+static void quiltctl_passes_what_a_scene_and_its_meshes_name(void **state)
+{
+    (void)state;
+    outside o;
+    begin(&o);
+    assert_int_equal(live_run(&o.l, "quiltctl", "--socket", o.l.socket, "export", "quilt",
+                              lf_test_path(o.folder, "skin_qs3x2a0.75.png"), "wait=coarse", NULL),
+                     0);
+    write_model(&o, "model.obj", "model.mtl");
+    lf_test_write(o.folder, "model.mtl", "newmtl skin\nmap_Kd skin_qs3x2a0.75.png\n");
+    lf_test_write(o.folder, "lit.json",
+                  "{\"lights\":{\"sky\":{\"type\":\"environment\",\"file\":\"sky.hdr\"}}}");
+    lf_test_write(o.folder, "scene.json",
+                  "{\"quiltd\":1,\"include\":\"lit.json\",\"comment\":\"not fog.json\","
+                  "\"meshes\":{\"model\":{\"file\":\"model.obj\"}}}");
+    assert_int_equal(ctl_load(&o, "scene.json"), 0);
+    assert_string_equal(live_status_text(&o.c, "scene"), lf_test_path(o.folder, "scene.json"));
+    assert_int_equal(passed_by_status(&o), 6); /* scene, lit, sky, model, its library and texture */
+    /* a mesh alone, and a patch with a name that begins at the scene's folder */
+    assert_int_equal(ctl_load(&o, "model.obj"), 0);
+    assert_int_equal(passed_by_status(&o), 3);
+    assert_int_equal(ctl_load(&o, "fog.json"), 0);
+    assert_int_equal(ctl(&o, "scene.patch", "patch:={\"meshes\":{\"m\":{\"file\":\"model.obj\"}}}"),
+                     0);
+    assert_int_equal(passed_by_status(&o), 4);
+    end(&o);
+}
+
+static void quiltctl_passes_nothing_that_the_daemon_reads_itself(void **state)
+{
+    (void)state;
+    outside o;
+    begin(&o);
+    char word[PATH_MAX + 8];
+    snprintf(word, sizeof word, "file=%s", o.l.scene);
+    assert_int_equal(ctl(&o, "scene.load", word), 0);
+    assert_int_equal(passed_by_status(&o), 0);
+    end(&o);
+}
+
+/* A mesh from elsewhere does not make quiltctl open what its user would not have named. */
+static void links_and_names_that_leave_the_folder_of_a_mesh_are_not_passed(void **state)
+{
+    (void)state;
+    outside o;
+    begin(&o);
+    assert_int_equal(mkdir(lf_test_path(o.folder, "in"), 0700), 0);
+    lf_test_write(o.folder, "secret.mtl", "newmtl skin\nKd 1 0 0\n");
+    assert_int_equal(symlink("../secret.mtl", lf_test_path(o.folder, "in/link.mtl")), 0);
+    write_model(&o, "in/up.obj", "../secret.mtl");
+    write_model(&o, "in/link.obj", "link.mtl");
+    assert_int_equal(ctl_load(&o, "in/up.obj"), 1);
+    assert_int_equal(ctl_load(&o, "in/link.obj"), 1);
+    assert_true(live_logged(&o.l, "secret.mtl"));
+    assert_true(live_logged(&o.l, "link.mtl"));
+    assert_string_equal(live_status_text(&o.c, "scene"), o.l.scene);
+    end(&o);
+}
+
+static void quiltctl_ends_where_files_are_none_or_too_many(void **state)
+{
+    (void)state;
+    outside o;
+    begin(&o);
+    assert_int_equal(mkfifo(lf_test_path(o.folder, "fifo.hdr"), 0600), 0);
+    lf_test_write(o.folder, "waits.json",
+                  "{\"quiltd\":1,\"lights\":{\"sky\":{\"type\":\"environment\",\"file\":"
+                  "\"fifo.hdr\"}}}");
+    assert_int_equal(ctl_load(&o, "waits.json"), 1);
+    assert_int_equal(ctl_load(&o, "nothing.json"), 1);
+    json_t *lights = json_object();
+    for (int i = 0; i < LF_MAX_PASSED; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "sky%d.hdr", i);
+        lf_test_write(o.folder, name, sky_text);
+        json_object_set_new(lights, name,
+                            json_pack("{s:s, s:s}", "type", "environment", "file", name));
+    }
+    json_t *scene = json_pack("{s:i, s:o}", "quiltd", 1, "lights", lights);
+    char *text = json_dumps(scene, 0);
+    lf_test_write(o.folder, "many.json", text);
+    free(text);
+    json_decref(scene);
+    assert_int_equal(ctl_load(&o, "many.json"), 2);
+    assert_true(live_logged(&o.l, "more than 64 files"));
+    end(&o);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -299,6 +413,10 @@ int main(void)
         cmocka_unit_test(other_descriptors_are_refused_in_one_line),
         cmocka_unit_test(more_than_64_files_of_a_call_are_refused),
         cmocka_unit_test(names_that_are_not_plain_are_refused),
+        cmocka_unit_test(quiltctl_passes_what_a_scene_and_its_meshes_name),
+        cmocka_unit_test(quiltctl_passes_nothing_that_the_daemon_reads_itself),
+        cmocka_unit_test(links_and_names_that_leave_the_folder_of_a_mesh_are_not_passed),
+        cmocka_unit_test(quiltctl_ends_where_files_are_none_or_too_many),
         cmocka_unit_test(a_picture_without_tiles_in_its_name_gets_them_from_the_call),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
