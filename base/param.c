@@ -663,14 +663,27 @@ static json_t *row_schema(const lf_param *row)
                      "maxItems", 3);
 }
 
+/* What is not said is as if this were said; NULL: there is no such value. */
+static json_t *default_json(const lf_param *row)
+{
+    const double value = row->initial;
+    if (row->required || is_text(row) || row->type == LF_PARAM_POINT || row->or_object ||
+        !is_allowed(row, value))
+        return NULL;
+    if (has_words(row) && row->type != LF_PARAM_WHOLE)
+        return json_string(word_of(row, (int)value));
+    if (row->type == LF_PARAM_SWITCH)
+        return json_boolean(value != 0.0);
+    return value == floor(value) ? json_integer((json_int_t)value) : json_real(value);
+}
+
 static bool describe_schema(const lf_param *row, json_t *schema)
 {
-    if (!row->help && !row->unit)
-        return true;
-    return json_object_set_new(schema, "description",
-                               json_sprintf("%s%s%s", row->help ? row->help : "",
-                                            row->help && row->unit ? "; " : "",
-                                            row->unit ? row->unit : "")) == 0;
+    const char *text = row->about ? row->about : row->help;
+    json_t *initial = default_json(row);
+    return (!text || json_object_set_new(schema, "description", json_string(text)) == 0) &&
+           (!row->unit || json_object_set_new(schema, "unit", json_string(row->unit)) == 0) &&
+           (!initial || json_object_set_new(schema, "default", initial) == 0);
 }
 
 json_t *lf_param_schema(const lf_param *params)

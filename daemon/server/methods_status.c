@@ -17,15 +17,10 @@ static json_t *folders_json(const lf_server *server)
 
 void lf_method_hello(lf_call *call)
 {
-    json_t *methods = json_object();
-    for (int i = 0; lf_method_at(i); i++) {
-        json_t *entry = json_pack("{s:s, s:O}", "summary", lf_method_at(i)->summary, "params",
-                                  lf_method_schema(i));
-        json_object_set_new(methods, lf_method_at(i)->name, entry);
-    }
-    lf_reply(call, json_pack("{s:s, s:s, s:i, s:o, s:o}", "name", "quiltd", "version", LF_VERSION,
-                             "protocol", LF_RPC_PROTOCOL, "folders", folders_json(call->server),
-                             "methods", methods));
+    lf_reply(call,
+             json_pack("{s:s, s:s, s:i, s:o, s:O, s:O}", "name", "quiltd", "version", LF_VERSION,
+                       "protocol", LF_RPC_PROTOCOL, "folders", folders_json(call->server),
+                       "methods", lf_methods_json(), "events", lf_events_json()));
 }
 
 /* Whole, whatever JSON's integers hold here. */

@@ -295,7 +295,7 @@ static void the_schema_says_what_the_rows_say(void **state)
     json_t *schema = lf_param_schema(rows);
     json_t *expected =
         object("{\"watts\":{\"type\":\"number\",\"minimum\":1.0,\"maximum\":100.0,"
-               "\"description\":\"how bright; W\"},"
+               "\"description\":\"how bright\",\"unit\":\"W\"},"
                "\"legs\":{\"type\":\"integer\",\"minimum\":3.0,\"maximum\":5.0},"
                "\"x\":{\"type\":\"number\",\"minimum\":-9.0,\"maximum\":9.0},"
                "\"y\":{\"type\":\"number\",\"minimum\":-9.0,\"maximum\":9.0},"
