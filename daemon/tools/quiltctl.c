@@ -7,8 +7,10 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/output/options.h"
+#include "daemon/server/methods.h"
 #include "daemon/tools/ctl.h"
 #include "daemon/tools/ctl_files.h"
+#include "daemon/tools/ctl_help.h"
 #include "daemon/tools/prometheus.h"
 #include "device/device.h"
 
@@ -50,17 +52,20 @@ static void print_help(void)
         "Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
         "       quiltctl [--socket PATH] watch\n"
         "       quiltctl [--socket PATH] doctor\n"
-        "       quiltctl [--socket PATH] export quilt|views|panel|print|chart|rgbd|state FILE "
-        "[key=value "
-        "...]\n"
+        "       quiltctl [--socket PATH] export "
+        "quilt|views|pictures|panel|print|chart|rgbd|state FILE\n"
+        "                [key=value ...]\n"
+        "       quiltctl METHOD --help\n"
         "Calls a running quiltd and prints what it answers. Values are typed by the method's "
         "schema; key:=JSON is raw.\n"
         "`quiltctl hello` lists the methods; some of them: status, scene.load file=PATH, "
         "scene.patch patch:=JSON,\n"
         "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
+        "`quiltctl METHOD --help` says what a method takes and answers; it needs no daemon.\n"
         "doctor says what stands between this machine and a picture on a panel; it needs no "
         "daemon.\n"
-        "An export is written with your rights: FILE may lie anywhere you may write.\n"
+        "An export is written, and a scene with its files is read, with your rights: they may "
+        "lie anywhere.\n"
         "\n"
         "  --socket PATH          the daemon's socket ($QUILTD_SOCKET, "
         "$XDG_RUNTIME_DIR/quiltd.sock,\n"
@@ -70,6 +75,7 @@ static void print_help(void)
         "lines\n"
         "                         for the textfile collector of Prometheus' node exporter)\n"
         "  --timeout SECONDS      gives up after so long\n" LF_OPTIONS_HELP_LAST
+            LF_OPTIONS_HELP_SHELLS
         "Exit status: 0, 1 when the daemon refused, 2 for wrong usage, 3 when no daemon "
         "answers.\n");
 }
@@ -256,27 +262,6 @@ static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_er
     return status;
 }
 
-/* hello's schemas are for programs: people get the names and what they do. */
-static void print_methods(const json_t *hello)
-{
-    const char *name;
-    json_t *entry;
-    printf("quiltd %s, protocol %lld\n", json_string_value(json_object_get(hello, "version")),
-           (long long)json_integer_value(json_object_get(hello, "protocol")));
-    json_object_foreach(json_object_get(hello, "methods"), name, entry)
-    {
-        printf("%-20s %s\n", name, json_string_value(json_object_get(entry, "summary")));
-        const char *key;
-        json_t *property;
-        json_object_foreach(json_object_get(json_object_get(entry, "params"), "properties"), key,
-                            property)
-        {
-            const json_t *type = json_object_get(property, "type");
-            printf("    %s=%s\n", key, json_string_value(type) ? json_string_value(type) : "...");
-        }
-    }
-}
-
 static void print_result(const arguments *a, const json_t *result)
 {
     if (a->format == FORMAT_PROMETHEUS) {
@@ -285,13 +270,28 @@ static void print_result(const arguments *a, const json_t *result)
         json_dumpf(result, stdout, JSON_ENCODE_ANY | JSON_INDENT(2));
         putchar('\n');
     } else if (strcmp(a->method, "hello") == 0) {
-        print_methods(result);
+        lf_ctl_print_methods(result);
     } else if (strcmp(a->method, "scene.get") == 0) {
         json_dumpf(json_object_get(result, "scene"), stdout, JSON_ENCODE_ANY | JSON_INDENT(2));
         putchar('\n');
     } else {
         lf_ctl_print(result);
     }
+}
+
+/* "METHOD --help": prints what there is to say of it; false: something else was asked for. */
+static bool print_method_help(int argc, char *const argv[])
+{
+    const char *method = NULL;
+    bool help = false;
+    for (int i = 1; i < argc; i++) {
+        help = help || strcmp(argv[i], "--help") == 0;
+        if (!method && json_object_get(lf_methods_json(), argv[i]))
+            method = argv[i];
+    }
+    if (help && method)
+        lf_ctl_print_method(method, json_object_get(lf_methods_json(), method));
+    return help && method;
 }
 
 static int exit_code(lf_status status)
@@ -309,6 +309,8 @@ int main(int argc, char *argv[])
     lf_error err;
     bool done = false;
     lf_log_init(PROGRAM, LF_LOG_INFO);
+    if (print_method_help(argc, argv))
+        return LF_EXIT_OK;
     if (read_arguments(argc, argv, &a, &done, &err) != LF_OK)
         return lf_usage_error(PROGRAM, &err);
     if (done)

@@ -70,7 +70,7 @@ static void print_help(void)
     lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT);
     printf("  --stats FILE.json      writes what was done and what it took\n"
            "  --plan                 renders nothing: prints what it would take, and a command for "
-           "each task\n" LF_OPTIONS_HELP_LAST);
+           "each task\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
 }
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
