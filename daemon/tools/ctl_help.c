@@ -85,8 +85,9 @@ static void name_range(const json_t *schema, char *buf, size_t size)
         append_value(buf, size, " ", low);
     if (low && high)
         append_value(buf, size, " to ", high);
-    if (strcmp(text_of(schema, "unit"), "count") != 0)
-        append(buf, size, strlen(buf) > 0 ? " " : "", text_of(schema, "unit"));
+    const char *unit = text_of(schema, "unit");
+    if (unit[0] != '\0' && strcmp(unit, "count") != 0)
+        append(buf, size, " ", unit);
 }
 
 static void describe(const json_t *schema, bool required, char *buf, size_t size)
