@@ -632,12 +632,6 @@ static json_t *words_json(const lf_param *row)
     return words;
 }
 
-static json_t *or_object_schema(const lf_param *row)
-{
-    return json_pack("{s:[s, s], s:f, s:f, s:b}", "type", "integer", "object", "minimum", row->low,
-                     "maximum", row->high, "additionalProperties", true);
-}
-
 static json_t *row_schema(const lf_param *row)
 {
     const char *type = row->type == LF_PARAM_WHOLE    ? "integer"
@@ -648,7 +642,8 @@ static json_t *row_schema(const lf_param *row)
         return json_pack("{s:s, s:o}", "type", row->type == LF_PARAM_WHOLE ? "integer" : "string",
                          "enum", words_json(row));
     if (row->or_object)
-        return or_object_schema(row);
+        return json_pack("{s:[s, s], s:f, s:f, s:b}", "type", "integer", "object", "minimum",
+                         row->low, "maximum", row->high, "additionalProperties", true);
     if (row->type == LF_PARAM_SWITCH || row->type == LF_PARAM_TEXT)
         return json_pack("{s:s}", "type", type);
     /* strings first: what quiltctl reads as text is told apart behind it */

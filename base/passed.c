@@ -14,8 +14,6 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/frame_name.h"
-#include "base/import/import.h"
-#include "base/import/import_group.h"
 
 #define COPY_BYTES ((size_t)1 << 20) /* at a time */
 
@@ -25,6 +23,7 @@ typedef struct passed_file {
     char *path;
     pthread_mutex_t lock; /* of copy */
     int copy;             /* in memory; -1: there is none */
+    uint64_t copied;      /* bytes of it */
 } passed_file;
 
 struct lf_passed {
@@ -35,6 +34,13 @@ struct lf_passed {
 };
 
 static atomic_int n_held;
+static _Atomic uint64_t n_copied;        /* bytes */
+static bool (*_Atomic is_stopped)(void); /* NULL: never */
+
+void lf_passed_stop_when(bool (*stopped)(void))
+{
+    atomic_store(&is_stopped, stopped);
+}
 
 /* ------------------------------------------------------------------------------------- names -- */
 
@@ -114,13 +120,21 @@ lf_passed *lf_passed_ref(lf_passed *passed)
     return passed;
 }
 
+/* fd: of the copy, or below 0. */
+static void drop_copy(passed_file *file, int fd)
+{
+    atomic_fetch_sub(&n_copied, file->copied);
+    file->copied = 0;
+    if (fd >= 0)
+        close(fd);
+}
+
 static void file_unref(passed_file *file)
 {
     if (atomic_fetch_sub_explicit(&file->references, 1, memory_order_acq_rel) != 1)
         return;
     close(file->fd);
-    if (file->copy >= 0)
-        close(file->copy);
+    drop_copy(file, file->copy);
     pthread_mutex_destroy(&file->lock);
     lf_free(file->path);
     lf_free(file);
@@ -278,11 +292,12 @@ static bool write_all(int fd, const char *data, size_t n)
 }
 
 /* pread: the offset is the client's too. */
-static lf_status copy_bytes(const passed_file *file, int to, char *chunk, lf_error *err)
+static lf_status copy_bytes(passed_file *file, int to, char *chunk, lf_error *err)
 {
     for (off_t at = 0;;) {
-        if (lf_import_is_stopped())
-            return lf_import_say_stopped(file->path, err);
+        bool (*stopped)(void) = atomic_load(&is_stopped);
+        if (stopped && stopped())
+            return lf_error_set(err, LF_E_CANCELLED, file->path, "reading was stopped");
         const ssize_t got = pread(file->fd, chunk, COPY_BYTES, at);
         if (got < 0 && errno == EINTR)
             continue;
@@ -291,10 +306,11 @@ static lf_status copy_bytes(const passed_file *file, int to, char *chunk, lf_err
         if (got == 0)
             return LF_OK;
         at += got;
-        if ((uint64_t)at > LF_MAX_PASSED_COPY)
+        file->copied += (uint64_t)got;
+        if (atomic_fetch_add(&n_copied, (uint64_t)got) + (uint64_t)got > LF_MAX_PASSED_COPY)
             return lf_error_set(err, LF_E_FORMAT, file->path,
-                                "quiltd's user may not open it again, and it is larger than %d MiB "
-                                "(chmod o+r lets everybody read it)",
+                                "quiltd's user may not open it again, and copies of such files "
+                                "take more than %d MiB (chmod o+r lets everybody read it)",
                                 (int)(LF_MAX_PASSED_COPY >> 20));
         if (!write_all(to, chunk, (size_t)got))
             return fail_errno(err, file->path, "cannot be copied into memory");
@@ -314,8 +330,8 @@ static lf_status make_copy(passed_file *file, lf_error *err)
     lf_free(chunk);
     if (status == LF_OK)
         file->copy = fd;
-    else if (fd >= 0)
-        close(fd);
+    else
+        drop_copy(file, fd);
     return status;
 }
 

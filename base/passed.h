@@ -14,9 +14,9 @@
 
 #include "base/status.h"
 
-#define LF_MAX_PASSED 64                         /* of a call, and of a scene */
-#define LF_MAX_PASSED_ALL 256                    /* that the process holds at a time */
-#define LF_MAX_PASSED_COPY ((uint64_t)512 << 20) /* bytes of one that is copied */
+#define LF_MAX_PASSED 64                       /* of a call, and of a scene */
+#define LF_MAX_PASSED_ALL 256                  /* that the process holds at a time */
+#define LF_MAX_PASSED_COPY ((uint64_t)1 << 30) /* bytes of all copies in the process */
 
 typedef struct lf_passed lf_passed;
 
@@ -44,9 +44,12 @@ void lf_passed_unref(lf_passed *passed);
 bool lf_passed_has(const lf_passed *passed, const char *path);
 /* Opens it for reading, at offset 0. On LF_OK the caller owns *out_fd (O_CLOEXEC). LF_E_PATH: no
  * such file was passed; LF_E_IO, LF_E_FORMAT (too large to be copied), LF_E_NOMEM, LF_E_CANCELLED
- * (lf_import_stop while it was copied). */
+ * (lf_passed_stop_when). */
 LF_NODISCARD lf_status lf_passed_open(lf_passed *passed, const char *path, int *out_fd,
                                       lf_error *err);
+
+/* From now on a copy ends when this is true, which is asked again and again. Thread: any. */
+void lf_passed_stop_when(bool (*stopped)(void));
 
 /* The name of file number `index`; NULL behind the last, and where passed is NULL. */
 const char *lf_passed_at(const lf_passed *passed, int index);

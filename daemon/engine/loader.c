@@ -112,9 +112,9 @@ static lf_status turn_pages(const lf_roots *roots, lf_load *load)
 static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf_content **out)
 {
     lf_options options = load->options;
-    if (load->columns > 0) {
-        options.columns = load->columns;
-        options.rows = load->rows;
+    if (load->tiles.columns > 0) {
+        options.columns = load->tiles.columns;
+        options.rows = load->tiles.rows;
     } else if (named && (!load->meant || strcmp(load->file, load->meant) != 0)) {
         options.columns = options.rows = 0;
     }
@@ -141,7 +141,7 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
     bool meant = named && dot && strcmp(dot, ".json") != 0;
     if (meant || lf_is_quilt(load->file, roots))
         return load_quilt(roots, load, named, out);
-    if (load->columns > 0)
+    if (load->tiles.columns > 0)
         return lf_error_set(&load->err, LF_E_ARG, load->file,
                             "is no picture: quilt=COLUMNSxROWS goes with pictures alone");
     lf_scene *scene = NULL;
@@ -489,6 +489,7 @@ lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *i
         return LF_E_NOMEM;
     loader->engine = engine;
     loader->roots = roots;
+    lf_passed_stop_when(lf_import_is_stopped);
     lf_status status =
         lf_worker_create("lf-loader", run_task, drop_task, loader, inbox, &loader->worker);
     if (status != LF_OK) {

@@ -20,13 +20,13 @@ json_t *lf_method_schema(int index);
 
 /* methods_fields.c */
 /* A notification: a method that the daemon calls. */
-typedef struct lf_event {
+typedef struct lf_notification {
     const char *name;  /* of the method */
     const char *event; /* of subscribe */
     const char *summary;
-} lf_event;
+} lf_notification;
 /* NULL behind the last. */
-const lf_event *lf_event_at(int index);
+const lf_notification *lf_notification_at(int index);
 /* {name: {summary, params, result, example}} of the methods, and {name: {summary, event, params}}
  * of the notifications, as hello has them: made once, borrowed. Thread: any. */
 json_t *lf_methods_json(void);

@@ -39,12 +39,12 @@ static const field fields[] = {
     {"status", "view_height", "integer", "pixels", "height of one view"},
     {"status", "aspect", "number", "width over height", "shape of the window"},
     {"status", "cone", "number", "degrees", "angle over which the cameras are spread"},
-    {"status", "track", "number", "scene units", "length of a straight line of cameras, if it is one"},
+    {"status", "track", "number", "scene units", "length of a straight line of cameras"},
     {"status", "time", "@time", NULL, "frame that is shown, and what is played"},
     {"status", "depth_budget", "@depth|null", NULL, "whether the scene is too deep for a panel"},
     {"status", "seed", "integer|string", COUNT, "random seed; a string where it exceeds 2^63 - 1"},
     {"status", "integrator", "string", NULL, "name of the integrator"},
-    {"status", "generation", "integer", COUNT, "number of the scene and camera; each change adds one"},
+    {"status", "generation", "integer", COUNT, "number of the scene and camera"},
     {"status", "level", "string", NULL,
      "quality of the picture now: none, coarse, complete or converged"},
     {"status", "passes", "number", "passes", "passes rendered so far"},
@@ -92,13 +92,13 @@ static const field fields[] = {
     {"@time", "from", "integer", "frames", "first frame, while they are played"},
     {"@time", "to", "integer", "frames", "last frame, while they are played"},
     {"@time", "loop", "boolean", NULL, "begins again behind the last, while they are played"},
-    {"@depth", "nearest", "number", "scene units", "distance of the nearest point along the axis"},
-    {"@depth", "farthest", "number", "scene units", "distance of the farthest point along the axis"},
-    {"@depth", "nearest_step", "number|null", "pixels", "shift of the nearest point between two views"},
-    {"@depth", "farthest_step", "number", "pixels", "shift of the farthest point between two views"},
+    {"@depth", "nearest", "number", "scene units", "distance of the nearest point"},
+    {"@depth", "farthest", "number", "scene units", "distance of the farthest point"},
+    {"@depth", "nearest_step", "number|null", "pixels", "shift of this point between views"},
+    {"@depth", "farthest_step", "number", "pixels", "shift of this point between views"},
     {"@depth", "limit", "number", "pixels", "largest shift that a panel shows sharply"},
     {"@depth", "sharp_from", "number", "scene units", "nearest distance that is sharp"},
-    {"@depth", "sharp_to", "number|null", "scene units", "farthest distance that is sharp; null: any"},
+    {"@depth", "sharp_to", "number|null", "scene units", "farthest one; null: any"},
     {"@depth", "exceeded", "boolean", NULL, "something lies outside of these, with no view_blur"},
     {"@exposure", "stops", "number", "stops", "exposure in use"},
     {"@exposure", "auto", "boolean", NULL, "it was chosen by the picture"},
@@ -173,7 +173,7 @@ static const field fields[] = {
     {"device.calibration", "flipImageY", "integer", COUNT, "1: mirrored from top to bottom"},
     {"device.calibration", "flipSubp", "integer", COUNT, "1: subpixels run blue, green, red"},
     {"device.calibration", "CellPatternMode", "integer", COUNT, "number of the subpixel layout"},
-    {"device.calibration", "subpixelCells", "[object]", NULL, "places of subpixels, if not stripes"},
+    {"device.calibration", "subpixelCells", "[object]", NULL, "places of subpixels"},
     {"device.calibration", "defaultQuilt", "@tiles", NULL, "the panel's own quilt, if it says one"},
     {"@tiles", "quiltX", "integer", "pixels", "width of the quilt"},
     {"@tiles", "quiltY", "integer", "pixels", "height of the quilt"},
@@ -199,7 +199,7 @@ static const field fields[] = {
     {"!button", "action", "string", NULL, "what it does, as --buttons has it"},
 };
 
-static const lf_event events[] = {
+static const lf_notification events[] = {
     {"frame", "frame", "another picture is shown"},
     {"converged", "converged", "the picture has reached the target error"},
     {"device", "device", "the panel came, went or changed"},
@@ -210,7 +210,7 @@ static const lf_event events[] = {
 };
 /* clang-format on */
 
-const lf_event *lf_event_at(int index)
+const lf_notification *lf_notification_at(int index)
 {
     return index < (int)(sizeof events / sizeof *events) ? &events[index] : NULL;
 }
@@ -278,7 +278,7 @@ static void make(void)
         json_object_set_new(all_methods, method->name, entry);
     }
     all_events = json_object();
-    for (int i = 0; lf_event_at(i); i++) {
+    for (int i = 0; lf_notification_at(i); i++) {
         char of[32];
         snprintf(of, sizeof of, "!%s", events[i].name);
         json_t *entry = json_pack("{s:s, s:s, s:o*}", "summary", events[i].summary, "event",

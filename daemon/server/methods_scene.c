@@ -81,8 +81,8 @@ static lf_status take_tiles(const lf_call *call, lf_load *load, lf_error *err)
     if (lf_param_from_text(lf_param_find(lf_option_params, "quilt"), text, &options, &wrong) !=
         LF_OK)
         return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/quilt", "%s", wrong.what);
-    load->columns = options.columns;
-    load->rows = options.rows;
+    load->tiles.columns = options.columns;
+    load->tiles.rows = options.rows;
     return LF_OK;
 }
 

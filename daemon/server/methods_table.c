@@ -23,8 +23,9 @@
 
 #define FILES                                                                                      \
     KEY("files", LIST(STRING) ",\"maxItems\":64",                                                  \
-        "absolute names of files whose descriptors (SCM_RIGHTS, open for reading alone) come with " \
-        "the call, in this order: the scene may read them wherever they lie; quiltctl fills this in")
+        "absolute names of files whose descriptors (SCM_RIGHTS, open for reading alone) come "     \
+        "with the call, in this order: the scene may read them wherever they lie; quiltctl fills " \
+        "this in")
 
 #define EXPORT_KEYS                                                                                \
     KEY("kind", STRING, "what to write") ","                                                       \

@@ -27,7 +27,7 @@ const lf_param lf_camera_params[] = {
      .low = 0, .high = 160, .initial = 40,
      .about = "angle over which the cameras are spread, seen from the target"},
     {.name = "placement", PLACE(inclusive), .type = LF_PARAM_SWITCH, .words = placements,
-     .about = "whether the outermost cameras stand at the ends of the cone (inclusive) or half a spacing inside (centred)"},
+     .about = "outermost cameras: at the ends of the cone (inclusive) or half a spacing inside"},
     {.name = "lens_radius", PLACE(lens_radius), .low = 0, .high = LF_MAX_COORDINATE,
      .about = "radius of each view's lens, in scene units; 0: everything is sharp"},
     {.name = "focus_distance", PLACE(focus_distance), .low = LF_MIN_DISTANCE,

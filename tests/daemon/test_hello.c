@@ -186,9 +186,9 @@ static void take_notification(listener *t, const json_t *message)
     for (int i = 0; i < t->n; i++)
         if (strcmp(t->seen[i], name) == 0)
             return;
-    for (int i = 0; lf_event_at(i); i++)
-        if (strcmp(lf_event_at(i)->name, name) == 0)
-            t->seen[t->n++] = lf_event_at(i)->name;
+    for (int i = 0; lf_notification_at(i); i++)
+        if (strcmp(lf_notification_at(i)->name, name) == 0)
+            t->seen[t->n++] = lf_notification_at(i)->name;
 }
 
 /* The answer (a new reference), which must be as hello says. */
@@ -263,9 +263,10 @@ static void a_running_daemon_says_what_hello_lists(void **state)
     do_ask(&t, "wait", json_pack("{s:s}", "for", "converged"));
     do_ask(&t, "device.set", json_pack("{s:s, s:f}", "spec", "none", "gamma", 2.2));
     do_ask(&t, "status", NULL);
-    for (int i = 0; lf_event_at(i); i++)
-        if (!has_seen(&t, lf_event_at(i)->name) && strcmp(lf_event_at(i)->name, "scene.load") != 0)
-            fail_msg("there was no notification %s", lf_event_at(i)->name);
+    for (int i = 0; lf_notification_at(i); i++)
+        if (!has_seen(&t, lf_notification_at(i)->name) &&
+            strcmp(lf_notification_at(i)->name, "scene.load") != 0)
+            fail_msg("there was no notification %s", lf_notification_at(i)->name);
     do_ask(&t, "shutdown", NULL);
     assert_int_equal(live_reap(t.l.pid), 0);
     t.l.pid = 0;
