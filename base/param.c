@@ -632,12 +632,6 @@ static json_t *words_json(const lf_param *row)
     return words;
 }
 
-static json_t *or_object_schema(const lf_param *row)
-{
-    return json_pack("{s:[s, s], s:f, s:f, s:b}", "type", "integer", "object", "minimum", row->low,
-                     "maximum", row->high, "additionalProperties", true);
-}
-
 static json_t *row_schema(const lf_param *row)
 {
     const char *type = row->type == LF_PARAM_WHOLE    ? "integer"
@@ -648,7 +642,8 @@ static json_t *row_schema(const lf_param *row)
         return json_pack("{s:s, s:o}", "type", row->type == LF_PARAM_WHOLE ? "integer" : "string",
                          "enum", words_json(row));
     if (row->or_object)
-        return or_object_schema(row);
+        return json_pack("{s:[s, s], s:f, s:f, s:b}", "type", "integer", "object", "minimum",
+                         row->low, "maximum", row->high, "additionalProperties", true);
     if (row->type == LF_PARAM_SWITCH || row->type == LF_PARAM_TEXT)
         return json_pack("{s:s}", "type", type);
     /* strings first: what quiltctl reads as text is told apart behind it */
@@ -663,14 +658,27 @@ static json_t *row_schema(const lf_param *row)
                      "maxItems", 3);
 }
 
+/* What is not said is as if this were said; NULL: there is no such value. */
+static json_t *default_json(const lf_param *row)
+{
+    const double value = row->initial;
+    if (row->required || is_text(row) || row->type == LF_PARAM_POINT || row->or_object ||
+        !is_allowed(row, value))
+        return NULL;
+    if (has_words(row) && row->type != LF_PARAM_WHOLE)
+        return json_string(word_of(row, (int)value));
+    if (row->type == LF_PARAM_SWITCH)
+        return json_boolean(value != 0.0);
+    return value == floor(value) ? json_integer((json_int_t)value) : json_real(value);
+}
+
 static bool describe_schema(const lf_param *row, json_t *schema)
 {
-    if (!row->help && !row->unit)
-        return true;
-    return json_object_set_new(schema, "description",
-                               json_sprintf("%s%s%s", row->help ? row->help : "",
-                                            row->help && row->unit ? "; " : "",
-                                            row->unit ? row->unit : "")) == 0;
+    const char *text = row->about ? row->about : row->help;
+    json_t *initial = default_json(row);
+    return (!text || json_object_set_new(schema, "description", json_string(text)) == 0) &&
+           (!row->unit || json_object_set_new(schema, "unit", json_string(row->unit)) == 0) &&
+           (!initial || json_object_set_new(schema, "default", initial) == 0);
 }
 
 json_t *lf_param_schema(const lf_param *params)

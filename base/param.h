@@ -43,6 +43,7 @@ typedef struct lf_param {
     const char *argument; /* how --help calls the text; NULL for a switch without words */
     const char *unit;     /* of a number, "mm"; NULL: none */
     const char *help;     /* the first row of an option has that of all; may be NULL with words */
+    const char *about;    /* of the key alone, for the schema; NULL: help says it */
     /* Names of the values 0, 1 …, NULL behind the last; of a WHOLE: the numbers that it may be; of
      * a NUMBER: what may stand in the place of one, the first for INFINITY, a second for -INFINITY.
      */
@@ -89,8 +90,9 @@ LF_NODISCARD lf_status lf_param_check(const lf_param *params, const void *object
 
 /* {name: value}, of the rows with a name. A new reference; NULL = out of memory. */
 struct json_t *lf_param_json(const lf_param *params, const void *object);
-/* {name: JSON Schema}, the properties of an object, with help and unit as description. A new
- * reference; NULL = out of memory. */
+/* {name: JSON Schema}, the properties of an object: about or help as description, the unit, and the
+ * initial value as default where it is one of those that may be said. A new reference; NULL = out
+ * of memory. */
 struct json_t *lf_param_schema(const lf_param *params);
 
 /* The row behind those of this row's option. */

@@ -291,10 +291,16 @@ static lf_status find(const lf_roots *roots, const char *path, char real[static 
     return beneath ? LF_E_IO : LF_E_PATH;
 }
 
-static lf_status outside(lf_error *err, const char *path)
+/* A daemon's (closed) remedies, of which a client that passed the file and has gone is one. */
+static lf_status outside(const lf_roots *roots, lf_error *err, const char *path)
 {
+    if (!roots->closed)
+        return lf_error_set(err, LF_E_PATH, path,
+                            "lies outside the folders that may be read; --allow-path DIR adds one");
     return lf_error_set(err, LF_E_PATH, path,
-                        "lies outside the folders that may be read; --allow-path DIR adds one");
+                        "lies outside the folders that quiltd may read, or was passed by a client "
+                        "that is gone; load it again with quiltctl, which passes it, or start "
+                        "quiltd with --allow-path DIR");
 }
 
 static lf_status resolve(const lf_roots *roots, const char *path, char real[static PATH_MAX],
@@ -303,13 +309,15 @@ static lf_status resolve(const lf_roots *roots, const char *path, char real[stat
     lf_status status = find(roots, path, real);
     if (status == LF_E_IO)
         return fail_errno(err, path, "cannot open");
-    return status == LF_OK ? LF_OK : outside(err, path);
+    return status == LF_OK ? LF_OK : outside(roots, err, path);
 }
 
 lf_status lf_roots_resolve(const lf_roots *roots, const char *path, char **out_path, lf_error *err)
 {
     char real[PATH_MAX];
     lf_status status = resolve(roots, path, real, err);
+    if (status != LF_OK && lf_passed_has(roots->passed, path) && lf_passed_name(path, real))
+        status = LF_OK;
     if (status != LF_OK)
         return status;
     char *copy = lf_strdup(real);
@@ -331,7 +339,7 @@ static lf_status open_handle(const lf_roots *roots, const char *path, mode_t kin
         return status;
     int handle = open_behind(root_of(roots, real), real, HANDLE);
     if (handle < 0 && was_swapped(errno))
-        return outside(err, path);
+        return outside(roots, err, path);
     if (handle < 0)
         return fail_errno(err, path, "cannot open");
     if (fstat(handle, &st) != 0 || (st.st_mode & S_IFMT) != kind) {
@@ -343,7 +351,8 @@ static lf_status open_handle(const lf_roots *roots, const char *path, mode_t kin
     return LF_OK;
 }
 
-lf_status lf_roots_open(const lf_roots *roots, const char *path, int *out_fd, lf_error *err)
+/* A file beneath a root. */
+static lf_status open_file(const lf_roots *roots, const char *path, int *out_fd, lf_error *err)
 {
     char link[64];
     int handle;
@@ -358,6 +367,14 @@ lf_status lf_roots_open(const lf_roots *roots, const char *path, int *out_fd, lf
         *out_fd = fd;
     close(handle);
     return status;
+}
+
+lf_status lf_roots_open(const lf_roots *roots, const char *path, int *out_fd, lf_error *err)
+{
+    lf_status status = open_file(roots, path, out_fd, err);
+    return status != LF_OK && lf_passed_has(roots->passed, path)
+               ? lf_passed_open(roots->passed, path, out_fd, err)
+               : status;
 }
 
 lf_status lf_roots_open_folder(const lf_roots *roots, const char *path, int *out_fd, lf_error *err)
@@ -388,7 +405,7 @@ static lf_status find_folder(const char *root, const char *name, const char *las
     if (n >= sizeof above)
         return LF_E_PATH;
     snprintf(copy, sizeof copy, "%s", root);
-    const lf_roots roots = {1, {copy}};
+    const lf_roots roots = {.n_roots = 1, .root = {copy}};
     snprintf(above, sizeof above, "%.*s", n > 0 ? (int)n : 1, name);
     return find(&roots, above, real);
 }

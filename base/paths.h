@@ -8,10 +8,14 @@
  * What lies outside gives one and the same error, whether it exists or not: "FOLDER/.." is left out
  * of a name where FOLDER is outside, before it is asked for.
  *
+ * Beyond that a daemon opens the files that clients have passed to it as descriptors
+ * (base/passed.h): by their very names, and where the roots do not give them.
+ *
  * Programs that run with the caller's own rights have no roots, which allows all. Any thread. */
 #ifndef LF_BASE_PATHS_H
 #define LF_BASE_PATHS_H
 
+#include "base/passed.h"
 #include "base/status.h"
 
 #define LF_MAX_ROOTS 64
@@ -20,6 +24,10 @@
 typedef struct lf_roots {
     int n_roots;
     char *root[LF_MAX_ROOTS];
+    /* These are all: the folder of a scene is none of them by itself, since the scene may have been
+     * passed under any name. */
+    bool closed;
+    lf_passed *passed; /* borrowed; NULL = none */
 } lf_roots;
 
 /* Adds a folder (made canonical). LF_E_IO, LF_E_ARG (not a folder, too many). */
@@ -31,8 +39,8 @@ void lf_roots_finish(lf_roots *roots);
 const char *lf_hidden_home(const char *path);
 
 /* The canonical name (lf_free) of a file or folder that lies beneath the roots: to be told and
- * compared; whoever opens it asks again. LF_E_PATH: it lies outside, or would if it were there;
- * LF_E_IO: it is not there; LF_E_NOMEM. */
+ * compared; whoever opens it asks again. A passed file's is the name it was passed by. LF_E_PATH:
+ * it lies outside, or would if it were there; LF_E_IO: it is not there; LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_roots_resolve(const lf_roots *roots, const char *path, char **out_path,
                                         lf_error *err);
 /* Opens a regular file beneath the roots (n_roots > 0) for reading; never a device, not even for a

@@ -14,16 +14,18 @@
  * writes them live. */
 #define PNG_LEVEL 1
 
-static bool is_folder(const char *path)
+/* What was passed is a file, whatever stands under its name. */
+static bool is_folder(const char *path, const lf_roots *roots)
 {
     struct stat st;
-    return stat(path, &st) == 0 && S_ISDIR(st.st_mode);
+    return !(roots && lf_passed_has(roots->passed, path)) && stat(path, &st) == 0 &&
+           S_ISDIR(st.st_mode);
 }
 
 bool lf_is_quilt(const char *path, const lf_roots *roots)
 {
     lf_image_kind kind;
-    return is_folder(path) || lf_image_probe(path, roots, &kind, NULL) == LF_OK;
+    return is_folder(path, roots) || lf_image_probe(path, roots, &kind, NULL) == LF_OK;
 }
 
 /* ------------------------------------------------------------------------------------- views -- */
@@ -256,8 +258,8 @@ lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, in
                         lf_quilt_file *out, lf_error *err)
 {
     lf_quilt_file q = {0};
-    lf_status status = is_folder(path) ? read_folder(path, roots, &q, err)
-                                       : read_quilt(path, roots, columns, rows, &q, err);
+    lf_status status = is_folder(path, roots) ? read_folder(path, roots, &q, err)
+                                              : read_quilt(path, roots, columns, rows, &q, err);
     if (status == LF_OK)
         *out = q;
     else

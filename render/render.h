@@ -134,10 +134,10 @@ extern const lf_param lf_camera_params[];
 
 /* Loads a scene file (JSON, at most 16 MiB) and those that it includes. Files it names are read
  * relative to its folder and under roots (NULL or empty = anywhere; the scene's own folder is
- * always allowed). previous (may be NULL): parts of it that are unchanged are shared. On LF_OK the
- * caller owns a reference to *out_scene. Errors: LF_E_IO, LF_E_PATH, LF_E_NOMEM, LF_E_FORMAT with
- * file, line and JSON pointer; *out_scene untouched then. Thread: any; may take seconds; does not
- * touch previous but to read it.
+ * always allowed, but where the roots are closed). previous (may be NULL): parts of it that are
+ * unchanged are shared. On LF_OK the caller owns a reference to *out_scene. Errors: LF_E_IO,
+ * LF_E_PATH, LF_E_NOMEM, LF_E_FORMAT with file, line and JSON pointer; *out_scene untouched then.
+ * Thread: any; may take seconds; does not touch previous but to read it.
  */
 LF_NODISCARD lf_status lf_scene_load(const char *path, const lf_roots *roots,
                                      const lf_scene *previous, lf_scene **out_scene, lf_error *err);

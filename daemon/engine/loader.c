@@ -51,6 +51,7 @@ void lf_load_destroy(lf_load *load)
     lf_free(load->file);
     lf_free(load->name);
     json_decref(load->patch);
+    lf_passed_unref(load->passed);
     lf_content_unref(load->content);
     lf_free(load);
 }
@@ -93,12 +94,12 @@ static lf_status stage_of_scene(const lf_load *load, lf_scene *scene, const char
     return status;
 }
 
-static lf_status turn_pages(const lf_loader *loader, lf_load *load)
+static lf_status turn_pages(const lf_roots *roots, lf_load *load)
 {
     char *path = NULL;
-    lf_status status = load->step != 0 ? lf_folder_neighbour(load->file, load->step, loader->roots,
-                                                             &path, &load->err)
-                                       : LF_OK;
+    lf_status status = load->step != 0
+                           ? lf_folder_neighbour(load->file, load->step, roots, &path, &load->err)
+                           : LF_OK;
     if (path) {
         lf_free(load->file);
         load->file = path;
@@ -107,9 +108,29 @@ static lf_status turn_pages(const lf_loader *loader, lf_load *load)
     return status;
 }
 
-static lf_status load_file(const lf_loader *loader, lf_load *load, lf_content **out)
+/* A picture; named: its name says the tiles. */
+static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf_content **out)
 {
-    lf_status status = turn_pages(loader, load);
+    lf_options options = load->options;
+    if (load->tiles.columns > 0) {
+        options.columns = load->tiles.columns;
+        options.rows = load->tiles.rows;
+    } else if (named && (!load->meant || strcmp(load->file, load->meant) != 0)) {
+        options.columns = options.rows = 0;
+    }
+    lf_status status = lf_content_from_quilt(load->file, roots, &options, out, &load->err);
+    /* whoever calls has no command line */
+    if (status == LF_E_ARG && load->deferred && !named && options.columns == 0)
+        status = lf_error_set(&load->err, LF_E_ARG, load->file,
+                              "the file name has no quilt suffix such as _qs8x6a0.75; rename the "
+                              "file, or say its tiles in scene.load: quilt=COLUMNSxROWS");
+    return status;
+}
+
+static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_load *load,
+                           lf_content **out)
+{
+    lf_status status = turn_pages(roots, load);
     if (status != LF_OK)
         return status;
     int columns, rows;
@@ -118,30 +139,29 @@ static lf_status load_file(const lf_loader *loader, lf_load *load, lf_content **
     bool named = lf_layout_from_name(load->file, &columns, &rows, &aspect);
     /* What is named as a quilt's picture but is none is told so, and not that it is no JSON. */
     bool meant = named && dot && strcmp(dot, ".json") != 0;
-    if (meant || lf_is_quilt(load->file, loader->roots)) {
-        lf_options options = load->options;
-        if (named && (!load->meant || strcmp(load->file, load->meant) != 0))
-            options.columns = options.rows = 0;
-        return lf_content_from_quilt(load->file, loader->roots, &options, out, &load->err);
-    }
+    if (meant || lf_is_quilt(load->file, roots))
+        return load_quilt(roots, load, named, out);
+    if (load->tiles.columns > 0)
+        return lf_error_set(&load->err, LF_E_ARG, load->file,
+                            "is no picture: quilt=COLUMNSxROWS goes with pictures alone");
     lf_scene *scene = NULL;
     const lf_scene *previous = loader->content ? loader->content->scene : NULL;
-    status = lf_scene_load(load->file, loader->roots, previous, &scene, &load->err);
+    status = lf_scene_load(load->file, roots, previous, &scene, &load->err);
     if (status == LF_OK)
         lf_log_warnings(scene, NULL);
     return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;
 }
 
 /* doc (taken over, NULL: out of memory) in place of the scene that is shown. */
-static lf_status load_document(const lf_loader *loader, lf_load *load, json_t *doc,
-                               lf_content **out)
+static lf_status load_document(const lf_loader *loader, const lf_roots *roots, lf_load *load,
+                               json_t *doc, lf_content **out)
 {
     const lf_content *now = loader->content;
     if (!doc)
         return lf_error_set(&load->err, LF_E_NOMEM, now->file, "out of memory");
     lf_scene *scene = NULL;
-    lf_status status = lf_scene_from_json(doc, lf_scene_folder(now->scene), now->file,
-                                          loader->roots, now->scene, &scene, &load->err);
+    lf_status status = lf_scene_from_json(doc, lf_scene_folder(now->scene), now->file, roots,
+                                          now->scene, &scene, &load->err);
     json_decref(doc);
     if (status == LF_OK)
         lf_log_warnings(scene, now->scene);
@@ -155,7 +175,8 @@ static json_t *patched(const json_t *doc, const json_t *patch)
 }
 
 /* The patches of a load and of those taken into it, one after the other. */
-static lf_status load_patches(const lf_loader *loader, lf_load *load, lf_content **out)
+static lf_status load_patches(const lf_loader *loader, const lf_roots *roots, lf_load *load,
+                              lf_content **out)
 {
     json_t *doc = patched(lf_scene_json(loader->content->scene), load->patch);
     for (const lf_load *next = next_of(load); next && doc; next = next_of(next)) {
@@ -164,7 +185,7 @@ static lf_status load_patches(const lf_loader *loader, lf_load *load, lf_content
         json_decref(doc);
         doc = NULL;
     }
-    return load_document(loader, load, doc, out);
+    return load_document(loader, roots, load, doc, out);
 }
 
 /* Features that are no longer asked for do no harm. */
@@ -182,10 +203,11 @@ static bool same_settings(const lf_content *a, const lf_content *b)
            (s->features || !t->features);
 }
 
-static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content **out)
+static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf_load *load,
+                              lf_content **out)
 {
     if (load->kind == LF_LOAD_FILE)
-        return load_file(loader, load, out);
+        return load_file(loader, roots, load, out);
     const lf_content *now = loader->content;
     if (load->kind == LF_LOAD_APPLY) {
         if (!now || !now->scene)
@@ -202,7 +224,7 @@ static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content
         return lf_error_set(&load->err, LF_E_STATE, now ? now->file : "",
                             "no scene is shown that could be changed");
     if (load->kind == LF_LOAD_PATCH)
-        return load_patches(loader, load, out);
+        return load_patches(loader, roots, load, out);
     json_t *patch = NULL;
     lf_status status = LF_OK;
     if (load->kind == LF_LOAD_FIT)
@@ -211,8 +233,57 @@ static lf_status make_content(const lf_loader *loader, lf_load *load, lf_content
     else
         patch = orbit_patch(now->scene, load);
     if (status == LF_OK)
-        status = load_document(loader, load, patched(lf_scene_json(now->scene), patch), out);
+        status = load_document(loader, roots, load, patched(lf_scene_json(now->scene), patch), out);
     json_decref(patch);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------ passed --
+ */
+
+/* The files of clients that a load may open: of a file its own, else also those of what is shown.
+ * A new reference, which may be NULL. */
+static lf_status gather_passed(const lf_loader *loader, lf_load *load, lf_passed **out)
+{
+    const bool anew = load->kind == LF_LOAD_FILE || !loader->content;
+    lf_passed *all = anew ? NULL : lf_passed_ref(loader->content->passed);
+    for (const lf_load *next = load; next; next = next_of(next)) {
+        lf_passed *joined = NULL;
+        if (!next->passed)
+            continue;
+        lf_status status = lf_passed_join(all, next->passed, &joined, &load->err);
+        lf_passed_unref(all);
+        if (status != LF_OK)
+            return status;
+        all = joined;
+    }
+    *out = all;
+    return LF_OK;
+}
+
+/* The content keeps those that it names. */
+static void keep_passed(const lf_loader *loader, const lf_load *load, lf_passed *passed,
+                        lf_content *content)
+{
+    const lf_content *now = loader->content;
+    content->is_passed = load->kind == LF_LOAD_FILE ? lf_passed_has(load->passed, content->file)
+                                                    : now && now->is_passed;
+    for (const lf_load *next = load; next; next = next_of(next))
+        if (next->passed)
+            lf_passed_drop_unopened(passed, next->passed);
+    content->passed = lf_passed_ref(passed);
+}
+
+static lf_status make_of_passed(const lf_loader *loader, lf_load *load, lf_content **out)
+{
+    lf_roots roots = *loader->roots; /* the folders are borrowed */
+    lf_status status = gather_passed(loader, load, &roots.passed);
+    if (status != LF_OK)
+        return status;
+    status = make_content(loader, &roots, load, out);
+    if (status == LF_OK && *out)
+        keep_passed(loader, load, roots.passed, *out);
+    lf_passed_unref(roots.passed);
     return status;
 }
 
@@ -244,7 +315,7 @@ static lf_status fail_cancelled(lf_load *load)
 static void run_load(lf_loader *loader, lf_load *load)
 {
     lf_content *content = NULL;
-    load->status = make_content(loader, load, &content);
+    load->status = make_of_passed(loader, load, &content);
     if (lf_import_is_stopped()) {
         lf_content_unref(content);
         load->status = fail_cancelled(load);
@@ -419,6 +490,7 @@ lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *i
         return LF_E_NOMEM;
     loader->engine = engine;
     loader->roots = roots;
+    lf_passed_stop_when(lf_import_is_stopped);
     lf_status status =
         lf_worker_create("lf-loader", run_task, drop_task, loader, inbox, &loader->worker);
     if (status != LF_OK) {

@@ -30,6 +30,10 @@ typedef struct lf_load_job {
     atomic_bool cancelled;           /* lf_loader_cancel */
 } lf_load_job;
 
+typedef struct lf_load_tiles {
+    int columns, rows;
+} lf_load_tiles;
+
 typedef struct lf_load {
     lf_task task; /* posted when it is done; the poster sets done */
     lf_load_job job;
@@ -40,7 +44,9 @@ typedef struct lf_load {
     /* FILE: what the options are for, borrowed; in another quilt's name the layout wins over theirs
      */
     const char *meant;
+    lf_load_tiles tiles;     /* FILE: of a picture, whatever its name says; 0 = not given */
     json_t *patch;           /* PATCH */
+    lf_passed *passed;       /* FILE, PATCH: files that the client has passed; NULL = none */
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
     char *name;              /* FIT: of what is to fill it; NULL = all */
     double fill, steps;      /* FIT: as in lf_camera_fit */

@@ -24,6 +24,14 @@ static void list_add(described_list *list, described option)
         list->options[list->n++] = option;
 }
 
+static const char *shell_at(int index)
+{
+    static const char *const names[] = {"bash", "zsh", "fish", NULL};
+    return names[index];
+}
+
+static const lf_options_words shell_words[] = {{"completion", shell_at}, {0}};
+
 static void list_own(described_list *list)
 {
     const lf_options_rules *rules = list->rules;
@@ -37,6 +45,7 @@ static void list_own(described_list *list)
     }
     list_add(list, (described){.name = "help"});
     list_add(list, (described){.name = "version"});
+    list_add(list, (described){.name = "completion", .words = shell_words, .takes = true});
 }
 
 static void list_all(described_list *list, const lf_options_rules *rules)

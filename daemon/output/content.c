@@ -170,6 +170,7 @@ void lf_content_unref(lf_content *content)
         lf_scene_unref(content->scene);
     else
         lf_quilt_finish(&content->quilt);
+    lf_passed_unref(content->passed);
     lf_free(content->file);
     free(content->document);
     lf_free(content);

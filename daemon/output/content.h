@@ -11,6 +11,8 @@ typedef struct lf_content {
     lf_scene *scene;             /* NULL: a quilt picture */
     lf_quilt_file quilt;         /* when scene is NULL */
     char *file;                  /* absolute path it came from; patches do not change it */
+    bool is_passed;              /* that file is a client's, of which no more is known */
+    lf_passed *passed;           /* files of clients that it was made of; NULL: none */
     lf_render_settings settings; /* scene only; integrator points to a static name */
     lf_layout layout;
     lf_film_settings film;

@@ -107,6 +107,9 @@ enum { LF_OPTION_OWN = 256 };
 #define LF_OPTIONS_HELP_LAST                                                                       \
     "  --help                 this text\n"                                                         \
     "  --version              the version\n"
+/* The same of programs that write their completion. */
+#define LF_OPTIONS_HELP_SHELLS                                                                     \
+    "  --completion SHELL     prints what bash, zsh or fish completes; no other word beside it\n"
 
 /* Options out of a table. */
 typedef struct lf_options_part {

@@ -39,9 +39,10 @@ const lf_param lf_response_params[] = {
     {.name = "white", .option = "white", .argument = "KELVIN", PLACE(white), .low = 4000,
      .high = 25000, .help = "the panel's own white, as a colour temperature; is shown as D65"},
     {.name = "white_x", .option = "white-xy", .joined = ",", .argument = "X", PLACE(white_x),
-     .low = 0.1, .high = 0.7, .help = "the same by its chromaticity"},
+     .low = 0.1, .high = 0.7, .help = "the same by its chromaticity",
+     .about = "CIE x of the panel's own white, with white_y"},
     {.name = "white_y", .option = "white-xy", .argument = "Y", PLACE(white_y), .low = 0.1,
-     .high = 0.7},
+     .high = 0.7, .about = "CIE y of the panel's own white, with white_x"},
     {0},
 };
 /* clang-format on */

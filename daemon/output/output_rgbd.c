@@ -24,16 +24,20 @@ static const char *const extents[] = {"middle", "quilt", NULL};
 /* clang-format off */
 const lf_param lf_rgbd_params[] = {
     {.name = "side", .option = "rgbd", .argument = "SIDE", PLACE(side), .type = LF_PARAM_WORD,
-     .words = sides, .help = "the middle view, its depth on this side of it, into OUT.png"},
+     .words = sides, .help = "the middle view, its depth on this side of it, into OUT.png",
+     .about = "side on which the depth lies beside the middle view"},
     {.name = "of", .option = "rgbd-of", .argument = "middle|quilt", PLACE(is_quilt),
      .type = LF_PARAM_WORD, .words = extents,
      .help = "of what: the middle view, or all views, as a quilt beside a quilt of depth"},
     {.name = "near_is", .option = "near-is", .argument = "COLOUR", PLACE(near_is_black),
-     .type = LF_PARAM_WORD, .words = near_ends, .help = "what near is in the depth of --rgbd"},
+     .type = LF_PARAM_WORD, .words = near_ends, .help = "what near is in the depth of --rgbd",
+     .about = "colour of what is near in the depth"},
     {.name = "near", .option = "near", .argument = "Z", PLACE(near), .low = 1e-9, .high = 1e9,
-     .help = "distance along the view axis that is as near as --rgbd tells"},
+     .help = "distance along the view axis that is as near as --rgbd tells",
+     .about = "distance along the view axis that is as near as the depth tells"},
     {.name = "far", .option = "far", .argument = "Z", PLACE(far), .low = 1e-9, .high = 1e9,
-     .help = "the same of what is far"},
+     .help = "the same of what is far",
+     .about = "distance along the view axis that is as far as the depth tells"},
     {0},
 };
 /* clang-format on */

@@ -262,7 +262,8 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
     if (status == LF_E_PATH)
         return lf_error_set(err, status, path,
                             "lies neither beneath the scene's folder nor beneath an --allow-path "
-                            "of quiltd%s",
+                            "of quiltd, and its descriptor was not passed (quiltctl passes those "
+                            "of files that you may read)%s",
                             lf_hidden_home(path));
     return lf_error_set(err, status, path, "%s", why.what);
 }

@@ -1,4 +1,5 @@
-/* methods: what clients can call. One table: name, schema of the parameters, function. */
+/* methods: what clients can call, and what they are told. One table of methods (name, schema of the
+ * parameters, function), one of the fields of answers and notifications. */
 #ifndef LF_DAEMON_METHODS_H
 #define LF_DAEMON_METHODS_H
 
@@ -7,6 +8,7 @@
 typedef struct lf_method {
     const char *name;
     const char *summary; /* one line for hello */
+    const char *example; /* a call by quiltctl, without its name */
     const char *schema;  /* JSON Schema of the parameters, as text; those of structs are added */
     void (*run)(lf_call *call);
 } lf_method;
@@ -15,6 +17,20 @@ typedef struct lf_method {
 const lf_method *lf_method_at(int index);
 /* The schema, parsed once; borrowed. NULL behind the last. */
 json_t *lf_method_schema(int index);
+
+/* methods_fields.c */
+/* A notification: a method that the daemon calls. */
+typedef struct lf_notification {
+    const char *name;  /* of the method */
+    const char *event; /* of subscribe */
+    const char *summary;
+} lf_notification;
+/* NULL behind the last. */
+const lf_notification *lf_notification_at(int index);
+/* {name: {summary, params, result, example}} of the methods, and {name: {summary, event, params}}
+ * of the notifications, as hello has them: made once, borrowed. Thread: any. */
+json_t *lf_methods_json(void);
+json_t *lf_events_json(void);
 
 /* methods_status.c */
 void lf_method_hello(lf_call *call);

@@ -1,5 +1,6 @@
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "daemon/server/methods.h"
@@ -18,21 +19,92 @@ void lf_method_queue(lf_call *call, lf_load *load)
     lf_server_load(call->server, load, deferred);
 }
 
+/* The descriptors that came with the call, by the names in `files`: none is left behind, and where
+ * one is refused all are closed. */
+static lf_status take_descriptors(lf_call *call, const json_t *names, lf_passed *passed,
+                                  lf_error *err)
+{
+    int fds[LF_MAX_PASSED];
+    const int n = (int)json_array_size(names);
+    if (lf_client_count_fds(call->client) != n || !lf_client_take_fds(call->client, fds, n))
+        return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/files",
+                               "%d files are named, and %d descriptors came with the call", n,
+                               lf_client_count_fds(call->client));
+    lf_status status = LF_OK;
+    for (int i = 0; i < n; i++) {
+        const char *name = json_string_value(json_array_get(names, (size_t)i));
+        if (status == LF_OK)
+            status = lf_passed_add(passed, name, fds[i], err);
+        if (status != LF_OK)
+            close(fds[i]);
+    }
+    return status;
+}
+
+/* The files that the client has passed; *out NULL: none. */
+static lf_status take_passed(lf_call *call, lf_passed **out, lf_error *err)
+{
+    const json_t *names = json_object_get(call->params, "files");
+    *out = NULL;
+    if (!names)
+        return LF_OK;
+    lf_passed *passed = lf_passed_create();
+    lf_status status = passed ? take_descriptors(call, names, passed, err)
+                              : lf_error_set(err, LF_E_NOMEM, call->method, "out of memory");
+    lf_client_drop_fds(call->client);
+    if (status == LF_OK)
+        *out = passed;
+    else
+        lf_passed_unref(passed);
+    return status;
+}
+
+/* What is shown instead: beneath the folders that may be read, or else a file that was passed. */
+static lf_status find_file(const lf_call *call, const lf_passed *passed, char **out, lf_error *err)
+{
+    const char *file = json_string_value(json_object_get(call->params, "file"));
+    lf_status status = lf_server_read_path(call->server, file, out, err);
+    if (status == LF_OK || file[0] != '/' || !lf_passed_has(passed, file))
+        return status;
+    *out = lf_strdup(file);
+    return *out ? LF_OK : lf_error_set(err, LF_E_NOMEM, file, "out of memory");
+}
+
+/* The tiles that the call says; 0: none. */
+static lf_status take_tiles(const lf_call *call, lf_load *load, lf_error *err)
+{
+    const char *text = json_string_value(json_object_get(call->params, "quilt"));
+    lf_options options = {0};
+    lf_error wrong;
+    if (!text)
+        return LF_OK;
+    if (lf_param_from_text(lf_param_find(lf_option_params, "quilt"), text, &options, &wrong) !=
+        LF_OK)
+        return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/quilt", "%s", wrong.what);
+    load->tiles.columns = options.columns;
+    load->tiles.rows = options.rows;
+    return LF_OK;
+}
+
+/* The words of a call that loads a file. */
+static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
+{
+    lf_status status = take_passed(call, &load->passed, err);
+    if (status == LF_OK)
+        status = take_tiles(call, load, err);
+    return status == LF_OK ? find_file(call, load->passed, &load->file, err) : status;
+}
+
 void lf_method_scene_load(lf_call *call)
 {
     lf_error err;
-    char *file = NULL;
-    lf_status status = lf_server_read_path(
-        call->server, json_string_value(json_object_get(call->params, "file")), &file, &err);
+    lf_load *load = lf_load_create(LF_LOAD_FILE);
+    lf_status status = load ? take_load(call, load, &err) : LF_OK;
     if (status != LF_OK) {
+        lf_load_destroy(load);
         lf_fail(call, &err, status != LF_E_ARG);
         return;
     }
-    lf_load *load = lf_load_create(LF_LOAD_FILE);
-    if (load)
-        load->file = file;
-    else
-        lf_free(file);
     lf_method_queue(call, load);
 }
 
@@ -67,24 +139,29 @@ void lf_method_scene_get(lf_call *call)
     lf_reply_with(call, result, "scene", content->document ? content->document : "null");
 }
 
-static void queue_patch(lf_call *call, json_t *patch)
+void lf_method_scene_patch(lf_call *call)
 {
+    lf_error err;
+    lf_load *load = lf_load_create(LF_LOAD_PATCH);
+    if (load && take_passed(call, &load->passed, &err) != LF_OK) {
+        lf_load_destroy(load);
+        lf_fail(call, &err, false);
+        return;
+    }
+    if (load)
+        load->patch = json_incref(json_object_get(call->params, "patch"));
+    lf_method_queue(call, load);
+}
+
+void lf_method_camera_set(lf_call *call)
+{
+    json_t *patch = json_pack("{s:O}", "camera", call->params);
     lf_load *load = patch ? lf_load_create(LF_LOAD_PATCH) : NULL;
     if (load)
         load->patch = patch;
     else
         json_decref(patch);
     lf_method_queue(call, load);
-}
-
-void lf_method_scene_patch(lf_call *call)
-{
-    queue_patch(call, json_incref(json_object_get(call->params, "patch")));
-}
-
-void lf_method_camera_set(lf_call *call)
-{
-    queue_patch(call, json_pack("{s:O}", "camera", call->params));
 }
 
 static double number_of(const json_t *params, const char *key, double absent)

@@ -6,16 +6,21 @@
 #include "base/import/import.h"
 #include "daemon/server/methods.h"
 
+/* What is read by its name. */
+static json_t *folders_json(const lf_server *server)
+{
+    json_t *folders = json_array();
+    for (int i = 0; i < server->roots.n_roots; i++)
+        json_array_append_new(folders, lf_rpc_text(server->roots.root[i]));
+    return folders;
+}
+
 void lf_method_hello(lf_call *call)
 {
-    json_t *methods = json_object();
-    for (int i = 0; lf_method_at(i); i++) {
-        json_t *entry = json_pack("{s:s, s:O}", "summary", lf_method_at(i)->summary, "params",
-                                  lf_method_schema(i));
-        json_object_set_new(methods, lf_method_at(i)->name, entry);
-    }
-    lf_reply(call, json_pack("{s:s, s:s, s:i, s:o}", "name", "quiltd", "version", LF_VERSION,
-                             "protocol", LF_RPC_PROTOCOL, "methods", methods));
+    lf_reply(call,
+             json_pack("{s:s, s:s, s:i, s:o, s:O, s:O}", "name", "quiltd", "version", LF_VERSION,
+                       "protocol", LF_RPC_PROTOCOL, "folders", folders_json(call->server),
+                       "methods", lf_methods_json(), "events", lf_events_json()));
 }
 
 /* Whole, whatever JSON's integers hold here. */
@@ -48,6 +53,15 @@ static json_t *depth_json(const lf_content *content)
                      finite_or_null(d->sharp_to), "exceeded", d->exceeded);
 }
 
+/* Files that clients have passed for what is shown. */
+static json_t *passed_json(const lf_content *content)
+{
+    json_t *names = json_array();
+    for (int i = 0; lf_passed_at(content->passed, i); i++)
+        json_array_append_new(names, lf_rpc_text(lf_passed_at(content->passed, i)));
+    return names;
+}
+
 static void add_content(const lf_server *server, json_t *status)
 {
     const lf_content *content = server->content;
@@ -56,11 +70,11 @@ static void add_content(const lf_server *server, json_t *status)
         return;
     }
     const lf_layout *layout = &content->layout;
-    json_t *more =
-        json_pack("{s:o, s:b, s:i, s:i, s:i, s:i, s:i, s:f}", "scene", lf_rpc_text(content->file),
-                  "is_quilt", !content->scene, "views", layout->n_views, "columns", layout->columns,
-                  "rows", layout->rows, "view_width", layout->view_width, "view_height",
-                  layout->view_height, "aspect", layout->aspect);
+    json_t *more = json_pack("{s:o, s:o, s:b, s:i, s:i, s:i, s:i, s:i, s:f}", "scene",
+                             lf_rpc_text(content->file), "passed", passed_json(content), "is_quilt",
+                             !content->scene, "views", layout->n_views, "columns", layout->columns,
+                             "rows", layout->rows, "view_width", layout->view_width, "view_height",
+                             layout->view_height, "aspect", layout->aspect);
     json_object_update(status, more);
     json_decref(more);
     if (content->scene) {

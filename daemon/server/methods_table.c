@@ -10,72 +10,127 @@
 #define OBJECT_WITH(required, properties)                                                          \
     "{\"type\":\"object\",\"additionalProperties\":false,\"required\":[" required                  \
     "],\"properties\":{" properties "}}"
-#define STRING "{\"type\":\"string\"}"
-#define NUMBER "{\"type\":\"number\"}"
-#define BOOLEAN "{\"type\":\"boolean\"}"
-#define FRAME "{\"type\":\"integer\",\"minimum\":0,\"maximum\":999999}"
-#define ENUM(words) "{\"type\":\"string\",\"enum\":[" words "]}"
+#define KEY(name, rest, about) "\"" name "\":{" rest ",\"description\":\"" about "\"}"
+#define STRING "\"type\":\"string\""
+#define NUMBER(unit) "\"type\":\"number\",\"unit\":\"" unit "\""
+#define INTEGER(unit) "\"type\":\"integer\",\"unit\":\"" unit "\""
+#define BOOLEAN(initial) "\"type\":\"boolean\",\"default\":" initial
+#define RANGE(low, high) ",\"minimum\":" low ",\"maximum\":" high
+#define DEFAULT(value) ",\"default\":" value
+#define FRAME INTEGER("frames") RANGE("0", "999999")
+#define ENUM(words) STRING ",\"enum\":[" words "]"
+#define LIST(items) "\"type\":\"array\",\"items\":{" items "}"
+
+#define FILES                                                                                      \
+    KEY("files", LIST(STRING) ",\"maxItems\":64",                                                  \
+        "absolute names of files whose descriptors (SCM_RIGHTS, open for reading alone) come "     \
+        "with the call, in this order: the scene may read them wherever they lie; quiltctl fills " \
+        "this in")
 
 #define EXPORT_KEYS                                                                                \
-    "\"kind\":" STRING ",\"file\":" STRING                                                         \
-    ",\"wait\":" ENUM("\"coarse\",\"complete\",\"converged\"") ",\"detach\":" BOOLEAN              \
-    ",\"overwrite\":" BOOLEAN                                                                      \
-    ",\"reconstruct\":" ENUM("\"auto\",\"off\",\"on\"")                                            \
-    ",\"denoise\":" ENUM("\"auto\",\"off\",\"on\"")                                                \
-    ",\"fds\":{\"type\":\"integer\",\"minimum\":0,\"maximum\":253}"
-
-/* clang-format on */
+    KEY("kind", STRING, "what to write") ","                                                       \
+    KEY("file", STRING, "name of the file, or of the folder with a slash at its end: beneath the " \
+        "daemon's --export-dir, or any where descriptors are passed") ","                          \
+    KEY("wait", ENUM("\"coarse\",\"complete\",\"converged\"") DEFAULT("\"coarse\""),               \
+        "write it once the picture is that good") ","                                              \
+    KEY("detach", BOOLEAN("false"), "go on when the client is gone") ","                           \
+    KEY("overwrite", BOOLEAN("false"), "replace a file that exists") ","                           \
+    KEY("reconstruct", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                        \
+        "write the denoised picture; auto: what the panel shows") ","                             \
+    KEY("denoise", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                            \
+        "another name for reconstruct") ","                                                        \
+    KEY("fds", INTEGER("descriptors") RANGE("0", "253") DEFAULT("0"),                              \
+        "how many descriptors (SCM_RIGHTS) came with the call, to be written instead of file: "    \
+        "one, two for a print or chart, one a view for views")
 
 static const lf_method methods[] = {
-    {"hello", "version, protocol and methods", OBJECT(""), lf_method_hello},
-    {"status", "what the daemon is doing", OBJECT(""), lf_method_status},
-    {"scene.load", "show a scene file or a quilt picture",
-     OBJECT_WITH("\"file\"", "\"file\":" STRING), lf_method_scene_load},
-    {"scene.get", "the scene that is shown", OBJECT(""), lf_method_scene_get},
-    {"scene.patch", "JSON Merge Patch (RFC 7396) on the scene that is shown",
-     OBJECT_WITH("\"patch\"", "\"patch\":{\"type\":\"object\",\"additionalProperties\":true}"),
+    {"hello", "version, protocol, methods and notifications", "hello", OBJECT(""),
+     lf_method_hello},
+    {"status", "what the daemon is doing", "status", OBJECT(""), lf_method_status},
+    {"scene.load", "show a scene file, a model, a volume or a quilt picture",
+     "scene.load file=/home/me/helmet.glb",
+     OBJECT_WITH("\"file\"",
+         KEY("file", STRING, "path of what is to be shown; quiltctl makes it absolute") ","
+         KEY("quilt", STRING, "tiles of a picture whose name does not say them, COLUMNSxROWS") ","
+         FILES),
+     lf_method_scene_load},
+    {"scene.get", "the scene that is shown", "scene.get", OBJECT(""), lf_method_scene_get},
+    {"scene.patch", "change the scene that is shown by a JSON Merge Patch (RFC 7396)",
+     "scene.patch patch:={\"lights\":{\"sky\":null}}",
+     OBJECT_WITH("\"patch\"",
+         KEY("patch", "\"type\":\"object\",\"additionalProperties\":true",
+             "keys of the scene file (scene.md) with their new values; null takes one away") ","
+         FILES),
      lf_method_scene_patch},
-    {"camera.set", "keys of the scene's camera", OBJECT(""), lf_method_camera_set},
-    {"camera.orbit", "move the camera around its target: degrees, and how many times nearer",
-     OBJECT("\"yaw\":" NUMBER ",\"pitch\":" NUMBER
-            ",\"zoom\":{\"type\":\"number\",\"minimum\":1e-3,\"maximum\":1e3}"),
+    {"camera.set", "set keys of the scene's camera; those that are left out stay as they are",
+     "camera.set fov_y=20 target=0,1,0", OBJECT(""), lf_method_camera_set},
+    {"camera.orbit", "move the camera around its target", "camera.orbit yaw=15 pitch=-5",
+     OBJECT(KEY("yaw", NUMBER("degrees") DEFAULT("0"), "to the right around the target") ","
+            KEY("pitch", NUMBER("degrees") DEFAULT("0"), "upwards around the target") ","
+            KEY("zoom", NUMBER("times") RANGE("1e-3", "1e3") DEFAULT("1"),
+                "how many times nearer to the target")),
      lf_method_camera_orbit},
-    {"camera.fit", "move the camera to where the scene, or the thing of a name, fills the window",
-     OBJECT("\"name\":" STRING ",\"fill\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":1},"
-            "\"steps\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":10000}"),
+    {"camera.fit", "move the camera to where the scene, or a part of it, fills the window",
+     "camera.fit name=model fill=0.8",
+     OBJECT(KEY("name", STRING, "mesh or volume that is to fill the window; left out: everything")
+            ","
+            KEY("fill", NUMBER("share of the window") RANGE("0.01", "1") DEFAULT("0.9"),
+                "how much of the window's width or height it fills in every view") ","
+            KEY("steps", NUMBER("pixels") RANGE("0.01", "10000"),
+                "keep so far away that nothing jumps by more from view to view")),
      lf_method_camera_fit},
-    {"time.set", "show a frame of the scene", OBJECT_WITH("\"frame\"", "\"frame\":" FRAME),
-     lf_method_time_set},
-    {"time.play", "show one frame of the scene after the other",
-     OBJECT_WITH("\"to\"", "\"from\":" FRAME ",\"to\":" FRAME ",\"loop\":" BOOLEAN
-                           ",\"rate\":{\"type\":\"number\",\"minimum\":0.01,\"maximum\":1000}"),
+    {"time.set", "show a frame of the scene", "time.set frame=24",
+     OBJECT_WITH("\"frame\"", KEY("frame", FRAME, "number of the frame")), lf_method_time_set},
+    {"time.play", "show one frame of the scene after the other", "time.play from=1 to=48",
+     OBJECT_WITH("\"to\"", KEY("from", FRAME, "first frame (the one that is shown)") ","
+                 KEY("to", FRAME, "last frame") ","
+                 KEY("loop", BOOLEAN("true"), "begin again behind the last frame") ","
+                 KEY("rate", NUMBER("frames a second") RANGE("0.01", "1000"),
+                     "how fast they follow each other (the scene's rate)")),
      lf_method_time_play},
-    {"time.stop", "stay at the frame that is shown", OBJECT(""), lf_method_time_stop},
-    {"wait", "answers when the panel shows it, at most timeout seconds later",
-     OBJECT("\"generation\":{\"type\":\"integer\",\"minimum\":0},\"for\":" ENUM(
-         "\"coarse\",\"complete\",\"converged\"") ",\"timeout\":{\"type\":\"number\","
-                                                  "\"minimum\":1e-3,\"maximum\":1e9}"),
+    {"time.stop", "stay at the frame that is shown", "time.stop", OBJECT(""),
+     lf_method_time_stop},
+    {"wait", "answer when the panel shows the picture", "wait for=complete timeout=60",
+     OBJECT(KEY("generation", "\"type\":\"integer\",\"unit\":\"count\",\"minimum\":0",
+                "number of the picture, or a later one (the newest there is)") ","
+            KEY("for", ENUM("\"coarse\",\"complete\",\"converged\"") DEFAULT("\"coarse\""),
+                "how good it is to be") ","
+            KEY("timeout", NUMBER("seconds") RANGE("1e-3", "1e9"),
+                "end with the error -32004 after this time (never)")),
      lf_method_wait},
-    {"render.set", "how to render", OBJECT("\"paused\":" BOOLEAN), lf_method_render_set},
+    {"render.set", "how to render; what is left out stays as it is",
+     "render.set reconstruct=on threads=4",
+     OBJECT(KEY("paused", "\"type\":\"boolean\"", "render no further passes")),
+     lf_method_render_set},
     {"export", "write a quilt, views, panel picture, print, pitch test chart or state",
+     "export kind=quilt file=cloud.png wait=converged",
      OBJECT_WITH("\"kind\",\"file\"", EXPORT_KEYS), lf_server_export},
-    {"job.cancel", "end an export, or the load that status shows",
-     OBJECT_WITH("\"job\"", "\"job\":{\"type\":\"integer\"}"), lf_method_job_cancel},
-    {"device.list", "devices that could be opened", OBJECT(""), lf_method_device_list},
-    {"device.set", "show on another device", OBJECT_WITH("\"spec\"", "\"spec\":" STRING),
+    {"job.cancel", "end an export, or the load that status shows", "job.cancel job=3",
+     OBJECT_WITH("\"job\"", KEY("job", INTEGER("count"),
+                                "number of the export or load, as its answer or status has it")),
+     lf_method_job_cancel},
+    {"device.list", "devices that could be opened", "device.list", OBJECT(""),
+     lf_method_device_list},
+    {"device.set", "show on another device, and say how a panel responds",
+     "device.set spec=auto gamma=2.2",
+     OBJECT_WITH("\"spec\"", KEY("spec", STRING,
+                                 "the device as --device has it: auto, none, sim:DIR and others")),
      lf_method_device_set},
-    {"device.calibration", "the lens calibration of the panel", OBJECT(""),
+    {"device.calibration", "the lens calibration of the panel", "device.calibration", OBJECT(""),
      lf_method_device_calibration},
-    {"button", "do what a button of the panel does",
-     OBJECT_WITH("\"name\"", "\"name\":" ENUM("\"square\",\"left\",\"right\",\"circle\"")),
+    {"button", "do what a button of the panel does", "button name=right",
+     OBJECT_WITH("\"name\"", KEY("name", ENUM("\"square\",\"left\",\"right\",\"circle\""),
+                                 "which of the buttons")),
      lf_method_button},
-    {"subscribe", "which notifications to send to this client",
-     OBJECT_WITH("\"events\"", "\"events\":{\"type\":\"array\",\"items\":" ENUM(
-                                   "\"frame\",\"converged\",\"device\",\"scene\",\"export\","
-                                   "\"button\"") ",\"maxItems\":16}"),
+    {"subscribe", "choose which notifications this client gets", "subscribe events=scene,frame",
+     OBJECT_WITH("\"events\"",
+         KEY("events", LIST(ENUM("\"frame\",\"converged\",\"device\",\"scene\",\"export\","
+                                 "\"button\"")) ",\"maxItems\":16",
+             "names of events; an empty list: none, but the ends of one's own exports")),
      lf_method_subscribe},
-    {"shutdown", "end the daemon", OBJECT(""), lf_method_shutdown},
+    {"shutdown", "end the daemon", "shutdown", OBJECT(""), lf_method_shutdown},
 };
+/* clang-format on */
 
 enum { N_METHODS = sizeof methods / sizeof *methods };
 
@@ -83,21 +138,35 @@ enum { N_METHODS = sizeof methods / sizeof *methods };
 static json_t *schemas[N_METHODS];
 static pthread_once_t parsed = PTHREAD_ONCE_INIT;
 
-/* Methods that take the fields of a struct, and the struct's table. */
+/* Methods that take the fields of a struct, and the struct's table; keeps: what is left out stays
+ * as it is, and has no default. */
 static const struct {
     const char *method;
     const lf_param *params;
-} tables[] = {{"export", lf_print_params},        {"export", lf_panel_params},
-              {"export", lf_response_params},     {"export", lf_rgbd_params},
-              {"device.set", lf_response_params}, {"camera.set", lf_camera_params},
-              {"render.set", lf_option_params}};
+    bool keeps;
+} tables[] = {{"export", lf_print_params, false},       {"export", lf_panel_params, false},
+              {"export", lf_response_params, true},     {"export", lf_rgbd_params, false},
+              {"device.set", lf_response_params, true}, {"camera.set", lf_camera_params, true},
+              {"render.set", lf_option_params, true}};
+
+static json_t *table_schema(const lf_param *params, bool keeps)
+{
+    json_t *schema = lf_param_schema(params), *property;
+    const char *key;
+    json_object_foreach(schema, key, property)
+    {
+        if (keeps)
+            json_object_del(property, "default");
+    }
+    return schema;
+}
 
 static void add_properties(const char *method, json_t *schema)
 {
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         if (strcmp(tables[i].method, method) == 0)
             json_object_update_new(json_object_get(schema, "properties"),
-                                   lf_param_schema(tables[i].params));
+                                   table_schema(tables[i].params, tables[i].keeps));
 }
 
 /* export's kinds: those of pictures, and the daemon's own. */

@@ -229,6 +229,7 @@ static void add_scene_roots(lf_server *server)
 
 static lf_status make_roots(lf_server *server, lf_error *err)
 {
+    server->roots.closed = true;
     for (int i = 0; i < server->config.n_allow; i++) {
         lf_status status = lf_roots_add(&server->roots, server->config.allow[i], err);
         if (status != LF_OK)

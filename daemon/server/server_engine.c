@@ -428,8 +428,10 @@ void lf_server_reload(lf_server *server)
 {
     const char *file = server->content ? server->content->file : server->config.scene;
     lf_load *load = file ? lf_load_create(LF_LOAD_FILE) : NULL;
-    if (load)
+    if (load) {
         load->file = lf_strdup(file);
+        load->passed = lf_passed_ref(server->content ? server->content->passed : NULL);
+    }
     if (!load || !load->file) {
         if (load)
             lf_load_destroy(load);

@@ -111,15 +111,18 @@ void lf_server_watch(lf_server *server)
     size_t n = 1;
     if (!file || !watch)
         return;
+    forget(watch);
+    if (server->content && server->content->is_passed)
+        return; /* what stands under its name here is not that file */
     while (scene && lf_scene_included(scene, (int)n - 1))
         n++;
-    forget(watch);
     watch->files = lf_calloc(n, sizeof *watch->files);
     if (!watch->files)
         return;
     add(watch, file);
     for (size_t i = 1; i < n; i++)
-        add(watch, lf_scene_included(scene, (int)i - 1));
+        if (!lf_passed_has(server->content->passed, lf_scene_included(scene, (int)i - 1)))
+            add(watch, lf_scene_included(scene, (int)i - 1));
 }
 
 int lf_server_begin_watch(lf_server *server)

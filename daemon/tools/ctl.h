@@ -30,7 +30,15 @@ LF_NODISCARD lf_status lf_ctl_next(lf_ctl *ctl, json_t **out_message, lf_error *
  */
 LF_NODISCARD lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_result,
                                      lf_error *err);
-/* Prints a status line again and again until the connection ends or SIGINT. */
+/* What the daemon is doing, from its status, for people: state, time, passes, error and about how
+ * long it is to the target error. look: zero at first, then of the line before. Returns line. */
+#define LF_CTL_LINE 512
+typedef struct lf_ctl_look {
+    double error, seconds; /* the error estimate, and the time rendered when it was first seen */
+} lf_ctl_look;
+char *lf_ctl_watch_line(const json_t *status, lf_ctl_look *look, char line[LF_CTL_LINE]);
+/* Prints that line until the connection ends or SIGINT: again and again in place on a terminal,
+ * else whenever the state changes and every 30 seconds. */
 LF_NODISCARD lf_status lf_ctl_watch(lf_ctl *ctl, lf_error *err);
 
 /* Prints what stands between this machine and a picture on a panel, and what to do about it, a line

@@ -1,12 +1,18 @@
+/* quiltctl watch: what the daemon is doing, in a line for people. */
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "base/escape.h"
+#include "base/thread.h"
 #include "daemon/tools/ctl.h"
 
 #define PERIOD_NS 500000000
+#define LOG_SECONDS 30.0 /* between two lines where stdout is no terminal */
 
 static volatile sig_atomic_t interrupted;
 
@@ -16,41 +22,195 @@ static void on_interrupt(int signal)
     interrupted = 1;
 }
 
+/* ------------------------------------------------------------------------------------ a line -- */
+
 static double number(const json_t *status, const char *key)
 {
     return json_number_value(json_object_get(status, key));
 }
 
-/* Of the unbiased picture, and of the one that is shown. */
-static void name_errors(const json_t *status, char out[64])
+static const char *text(const json_t *status, const char *key)
 {
-    const json_t *error = json_object_get(status, "error_estimate"),
-                 *shown = json_object_get(status, "shown_error");
-    int n = json_is_number(error) ? snprintf(out, 64, "%.3g", json_number_value(error))
-                                  : snprintf(out, 64, "-");
-    if (json_is_number(shown))
-        snprintf(out + n, (size_t)(64 - n), ", shown %.3g", json_number_value(shown));
+    const char *value = json_string_value(json_object_get(status, key));
+    return value ? value : "";
 }
 
-static void print_line(const json_t *status)
+static void add(char *line, const char *words)
 {
-    const json_t *shown = json_object_get(status, "shown");
-    const char *state = json_string_value(json_object_get(status, "state"));
-    const char *level = json_string_value(json_object_get(shown, "level"));
-    char errors[64];
-    name_errors(status, errors);
-    printf("%s%s  generation %.0f (shown %.0f, %s)  %.1f passes, %.2f spp  error %s  %.0f updates, "
-           "%.1f MB%s",
-           isatty(STDOUT_FILENO) ? "\r\033[K" : "", state ? state : "?",
-           number(status, "generation"), number(shown, "generation"), level ? level : "?",
-           number(status, "passes"), number(status, "spp"), errors, number(status, "updates"),
-           number(status, "bytes") * 1e-6, isatty(STDOUT_FILENO) ? "" : "\n");
+    const size_t used = strlen(line);
+    lf_escape(line + used, LF_CTL_LINE - used, words);
+}
+
+static void add_time(char *line, double seconds)
+{
+    char words[32];
+    if (seconds < 90)
+        snprintf(words, sizeof words, "%.0f s", seconds);
+    else if (seconds < 5400)
+        snprintf(words, sizeof words, "%.0f min", seconds / 60);
+    else
+        snprintf(words, sizeof words, "%.1f h", seconds / 3600);
+    add(line, words);
+}
+
+/* The end of a path. */
+static const char *name_of(const json_t *object, const char *key)
+{
+    const char *path = text(object, key), *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* The error falls as one over the time; it is a look's, which was when it became another. */
+static double seconds_left(const json_t *status, double error, double target, lf_ctl_look *look)
+{
+    const double now = number(status, "seconds");
+    if (look->error != error || look->seconds > now)
+        *look = (lf_ctl_look){error, now};
+    return fmax(0, look->seconds * error / target - now);
+}
+
+static void add_error(const json_t *status, lf_ctl_look *look, char *line)
+{
+    const json_t *error = json_object_get(status, "error_estimate");
+    const double now = json_number_value(error), target = number(status, "target_error");
+    char words[96];
+    if (!json_is_number(error))
+        return;
+    snprintf(words, sizeof words, ", error %.2g", now);
+    add(line, words);
+    if (target <= 0 || now <= target)
+        return;
+    add(line, ", about ");
+    add_time(line, seconds_left(status, now, target, look));
+    snprintf(words, sizeof words, " left to %.2g", target);
+    add(line, words);
+}
+
+static void add_work(const json_t *status, lf_ctl_look *look, char *line)
+{
+    char words[64];
+    const double passes = number(status, "passes");
+    add(line, ", ");
+    add_time(line, number(status, "seconds"));
+    snprintf(words, sizeof words, passes < 10 ? ", %.1f passes" : ", %.0f passes", passes);
+    add(line, words);
+    add_error(status, look, line);
+}
+
+static void add_reading(const json_t *status, char *line)
+{
+    const json_t *reading = json_object_get(status, "reading");
+    char words[96];
+    add(line, "loading");
+    if (!json_is_object(reading)) {
+        add(line, " ");
+        add(line, name_of(json_object_get(status, "load"), "file"));
+        return;
+    }
+    add(line, ": reading ");
+    add(line, name_of(reading, "file"));
+    snprintf(words, sizeof words, " (%.1f MB) for ", 1e-6 * number(reading, "bytes"));
+    add(line, words);
+    add_time(line, number(reading, "seconds"));
+}
+
+static void add_panel(const json_t *status, char *line)
+{
+    const json_t *device = json_object_get(status, "device"),
+                 *shown = json_object_get(status, "shown");
+    const char *problem = text(device, "problem"), *level = text(shown, "level");
+    const bool none = strcmp(text(device, "kind"), "none") == 0 || text(device, "kind")[0] == '\0';
+    if (problem[0] != '\0') {
+        add(line, "; panel: ");
+        add(line, problem);
+    } else if (!none && number(shown, "generation") < number(status, "generation")) {
+        add(line, "; not on the panel yet");
+    } else if (!none && strcmp(level, "none") != 0 &&
+               !json_is_true(json_object_get(status, "is_quilt"))) {
+        add(line, "; on the panel: ");
+        add(line, level);
+    }
+}
+
+static void add_state(const json_t *status, lf_ctl_look *look, char *line)
+{
+    const char *state = text(status, "state");
+    const bool is_quilt = json_is_true(json_object_get(status, "is_quilt"));
+    if (json_is_object(json_object_get(status, "load"))) {
+        add_reading(status, line);
+    } else if (strcmp(state, "error") == 0) {
+        add(line, "error: ");
+        add(line, text(json_object_get(status, "error"), "message"));
+    } else if (!json_is_string(json_object_get(status, "scene"))) {
+        add(line, "no scene");
+    } else {
+        add(line, name_of(status, "scene"));
+        add(line, is_quilt                          ? ": a picture"
+                  : strcmp(state, "converged") == 0 ? ": finished"
+                  : strcmp(state, "rendering") == 0 ? ": rendering"
+                  : strcmp(state, "paused") == 0    ? ": paused"
+                                                    : ": not rendering");
+        if (!is_quilt)
+            add_work(status, look, line);
+        add_panel(status, line);
+    }
+}
+
+char *lf_ctl_watch_line(const json_t *status, lf_ctl_look *look, char line[LF_CTL_LINE])
+{
+    line[0] = '\0';
+    add_state(status, look, line);
+    return line;
+}
+
+/* ----------------------------------------------------------------------------------- watching --
+ */
+
+/* The last line of a log; a state that changed is told at once. */
+typedef struct told {
+    char state[32];
+    double at; /* 0: there is none */
+    lf_ctl_look look;
+} told;
+
+static bool is_due(const json_t *status, const told *last)
+{
+    return last->at == 0 || lf_time_now() - last->at >= LOG_SECONDS ||
+           strcmp(last->state, text(status, "state")) != 0;
+}
+
+/* Bytes of a line that fit into so many columns; a character of several bytes stays whole. */
+static int fit(const char *line, int columns)
+{
+    int n = 0;
+    for (int at = 0; line[n] != '\0'; n++) {
+        at += ((unsigned char)line[n] & 0xc0) != 0x80;
+        if (at > columns)
+            break;
+    }
+    return n;
+}
+
+static void print_line(const json_t *status, told *last)
+{
+    char line[LF_CTL_LINE];
+    struct winsize window = {0};
+    lf_ctl_watch_line(status, &last->look, line);
+    if (isatty(STDOUT_FILENO)) {
+        (void)ioctl(STDOUT_FILENO, TIOCGWINSZ, &window);
+        printf("\r%.*s\033[K", fit(line, window.ws_col > 1 ? window.ws_col - 1 : 79), line);
+    } else if (is_due(status, last)) {
+        printf("%s\n", line);
+        snprintf(last->state, sizeof last->state, "%s", text(status, "state"));
+        last->at = lf_time_now();
+    }
     fflush(stdout);
 }
 
 lf_status lf_ctl_watch(lf_ctl *ctl, lf_error *err)
 {
     struct sigaction action = {.sa_handler = on_interrupt};
+    told last = {0};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     lf_status status = LF_OK;
@@ -58,7 +218,7 @@ lf_status lf_ctl_watch(lf_ctl *ctl, lf_error *err)
         json_t *result = NULL;
         status = lf_ctl_call(ctl, "status", json_object(), NULL, 0, &result, NULL, err);
         if (status == LF_OK) {
-            print_line(result);
+            print_line(result, &last);
             json_decref(result);
             nanosleep(&(struct timespec){.tv_nsec = PERIOD_NS}, NULL);
         }

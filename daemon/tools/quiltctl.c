@@ -7,7 +7,10 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/output/options.h"
+#include "daemon/server/methods.h"
 #include "daemon/tools/ctl.h"
+#include "daemon/tools/ctl_files.h"
+#include "daemon/tools/ctl_help.h"
 #include "daemon/tools/prometheus.h"
 #include "device/device.h"
 
@@ -50,15 +53,19 @@ static void print_help(void)
         "       quiltctl [--socket PATH] watch\n"
         "       quiltctl [--socket PATH] doctor\n"
         "       quiltctl [--socket PATH] export "
-        "quilt|still|views|pictures|panel|print|chart|rgbd|state FILE [key=value ...]\n"
+        "quilt|still|views|pictures|panel|print|chart|rgbd|state FILE\n"
+        "                [key=value ...]\n"
+        "       quiltctl METHOD --help\n"
         "Calls a running quiltd and prints what it answers. Values are typed by the method's "
         "schema; key:=JSON is raw.\n"
         "`quiltctl hello` lists the methods; some of them: status, scene.load file=PATH, "
         "scene.patch patch:=JSON,\n"
         "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
+        "`quiltctl METHOD --help` says what a method takes and answers; it needs no daemon.\n"
         "doctor says what stands between this machine and a picture on a panel; it needs no "
         "daemon.\n"
-        "An export is written with your rights: FILE may lie anywhere you may write.\n"
+        "An export is written, and a scene with its files is read, with your rights: they may "
+        "lie anywhere.\n"
         "\n"
         "  --socket PATH          the daemon's socket ($QUILTD_SOCKET, "
         "$XDG_RUNTIME_DIR/quiltd.sock,\n"
@@ -68,6 +75,7 @@ static void print_help(void)
         "lines\n"
         "                         for the textfile collector of Prometheus' node exporter)\n"
         "  --timeout SECONDS      gives up after so long\n" LF_OPTIONS_HELP_LAST
+            LF_OPTIONS_HELP_SHELLS
         "Exit status: 0, 1 when the daemon refused, 2 for wrong usage, 3 when no daemon "
         "answers.\n");
 }
@@ -177,66 +185,81 @@ static lf_status read_words(const arguments *a, const json_t *schema, json_t *pa
     return lf_schema_check(schema, params, a->method, err);
 }
 
-/* Asks the daemon for its methods; *out_schema is a new reference. LF_E_ARG: there is no such
- * method. */
-static lf_status ask_schema(lf_ctl *ctl, const char *method, json_t **out_schema, lf_error *err)
+/* The schema of a method in the daemon's hello. LF_E_ARG: there is no such method. */
+static lf_status find_schema(const json_t *hello, const char *method, const json_t **out_schema,
+                             lf_error *err)
 {
-    json_t *hello = NULL;
-    lf_status status = lf_ctl_call(ctl, "hello", json_object(), NULL, 0, &hello, NULL, err);
-    if (status != LF_OK)
-        return status;
     json_t *methods = json_object_get(hello, "methods");
-    *out_schema = json_incref(json_object_get(json_object_get(methods, method), "params"));
-    if (!*out_schema) {
-        const char *meant = lf_nearest_key(method, methods);
-        status = meant ? lf_error_set(err, LF_E_ARG, method,
-                                      "is no method of this daemon; did you mean \"%s\"?", meant)
-                       : lf_error_set(err, LF_E_ARG, method,
-                                      "is no method of this daemon; quiltctl hello lists them");
-    }
-    json_decref(hello);
-    return status;
+    *out_schema = json_object_get(json_object_get(methods, method), "params");
+    if (*out_schema)
+        return LF_OK;
+    const char *meant = lf_nearest_key(method, methods);
+    return meant ? lf_error_set(err, LF_E_ARG, method,
+                                "is no method of this daemon; did you mean \"%s\"?", meant)
+                 : lf_error_set(err, LF_E_ARG, method,
+                                "is no method of this daemon; quiltctl hello lists them");
 }
 
-static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_error *err)
+/* The scene that is shown; NULL: none. A new reference. */
+static json_t *ask_scene(lf_ctl *ctl)
 {
-    if (strcmp(a->method, "watch") == 0)
-        return lf_ctl_watch(ctl, err);
-    json_t *schema = NULL;
-    lf_status status = ask_schema(ctl, a->method, &schema, err);
-    if (status != LF_OK)
-        return status;
-    json_t *params = json_object();
-    status = read_words(a, schema, params, err);
-    json_decref(schema);
+    json_t *status = NULL, *scene = NULL;
+    if (lf_ctl_call(ctl, "status", json_object(), NULL, 0, &status, NULL, NULL) == LF_OK)
+        scene = json_incref(json_object_get(status, "scene"));
+    json_decref(status);
+    return scene;
+}
+
+/* A call that names files, with those that the daemon may not open. params are taken over. */
+static lf_status call_with_files(lf_ctl *ctl, const arguments *a, const json_t *hello,
+                                 json_t *params, json_t **out_result, lf_error *err)
+{
+    json_t *patch = json_object_get(params, "patch");
+    json_t *named = patch ? patch : json_object_get(params, "file");
+    json_t *scene = patch ? ask_scene(ctl) : NULL;
+    lf_ctl_files files;
+    lf_status status = lf_ctl_files_open(json_object_get(hello, "folders"), named,
+                                         json_string_value(scene), &files, err);
+    json_decref(scene);
     if (status != LF_OK) {
         json_decref(params);
         return status;
     }
+    if (files.n > 0)
+        json_object_set(params, "files", files.names);
+    status = lf_ctl_call(ctl, a->method, params, files.fd, files.n, out_result, NULL, err);
+    lf_ctl_files_close(&files);
+    return status;
+}
+
+/* params are taken over. */
+static lf_status call(lf_ctl *ctl, const arguments *a, const json_t *hello, json_t *params,
+                      json_t **out_result, lf_error *err)
+{
     if (strcmp(a->method, "export") == 0 && !is_detached(params))
         return lf_ctl_export(ctl, params, out_result, err);
+    if (strcmp(a->method, "scene.load") == 0 || strcmp(a->method, "scene.patch") == 0)
+        return call_with_files(ctl, a, hello, params, out_result, err);
     return lf_ctl_call(ctl, a->method, params, NULL, 0, out_result, NULL, err);
 }
 
-/* hello's schemas are for programs: people get the names and what they do. */
-static void print_methods(const json_t *hello)
+static lf_status run(lf_ctl *ctl, const arguments *a, json_t **out_result, lf_error *err)
 {
-    const char *name;
-    json_t *entry;
-    printf("quiltd %s, protocol %lld\n", json_string_value(json_object_get(hello, "version")),
-           (long long)json_integer_value(json_object_get(hello, "protocol")));
-    json_object_foreach(json_object_get(hello, "methods"), name, entry)
-    {
-        printf("%-20s %s\n", name, json_string_value(json_object_get(entry, "summary")));
-        const char *key;
-        json_t *property;
-        json_object_foreach(json_object_get(json_object_get(entry, "params"), "properties"), key,
-                            property)
-        {
-            const json_t *type = json_object_get(property, "type");
-            printf("    %s=%s\n", key, json_string_value(type) ? json_string_value(type) : "...");
-        }
-    }
+    json_t *hello = NULL;
+    const json_t *schema;
+    if (strcmp(a->method, "watch") == 0)
+        return lf_ctl_watch(ctl, err);
+    lf_status status = lf_ctl_call(ctl, "hello", json_object(), NULL, 0, &hello, NULL, err);
+    if (status == LF_OK)
+        status = find_schema(hello, a->method, &schema, err);
+    json_t *params = json_object();
+    if (status == LF_OK)
+        status = read_words(a, schema, params, err);
+    if (status == LF_OK)
+        status = call(ctl, a, hello, json_incref(params), out_result, err);
+    json_decref(params);
+    json_decref(hello);
+    return status;
 }
 
 static void print_result(const arguments *a, const json_t *result)
@@ -247,13 +270,28 @@ static void print_result(const arguments *a, const json_t *result)
         json_dumpf(result, stdout, JSON_ENCODE_ANY | JSON_INDENT(2));
         putchar('\n');
     } else if (strcmp(a->method, "hello") == 0) {
-        print_methods(result);
+        lf_ctl_print_methods(result);
     } else if (strcmp(a->method, "scene.get") == 0) {
         json_dumpf(json_object_get(result, "scene"), stdout, JSON_ENCODE_ANY | JSON_INDENT(2));
         putchar('\n');
     } else {
         lf_ctl_print(result);
     }
+}
+
+/* "METHOD --help": prints what there is to say of it; false: something else was asked for. */
+static bool print_method_help(int argc, char *const argv[])
+{
+    const char *method = NULL;
+    bool help = false;
+    for (int i = 1; i < argc; i++) {
+        help = help || strcmp(argv[i], "--help") == 0;
+        if (!method && json_object_get(lf_methods_json(), argv[i]))
+            method = argv[i];
+    }
+    if (help && method)
+        lf_ctl_print_method(method, json_object_get(lf_methods_json(), method));
+    return help && method;
 }
 
 static int exit_code(lf_status status)
@@ -271,6 +309,8 @@ int main(int argc, char *argv[])
     lf_error err;
     bool done = false;
     lf_log_init(PROGRAM, LF_LOG_INFO);
+    if (print_method_help(argc, argv))
+        return LF_EXIT_OK;
     if (read_arguments(argc, argv, &a, &done, &err) != LF_OK)
         return lf_usage_error(PROGRAM, &err);
     if (done)

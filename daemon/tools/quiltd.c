@@ -61,7 +61,7 @@ static void print_help(void)
         "                         (none, next, previous, pause, reset)\n"
         "  --watch                reads the scene file again when it, or what it includes, "
         "changes\n"
-        "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST);
+        "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)

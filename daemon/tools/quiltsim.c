@@ -118,7 +118,7 @@ static void print_help(void)
            "\n"
            "Lines on standard input: press square|left|right|circle, unplug, replug, picture, "
            "counters, quit.\n"
-           "\n" LF_OPTIONS_HELP_LAST);
+           "\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
 }
 
 static lf_status take_whole(const struct option_rule *rule, const char *where, const char *text,

@@ -79,7 +79,7 @@ static void print_help(void)
         "  --state-info FILE      prints what is in such a file, as JSON\n"
         "  --stats FILE.json      writes what was done and what it took (- is standard output)\n"
         "  --plan                 renders nothing: prints what it would take, and a command for "
-        "each task\n" LF_OPTIONS_HELP_LAST);
+        "each task\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
 }
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)

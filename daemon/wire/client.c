@@ -618,6 +618,11 @@ bool lf_client_take_fds(lf_client *client, int *out_fds, int n)
     return true;
 }
 
+int lf_client_count_fds(const lf_client *client)
+{
+    return client->n_fds;
+}
+
 void lf_client_drop_fds(lf_client *client)
 {
     for (int i = 0; i < client->n_fds; i++)

@@ -72,6 +72,8 @@ bool lf_clients_left_much(const lf_clients *clients);
 /* Takes the next n descriptors the client has passed; false (nothing taken) when there are fewer.
  */
 bool lf_client_take_fds(lf_client *client, int *out_fds, int n);
+/* How many it has passed that nobody took. */
+int lf_client_count_fds(const lf_client *client);
 /* Closes those that nobody took. */
 void lf_client_drop_fds(lf_client *client);
 

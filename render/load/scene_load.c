@@ -10,6 +10,20 @@
 #include "render/load/scene_commit.h"
 #include "render/load/scene_include.h"
 
+/* Those that are all there are. */
+static lf_status copy_roots(const lf_roots *roots, lf_roots *out, lf_error *err)
+{
+    out->closed = true;
+    out->passed = roots->passed;
+    for (int i = 0; i < roots->n_roots; i++) {
+        out->root[i] = lf_strdup(roots->root[i]);
+        if (!out->root[i])
+            return lf_error_set(err, LF_E_NOMEM, roots->root[i], "out of memory");
+        out->n_roots++;
+    }
+    return LF_OK;
+}
+
 /* The roots with the scene's own folder among them; *out is finished by the caller. No roots stay
  * no roots: anywhere. */
 static lf_status extend_roots(const lf_roots *roots, const char *folder, lf_roots *out,
@@ -17,6 +31,8 @@ static lf_status extend_roots(const lf_roots *roots, const char *folder, lf_root
 {
     lf_status status = LF_OK;
     *out = (lf_roots){0};
+    if (roots && roots->closed)
+        return copy_roots(roots, out, err);
     for (int i = 0; roots && i < roots->n_roots && status == LF_OK; i++)
         status = lf_roots_add(out, roots->root[i], err);
     if (status == LF_OK && out->n_roots > 0)
@@ -150,7 +166,7 @@ static lf_status load_bare(const char *path, const json_t *patch, const lf_roots
     char *folder = lf_path_folder(path), *allowed = NULL;
     lf_scene *alone = NULL;
     lf_status status = folder ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
-    if (status == LF_OK && roots && roots->n_roots > 0)
+    if (status == LF_OK && roots && roots->n_roots > 0 && !lf_passed_has(roots->passed, path))
         status = lf_roots_resolve(roots, folder, &allowed, err);
     if (status == LF_OK)
         status =

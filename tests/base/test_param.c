@@ -35,7 +35,8 @@ static const char *colour_at(int index)
 static const lf_param rows[] = {
     {.name = "watts", .option = "watts", PLACE(watts), .unit = "W", .low = 1, .high = 100,
      .required = true, .help = "how bright"},
-    {.name = "legs", .option = "legs", PLACE(legs), .type = LF_PARAM_WHOLE, .low = 3, .high = 5},
+    {.name = "legs", .option = "legs", PLACE(legs), .type = LF_PARAM_WHOLE, .low = 3, .high = 5,
+     .help = "how many legs", .about = "legs that it stands on"},
     {.name = "x", .option = "at", .joined = "+-", .argument = "X", PLACE(x), .low = -9, .high = 9},
     {.name = "y", .option = "at", .argument = "Y", PLACE(y), .low = -9, .high = 9},
     {.name = "bits", .option = "bits", PLACE(bits), .type = LF_PARAM_WHOLE, .words = bits,
@@ -293,20 +294,23 @@ static void the_schema_says_what_the_rows_say(void **state)
 {
     (void)state;
     json_t *schema = lf_param_schema(rows);
-    json_t *expected =
-        object("{\"watts\":{\"type\":\"number\",\"minimum\":1.0,\"maximum\":100.0,"
-               "\"description\":\"how bright; W\"},"
-               "\"legs\":{\"type\":\"integer\",\"minimum\":3.0,\"maximum\":5.0},"
-               "\"x\":{\"type\":\"number\",\"minimum\":-9.0,\"maximum\":9.0},"
-               "\"y\":{\"type\":\"number\",\"minimum\":-9.0,\"maximum\":9.0},"
-               "\"bits\":{\"type\":\"integer\",\"enum\":[8,16]},\"lit\":{\"type\":\"boolean\"},"
-               "\"stand\":{\"type\":\"string\",\"enum\":[\"lying\",\"upright\"]},"
-               "\"shape\":{\"type\":\"string\",\"enum\":[\"round\",\"flat\",\"long\"]},"
-               "\"turn\":{\"type\":\"number\",\"minimum\":0.0,\"maximum\":180.0},"
-               "\"spot\":{\"type\":\"array\",\"items\":{\"type\":\"number\",\"minimum\":-1.0,"
-               "\"maximum\":1.0},\"minItems\":3,\"maxItems\":3},"
-               "\"maker\":{\"type\":\"string\"},"
-               "\"kind\":{\"type\":\"string\",\"enum\":[\"table\",\"street\"]}}");
+    json_t *expected = object(
+        "{\"watts\":{\"type\":\"number\",\"minimum\":1.0,\"maximum\":100.0,"
+        "\"description\":\"how bright\",\"unit\":\"W\"},"
+        "\"legs\":{\"type\":\"integer\",\"minimum\":3.0,\"maximum\":5.0,"
+        "\"description\":\"legs that it stands on\"},"
+        "\"x\":{\"type\":\"number\",\"minimum\":-9.0,\"maximum\":9.0,\"default\":0},"
+        "\"y\":{\"type\":\"number\",\"minimum\":-9.0,\"maximum\":9.0,\"default\":0},"
+        "\"bits\":{\"type\":\"integer\",\"enum\":[8,16],\"default\":16},"
+        "\"lit\":{\"type\":\"boolean\",\"default\":false},"
+        "\"stand\":{\"type\":\"string\",\"enum\":[\"lying\",\"upright\"],\"default\":\"lying\"},"
+        "\"shape\":{\"type\":\"string\",\"enum\":[\"round\",\"flat\",\"long\"],"
+        "\"default\":\"long\"},"
+        "\"turn\":{\"type\":\"number\",\"minimum\":0.0,\"maximum\":180.0,\"default\":0},"
+        "\"spot\":{\"type\":\"array\",\"items\":{\"type\":\"number\",\"minimum\":-1.0,"
+        "\"maximum\":1.0},\"minItems\":3,\"maxItems\":3},"
+        "\"maker\":{\"type\":\"string\"},"
+        "\"kind\":{\"type\":\"string\",\"enum\":[\"table\",\"street\"]}}");
     assert_true(json_equal(schema, expected));
     json_decref(schema);
     json_decref(expected);

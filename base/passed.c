@@ -1,0 +1,365 @@
+#include "base/passed.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/alloc.h"
+#include "base/errno_text.h"
+#include "base/frame_name.h"
+
+#define COPY_BYTES ((size_t)1 << 20) /* at a time */
+
+typedef struct passed_file {
+    atomic_int references;
+    int fd;
+    char *path;
+    pthread_mutex_t lock; /* of copy */
+    int copy;             /* in memory; -1: there is none */
+    uint64_t copied;      /* bytes of it */
+} passed_file;
+
+struct lf_passed {
+    atomic_int references;
+    int n;
+    passed_file *file[LF_MAX_PASSED];
+    atomic_bool opened[LF_MAX_PASSED]; /* since the list was made */
+};
+
+static atomic_int n_held;
+static _Atomic uint64_t n_copied;        /* bytes */
+static bool (*_Atomic is_stopped)(void); /* NULL: never */
+
+void lf_passed_stop_when(bool (*stopped)(void))
+{
+    atomic_store(&is_stopped, stopped);
+}
+
+/* ------------------------------------------------------------------------------------- names -- */
+
+/* Takes the last part back. */
+static void go_up(char *name)
+{
+    char *slash = strrchr(name, '/');
+    if (slash)
+        *slash = '\0';
+}
+
+bool lf_passed_name(const char *path, char *out)
+{
+    size_t used = 0;
+    out[0] = '\0';
+    if (path[0] != '/') {
+        if (!getcwd(out, PATH_MAX))
+            return false;
+        used = strcmp(out, "/") == 0 ? 0 : strlen(out);
+        out[used] = '\0';
+    }
+    for (const char *part = path; *part != '\0';) {
+        part += strspn(part, "/");
+        const size_t n = strcspn(part, "/");
+        const bool nothing = n == 0 || (n == 1 && part[0] == '.');
+        if (n == 2 && part[0] == '.' && part[1] == '.') {
+            go_up(out);
+        } else if (!nothing) {
+            used = strlen(out);
+            if (used + n + 2 > PATH_MAX)
+                return false;
+            snprintf(out + used, PATH_MAX - used, "/%.*s", (int)n, part);
+        }
+        part += n;
+    }
+    if (out[0] == '\0')
+        strcpy(out, "/");
+    return true;
+}
+
+/* -1: there is none. */
+static int find(const lf_passed *passed, const char *path)
+{
+    char name[PATH_MAX];
+    if (!passed || passed->n == 0 || !lf_passed_name(path, name))
+        return -1;
+    for (int i = 0; i < passed->n; i++)
+        if (strcmp(passed->file[i]->path, name) == 0)
+            return i;
+    return -1;
+}
+
+bool lf_passed_has(const lf_passed *passed, const char *path)
+{
+    return find(passed, path) >= 0;
+}
+
+const char *lf_passed_at(const lf_passed *passed, int index)
+{
+    return passed && index < passed->n ? passed->file[index]->path : NULL;
+}
+
+/* ------------------------------------------------------------------------------------- lists -- */
+
+lf_passed *lf_passed_create(void)
+{
+    lf_passed *passed = lf_calloc(1, sizeof *passed);
+    if (passed)
+        atomic_init(&passed->references, 1);
+    return passed;
+}
+
+lf_passed *lf_passed_ref(lf_passed *passed)
+{
+    if (passed)
+        atomic_fetch_add_explicit(&passed->references, 1, memory_order_relaxed);
+    return passed;
+}
+
+/* fd: of the copy, or below 0. */
+static void drop_copy(passed_file *file, int fd)
+{
+    atomic_fetch_sub(&n_copied, file->copied);
+    file->copied = 0;
+    if (fd >= 0)
+        close(fd);
+}
+
+static void file_unref(passed_file *file)
+{
+    if (atomic_fetch_sub_explicit(&file->references, 1, memory_order_acq_rel) != 1)
+        return;
+    close(file->fd);
+    drop_copy(file, file->copy);
+    pthread_mutex_destroy(&file->lock);
+    lf_free(file->path);
+    lf_free(file);
+    atomic_fetch_sub(&n_held, 1);
+}
+
+void lf_passed_unref(lf_passed *passed)
+{
+    if (!passed || atomic_fetch_sub_explicit(&passed->references, 1, memory_order_acq_rel) != 1)
+        return;
+    for (int i = 0; i < passed->n; i++)
+        file_unref(passed->file[i]);
+    lf_free(passed);
+}
+
+/* A file of another list. */
+static void share(lf_passed *passed, passed_file *file)
+{
+    atomic_fetch_add_explicit(&file->references, 1, memory_order_relaxed);
+    atomic_init(&passed->opened[passed->n], false);
+    passed->file[passed->n++] = file;
+}
+
+static lf_status check_path(const lf_passed *passed, const char *path, lf_error *err)
+{
+    char name[PATH_MAX];
+    if (path[0] != '/' || !lf_passed_name(path, name) || strcmp(path, name) != 0)
+        return lf_error_set(err, LF_E_ARG, path,
+                            "a passed file is named by its absolute path, without \".\", \"..\" "
+                            "and \"//\"");
+    if (lf_frame_name_varies(path))
+        return lf_error_set(err, LF_E_ARG, path, "a passed file is one file, not one per frame");
+    if (find(passed, path) >= 0)
+        return lf_error_set(err, LF_E_ARG, path, "was passed twice");
+    if (passed->n == LF_MAX_PASSED)
+        return lf_error_set(err, LF_E_ARG, path, "more than %d files were passed", LF_MAX_PASSED);
+    return LF_OK;
+}
+
+/* A handle (O_PATH) is no right to read: opened again it would be read with the daemon's. What may
+ * be written is not taken either, since readers are not trusted. The kind of a file is asked of the
+ * kernel alone: a file system that does not answer stops nobody. */
+static lf_status check_descriptor(const char *path, int fd, lf_error *err)
+{
+    struct statx st;
+    const int flags = fcntl(fd, F_GETFL);
+    if (flags < 0 || (flags & O_PATH) != 0 || (flags & O_ACCMODE) != O_RDONLY)
+        return lf_error_set(err, LF_E_ARG, path,
+                            "its descriptor must be open for reading, and for that alone");
+    if (statx(fd, "", AT_EMPTY_PATH | AT_STATX_DONT_SYNC, STATX_TYPE, &st) != 0 ||
+        !S_ISREG(st.stx_mode))
+        return lf_error_set(err, LF_E_ARG, path, "its descriptor is not of a regular file");
+    return LF_OK;
+}
+
+lf_status lf_passed_add(lf_passed *passed, const char *path, int fd, lf_error *err)
+{
+    lf_status status = check_path(passed, path, err);
+    if (status == LF_OK)
+        status = check_descriptor(path, fd, err);
+    if (status != LF_OK)
+        return status;
+    if (atomic_fetch_add(&n_held, 1) >= LF_MAX_PASSED_ALL) {
+        atomic_fetch_sub(&n_held, 1);
+        return lf_error_set(err, LF_E_BUSY, path, "%d passed files are held already",
+                            LF_MAX_PASSED_ALL);
+    }
+    passed_file *file = lf_calloc(1, sizeof *file);
+    char *copy = lf_strdup(path);
+    if (!file || !copy) {
+        atomic_fetch_sub(&n_held, 1);
+        lf_free(file);
+        lf_free(copy);
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    }
+    *file = (passed_file){.fd = fd, .path = copy, .copy = -1};
+    atomic_init(&file->references, 1);
+    pthread_mutex_init(&file->lock, NULL);
+    atomic_init(&passed->opened[passed->n], false);
+    passed->file[passed->n++] = file;
+    return LF_OK;
+}
+
+/* How many of older are to be taken over: all but those that newer names, and without those that
+ * were not opened. */
+static int count(const lf_passed *older, const lf_passed *newer, bool opened)
+{
+    int n = 0;
+    for (int i = 0; older && i < older->n; i++)
+        n += (!opened || atomic_load(&older->opened[i])) && find(newer, older->file[i]->path) < 0;
+    return n;
+}
+
+lf_status lf_passed_join(const lf_passed *older, const lf_passed *newer, lf_passed **out,
+                         lf_error *err)
+{
+    const int n = newer ? newer->n : 0;
+    const bool crowded = n + count(older, newer, false) > LF_MAX_PASSED;
+    if (n + count(older, newer, crowded) > LF_MAX_PASSED)
+        return lf_error_set(err, LF_E_ARG, newer ? newer->file[0]->path : "",
+                            "more than %d files were passed to this scene; load a scene anew "
+                            "(scene.load), or start quiltd with --allow-path DIR",
+                            LF_MAX_PASSED);
+    lf_passed *joined = lf_passed_create();
+    if (!joined)
+        return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
+    for (int i = 0; i < n; i++)
+        share(joined, newer->file[i]);
+    for (int i = 0; older && i < older->n; i++)
+        if ((!crowded || atomic_load(&older->opened[i])) && find(newer, older->file[i]->path) < 0)
+            share(joined, older->file[i]);
+    *out = joined;
+    return LF_OK;
+}
+
+void lf_passed_drop_unopened(lf_passed *passed, const lf_passed *newer)
+{
+    int kept = 0;
+    for (int i = 0; i < passed->n; i++) {
+        const bool opened = atomic_load(&passed->opened[i]);
+        if (!opened && find(newer, passed->file[i]->path) >= 0) {
+            file_unref(passed->file[i]);
+            continue;
+        }
+        passed->file[kept] = passed->file[i];
+        atomic_store(&passed->opened[kept++], opened);
+    }
+    passed->n = kept;
+}
+
+/* ----------------------------------------------------------------------------------- opening -- */
+
+/* A description of its own. */
+static int reopen(int fd)
+{
+    char link[64];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+    return open(link, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+}
+
+static lf_status fail_errno(lf_error *err, const char *path, const char *what)
+{
+    return lf_error_set(err, LF_E_IO, path, "%s: %s", what, lf_errno_text(errno));
+}
+
+static bool write_all(int fd, const char *data, size_t n)
+{
+    for (size_t done = 0; done < n;) {
+        const ssize_t written = write(fd, data + done, n - done);
+        if (written < 0 && errno != EINTR)
+            return false;
+        done += written > 0 ? (size_t)written : 0;
+    }
+    return true;
+}
+
+/* pread: the offset is the client's too. */
+static lf_status copy_bytes(passed_file *file, int to, char *chunk, lf_error *err)
+{
+    for (off_t at = 0;;) {
+        bool (*stopped)(void) = atomic_load(&is_stopped);
+        if (stopped && stopped())
+            return lf_error_set(err, LF_E_CANCELLED, file->path, "reading was stopped");
+        const ssize_t got = pread(file->fd, chunk, COPY_BYTES, at);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            return fail_errno(err, file->path, "cannot read");
+        if (got == 0)
+            return LF_OK;
+        at += got;
+        file->copied += (uint64_t)got;
+        if (atomic_fetch_add(&n_copied, (uint64_t)got) + (uint64_t)got > LF_MAX_PASSED_COPY)
+            return lf_error_set(err, LF_E_FORMAT, file->path,
+                                "quiltd's user may not open it again, and copies of such files "
+                                "take more than %d MiB (chmod o+r lets everybody read it)",
+                                (int)(LF_MAX_PASSED_COPY >> 20));
+        if (!write_all(to, chunk, (size_t)got))
+            return fail_errno(err, file->path, "cannot be copied into memory");
+    }
+}
+
+/* Once; under the lock. */
+static lf_status make_copy(passed_file *file, lf_error *err)
+{
+    if (file->copy >= 0)
+        return LF_OK;
+    char *chunk = lf_calloc(1, COPY_BYTES);
+    const int fd = memfd_create("quiltd-passed", MFD_CLOEXEC);
+    lf_status status = !chunk   ? lf_error_set(err, LF_E_NOMEM, file->path, "out of memory")
+                       : fd < 0 ? fail_errno(err, file->path, "cannot be copied into memory")
+                                : copy_bytes(file, fd, chunk, err);
+    lf_free(chunk);
+    if (status == LF_OK)
+        file->copy = fd;
+    else
+        drop_copy(file, fd);
+    return status;
+}
+
+static lf_status open_copy(passed_file *file, int *out_fd, lf_error *err)
+{
+    pthread_mutex_lock(&file->lock);
+    lf_status status = make_copy(file, err);
+    const int fd = status == LF_OK ? reopen(file->copy) : -1;
+    if (status == LF_OK && fd < 0)
+        status = fail_errno(err, file->path, "cannot open");
+    pthread_mutex_unlock(&file->lock);
+    if (status == LF_OK)
+        *out_fd = fd;
+    return status;
+}
+
+lf_status lf_passed_open(lf_passed *passed, const char *path, int *out_fd, lf_error *err)
+{
+    const int i = find(passed, path);
+    if (i < 0)
+        return lf_error_set(err, LF_E_PATH, path, "was not passed");
+    passed_file *file = passed->file[i];
+    atomic_store(&passed->opened[i], true);
+    const int fd = reopen(file->fd);
+    if (fd < 0 && errno != EACCES && errno != EPERM && errno != ELOOP)
+        return fail_errno(err, path, "cannot open");
+    if (fd < 0)
+        return open_copy(file, out_fd, err);
+    *out_fd = fd;
+    return LF_OK;
+}

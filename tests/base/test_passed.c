@@ -1,0 +1,178 @@
+/* Lists of files that were passed, without a daemon. */
+#include "tests/testing.h"
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+
+#include "base/passed.h"
+#include "base/paths.h"
+
+static int open_new(const char *folder, const char *name, const char *text)
+{
+    lf_test_write(folder, name, text);
+    int fd = open(lf_test_path(folder, name), O_RDONLY | O_CLOEXEC);
+    assert_true(fd >= 0);
+    return fd;
+}
+
+static const char *read_passed(lf_passed *passed, const char *path)
+{
+    lf_error err;
+    int fd = -1;
+    char *text = lf_test_buffer();
+    if (lf_passed_open(passed, path, &fd, &err) != LF_OK)
+        return NULL;
+    ssize_t n = read(fd, text, 64);
+    assert_true(n >= 0);
+    text[n] = '\0';
+    close(fd);
+    return text;
+}
+
+static void each_reader_begins_at_the_beginning(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder(), byte;
+    lf_passed *passed = lf_passed_create();
+    lf_error err;
+    int fd = open_new(folder, "a", "text");
+    assert_int_equal(read(fd, &byte, 1), 1);
+    lf_assert_ok(lf_passed_add(passed, "/x/a", fd, &err), &err);
+    assert_string_equal(read_passed(passed, "/x/a"), "text");
+    assert_string_equal(read_passed(passed, "/x//y/../a"), "text");
+    assert_int_equal(lseek(fd, 0, SEEK_CUR), 1);
+    assert_null(read_passed(passed, "/x/b"));
+    assert_null(read_passed(passed, "/x"));
+    lf_passed_unref(passed);
+    assert_int_equal(fcntl(fd, F_GETFD), -1);
+    lf_test_folder_remove(folder);
+}
+
+static void of_two_lists_the_newer_wins_and_what_nobody_opened_goes(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder();
+    lf_passed *older = lf_passed_create(), *newer = lf_passed_create(), *both = NULL;
+    lf_error err;
+    lf_assert_ok(lf_passed_add(older, "/x/a", open_new(folder, "a", "old"), &err), &err);
+    lf_assert_ok(lf_passed_add(older, "/x/b", open_new(folder, "b", "other"), &err), &err);
+    lf_assert_ok(lf_passed_add(newer, "/x/a", open_new(folder, "c", "new"), &err), &err);
+    lf_assert_ok(lf_passed_add(newer, "/x/d", open_new(folder, "d", "unused"), &err), &err);
+    lf_assert_ok(lf_passed_join(older, newer, &both, &err), &err);
+    assert_string_equal(read_passed(both, "/x/a"), "new");
+    assert_string_equal(read_passed(both, "/x/b"), "other");
+    lf_passed_drop_unopened(both, newer);
+    assert_true(lf_passed_has(both, "/x/a"));
+    assert_true(lf_passed_has(both, "/x/b"));
+    assert_false(lf_passed_has(both, "/x/d"));
+    assert_null(lf_passed_at(both, 2));
+    lf_passed_unref(older);
+    lf_passed_unref(newer);
+    assert_string_equal(read_passed(both, "/x/a"), "new");
+    lf_passed_unref(both);
+    lf_test_folder_remove(folder);
+}
+
+static void a_list_holds_64_and_the_process_256(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder();
+    lf_passed *lists[LF_MAX_PASSED_ALL / LF_MAX_PASSED + 1] = {NULL};
+    lf_error err;
+    char name[32];
+    int n = 0;
+    lf_test_write(folder, "a", "text");
+    for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
+        lists[k] = lf_passed_create();
+        for (int i = 0; i <= LF_MAX_PASSED; i++) {
+            snprintf(name, sizeof name, "/x/%zu/%d", k, i);
+            int fd = open(lf_test_path(folder, "a"), O_RDONLY | O_CLOEXEC);
+            lf_status status = lf_passed_add(lists[k], name, fd, &err);
+            n += status == LF_OK;
+            if (status != LF_OK)
+                close(fd);
+            if (i == LF_MAX_PASSED)
+                lf_assert_status(status, LF_E_ARG, &err);
+            else if (n == LF_MAX_PASSED_ALL && status != LF_OK)
+                break;
+        }
+        if (n == LF_MAX_PASSED_ALL && k == sizeof lists / sizeof *lists - 1)
+            lf_assert_status(err.status, LF_E_BUSY, &err);
+    }
+    assert_int_equal(n, LF_MAX_PASSED_ALL);
+    for (size_t k = 0; k < sizeof lists / sizeof *lists; k++)
+        lf_passed_unref(lists[k]);
+    lf_passed *again = lf_passed_create();
+    lf_assert_ok(lf_passed_add(again, "/x/a", open_new(folder, "a", "text"), &err), &err);
+    lf_passed_unref(again);
+    lf_test_folder_remove(folder);
+}
+
+/* As a service that has a user of its own. */
+static void what_may_not_be_opened_again_is_copied(void **state)
+{
+    (void)state;
+    if (geteuid() != 0)
+        skip(); /* nobody else to be */
+    char *folder = lf_test_folder();
+    lf_passed *passed = lf_passed_create();
+    lf_error err;
+    int fd = open_new(folder, "a", "secret");
+    assert_int_equal(fchmod(fd, 0600), 0);
+    lf_assert_ok(lf_passed_add(passed, "/x/a", fd, &err), &err);
+    assert_int_equal(seteuid(65534), 0);
+    prctl(PR_SET_DUMPABLE, 1); /* /proc/self is this user's again */
+    const int again = open(lf_test_path(folder, "a"), O_RDONLY | O_CLOEXEC);
+    const char *text = read_passed(passed, "/x/a"), *more = read_passed(passed, "/x/a");
+    assert_int_equal(seteuid(0), 0);
+    prctl(PR_SET_DUMPABLE, 1);
+    assert_int_equal(again, -1);
+    assert_string_equal(text, "secret");
+    assert_string_equal(more, "secret");
+    lf_passed_unref(passed);
+    lf_test_folder_remove(folder);
+}
+
+/* Roots come first: a passed file takes the place of none that may be read. */
+static void roots_give_passed_files_where_they_have_none(void **state)
+{
+    (void)state;
+    char *folder = lf_test_folder(), *elsewhere = lf_test_folder();
+    lf_roots roots = {.closed = true};
+    lf_error err;
+    char text[64];
+    int fd = -1;
+    lf_test_write(folder, "a", "own");
+    lf_assert_ok(lf_roots_add(&roots, folder, &err), &err);
+    roots.passed = lf_passed_create();
+    lf_assert_ok(lf_passed_add(roots.passed, lf_test_path(folder, "a"),
+                               open_new(elsewhere, "a", "passed"), &err),
+                 &err);
+    lf_assert_ok(
+        lf_passed_add(roots.passed, "/nowhere/b", open_new(elsewhere, "b", "passed"), &err), &err);
+    lf_assert_ok(lf_roots_open(&roots, lf_test_path(folder, "a"), &fd, &err), &err);
+    assert_int_equal(read(fd, text, sizeof text), 3);
+    close(fd);
+    lf_assert_ok(lf_roots_open(&roots, "/nowhere/b", &fd, &err), &err);
+    assert_int_equal(read(fd, text, sizeof text), 6);
+    close(fd);
+    lf_assert_status(lf_roots_open(&roots, "/nowhere/c", &fd, &err), LF_E_PATH, &err);
+    assert_non_null(strstr(err.what, "client that is gone"));
+    lf_passed_unref(roots.passed);
+    lf_roots_finish(&roots);
+    lf_test_folder_remove(elsewhere);
+    lf_test_folder_remove(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_reader_begins_at_the_beginning),
+        cmocka_unit_test(of_two_lists_the_newer_wins_and_what_nobody_opened_goes),
+        cmocka_unit_test(a_list_holds_64_and_the_process_256),
+        cmocka_unit_test(what_may_not_be_opened_again_is_copied),
+        cmocka_unit_test(roots_give_passed_files_where_they_have_none),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
