@@ -127,7 +127,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return lf_trial_check_names("--scenes", text, scene_at, err);
     default:
         a->markdown = text;
-        return LF_OK;
+        return lf_trial_check_markdown(text, err);
     }
 }
 
@@ -356,6 +356,8 @@ static lf_status write_files(const arguments *a, const row *rows, int n_rows, lf
         status = lf_bench_write_text(a->markdown, text, err);
     if (status == LF_OK && a->options.json)
         status = lf_bench_write_json(a->options.json, json_incref(object), err);
+    if (status == LF_OK && a->options.csv)
+        status = lf_bench_write_csv(a->options.csv, json_incref(list), err);
     json_decref(object);
     free(text);
     return status;
@@ -363,7 +365,7 @@ static lf_status write_files(const arguments *a, const row *rows, int n_rows, lf
 
 static lf_status run(const arguments *a, row *rows, lf_pool *pool, lf_error *err)
 {
-    bool quiet = lf_bench_only_json(a->options.json);
+    bool quiet = lf_trial_is_quiet(&a->options);
     int kinds[2] = {a->options.common.views ? a->options.common.views : FIELD_VIEWS,
                     LENTICULAR_VIEWS};
     int n_kinds = a->options.common.views ? 1 : 2;
