@@ -24,7 +24,7 @@ static next_step next_todo(const lf_engine *engine)
         return NEXT_STOP;
     if (engine->first)
         return NEXT_REQUEST;
-    if (engine->controls_changed || engine->panel_changed || engine->card_changed)
+    if (engine->news.controls || engine->news.panel || engine->news.card)
         return NEXT_CHANGES;
     return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
 }
@@ -52,12 +52,12 @@ static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
         atomic_store_explicit(&engine->cancel, 0, memory_order_relaxed);
     } else if (what == NEXT_CHANGES) {
         orders->controls = engine->wanted.controls;
-        engine->controls_changed = false;
+        engine->news.controls = false;
     }
     if (what == NEXT_REQUEST || what == NEXT_CHANGES) {
         orders->panel = engine->wanted.panel;
         orders->card = engine->wanted.card;
-        engine->panel_changed = engine->card_changed = false;
+        engine->news.panel = engine->news.card = false;
     }
     pthread_mutex_unlock(&engine->lock);
     return what;
@@ -251,7 +251,7 @@ void lf_engine_destroy(lf_engine *engine)
     if (engine->life.started)
         pthread_join(engine->life.thread, NULL);
     lf_interlacer_destroy(engine->interlacer);
-    lf_image8_finish(&engine->card);
+    lf_image8_finish(&engine->card.image);
     lf_renderer_destroy(engine->renderer);
     lf_picture_finish(&engine->picture);
     lf_content_unref(engine->content);
@@ -367,7 +367,7 @@ void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *control
 {
     pthread_mutex_lock(&engine->lock);
     engine->wanted.controls = *controls;
-    engine->controls_changed = true;
+    engine->news.controls = true;
     pthread_cond_broadcast(&engine->wake);
     pthread_mutex_unlock(&engine->lock);
 }
@@ -387,7 +387,7 @@ void lf_engine_set_panel(lf_engine *engine, const lf_calibration *calibration, u
     engine->wanted.panel = (engine_panel){.present = calibration, .views = views, .number = panel};
     if (calibration)
         engine->wanted.panel.calibration = *calibration;
-    engine->panel_changed = true;
+    engine->news.panel = true;
     pthread_cond_broadcast(&engine->wake);
     pthread_mutex_unlock(&engine->lock);
 }

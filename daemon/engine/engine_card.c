@@ -14,12 +14,12 @@ static lf_status draw(lf_engine *engine, const char *words)
     const lf_calibration *panel = &engine->now.panel.calibration;
     int width, height;
     lf_card_size(panel->screen_width_px, panel->screen_height_px, &width, &height);
-    if (engine->card.data && engine->card.width == width && engine->card.height == height &&
-        strcmp(engine->drawn, words) == 0)
+    if (engine->card.image.data && engine->card.image.width == width &&
+        engine->card.image.height == height && strcmp(engine->card.words, words) == 0)
         return LF_OK;
-    lf_image8_finish(&engine->card);
-    snprintf(engine->drawn, sizeof engine->drawn, "%s", words);
-    return lf_card_draw(words, width, height, &engine->card);
+    lf_image8_finish(&engine->card.image);
+    snprintf(engine->card.words, sizeof engine->card.words, "%s", words);
+    return lf_card_draw(words, width, height, &engine->card.image);
 }
 
 /* The card as the only view: the same from everywhere. Smooth, since its edges are a few lenses
@@ -49,10 +49,10 @@ static void post(lf_engine *engine, const char *words)
         return;
     }
     if (present) {
-        views.width = engine->card.width;
-        views.height = engine->card.height;
-        views.row_stride = engine->card.stride;
-        views.data = engine->card.data;
+        views.width = engine->card.image.width;
+        views.height = engine->card.image.height;
+        views.row_stride = engine->card.image.stride;
+        views.data = engine->card.image.data;
     }
     lf_frame *frame = engine_begin_frame(engine, present);
     if (!frame || (present && interlace(engine, &views, &frame->image) != LF_OK))
@@ -110,7 +110,7 @@ void lf_engine_set_card(lf_engine *engine, const char *words)
 {
     pthread_mutex_lock(&engine->lock);
     snprintf(engine->wanted.card.words, sizeof engine->wanted.card.words, "%s", words);
-    engine->card_changed = true;
+    engine->news.card = true;
     pthread_cond_broadcast(&engine->wake);
     pthread_mutex_unlock(&engine->lock);
 }

@@ -41,6 +41,17 @@ typedef struct engine_card {
     char words[LF_CARD_TEXT];
 } engine_card;
 
+/* A card and its words; image.data NULL: none was drawn. */
+typedef struct engine_drawn {
+    lf_image8 image;
+    char words[LF_CARD_TEXT];
+} engine_drawn;
+
+/* What of the orders has changed. */
+typedef struct engine_news {
+    bool controls, panel, card;
+} engine_news;
+
 /* What others ask for, and what of it is in force. */
 typedef struct engine_orders {
     lf_engine_controls controls;
@@ -99,7 +110,7 @@ struct lf_engine {
     pthread_cond_t wake, answered;
     /* under lock */
     engine_request *first;
-    bool controls_changed, panel_changed, card_changed;
+    engine_news news;
     engine_orders wanted;
     lf_engine_status status;
 
@@ -111,9 +122,8 @@ struct lf_engine {
     lf_picture picture;
     lf_schedule schedule;
     lf_interlacer *interlacer;
-    lf_layout interlaced;     /* what it is for */
-    lf_image8 card;           /* as it was drawn last; data NULL: none was */
-    char drawn[LF_CARD_TEXT]; /* its words */
+    lf_layout interlaced; /* what it is for */
+    engine_drawn card;    /* the last one */
     int64_t generation;
     lf_level level;
     bool spoiled; /* a cancelled pass left rows unfinished */

@@ -180,7 +180,7 @@ static void destroy(lf_server *server)
     lf_server_drop_play(server);
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
-    sd_event_source_disable_unref(server->card.timer);
+    sd_event_source_disable_unref(server->life.card.timer);
     sd_event_source_disable_unref(server->saved.timer);
     sd_event_source_disable_unref(server->waits.more);
     sd_event_unref(server->event);

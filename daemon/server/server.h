@@ -84,13 +84,6 @@ typedef struct lf_waits {
     sd_event_source *more; /* on while some may be over that a turn did not come to */
 } lf_waits;
 
-/* What the panel says while there is no picture: server_card.c. */
-typedef struct lf_card {
-    sd_event_source *timer;
-    bool late;                /* it has been dark for long */
-    char words[LF_CARD_TEXT]; /* as the engine has them */
-} lf_card;
-
 typedef struct lf_job lf_job;
 
 typedef struct lf_button_work lf_button_work; /* server_buttons.c's */
@@ -106,6 +99,13 @@ typedef enum lf_life_phase {
     LF_PHASE_LEAVING,
 } lf_life_phase;
 
+/* What the panel says while there is no picture: server_card.c. */
+typedef struct lf_card {
+    sd_event_source *timer;
+    bool late;                /* it has been dark for long */
+    char words[LF_CARD_TEXT]; /* as the engine has them */
+} lf_card;
+
 /* The daemon from its start to its end: server.c. */
 typedef struct lf_life {
     lf_life_phase phase;
@@ -114,7 +114,8 @@ typedef struct lf_life {
     sd_event_source *begin_timer, *stop_timer;
     bool ready_sent; /* systemd was told */
     int reloads;     /* for systemd that have not ended */
-    lf_task *held;   /* loads that came before the scene of the command line */
+    lf_card card;
+    lf_task *held; /* loads that came before the scene of the command line */
     /* seconds of this thread's CPU time, of the longest turn of the event loop (turns.h) */
     double longest_turn;
 } lf_life;
@@ -155,7 +156,6 @@ struct lf_server {
     lf_error error;        /* of the last attempt to load the scene; status LF_OK = none */
     lf_engine_status last; /* as last seen */
     lf_shown shown;        /* what the panel shows */
-    lf_card card;
     lf_waits waits;
     lf_job *jobs;
     int64_t n_jobs; /* numbers given so far, to exports and loads */

@@ -37,7 +37,7 @@ static void find_words(const lf_server *server, char *out, size_t size)
     if (server->shown.level >= LF_LEVEL_COARSE || server->life.phase != LF_PHASE_RUNNING)
         return;
     if (server->content || loads) {
-        if (server->card.late)
+        if (server->life.card.late)
             snprintf(out, size, "%s %.120s ...", server->content ? "Rendering" : "Loading",
                      scene_name(server));
     } else if (server->error.status != LF_OK) {
@@ -53,9 +53,9 @@ void lf_server_tell_card(lf_server *server)
     if (lf_server_is_stopping(server))
         return;
     find_words(server, words, sizeof words);
-    if (strcmp(words, server->card.words) == 0)
+    if (strcmp(words, server->life.card.words) == 0)
         return;
-    memcpy(server->card.words, words, sizeof words);
+    memcpy(server->life.card.words, words, sizeof words);
     lf_engine_set_card(server->engine, words);
 }
 
@@ -64,14 +64,14 @@ static int on_late(sd_event_source *source, uint64_t usec, void *context)
     lf_server *server = context;
     (void)source;
     (void)usec;
-    server->card.late = true;
+    server->life.card.late = true;
     lf_server_tell_card(server);
     return 0;
 }
 
 lf_status lf_server_make_card(lf_server *server)
 {
-    return sd_event_add_time_relative(server->event, &server->card.timer, CLOCK_MONOTONIC,
+    return sd_event_add_time_relative(server->event, &server->life.card.timer, CLOCK_MONOTONIC,
                                       LATE_USEC, 0, on_late, server) >= 0
                ? LF_OK
                : LF_E_NOMEM;
