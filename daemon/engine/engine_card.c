@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "base/thread.h"
 #include "daemon/engine/engine_internal.h"
 
 /* No code of a picture that looks black is greater. */
@@ -44,6 +45,7 @@ static void post(lf_engine *engine, const char *words)
 {
     const bool present = engine->now.panel.present;
     lf_views8 views = {.n_views = 1};
+    engine->frames.at = lf_time_now();
     if (present && draw(engine, words) != LF_OK) {
         lf_log(LF_LOG_ERROR, "out of memory for a card");
         return;

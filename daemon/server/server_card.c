@@ -14,12 +14,12 @@ static const char *name_of(const char *path)
     return slash && slash[1] != '\0' ? slash + 1 : path;
 }
 
-/* Of the scene that is being rendered or loaded; "" = not known. */
+/* Of the scene that is being rendered or loaded. */
 static const char *scene_name(const lf_server *server)
 {
     const char *file = server->content ? server->content->file : lf_server_loading_file(server);
     file = file ? file : server->config.scene;
-    return file ? name_of(file) : "";
+    return file ? name_of(file) : "a scene";
 }
 
 static void say_error(const lf_error *err, char *out, size_t size)
@@ -27,7 +27,7 @@ static void say_error(const lf_error *err, char *out, size_t size)
     char line[32] = "";
     if (err->line > 0)
         snprintf(line, sizeof line, ":%d", err->line);
-    snprintf(out, size, "Cannot show %.80s%s: %.150s", name_of(err->where), line, err->what);
+    snprintf(out, size, "Cannot show %.80s%s: %.120s", name_of(err->where), line, err->what);
 }
 
 static void find_words(const lf_server *server, char *out, size_t size)
@@ -38,7 +38,7 @@ static void find_words(const lf_server *server, char *out, size_t size)
         return;
     if (server->content || loads) {
         if (server->life.card.late)
-            snprintf(out, size, "%s %.120s ...", server->content ? "Rendering" : "Loading",
+            snprintf(out, size, "%s %.120s", server->content ? "Rendering" : "Loading",
                      scene_name(server));
     } else if (server->error.status != LF_OK) {
         say_error(&server->error, out, size);

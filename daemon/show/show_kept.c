@@ -1,6 +1,8 @@
 /* What of the frames that were shown is in the files of a device that keeps them there. */
 #include "daemon/show/show_internal.h"
 
+#include <string.h>
+
 static bool has_files(const lf_show *show)
 {
     return show->device && show->device->ops->kept;
@@ -25,41 +27,39 @@ void lf_show_count_push(lf_show *show)
     kept->pending[at] = (lf_kept_push){kept->pushes, frame->generation, frame->level};
 }
 
-/* Moves what the device has written from the pending to the held; what writing failed for stays
- * pending. */
-static bool take_written(lf_show *show, lf_status *out_status)
+/* How many of the pending the device has written, whole. *out_status: as its `kept`. */
+static int count_written(lf_show *show, lf_status *out_status)
 {
     lf_kept *kept = &show->kept;
     uint64_t written = 0;
     int n = 0;
     *out_status = LF_OK;
     if (!has_files(show))
-        return false;
+        return 0;
     *out_status = show->device->ops->kept(show->device, kept->awaited && kept->n > 0, &written);
-    if (*out_status == LF_E_NODEV) {
-        kept->lost = true;
-        return false;
-    }
+    kept->lost = kept->lost || *out_status == LF_E_NODEV;
     while (n < kept->n && kept->pending[n].number <= written)
-        kept->held = kept->pending[n++];
-    for (int i = n; i < kept->n; i++)
-        kept->pending[i - n] = kept->pending[i];
-    kept->n -= n;
-    return n > 0;
+        n++;
+    return n;
 }
 
 void lf_show_look_at_files(lf_show *show)
 {
+    lf_kept *kept = &show->kept;
     lf_status status;
     lf_device_info info;
     lf_error err;
-    const bool news = take_written(show, &status);
-    const bool failed = status == LF_E_IO && show->kept.awaited && show->kept.n > 0;
+    const int n = count_written(show, &status);
+    const bool failed = status == LF_E_IO && kept->awaited && kept->n > 0;
     if (failed && lf_show_info(show, &info))
         (void)lf_error_set(&err, status, info.spec, "%s", info.problem);
-    if (failed || (show->kept.n == 0 && !show->kept.lost))
-        show->kept.awaited = false;
-    if (failed || news)
+    if (n > 0)
+        kept->held = kept->pending[n - 1];
+    kept->n -= n;
+    memmove(kept->pending, kept->pending + n, (size_t)kept->n * sizeof *kept->pending);
+    if (failed || (n > 0 && kept->n == 0))
+        kept->awaited = false;
+    if (failed || n > 0)
         show->events.kept(show->context, failed ? &err : NULL);
 }
 
@@ -71,9 +71,9 @@ void lf_show_await_files(lf_show *show)
 
 bool lf_show_keeps(lf_show *show, int64_t generation, lf_level level)
 {
-    const lf_kept_push *held = &show->kept.held;
     lf_status status;
-    (void)take_written(show, &status);
+    const int n = count_written(show, &status);
+    const lf_kept_push *held = n > 0 ? &show->kept.pending[n - 1] : &show->kept.held;
     if (show->kept.lost)
         return false;
     return !has_files(show) ||

@@ -245,12 +245,6 @@ static bool make_descriptors(sim_device *sim)
     return true;
 }
 
-static bool is_removed(const sim_device *sim)
-{
-    struct stat st;
-    return fstat(sim->dir_fd, &st) == 0 && st.st_nlink == 0;
-}
-
 static lf_status sim_open(const char *argument, const lf_calibration *calibration,
                           lf_device **out_device, lf_error *err)
 {
@@ -453,7 +447,7 @@ static lf_device_event sim_dispatch(lf_device *device)
 {
     sim_device *sim = sim_of(device);
     uint64_t rings;
-    char events[4096]; /* that something was removed: what, is_removed finds out */
+    char events[4096]; /* that something was removed: what, lf_sim_removed finds out */
     /* Nothing to read is no error: what counts is the clock. */
     if (read(sim->timer_fd, &rings, sizeof rings) < 0)
         assert(errno == EAGAIN || errno == EINTR || errno == ECANCELED);
@@ -464,7 +458,7 @@ static lf_device_event sim_dispatch(lf_device *device)
         end_push(sim);
     if (sim->gone)
         return LF_DEVICE_GONE;
-    if (is_removed(sim))
+    if (lf_sim_removed(sim->dir_fd))
         return LF_DEVICE_LOST;
     if (sim->busy)
         return LF_DEVICE_BUSY;
@@ -478,7 +472,7 @@ static lf_status sim_kept(lf_device *device, bool awaited, uint64_t *out_pushes)
 {
     sim_device *sim = sim_of(device);
     lf_status status = lf_sim_writer_kept(sim->writer, awaited, out_pushes);
-    if (!is_removed(sim))
+    if (!lf_sim_removed(sim->dir_fd))
         return status;
     lf_wakeup_signal(sim->news_fd); /* dispatch tells */
     return LF_E_NODEV;

@@ -74,6 +74,8 @@ lf_sim_plug lf_sim_plug_state(int folder_fd, uint64_t now_ns);
 LF_NODISCARD lf_status lf_sim_plug_out(int folder_fd, uint64_t back_ns, lf_error *err);
 /* Forgets. */
 void lf_sim_plug_clear(int folder_fd);
+/* Whether the folder was removed while it was held open. */
+bool lf_sim_removed(int folder_fd);
 
 /* ------------------------------------------------------------------------------ sim_writer.c -- */
 

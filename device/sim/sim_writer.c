@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -92,9 +91,8 @@ static void set_problem(const lf_sim_writer *w, char *out, size_t size, const lf
  * lock, which nothing of the panel's waits for; this thread alone writes problems. */
 static void tell_problem(const lf_sim_writer *w, const char *known, const char *problem)
 {
-    struct stat st;
-    bool removed = fstat(w->folder_fd, &st) == 0 && st.st_nlink == 0; /* the device tells */
-    if (problem[0] != 0 && known[0] == 0 && !removed)
+    if (problem[0] != 0 && known[0] == 0 &&
+        !lf_sim_removed(w->folder_fd)) /* the device tells that */
         lf_log(LF_LOG_WARNING, "sim: %s", problem);
 }
 
