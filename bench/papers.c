@@ -349,18 +349,20 @@ static void write_notes(FILE *out, const study *s)
     }
     fputc('\n', out);
     if (without)
-        fputs("Pixels without N/W: no sample that weighs anything has reached them, so that N/W is "
-              "not "
-              "defined, and only unscattered light is answered there. Where they are many, the row "
-              "tells how few samples there were, and nothing of the estimator: give it a longer "
-              "--time.\n",
-              out);
+        fputs(
+            "* Pixels without N/W: no sample that weighs anything has reached them, so that N/W is "
+            "not "
+            "defined, and only unscattered light is answered there. Where they are many, the row "
+            "tells how few samples there were, and nothing of the estimator: give it a longer "
+            "--time.\n",
+            out);
     if (s->options.n_seeds < FEW_SEEDS)
-        fprintf(out, "(-): z needs %d seeds or more (--seeds).\n", FEW_SEEDS);
+        fprintf(out, "* (-): z needs %d seeds or more (--seeds).\n", FEW_SEEDS);
     if (missing)
-        fputs("-: no such ratio. An error is not above the reference's own (--reference-time), or "
-              "the scene has no silhouettes, or nothing that is seen to move from view to view.\n",
-              out);
+        fputs(
+            "* -: no such ratio. An error is not above the reference's own (--reference-time), or "
+            "the scene has no silhouettes, or nothing that is seen to move from view to view.\n",
+            out);
 }
 
 static json_t *row_json(const study *s, int scene, int member)

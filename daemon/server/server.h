@@ -302,9 +302,8 @@ void lf_server_release_loads(lf_server *server);
 /* The scene file again. */
 void lf_server_reload(lf_server *server);
 /* Answers when generation is shown at that level, and in the files of a panel that has some, or
- * seconds (0 = for ever) have passed; at once
- * with what is wrong when there is no picture because the scene was refused. Takes the call over.
- */
+ * when seconds (0 = for ever) have passed; at once with what is wrong when there is no picture
+ * because the scene was refused. Takes the call over. */
 void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation, lf_level level,
                     double seconds);
 /* LF_E_NOMEM. */

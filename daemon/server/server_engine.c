@@ -272,7 +272,8 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
 {
     const lf_shown *before = &server->shown;
     bool news = shown->generation != before->generation || shown->level != before->level;
-    if (shown->card[0] != '\0' && strcmp(shown->card, before->card) != 0)
+    if (shown->card[0] != '\0' && strcmp(shown->card, before->card) != 0 &&
+        lf_show_calibration(server->show))
         lf_log(LF_LOG_INFO, "the panel says: %s", shown->card);
     server->shown = *shown;
     lf_server_notify(server, LF_EVENT_FRAME, "frame", frame_json(shown));

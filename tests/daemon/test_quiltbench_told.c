@@ -95,9 +95,10 @@ static void a_ratio_of_too_few_samples_is_told(void **state)
     assert_true(bench_number(row_of(p, "mismvpt"), "pixels_without_ratio") <= 0); /* N/n */
     assert_true(json_is_null(json_object_get(row, "z")));
     json_decref(p);
-    assert_says(d, "out", "\nPixels without N/W: no sample that weighs anything has reached them");
-    assert_says(d, "out", "\n(-): z needs 4 seeds or more");
-    assert_says(d, "p.md", "\n(-): z needs 4 seeds or more");
+    assert_says(d, "out",
+                "\n* Pixels without N/W: no sample that weighs anything has reached them");
+    assert_says(d, "out", "\n* (-): z needs 4 seeds or more");
+    assert_says(d, "p.md", "\n* (-): z needs 4 seeds or more");
     assert_true(strncmp(text_of(d, "p.csv"), "scene,kind,integrator,", 22) == 0);
     assert_says(d, "p.csv", "\ncloud-1,\"2021, bunny cloud, 1 bounce\",vpt,mwis,,1,1,1,");
 }
