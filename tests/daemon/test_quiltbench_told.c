@@ -64,6 +64,12 @@ static void numbers_that_are_missing_have_a_reason(void **state)
                      0);
     assert_silent(d, "out", "nan");
     assert_says(d, "out", "they need two seeds and two numbers of views");
+    assert_int_equal(rename(lf_test_path(d, "fog.json"), lf_test_path(d, "cloud.json")), 0);
+    assert_int_equal(bench_run(d, "table . --scenes cloud --views 2 --view-size 6x8 --time 0.4 "
+                                  "--seeds 1 --reference-spp 64"),
+                     0);
+    assert_silent(d, "out", "nan");
+    assert_says(d, "out", "\n* -: a ratio needs errors above the reference's own");
 }
 
 /* The row of a table in JSON of this integrator. */
