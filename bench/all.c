@@ -57,13 +57,12 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     return LF_OK;
 }
 
-static lf_status parse(int argc, char **argv, folders *out, lf_error *err)
+static lf_status parse(int argc, char **argv, folders *out, bool *out_done, lf_error *err)
 {
     const lf_options_rules rules = {
         .program = LF_BENCH_PROGRAM, .letters = ":", .table = table, .take = take, .context = out};
-    bool done = false;
-    lf_status status = lf_options_read(argc, argv, &rules, &done, err);
-    if (status != LF_OK)
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
+    if (status != LF_OK || *out_done)
         return status;
     if (optind < argc)
         return lf_error_set(err, LF_E_ARG, argv[optind], "does not go with --out (see --help)");
@@ -117,8 +116,11 @@ int lf_bench_all(int argc, char **argv)
     folders into = {0};
     lf_error err = {0};
     int code = LF_EXIT_OK;
-    if (parse(argc, argv, &into, &err) != LF_OK)
+    bool done = false;
+    if (parse(argc, argv, &into, &done, &err) != LF_OK)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
+    if (done)
+        return LF_EXIT_OK;
     if (mkdir(into.out, 0777) != 0 && errno != EEXIST) {
         lf_error_set(&err, LF_E_IO, into.out, "cannot make the folder: %s", strerror(errno));
         return lf_bench_fail(&err);

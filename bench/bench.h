@@ -4,6 +4,8 @@
 #ifndef LF_BENCH_H
 #define LF_BENCH_H
 
+#include <stdio.h>
+
 #include <jansson.h>
 
 #include "base/status.h"
@@ -40,17 +42,28 @@ json_t *lf_bench_number(double value);
 
 /* Writes object to path, indented ("-" = stdout), and gives it up. NULL is LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_bench_write_json(const char *path, json_t *object, lf_error *err);
-/* Whether stdout belongs to the JSON. json as on the command line, may be NULL. */
-bool lf_bench_only_json(const char *json);
+/* An array of objects as CSV, one a line: a column for every member that one of them has, in the
+ * order in which they come; of an object in an object "OUTER_INNER"; lists are left out. Given up,
+ * too. */
+LF_NODISCARD lf_status lf_bench_write_csv(const char *path, json_t *rows, lf_error *err);
+/* Whether a path of the command line (NULL: none) is standard output: then no table is printed. */
+bool lf_bench_is_stdout(const char *path);
+
+/* A number in a table, as %*.*f and as %*.*g; "-" for what is not finite. */
+void lf_bench_put(FILE *out, int width, int digits, double value);
+void lf_bench_put_short(FILE *out, int width, int digits, double value);
 
 /* Writes text to path. NULL is LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_bench_write_text(const char *path, const char *text, lf_error *err);
 
 /* Draws PREFIX.svg and PREFIX.png with gnuplot from data, which is left as PREFIX.dat, and
  * commands, left as PREFIX.gp with what sets up the two pictures around them; commands name the
- * data as `data`. Without gnuplot: both files, and a word on stderr. */
+ * data as `data`. Without gnuplot: both files, without a word (lf_bench_plot_begin). */
 LF_NODISCARD lf_status lf_bench_plot(const char *prefix, const char *data, const char *commands,
                                      lf_error *err);
+
+/* To be called before what is to be drawn is measured: says on stderr when there is no gnuplot. */
+void lf_bench_plot_begin(const char *prefix);
 
 /* lf_pool_create with an error. threads 0 = all CPUs. */
 LF_NODISCARD lf_status lf_bench_pool(int threads, lf_pool **out_pool, lf_error *err);

@@ -1,5 +1,6 @@
 /* quiltbench compare SCENE: the error of two ways to render after equal CPU time, over several
  * seeds, taken in turns so that a machine that slows down slows both. */
+#include <math.h>
 #include <stdio.h>
 
 #include "bench/bench.h"
@@ -72,6 +73,27 @@ static lf_spread ratios_of(const comparison *c, double *out_ratio)
     return lf_spread_of(out_ratio, c->options.n_seeds);
 }
 
+static json_t *run_json(const lf_measure *m)
+{
+    return json_pack("{s:f, s:f, s:f, s:f}", "rel_mse", m->rel_mse, "cpu_seconds", m->cpu_seconds,
+                     "native_spp", m->stats.native_spp_mean, "effective_spp",
+                     m->stats.effective_spp_mean);
+}
+
+/* A line of CSV each. */
+static json_t *runs_of_both(const comparison *c)
+{
+    json_t *runs = json_array();
+    for (int i = 0; i < N_CONTENDERS * c->options.n_seeds; i++) {
+        const int who = i / c->options.n_seeds, seed = i % c->options.n_seeds;
+        json_t *run = lf_contender_json(&c->contenders[who]);
+        json_object_set_new(run, "run", json_integer(seed + 1));
+        json_object_update_new(run, run_json(measures_of(c, who) + seed));
+        json_array_append_new(runs, run);
+    }
+    return runs;
+}
+
 static json_t *contender_json(const comparison *c, int contender)
 {
     const lf_contender *who = &c->contenders[contender];
@@ -79,11 +101,7 @@ static json_t *contender_json(const comparison *c, int contender)
     lf_spread error = errors_of(measures, c->options.n_seeds);
     json_t *runs = json_array();
     for (int i = 0; i < c->options.n_seeds; i++)
-        json_array_append_new(runs,
-                              json_pack("{s:f, s:f, s:f, s:f}", "rel_mse", measures[i].rel_mse,
-                                        "cpu_seconds", measures[i].cpu_seconds, "native_spp",
-                                        measures[i].stats.native_spp_mean, "effective_spp",
-                                        measures[i].stats.effective_spp_mean));
+        json_array_append_new(runs, run_json(&measures[i]));
     return json_pack("{s:s, s:s, s:f, s:f, s:f, s:o}", "integrator", who->integrator, "estimator",
                      lf_estimator_name(who->estimator), "rel_mse_median", error.median,
                      "rel_mse_low", error.low, "rel_mse_high", error.high, "runs", runs);
@@ -121,7 +139,7 @@ static void print_contender(const comparison *c, int contender)
         native += measures[i].stats.native_spp_mean / n;
         effective += measures[i].stats.effective_spp_mean / n;
     }
-    printf("%-6s %-6s %12.4g   (%.4g .. %.4g) %10.2f %10.3f %11.2f\n", who->integrator,
+    printf("%-10s %-6s %12.4g   (%.4g .. %.4g) %10.2f %10.3f %11.2f\n", who->integrator,
            lf_estimator_name(who->estimator), error.median, error.low, error.high, cpu, native,
            effective);
 }
@@ -131,12 +149,16 @@ static void print_table(const comparison *c)
     double ratio[LF_MAX_SEEDS];
     lf_spread ratios = ratios_of(c, ratio);
     lf_trial_print(&c->trial, &c->options);
-    printf(
-        "\n                relMSE median  (low .. high)          CPU s   native spp  effective\n");
+    printf("\n                    relMSE median  (low .. high)          CPU s   native spp  "
+           "effective\n");
     print_contender(c, BASELINE);
     print_contender(c, OURS);
-    printf("\nratio at equal time, %g CPU seconds: %.2f (median over seeds; %.2f .. %.2f)\n",
-           c->options.seconds, ratios.median, ratios.low, ratios.high);
+    if (isfinite(ratios.median))
+        printf("\nratio at equal time, %g CPU seconds: %.2f (median over seeds; %.2f .. %.2f)\n",
+               c->options.seconds, ratios.median, ratios.low, ratios.high);
+    else
+        puts("\nno ratio: an error is not above the reference's own; make --reference-spp or "
+             "--reference-time greater");
 }
 
 static lf_status report(const comparison *c, lf_error *err)
@@ -145,10 +167,12 @@ static lf_status report(const comparison *c, lf_error *err)
     double ratio[LF_MAX_SEEDS];
     double median = ratios_of(c, ratio).median;
     lf_status status = LF_OK;
-    if (!lf_bench_only_json(options->json))
+    if (!lf_trial_is_quiet(options))
         print_table(c);
     if (options->json)
         status = lf_bench_write_json(options->json, comparison_json(c), err);
+    if (status == LF_OK && options->csv)
+        status = lf_bench_write_csv(options->csv, runs_of_both(c), err);
     if (status == LF_OK && c->min_ratio > 0 && !(median >= c->min_ratio))
         return lf_error_set(err, LF_E_STATE, options->operand,
                             "the median ratio is %.2f, less than %g", median, c->min_ratio);

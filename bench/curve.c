@@ -15,6 +15,7 @@
 /* One contender at one budget, over all seeds. */
 typedef struct point {
     double cpu_seconds, native_spp, effective_spp, correlation[2]; /* means */
+    double without; /* share of view pixels that N/W answers for and that have none */
     lf_interval rel_mse, worst_view;
     lf_interval equal_time, equal_error; /* how many times better than the baseline */
     /* equal_error leans on the baseline's line beyond its last point in some seed */
@@ -134,6 +135,7 @@ static void find_point(const curve *c, int contender, int budget, point *out)
         out->cpu_seconds += m->cpu_seconds / n;
         out->native_spp += m->stats.native_spp_mean / n;
         out->effective_spp += m->stats.effective_spp_mean / n;
+        out->without += lf_without_ratio(&c->trial, &c->contenders[contender], m) / n;
         out->correlation[0] += m->correlation[0] / n;
         out->correlation[1] += m->correlation[1] / n;
         error[i] = m->rel_mse;
@@ -207,17 +209,34 @@ static void analyse(curve *c)
 
 /* --------------------------------------------------------------------------------- reporting -- */
 
+static json_t *run_json(const lf_measure *m)
+{
+    return json_pack("{s:o, s:o, s:f, s:f, s:f, s:I}", "rel_mse", lf_bench_number(m->rel_mse),
+                     "worst_view", lf_bench_number(m->worst_view), "cpu_seconds", m->cpu_seconds,
+                     "native_spp", m->stats.native_spp_mean, "effective_spp",
+                     m->stats.effective_spp_mean, "nonfinite", (json_int_t)m->n_nonfinite);
+}
+
 static json_t *runs_json(const curve *c, int contender, int budget)
 {
     json_t *list = json_array();
-    for (int i = 0; i < c->options.n_seeds; i++) {
-        const lf_measure *m = measure_of(c, contender, i, budget);
-        json_array_append_new(
-            list,
-            json_pack("{s:o, s:o, s:f, s:f, s:f, s:I}", "rel_mse", lf_bench_number(m->rel_mse),
-                      "worst_view", lf_bench_number(m->worst_view), "cpu_seconds", m->cpu_seconds,
-                      "native_spp", m->stats.native_spp_mean, "effective_spp",
-                      m->stats.effective_spp_mean, "nonfinite", (json_int_t)m->n_nonfinite));
+    for (int i = 0; i < c->options.n_seeds; i++)
+        json_array_append_new(list, run_json(measure_of(c, contender, i, budget)));
+    return list;
+}
+
+/* A line of CSV each. */
+static json_t *all_runs(const curve *c)
+{
+    json_t *list = json_array();
+    const int n = c->options.n_seeds;
+    for (int i = 0; i < c->n_contenders * c->n_budgets * n; i++) {
+        const int who = i / n / c->n_budgets, budget = i / n % c->n_budgets;
+        json_t *run = lf_contender_json(&c->contenders[who]);
+        json_object_set_new(run, "budget", json_real(ldexp(c->options.seconds, budget)));
+        json_object_set_new(run, "run", json_integer(i % n + 1));
+        json_object_update_new(run, run_json(measure_of(c, who, i % n, budget)));
+        json_array_append_new(list, run);
     }
     return list;
 }
@@ -263,33 +282,29 @@ static json_t *curve_json(const curve *c)
     return object;
 }
 
-static void print_number(int width, int digits, double value)
-{
-    if (isfinite(value))
-        printf("%*.*f", width, digits, value);
-    else
-        printf("%*s", width, "-");
-}
-
 static void print_ratio(lf_interval ratio, bool beyond)
 {
-    if (isfinite(ratio.estimate))
-        printf("   %6.2f%s (%.2f .. %.2f)", ratio.estimate, beyond ? "*" : "", ratio.low,
-               ratio.high);
-    else
-        printf("        -");
+    fputs("   ", stdout);
+    lf_bench_put(stdout, 6, 2, ratio.estimate);
+    fputs(beyond ? "*" : "", stdout);
+    if (isfinite(ratio.low))
+        printf(" (%.2f .. %.2f)", ratio.low, ratio.high);
 }
 
 static void print_points(const curve *c, int contender)
 {
     for (int b = 0; b < c->n_budgets; b++) {
         const point *p = &c->points[contender][b];
-        printf("%-5s %-5s %7.2f  %9.3g %9.3g .. %-9.3g %9.3g %7.2f %6.2f %6.2f %6.2f",
-               c->contenders[contender].integrator,
-               lf_estimator_name(c->contenders[contender].estimator), p->cpu_seconds,
-               p->rel_mse.estimate, p->rel_mse.low, p->rel_mse.high, p->worst_view.estimate,
-               p->native_spp, p->effective_spp / p->native_spp, p->correlation[0],
-               p->correlation[1]);
+        printf("%-10s %-5s %7.2f  ", c->contenders[contender].integrator,
+               lf_estimator_name(c->contenders[contender].estimator), p->cpu_seconds);
+        lf_bench_put_short(stdout, 9, 3, p->rel_mse.estimate);
+        lf_bench_put_short(stdout, 10, 3, p->rel_mse.low);
+        fputs(" .. ", stdout);
+        lf_bench_put_short(stdout, -9, 3, p->rel_mse.high);
+        lf_bench_put_short(stdout, 10, 3, p->worst_view.estimate);
+        printf(" %7.2f %6.2f", p->native_spp, p->effective_spp / p->native_spp);
+        lf_bench_put(stdout, 7, 2, p->correlation[0]);
+        lf_bench_put(stdout, 7, 2, p->correlation[1]);
         if (contender > 0) {
             print_ratio(p->equal_time, false);
             print_ratio(p->equal_error, p->beyond);
@@ -298,42 +313,79 @@ static void print_points(const curve *c, int contender)
     }
 }
 
+/* Why numbers are missing. */
+static void print_notes(const curve *c)
+{
+    double without = 0;
+    int of = 0;
+    bool beyond = false, error = false, ratio = false, correlation = false;
+    for (int i = 0; i < c->n_contenders * c->n_budgets; i++) {
+        const int who = i / c->n_budgets;
+        const point *p = &c->points[who][i % c->n_budgets];
+        of = p->without > without ? who : of;
+        without = fmax(without, p->without);
+        beyond |= p->beyond;
+        error |= !isfinite(p->rel_mse.estimate) || !isfinite(p->worst_view.estimate);
+        ratio |=
+            who > 0 && !(isfinite(p->equal_time.estimate) && isfinite(p->equal_error.estimate));
+        correlation |= !isfinite(p->correlation[0]) || !isfinite(p->correlation[1]);
+    }
+    if (beyond)
+        printf("* where the baseline was not run that long: its line goes on, for at most %g times "
+               "its time\n",
+               LF_BEYOND);
+    if (without > LF_NOTABLE_SHARE)
+        printf("N/W: for up to %.2g %% of the view pixels (of %s) it is not defined, since no "
+               "sample has "
+               "reached them, and only unscattered light is answered there: take a longer --time\n",
+               100 * without, c->contenders[of].integrator);
+    if (c->options.n_seeds < 2)
+        puts("- intervals: they need two seeds or more (--seeds)");
+    else if (error)
+        puts("- relMSE: in a run it is not above the reference's own error (--reference-spp, "
+             "--reference-time)");
+    if (ratio && c->options.n_seeds >= 2)
+        printf(
+            "- ratios: an error is not above the reference's own, or the baseline would take more "
+            "than %g times its longest time (--budgets)\n",
+            LF_BEYOND);
+    if (correlation)
+        printf(
+            "- correlations: no two of %d views are so far apart, or there is no error beyond the "
+            "reference's\n",
+            c->trial.settings.camera.n_views);
+}
+
 static void print_table(const curve *c)
 {
     lf_trial_print(&c->trial, &c->options);
     printf("every run is a film of its own; 95 %% intervals over seeds, Student's t on logarithms\n"
            "eff = effective spp for a native one; corr = correlation of the errors of views 1 and "
            "10 apart; ratios against %s %s\n\n"
-           "               CPU s     relMSE  (95 %%)                worst view native    eff  "
+           "                    CPU s     relMSE  (95 %%)                worst view native    eff  "
            "corr1 corr10    equal time"
            "             equal error\n",
            c->contenders[0].integrator, lf_estimator_name(c->contenders[0].estimator));
     for (int i = 0; i < c->n_contenders; i++)
         print_points(c, i);
-    printf("\n              path us   shift ns  look-up ns  contributions/path  escape share    "
-           "slope\n");
+    printf(
+        "\n                   path us   shift ns  look-up ns  contributions/path  escape share    "
+        "slope\n");
     for (int i = 0; i < c->n_contenders; i++) {
         const cost *spent = &c->costs[i];
-        printf("%-5s %-5s", c->contenders[i].integrator,
+        printf("%-10s %-5s", c->contenders[i].integrator,
                lf_estimator_name(c->contenders[i].estimator));
-        print_number(10, 2, spent->path_us);
-        print_number(11, 1, spent->shift_ns);
-        print_number(12, 1, spent->lookup_ns);
-        print_number(20, 3, spent->contributions_per_path);
-        print_number(14, 3, spent->escape_share);
-        print_number(9, 3, spent->slope.estimate);
+        lf_bench_put(stdout, 10, 2, spent->path_us);
+        lf_bench_put(stdout, 11, 1, spent->shift_ns);
+        lf_bench_put(stdout, 12, 1, spent->lookup_ns);
+        lf_bench_put(stdout, 20, 3, spent->contributions_per_path);
+        lf_bench_put(stdout, 14, 3, spent->escape_share);
+        lf_bench_put(stdout, 9, 3, spent->slope.estimate);
         if (isfinite(spent->slope.low))
             printf(" (%.3f .. %.3f)", spent->slope.low, spent->slope.high);
         putchar('\n');
     }
-    for (int i = 0; i < c->n_contenders * c->n_budgets; i++) {
-        if (c->points[i / c->n_budgets][i % c->n_budgets].beyond) {
-            printf("* where the baseline was not run that long: its line goes on, for at most %g "
-                   "times its time\n",
-                   LF_BEYOND);
-            break;
-        }
-    }
+    print_notes(c);
 }
 
 static char *plot_data(const curve *c)
@@ -386,10 +438,12 @@ static lf_status plot(const curve *c, lf_error *err)
 static lf_status report(const curve *c, lf_error *err)
 {
     lf_status status = LF_OK;
-    if (!lf_bench_only_json(c->options.json))
+    if (!lf_trial_is_quiet(&c->options))
         print_table(c);
     if (c->options.json)
         status = lf_bench_write_json(c->options.json, curve_json(c), err);
+    if (status == LF_OK && c->options.csv)
+        status = lf_bench_write_csv(c->options.csv, all_runs(c), err);
     return status == LF_OK && c->plot ? plot(c, err) : status;
 }
 
@@ -438,6 +492,7 @@ int lf_bench_curve(int argc, char **argv)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;
+    lf_bench_plot_begin(c.plot);
     lf_status status = lf_bench_pool(c.options.common.threads, &pool, &err);
     if (status == LF_OK)
         status = run(&c, pool, &err);

@@ -286,7 +286,7 @@ static lf_status run(const arguments *a, lf_error *err)
     light_field_finish(&picture);
     if (status != LF_OK)
         return status;
-    if (!lf_bench_only_json(a->json))
+    if (!lf_bench_is_stdout(a->json))
         print_table(a, &metrics);
     if (a->json)
         status = write_json(a, &metrics, err);

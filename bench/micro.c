@@ -542,7 +542,7 @@ int lf_bench_micro(int argc, char **argv)
     b.lines = json_array();
     lf_status status =
         b.lines ? prepare(&b, &err) : lf_error_set(&err, LF_E_NOMEM, a.scene, "out of memory");
-    if (status == LF_OK && !lf_bench_only_json(a.json))
+    if (status == LF_OK && !lf_bench_is_stdout(a.json))
         printf("%s: %d views of %dx%d, the middle row: %.1f mean free paths deep where it meets "
                "anything\n\n",
                a.scene, b.rows->rig.n_views, b.rows->rig.width, b.rows->rig.height, b.mean_depth);

@@ -14,6 +14,9 @@
  * pixels, are a silhouette. */
 #define SILHOUETTE_STEP 0.25f
 
+/* Of fewer a standard error says nothing. */
+#define FEW_SEEDS 4
+
 /* kind: which figures of the papers it stands for. */
 static const struct scene {
     const char *name, *file, *kind;
@@ -60,6 +63,8 @@ typedef struct result {
     double rel_mse[LF_MAX_SEEDS], paths[LF_MAX_SEEDS], cpu[LF_MAX_SEEDS];
     double off[LF_MAX_SEEDS]; /* mean of e */
     double silhouettes[LF_MAX_SEEDS], flicker[LF_MAX_SEEDS];
+    double native[LF_MAX_SEEDS];                   /* samples a view pixel */
+    double without[LF_MAX_SEEDS];                  /* share of view pixels that have no N/W */
     double path_us, path_contributions, effective; /* of the last seed */
 } result;
 
@@ -113,7 +118,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return lf_trial_check_names("--scenes", text, scene_at, err);
     }
     *(code == OPTION_MARKDOWN ? &s->markdown : &s->plot) = text;
-    return LF_OK;
+    return code == OPTION_MARKDOWN ? lf_trial_check_markdown(text, err) : LF_OK;
 }
 
 /* -------------------------------------------------------------------------------------- runs -- */
@@ -157,7 +162,8 @@ static double error_at_silhouettes(const lf_trial *trial)
     return n > 0 ? sum / (double)n : (double)NAN;
 }
 
-static void note(const lf_trial *trial, const lf_measure *measure, int seed, result *out)
+static void note(const lf_trial *trial, const lf_contender *who, const lf_measure *measure,
+                 int seed, result *out)
 {
     const double paths = (double)measure->stats.base_paths;
     out->rel_mse[seed] = measure->rel_mse;
@@ -166,6 +172,8 @@ static void note(const lf_trial *trial, const lf_measure *measure, int seed, res
     out->off[seed] = mean_of(trial->picture, trial->n);
     out->silhouettes[seed] = error_at_silhouettes(trial);
     out->flicker[seed] = measure->flicker - measure->reference_flicker;
+    out->native[seed] = measure->stats.native_spp_mean;
+    out->without[seed] = lf_without_ratio(trial, who, measure);
     out->path_us = 1e6 * measure->cpu_seconds / paths;
     out->path_contributions = (double)measure->stats.contributions / paths;
     out->effective = measure->stats.effective_spp_mean / measure->stats.native_spp_mean;
@@ -190,7 +198,7 @@ static lf_status run_member(study *s, lf_trial *trial, int scene, int member, in
         return LF_OK;
     }
     if (status == LF_OK)
-        note(trial, &measure, seed, out);
+        note(trial, &members[member].who, &measure, seed, out);
     return status;
 }
 
@@ -228,14 +236,15 @@ static lf_status run_scene(study *s, int scene, lf_error *err)
 /* What is read of the seeds of a member: medians of ratios to the first member. */
 typedef struct summary {
     lf_spread equal_time, equal_paths, silhouettes, flicker;
-    double off, z; /* the whole picture's mean, in units of e, and in standard errors */
-    double cost;   /* of a path, in those of the first member */
+    double off, z;          /* the whole picture's mean, in units of e, and in standard errors */
+    double cost;            /* of a path, in those of the first member */
+    double native, without; /* medians: samples a view pixel, share of them without N/W */
 } summary;
 
 static lf_spread ratios(const double *base, const double *base_by, const double *ours,
                         const double *ours_by, int n)
 {
-    double all[LF_MAX_SEEDS];
+    double all[LF_MAX_SEEDS] = {0};
     for (int i = 0; i < n; i++)
         all[i] = base[i] * base_by[i] / (ours[i] * ours_by[i]);
     return lf_spread_of(all, n);
@@ -256,8 +265,10 @@ static summary summary_of(const study *s, int scene, int member)
         .silhouettes = ratios(base->silhouettes, base->cpu, own->silhouettes, own->cpu, n),
         .flicker = ratios(base->flicker, base->cpu, own->flicker, own->cpu, n),
         .off = mean,
-        .z = n > 1 ? mean / sqrt(variance) : (double)NAN,
+        .z = n >= FEW_SEEDS ? mean / sqrt(variance) : (double)NAN,
         .cost = own->path_us / base->path_us,
+        .native = lf_spread_of(own->native, n).median,
+        .without = lf_spread_of(own->without, n).median,
     };
 }
 
@@ -266,7 +277,8 @@ static void write_head(FILE *out)
     fputs(
         "| scene | estimator | equal time: median (low .. high) | equal paths | silhouettes, equal "
         "time | flicker, equal time | mean off by (z) | a path costs | contributions a path | "
-        "effective / native |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        "effective / native | native spp | pixels without N/W |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|\n",
         out);
 }
 
@@ -277,12 +289,18 @@ static void write_name(FILE *out, const struct member *member)
         fprintf(out, ", %s", member->selection);
 }
 
+/* Else the reference is too rough. */
+static bool tells(double ratio)
+{
+    return isfinite(ratio) && ratio > 0.0;
+}
+
 static void write_ratio(FILE *out, double value)
 {
-    if (isfinite(value) && value > 0.0) /* else the reference is too rough to tell */
+    if (tells(value))
         fprintf(out, " %.2f |", value);
     else
-        fputs(" |", out);
+        fputs(" - |", out);
 }
 
 static void write_row(FILE *out, const study *s, int scene, int member)
@@ -291,19 +309,60 @@ static void write_row(FILE *out, const study *s, int scene, int member)
     fprintf(out, "| %s | ", scenes[scene].name);
     write_name(out, &members[member]);
     if (r->refused) {
-        fprintf(out, " | refused: %s | | | | | | | |\n", r->error.what);
+        fprintf(out, " | refused: %s | | | | | | | | | |\n", r->error.what);
         return;
     }
     const summary m = summary_of(s, scene, member);
-    fprintf(out, " | %.2f (%.2f .. %.2f) |", m.equal_time.median, m.equal_time.low,
-            m.equal_time.high);
+    if (tells(m.equal_time.low))
+        fprintf(out, " | %.2f (%.2f .. %.2f) |", m.equal_time.median, m.equal_time.low,
+                m.equal_time.high);
+    else
+        fputs(" | - |", out);
     write_ratio(out, m.equal_paths.median);
     write_ratio(out, m.silhouettes.median);
     write_ratio(out, m.flicker.median);
     fprintf(out, " %+.2f %%", 100.0 * m.off);
     if (isfinite(m.z))
         fprintf(out, " (%.1f)", m.z);
-    fprintf(out, " | %.2f | %.2f | %.1f |\n", m.cost, r->path_contributions, r->effective);
+    else
+        fputs(" (-)", out);
+    fprintf(out, " | %.2f | %.2f | %.1f | %.2f |", m.cost, r->path_contributions, r->effective,
+            m.native);
+    if (m.without > 0.0)
+        fprintf(out, " %.2g %% |\n", 100.0 * m.without);
+    else
+        fputs(" |\n", out);
+}
+
+/* What is to be known of the rows, below them. */
+static void write_notes(FILE *out, const study *s)
+{
+    bool without = false, missing = false;
+    for (int i = 0; i < N_SCENES * N_MEMBERS; i++) {
+        const int scene = i / N_MEMBERS, member = i % N_MEMBERS;
+        if (!s->chosen[scene] || s->results[scene][member].refused)
+            continue;
+        const summary m = summary_of(s, scene, member);
+        without |= m.without > LF_NOTABLE_SHARE;
+        missing |= !tells(m.equal_time.low) || !tells(m.equal_paths.median) ||
+                   !tells(m.silhouettes.median) || !tells(m.flicker.median);
+    }
+    fputc('\n', out);
+    if (without)
+        fputs(
+            "* Pixels without N/W: no sample that weighs anything has reached them, so that N/W is "
+            "not "
+            "defined, and only unscattered light is answered there. Where they are many, the row "
+            "tells how few samples there were, and nothing of the estimator: give it a longer "
+            "--time.\n",
+            out);
+    if (s->options.n_seeds < FEW_SEEDS)
+        fprintf(out, "* (-): z needs %d seeds or more (--seeds).\n", FEW_SEEDS);
+    if (missing)
+        fputs(
+            "* -: no such ratio. An error is not above the reference's own (--reference-time), or "
+            "the scene has no silhouettes, or nothing that is seen to move from view to view.\n",
+            out);
 }
 
 static json_t *row_json(const study *s, int scene, int member)
@@ -335,49 +394,125 @@ static json_t *row_json(const study *s, int scene, int member)
         {"path_us", r->path_us},
         {"path_contributions", r->path_contributions},
         {"effective_over_native", r->effective},
+        {"native_spp", m.native},
+        {"pixels_without_ratio", m.without},
     };
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
         json_object_set_new(object, numbers[i].name, lf_bench_number(numbers[i].value));
     return object;
 }
 
-/* One line a member, one point a scene: what gnuplot draws as groups of bars. */
-static char *plot_data(const study *s)
+/* What there is to draw of a member on a scene; else 0. */
+static double drawn(const study *s, int scene, int member)
+{
+    if (!s->chosen[scene] || s->results[scene][member].refused)
+        return 0.0;
+    const double ratio = summary_of(s, scene, member).equal_time.median;
+    return tells(ratio) ? ratio : 0.0;
+}
+
+/* Bars are as wide as one of a scene's present members, so that those that are refused leave no
+ * gap; scenes are GAP apart. places: where the bars of a scene begin; returns where all end. */
+#define GAP 2
+static int place_scenes(const study *s, int places[N_SCENES + 1])
+{
+    int at = 0;
+    for (int scene = 0; scene < N_SCENES; scene++) {
+        places[scene] = at;
+        int n = 0;
+        for (int i = 1; i < N_MEMBERS; i++)
+            n += drawn(s, scene, i) > 0.0;
+        at += n > 0 ? n + GAP : 0;
+    }
+    return places[N_SCENES] = at;
+}
+
+/* A block a member that has bars, a line a bar: its left and right end, the ratio, the scene. */
+static char *plot_data(const study *s, const int *places)
 {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    for (int scene = 0; out && scene < N_SCENES; scene++) {
-        if (!s->chosen[scene])
-            continue;
-        fprintf(out, "%s", scenes[scene].name);
-        for (int i = 1; i < N_MEMBERS; i++)
-            fprintf(out, " %g",
-                    s->results[scene][i].refused ? (double)NAN
-                                                 : summary_of(s, scene, i).equal_time.median);
-        fputc('\n', out);
+    for (int i = 1; out && i < N_MEMBERS; i++) {
+        bool any = false;
+        for (int scene = 0; scene < N_SCENES; scene++) {
+            int at = places[scene];
+            for (int k = 1; k < i; k++)
+                at += drawn(s, scene, k) > 0.0;
+            const double ratio = drawn(s, scene, i);
+            if (ratio > 0.0)
+                fprintf(out, "%d %d %g %s\n", at, at + 1, ratio, scenes[scene].name);
+            any = any || ratio > 0.0;
+        }
+        fputs(any ? "\n\n" : "", out);
     }
     if (out)
         fclose(out);
     return text;
 }
 
+static bool has_bars(const study *s, int member)
+{
+    bool any = false;
+    for (int scene = 0; scene < N_SCENES; scene++)
+        any = any || drawn(s, scene, member) > 0.0;
+    return any;
+}
+
+/* A string of gnuplot; a long name in two lines. */
+static void write_label(FILE *out, const char *name)
+{
+    const char *dash = strlen(name) > 8 ? strchr(name, '-') : NULL;
+    const int n = dash ? (int)(dash + 1 - name) : 0;
+    fprintf(out, "\"%.*s%s%s\"", n, name, dash ? "\\n" : "", name + n);
+}
+
+/* Names under the middle of their bars. */
+static void write_tics(FILE *out, const int *places)
+{
+    const char *comma = "";
+    fputs("set xtics scale 0 (", out);
+    for (int scene = 0; scene < N_SCENES; scene++) {
+        const int width = places[scene + 1] - places[scene] - GAP;
+        if (width <= 0)
+            continue;
+        fputs(comma, out);
+        write_label(out, scenes[scene].name);
+        fprintf(out, " %g", places[scene] + 0.5 * width);
+        comma = ", ";
+    }
+    fputs(")\n", out);
+}
+
+/* Bars from 1, where an estimator is as good as the first. */
+static void write_plot(FILE *out, const study *s, const int *places)
+{
+    fputs("set style fill solid 0.8\nset logscale y\nset key outside top center horizontal\n"
+          "set ylabel 'relMSE x time: vpt over the estimator'\nset grid noxtics\nset bmargin 3\n",
+          out);
+    fprintf(out, "set xrange [%d:%d]\n", -GAP / 2 - 1, places[N_SCENES] - GAP / 2 + 1);
+    write_tics(out, places);
+    fputs("plot 1 with lines linecolor rgb 'black' linewidth 2 notitle", out);
+    for (int i = 1, block = 0; i < N_MEMBERS; i++) {
+        if (!has_bars(s, i))
+            continue;
+        fprintf(out,
+                ", data index %d using 1:3:1:2:($3<1?$3:1):($3<1?1:$3) with boxxyerror title '",
+                block++);
+        write_name(out, &members[i]);
+        fprintf(out, "' linecolor rgb '%s'", members[i].colour);
+    }
+}
+
 static lf_status plot(const study *s, lf_error *err)
 {
-    char *data = plot_data(s), *commands = NULL;
+    int places[N_SCENES + 1];
+    (void)place_scenes(s, places);
+    char *data = plot_data(s, places), *commands = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&commands, &size);
     if (out) {
-        fputs("set style data histogram\nset style histogram clustered\nset style fill solid 0.8\n"
-              "set logscale y\nset key outside top center horizontal\nset xtics rotate by -20\n"
-              "set ylabel 'relMSE x time: vpt over the estimator'\nplot ",
-              out);
-        for (int i = 1; i < N_MEMBERS; i++) {
-            fprintf(out, "%sdata using %d%s title '", i > 1 ? ", " : "", i + 1,
-                    i == 1 ? ":xtic(1)" : "");
-            write_name(out, &members[i]);
-            fprintf(out, "' linecolor rgb '%s'", members[i].colour);
-        }
+        write_plot(out, s, places);
         fclose(out);
     }
     lf_status status = data && commands ? lf_bench_plot(s->plot, data, commands, err)
@@ -400,8 +535,10 @@ static lf_status write_files(const study *s, lf_error *err)
             write_row(out, s, i / N_MEMBERS, i % N_MEMBERS);
             json_array_append_new(list, row_json(s, i / N_MEMBERS, i % N_MEMBERS));
         }
-    if (out)
+    if (out) {
+        write_notes(out, s);
         fclose(out);
+    }
     json_t *object =
         json_pack("{s:o, s:i, s:i, s:i, s:i, s:f, s:o}", "machine", lf_bench_machine(), "threads",
                   lf_pool_threads(s->pool), "width", s->options.common.view_width, "height",
@@ -410,6 +547,8 @@ static lf_status write_files(const study *s, lf_error *err)
     lf_status status = s->markdown ? lf_bench_write_text(s->markdown, text, err) : LF_OK;
     if (status == LF_OK && s->options.json)
         status = lf_bench_write_json(s->options.json, json_incref(object), err);
+    if (status == LF_OK && s->options.csv)
+        status = lf_bench_write_csv(s->options.csv, json_incref(list), err);
     json_decref(object);
     free(text);
     return status == LF_OK && s->plot ? plot(s, err) : status;
@@ -417,7 +556,7 @@ static lf_status write_files(const study *s, lf_error *err)
 
 static lf_status run(study *s, lf_error *err)
 {
-    const bool quiet = lf_bench_only_json(s->options.json);
+    const bool quiet = lf_trial_is_quiet(&s->options);
     lf_status status = LF_OK;
     if (!quiet) {
         printf("%dx%d a view, %d seeds, %g CPU seconds a run, %d threads; ratios are %s's over the "
@@ -435,6 +574,8 @@ static lf_status run(study *s, lf_error *err)
             write_row(stdout, s, i, k);
         fflush(stdout);
     }
+    if (status == LF_OK && !quiet)
+        write_notes(stdout, s);
     return status == LF_OK ? write_files(s, err) : status;
 }
 
@@ -460,6 +601,7 @@ int lf_bench_papers(int argc, char **argv)
     if (status == LF_OK && !done) {
         if (s->options.reference_spp == 0 && !(s->options.reference_seconds > 0))
             s->options.reference_seconds = 6 * s->options.seconds;
+        lf_bench_plot_begin(s->plot);
         status = lf_bench_pool(s->options.common.threads, &s->pool, &err);
         if (status == LF_OK)
             status = run(s, &err);

@@ -1,6 +1,7 @@
 /* Plots by gnuplot, from files that stay: PREFIX.gp draws again by `gnuplot PREFIX.gp` in its
  * folder. */
 #include <errno.h>
+#include <limits.h>
 #include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,10 +77,8 @@ static lf_status draw(const char *folder, const char *name, lf_error *err)
         code = posix_spawnp(&pid, program, &actions, NULL, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     free(script);
-    if (code == ENOENT) {
-        lf_log(LF_LOG_INFO, "%s: not drawn: gnuplot is not installed (gnuplot-nox)", name);
+    if (code == ENOENT)
         return LF_OK;
-    }
     if (code != 0)
         return lf_error_set(err, LF_E_IO, "gnuplot", "cannot be started: %s", strerror(code));
     while (waitpid(pid, &result, 0) < 0 && errno == EINTR)
@@ -87,6 +86,29 @@ static lf_status draw(const char *folder, const char *name, lf_error *err)
     return WIFEXITED(result) && WEXITSTATUS(result) == 0
                ? LF_OK
                : lf_error_set(err, LF_E_IO, name, "gnuplot could not draw it");
+}
+
+static bool has_gnuplot(void)
+{
+    char program[PATH_MAX];
+    for (const char *at = getenv("PATH"); at && *at != '\0';) {
+        const size_t n = strcspn(at, ":");
+        snprintf(program, sizeof program, "%.*s/gnuplot", (int)n, at);
+        if (access(program, X_OK) == 0)
+            return true;
+        at += at[n] == ':' ? n + 1 : n;
+    }
+    return false;
+}
+
+void lf_bench_plot_begin(const char *prefix)
+{
+    if (prefix && !has_gnuplot())
+        lf_log(
+            LF_LOG_WARNING,
+            "--plot: no gnuplot in PATH (Debian: gnuplot-nox): %s.gp and %s.dat are written, but "
+            "no picture",
+            prefix, prefix);
 }
 
 lf_status lf_bench_plot(const char *prefix, const char *data, const char *commands, lf_error *err)

@@ -478,7 +478,7 @@ int lf_bench_quilt(int argc, char **argv)
     lf_status status = b.lines && lf_pool_create(a.options.threads, &b.pool) == LF_OK
                            ? LF_OK
                            : lf_error_set(&err, LF_E_NOMEM, "quilt", "out of memory");
-    if (!lf_bench_only_json(a.json))
+    if (!lf_bench_is_stdout(a.json))
         printf("%-44s %7s %10s %10s %8s %10s %8s\n", "", "threads", "ms", "CPU ms", "GB/s",
                "copy CPU", "ratio");
     if (status == LF_OK)

@@ -10,7 +10,7 @@
 #include "base/log.h"
 #include "base/thread.h"
 #include "bench/bench.h"
-#include "daemon/output/options.h"
+#include "daemon/output/completion.h"
 
 static const struct command {
     const char *name;
@@ -40,6 +40,22 @@ static void print_help(void)
         "                                        their data are looked for in DIR/../scenes\n\n");
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         printf("  %-10s %s\n", commands[i].name, commands[i].what);
+    printf("\n  --completion bash|zsh|fish   what the shell completes, as a script\n"
+           "  --help                       this text\n"
+           "  --version                    the version\n");
+}
+
+enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
+
+static int complete(const char *shell)
+{
+    lf_completion_command all[N_COMMANDS + 1] = {{NULL, lf_bench_all}};
+    lf_error err = {0};
+    for (int i = 0; i < N_COMMANDS; i++)
+        all[i + 1] = (lf_completion_command){commands[i].name, commands[i].run};
+    lf_status status =
+        lf_completion_write_commands(LF_BENCH_PROGRAM, all, N_COMMANDS + 1, shell, stdout, &err);
+    return status == LF_OK ? LF_EXIT_OK : lf_usage_error(LF_BENCH_PROGRAM, &err);
 }
 
 static int usage(const char *where, const char *what)
@@ -95,9 +111,9 @@ json_t *lf_bench_number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
-bool lf_bench_only_json(const char *json)
+bool lf_bench_is_stdout(const char *path)
 {
-    return json && strcmp(json, "-") == 0;
+    return path && strcmp(path, "-") == 0;
 }
 
 lf_status lf_bench_write_text(const char *path, const char *text, lf_error *err)
@@ -113,7 +129,7 @@ lf_status lf_bench_write_json(const char *path, json_t *object, lf_error *err)
     lf_status status = LF_OK;
     if (text && asprintf(&line, "%s\n", text) < 0)
         line = NULL;
-    if (line && lf_bench_only_json(path))
+    if (line && lf_bench_is_stdout(path))
         fputs(line, stdout);
     else
         status = lf_bench_write_text(path, line, err);
@@ -150,6 +166,8 @@ int main(int argc, char **argv)
         lf_print_version(LF_BENCH_PROGRAM);
         return LF_EXIT_OK;
     }
+    if (argc == 3 && strcmp(argv[1], "--completion") == 0)
+        return complete(argv[2]);
     if (strncmp(argv[1], "--", 2) == 0)
         return lf_bench_all(argc, argv);
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)

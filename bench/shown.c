@@ -252,7 +252,7 @@ static void print_table(const arguments *a)
             static const char *const between[] = {" ", " (", " .. "};
             for (int i = 0; i < 3; i++) {
                 fputs(between[i], stdout);
-                printf("%.3g", numbers[i]);
+                lf_bench_put_short(stdout, 0, 3, numbers[i]);
             }
             printf(") |");
         }
@@ -273,12 +273,29 @@ static json_t *budget_json(const arguments *a, int budget)
     return object;
 }
 
+/* A line of CSV each. */
+static json_t *all_runs(const arguments *a)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < a->n_budgets * a->options.n_seeds; i++) {
+        const int budget = i / a->options.n_seeds, seed = i % a->options.n_seeds;
+        json_t *run = json_pack("{s:f, s:i}", "budget", a->budgets[budget], "run", seed + 1);
+        for (int c = 0; c < N_COLUMNS; c++)
+            json_object_set_new(run, columns[c].key,
+                                lf_bench_number(columns[c].number(a, budget, seed)));
+        json_array_append_new(list, run);
+    }
+    return list;
+}
+
 static lf_status report(const arguments *a, lf_error *err)
 {
-    if (!lf_bench_only_json(a->options.json))
+    if (!lf_trial_is_quiet(&a->options))
         print_table(a);
-    if (!a->options.json)
-        return LF_OK;
+    lf_status status =
+        a->options.csv ? lf_bench_write_csv(a->options.csv, all_runs(a), err) : LF_OK;
+    if (status != LF_OK || !a->options.json)
+        return status;
     json_t *object = lf_trial_json(&a->trial, &a->options), *list = json_array();
     for (int b = 0; b < a->n_budgets; b++)
         json_array_append_new(list, budget_json(a, b));

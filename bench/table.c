@@ -1,6 +1,7 @@
 /* quiltbench table FOLDER: equal-time ratios of mvpt to vpt for the kinds of scenes of Fraboni et
  * al. 2022, Table 1, as a light field and as a lenticular print, each held against what
  * docs/performance.md promises. */
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -127,7 +128,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return lf_trial_check_names("--scenes", text, scene_at, err);
     default:
         a->markdown = text;
-        return LF_OK;
+        return lf_trial_check_markdown(text, err);
     }
 }
 
@@ -280,9 +281,16 @@ static void write_head(FILE *out, const arguments *a)
 static void write_row(FILE *out, const row *r)
 {
     const struct scene *scene = r->scene;
-    fprintf(out, "| %s | %d | %.2f (%.2f .. %.2f) | %.2f .. %.2f | %.3g | %.1f |", scene->name,
-            r->views, r->ratio.median, r->ratio.low, r->ratio.high, r->interval.low,
-            r->interval.high, r->rel_mse[OURS], r->effective[OURS] / r->native[OURS]);
+    fprintf(out, "| %s | %d |", scene->name, r->views);
+    if (isfinite(r->ratio.low) && isfinite(r->ratio.high))
+        fprintf(out, " %.2f (%.2f .. %.2f) |", r->ratio.median, r->ratio.low, r->ratio.high);
+    else
+        fputs(" - |", out);
+    if (isfinite(r->interval.low))
+        fprintf(out, " %.2f .. %.2f |", r->interval.low, r->interval.high);
+    else
+        fputs(" - |", out);
+    fprintf(out, " %.3g | %.1f |", r->rel_mse[OURS], r->effective[OURS] / r->native[OURS]);
     if (has_tiles(r))
         fprintf(out, " %.2f (%.2f) |", r->tiles.low, r->tiles.estimate);
     else
@@ -295,6 +303,19 @@ static void write_row(FILE *out, const row *r)
     else
         fputs(" |", out);
     fprintf(out, " %s |\n", verdict(r));
+}
+
+/* Why numbers are missing. */
+static void write_notes(FILE *out, const row *rows, int n_rows)
+{
+    bool missing = false;
+    for (int i = 0; i < n_rows; i++)
+        missing |= !isfinite(rows[i].interval.low);
+    if (missing)
+        fputs("\n* -: a ratio needs errors above the reference's own (--reference-time), its "
+              "interval "
+              "two seeds or more (--seeds).\n",
+              out);
 }
 
 static json_t *tiles_json(const lf_tile_bound *b)
@@ -350,12 +371,15 @@ static lf_status write_files(const arguments *a, const row *rows, int n_rows, lf
         write_head(out, a);
         for (int i = 0; i < n_rows; i++)
             write_row(out, &rows[i]);
+        write_notes(out, rows, n_rows);
         fclose(out);
     }
     if (a->markdown)
         status = lf_bench_write_text(a->markdown, text, err);
     if (status == LF_OK && a->options.json)
         status = lf_bench_write_json(a->options.json, json_incref(object), err);
+    if (status == LF_OK && a->options.csv)
+        status = lf_bench_write_csv(a->options.csv, json_incref(list), err);
     json_decref(object);
     free(text);
     return status;
@@ -363,7 +387,7 @@ static lf_status write_files(const arguments *a, const row *rows, int n_rows, lf
 
 static lf_status run(const arguments *a, row *rows, lf_pool *pool, lf_error *err)
 {
-    bool quiet = lf_bench_only_json(a->options.json);
+    bool quiet = lf_trial_is_quiet(&a->options);
     int kinds[2] = {a->options.common.views ? a->options.common.views : FIELD_VIEWS,
                     LENTICULAR_VIEWS};
     int n_kinds = a->options.common.views ? 1 : 2;
@@ -393,6 +417,8 @@ static lf_status run(const arguments *a, row *rows, lf_pool *pool, lf_error *err
         }
         n_rows++;
     }
+    if (status == LF_OK && !quiet)
+        write_notes(stdout, rows, n_rows);
     return status == LF_OK ? write_files(a, rows, n_rows, pool, err) : status;
 }
 

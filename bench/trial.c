@@ -297,6 +297,13 @@ lf_status lf_trial_all(lf_trial *trial, const lf_contender *contenders, int n_co
     return status;
 }
 
+double lf_without_ratio(const lf_trial *trial, const lf_contender *who, const lf_measure *measure)
+{
+    return who->estimator == LF_ESTIMATOR_MWIS
+               ? (double)measure->stats.holes / ((double)trial->n / 3)
+               : 0.0;
+}
+
 double lf_measure_ratio(const lf_measure *baseline, const lf_measure *ours)
 {
     double ratio = baseline->rel_mse * baseline->cpu_seconds / (ours->rel_mse * ours->cpu_seconds);
@@ -304,6 +311,12 @@ double lf_measure_ratio(const lf_measure *baseline, const lf_measure *ours)
 }
 
 /* --------------------------------------------------------------------------------- reporting -- */
+
+json_t *lf_contender_json(const lf_contender *who)
+{
+    return json_pack("{s:s, s:s}", "integrator", who->integrator, "estimator",
+                     lf_estimator_name((int)who->estimator));
+}
 
 json_t *lf_interval_json(lf_interval interval)
 {

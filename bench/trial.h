@@ -44,7 +44,7 @@ typedef struct lf_trial_options {
     int reference_spp;        /* of each of the two halves; or … */
     double reference_seconds; /* … CPU time of each, when > 0 */
     double epsilon;
-    const char *json; /* NULL = none, "-" = stdout */
+    const char *json, *csv; /* NULL = none, "-" = stdout */
 } lf_trial_options;
 
 enum {
@@ -55,6 +55,7 @@ enum {
     LF_TRIAL_OPTION_REFERENCE_TIME,
     LF_TRIAL_OPTION_EPSILON,
     LF_TRIAL_OPTION_JSON,
+    LF_TRIAL_OPTION_CSV,
     LF_TRIAL_OPTION_OWN, /* codes of a command's own options start here */
 };
 
@@ -66,8 +67,12 @@ enum {
         {"reference-spp", required_argument, NULL, LF_TRIAL_OPTION_REFERENCE_SPP},  \
         {"reference-time", required_argument, NULL, LF_TRIAL_OPTION_REFERENCE_TIME},\
         {"epsilon", required_argument, NULL, LF_TRIAL_OPTION_EPSILON},              \
-        {"json", required_argument, NULL, LF_TRIAL_OPTION_JSON}
+        {"json", required_argument, NULL, LF_TRIAL_OPTION_JSON},                    \
+        {"csv", required_argument, NULL, LF_TRIAL_OPTION_CSV}
 /* clang-format on */
+
+/* Whether stdout belongs to a file of numbers. */
+bool lf_trial_is_quiet(const lf_trial_options *options);
 
 /* Their lines of --help, which end it. */
 void lf_trial_print_help(void);
@@ -87,6 +92,8 @@ typedef struct lf_trial_command {
 LF_NODISCARD lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                                       lf_trial_options *options, bool *out_done, lf_error *err);
 
+/* --markdown: a file, since the table itself goes to standard output. LF_E_ARG. */
+LF_NODISCARD lf_status lf_trial_check_markdown(const char *path, lf_error *err);
 /* A list "a,b" of what name_at knows (NULL behind the last): LF_E_ARG for another name in it. */
 LF_NODISCARD lf_status lf_trial_check_names(const char *option, const char *list,
                                             const char *(*name_at)(int), lf_error *err);
@@ -157,10 +164,17 @@ LF_NODISCARD lf_status lf_trial_all(lf_trial *trial, const lf_contender *contend
                                     const lf_budget *budgets, int n_budgets,
                                     lf_measure *out_measures, lf_error *err);
 
+/* The share of view pixels that have no N/W, of an answer that is made of it: 0 of another. */
+double lf_without_ratio(const lf_trial *trial, const lf_contender *who, const lf_measure *measure);
+/* From there on it is told: the error is then that of too few samples. */
+#define LF_NOTABLE_SHARE 0.001
+
 /* Ratio of relMSE x CPU seconds, baseline to ours: runs end within a pass of their time, and the
  * error falls as one over it. NaN when one of the two is not above the reference's error. */
 double lf_measure_ratio(const lf_measure *baseline, const lf_measure *ours);
 
+/* {"integrator", "estimator"}. */
+json_t *lf_contender_json(const lf_contender *who);
 /* {"estimate", "low", "high"}. */
 json_t *lf_interval_json(lf_interval interval);
 /* The part that all JSON answers share: scene, machine, threads, views, width, height, seeds,

@@ -19,6 +19,11 @@ lf_status lf_contender_parse(const char *option, const char *text, lf_contender 
     return lf_param_from_text(rows, text, out, err);
 }
 
+bool lf_trial_is_quiet(const lf_trial_options *options)
+{
+    return lf_bench_is_stdout(options->json) || lf_bench_is_stdout(options->csv);
+}
+
 void lf_trial_print_help(void)
 {
     printf("  --reference NAME:ESTIMATOR  renders the reference, twice, so that its own error is "
@@ -26,7 +31,8 @@ void lf_trial_print_help(void)
            "  --reference-spp N         of each of the two\n"
            "  --reference-time SECONDS  CPU time of each of the two, instead of --reference-spp\n"
            "  --epsilon E               of relMSE (0.01)\n"
-           "  --json FILE               everything as JSON (- for stdout)\n");
+           "  --json FILE               everything as JSON (- for stdout)\n"
+           "  --csv FILE                the numbers as CSV (- for stdout)\n");
     lf_param_print_help(
         lf_option_params, LF_OPTIONS_VIEWS
         " calibration sampler max-depth skip threads shift selection reuse weights");
@@ -60,6 +66,9 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return lf_parse_double("--epsilon", text, 0, 1e9, &options->epsilon, err);
     case LF_TRIAL_OPTION_JSON:
         options->json = text;
+        return LF_OK;
+    case LF_TRIAL_OPTION_CSV:
+        options->csv = text;
         return LF_OK;
     default:
         return to->command->take(to->command->context, code, text, err);
@@ -95,8 +104,18 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                             "INTEGRATOR:ESTIMATOR pairs say what runs, and budgets for how long "
                             "(see quiltbench %s --help)",
                             command->name);
+    if (lf_bench_is_stdout(options->json) && lf_bench_is_stdout(options->csv))
+        return lf_error_set(err, LF_E_ARG, "--csv", "- is taken by --json");
     options->operand = argv[optind];
     return LF_OK;
+}
+
+lf_status lf_trial_check_markdown(const char *path, lf_error *err)
+{
+    return lf_bench_is_stdout(path)
+               ? lf_error_set(err, LF_E_ARG, "--markdown",
+                              "the table goes to standard output anyway; give a file's name")
+               : LF_OK;
 }
 
 static bool is_first(const char *at, size_t n, const char *name)

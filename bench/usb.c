@@ -188,7 +188,7 @@ static void report(bench *b, const work *w, lf_rect panel, lf_rect changed, doub
     double bytes = (double)changed.width * changed.height * 3;
     char name[128];
     snprintf(name, sizeof name, "%dx%d: %s", panel.width, panel.height, w->name);
-    if (!lf_bench_only_json(b->arguments->json))
+    if (!lf_bench_is_stdout(b->arguments->json))
         printf("%-44s %10.3f %10.0f %12.0f %10.3f %8.2f\n", name, 1e3 * seconds,
                1e-6 * bytes / seconds, (double)wire, 1e3 * copying, seconds / copying);
     json_array_append_new(b->lines,
@@ -244,7 +244,7 @@ static void report_converging(bench *b, const lf_bench_converge *c)
     double per_second = (c->updates - 1) / c->shown_seconds,
            share = c->wire_bytes / (c->updates * c->frame_bytes);
     double later = (c->wire_bytes - c->first_bytes) / ((c->updates - 1) * c->frame_bytes);
-    if (!lf_bench_only_json(b->arguments->json))
+    if (!lf_bench_is_stdout(b->arguments->json))
         printf("converging, RGB888%-26s %.1f updates a second for %.0f s, %.0f bytes each: %.2f %% "
                "of full frames (%.2f %% without "
                "the first), last picture %s\n",
@@ -287,7 +287,7 @@ int lf_bench_usb(int argc, char **argv)
     a.scene = argv[optind]; /* NULL = none */
     b.lines = json_array();
     lf_status status = measure_converging(&b, &err);
-    if (status == LF_OK && !lf_bench_only_json(a.json))
+    if (status == LF_OK && !lf_bench_is_stdout(a.json))
         printf("%-44s %10s %10s %12s %10s %8s\n", "", "ms", "MB/s", "wire bytes", "copy ms",
                "ratio");
     if (status == LF_OK)

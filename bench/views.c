@@ -138,7 +138,7 @@ static void fit(study *s)
               : (double)NAN;
 }
 
-static json_t *study_json(const study *s)
+static json_t *counts_json(const study *s)
 {
     json_t *list = json_array();
     for (int i = 0; i < s->n_counts; i++) {
@@ -149,10 +149,27 @@ static json_t *study_json(const study *s)
                                               "base_paths", s->paths[i], "rel_mse",
                                               lf_interval_json(s->rel_mse[i]), "runs", runs));
     }
+    return list;
+}
+
+static json_t *study_json(const study *s)
+{
     return json_pack("{s:O, s:s, s:s, s:i, s:o, s:o, s:o}", "setting", s->scene, "integrator",
                      s->who.integrator, "estimator", lf_estimator_name(s->who.estimator), "spp",
                      s->spp, "exponent", lf_interval_json(s->exponent), "exponent_se",
-                     lf_bench_number(s->exponent_se), "counts", list);
+                     lf_bench_number(s->exponent_se), "counts", counts_json(s));
+}
+
+static void print_count(const study *s, int i)
+{
+    const lf_interval *e = &s->rel_mse[i];
+    printf("%5d   ", s->counts[i]);
+    lf_bench_put_short(stdout, 9, 3, e->estimate);
+    lf_bench_put_short(stdout, 10, 3, e->low);
+    fputs(" .. ", stdout);
+    lf_bench_put_short(stdout, -9, 3, e->high);
+    lf_bench_put_short(stdout, 11, 3, e->estimate * s->counts[i]);
+    printf("   %7.2f\n", s->paths[i]);
 }
 
 static void print_table(const study *s)
@@ -161,9 +178,13 @@ static void print_table(const study *s)
            s->who.integrator, lf_estimator_name(s->who.estimator), s->spp, s->options.n_seeds);
     printf("views      relMSE  (95 %%)                  x views   base paths\n");
     for (int i = 0; i < s->n_counts; i++)
-        printf("%5d   %9.3g %9.3g .. %-9.3g  %9.3g   %7.2f\n", s->counts[i], s->rel_mse[i].estimate,
-               s->rel_mse[i].low, s->rel_mse[i].high, s->rel_mse[i].estimate * s->counts[i],
-               s->paths[i]);
+        print_count(s, i);
+    if (!isfinite(s->exponent.low)) {
+        puts(
+            "\n- and no exponent: they need two seeds and two numbers of views or more, and errors "
+            "above the reference's own (--seeds, --counts, --reference-spp)");
+        return;
+    }
     printf("\nrelMSE (at %d base paths) falls as N^%.3f, standard error %.3f (95 %%: %.3f .. "
            "%.3f); must: N^-0.8: %s\n",
            s->spp, s->exponent.estimate, s->exponent_se, s->exponent.low, s->exponent.high,
@@ -206,10 +227,12 @@ static lf_status run(study *s, lf_error *err)
     if (status != LF_OK)
         return status;
     fit(s);
-    if (!lf_bench_only_json(s->options.json))
+    if (!lf_trial_is_quiet(&s->options))
         print_table(s);
     if (s->options.json)
         status = lf_bench_write_json(s->options.json, study_json(s), err);
+    if (status == LF_OK && s->options.csv)
+        status = lf_bench_write_csv(s->options.csv, counts_json(s), err);
     return status == LF_OK && s->plot ? plot(s, err) : status;
 }
 
@@ -233,6 +256,7 @@ int lf_bench_views(int argc, char **argv)
         return lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (done)
         return LF_EXIT_OK;
+    lf_bench_plot_begin(s.plot);
     lf_status status = run(&s, &err);
     json_decref(s.scene);
     lf_pool_destroy(s.pool);

@@ -37,6 +37,7 @@ typedef enum lf_device_event {
     LF_DEVICE_READY, /* takes the next frame */
     LF_DEVICE_BUSY,  /* the last push is still under way */
     LF_DEVICE_GONE,  /* unplugged: only info, counters and destroy from now on */
+    LF_DEVICE_LOST,  /* the same: the folder that it writes into was removed */
     /* the last push failed and was not shown: the panel's contents are the older ones, or unknown.
        Told once; takes a frame now (as READY), which must be pushed whole */
     LF_DEVICE_RETRY,
@@ -133,6 +134,14 @@ typedef struct lf_device_ops {
 
     /* Consumes readiness and tells the state. May be called at any time. */
     lf_device_event (*dispatch)(lf_device *device);
+
+    /* How many of the pushes that ended well, counted since open, are whole in the files that the
+     * device keeps of what it shows, with the views given before them. awaited: somebody waits for
+     * the last one: it is written as soon as may be, and poll_fd polls readable once when it is, or
+     * could not be. NULL = it has no such files.
+     *   LF_E_IO      the last attempt to write failed; info.problem says how
+     *   LF_E_NODEV   they were removed with their folder; dispatch will say LF_DEVICE_LOST */
+    lf_status (*kept)(lf_device *device, bool awaited, uint64_t *out_pushes);
 
     /* Totals since open. */
     void (*counters)(const lf_device *device, lf_device_counters *out);

@@ -149,6 +149,19 @@ LF_NODISCARD lf_status lf_response_codes(const lf_response *response, lf_codes *
 /* The last step, in place: 3 channels; pool may be NULL. */
 void lf_codes_apply(const lf_codes *codes, lf_image8 *image, lf_pool *pool);
 
+/* ------------------------------------------------------------------------------------- cards -- */
+
+/* A picture of our own with a few words on it, for a panel that has no other to show. */
+#define LF_CARD_TEXT 256 /* bytes of the words, their end included */
+
+/* The size of a card for a panel: its aspect, and about as fine as a lens shows. */
+void lf_card_size(int panel_width, int panel_height, int *out_width, int *out_height);
+/* Light words on dark grey, as large as at most six lines allow; words too long are cut and end
+ * with dots, characters that the font lacks become '?'. It is meant as the only view: the same from
+ * everywhere lies in the plane of the glass. *out is the caller's (lf_image8_finish). LF_E_NOMEM.
+ */
+LF_NODISCARD lf_status lf_card_draw(const char *text, int width, int height, lf_image8 *out);
+
 /* ------------------------------------------------------------------------ changed rectangles -- */
 
 /* Compares two frames of equal shape and writes at most max_rects (>= 1) disjoint rectangles that

@@ -10,7 +10,7 @@ out=$(cd "$out" && pwd)
 
 top=$(mktemp -d)
 trap 'rm -rf "$top"' EXIT
-programs=(quiltd quiltctl quiltrender quiltsim)
+programs=(quiltd quiltctl quiltrender quiltsim quiltbench)
 for p in "${programs[@]}"; do
     for s in bash zsh fish; do
         "$out/$p" --completion "$s" > "$top/$p.$s" || echo "$p: $s: exit status not 0" >> "$top/complaints"
@@ -18,8 +18,14 @@ for p in "${programs[@]}"; do
 done
 report "completions are written" "$(cat "$top/complaints" 2> /dev/null)"
 
-# Every option that the help of a program names, in quotes of prose or in its list.
-options_of() { "$out/$1" --help | grep -oE -- '(^|[^-a-z])--[a-z][a-z0-9-]*' | grep -oE -- '--[a-z0-9-]+' | sort -u; }
+# What a program says of itself; of quiltbench all commands.
+help_of() {
+    "$out/$1" --help
+    [ "$1" != quiltbench ] || for c in $(commands); do "$out/$1" "$c" --help; done
+}
+commands() { "$out/quiltbench" --help | sed -n 's/^  \([a-z]*\)  *[a-z].*/\1/p'; }
+# Every option that the help of a program names, in quotes of prose or in its list; completion is asked for with nothing else.
+options_of() { help_of "$1" | grep -oE -- '(^|[^-a-z])--[a-z][a-z0-9-]*' | grep -oE -- '--[a-z0-9-]+' | grep -vx -- --completion | sort -u; }
 lacking() {
     local p o
     for p in "${programs[@]}"; do
@@ -69,6 +75,9 @@ in_bash() {
     offers 'quiltd --device sim:st' 'stills'
     offers 'quiltd --threads ' ''
     offers 'quiltrender scene.json --estimator mw' 'mwis'
+    offers 'quiltbench cur' 'curve'
+    offers 'quiltbench curve --contenders' '--contenders'
+    offers 'quiltbench curve sc' 'scene.json'
     has_word 'quiltd --preset ' portrait
     has_word 'quiltctl ' status
 }
@@ -77,6 +86,8 @@ methods() { sed -n 's/^    {"\([a-z.]*\)", ".*/\1/p' "$src/daemon/server/methods
 every_method() { for m in $(methods); do has_word 'quiltctl ' "$m"; done; }
 report "bash is offered what fits" "$(in_bash)"
 report "every method is offered" "$(every_method)"
+every_command() { for c in $(commands); do has_word 'quiltbench ' "$c"; done; }
+report "every command is offered" "$([ "$(commands | wc -l)" -ge 12 ] || echo "quiltbench --help names few commands"; every_command)"
 
 for s in bash zsh fish; do
     if command -v "$s" > /dev/null 2>&1; then

@@ -86,7 +86,7 @@ END
     cat "$1/tests/floors" 2> /dev/null # a tree's own rows: that of breaches has some
 }
 # The headers that other rooms may include, and what looks behind the doors.
-doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|daemon/(output/(options|content|render_job)|engine/loader)\.h'
+doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|daemon/(output/(options|content|render_job|completion)|engine/loader)\.h'
 behind_doors='bench/micro[.]c render/(renderer|transport/suffix_batch)[.]h'
 rooms='base|render|quilt|device|daemon|bench|scenes|tests'
 # The rules below read includes as they are written: from the root, in quotes, and not by another way.
@@ -150,6 +150,32 @@ wide_structs() {
 }
 # make mutants changes lines that are there.
 stale_mutants() { SRCDIR=$1 O=$out "$src"/tests/mutants/run --stale; }
+# Links of Markdown to files, and to headings as GitHub names them.
+headings_of() { sed -nE 's/^#+ //p' "$1" 2> /dev/null | tr 'A-Z' 'a-z' | sed -E 's/[^a-z0-9 _-]//g; s/ /-/g'; }
+pages() { (cd "$1" && find . -maxdepth 1 -name '*.md' && find ./docs -name '*.md' 2> /dev/null) | sort; }
+links_that_lead_nowhere() {
+    local f link file
+    pages "$1" | while read -r f; do
+        grep -oE '\]\([^)]+\)' "$1/$f" | sed -E 's/^\]\(|\)$//g' | grep -vE '^https?:' | while read -r link; do
+            file=${link%%#*}
+            file=${file:+$(dirname "$f")/$file}
+            file=$1/${file:-$f}
+            [ -e "$file" ] || echo "$f: $link: no such file"
+            case $link in *'#'*) headings_of "$file" | grep -qxF -- "${link#*#}" || echo "$f: $link: no such heading" ;; esac
+        done
+    done
+}
+# A page that begins with a map of its sections has all of them in it.
+sections_in_no_map() {
+    local f h
+    pages "$1" | while read -r f; do
+        grep -qx '| part | sections |' "$1/$f" || continue
+        sed -n 's/^## /# /p' "$1/$f" > "$breaches/.sections"
+        headings_of "$breaches/.sections" | while read -r h; do
+            grep -qF "(#$h)" "$1/$f" || echo "$f: $h"
+        done
+    done
+}
 empty_assertions() { grep_code "$1" 'assert_true\((1|true)\)|assert_int_equal\(([0-9]+), \2\)'; }
 # CI's lists name programs that are there.
 # Numbers are read by base/number.h; texts of the kernel and of our own may be read by a pattern. HDR headers are older than the rule.
@@ -195,6 +221,7 @@ make_breaches() {
     mkdir -p "$1/tests/mutants"
     printf 'render/bad.c  a line that is not there\n- h();\n+ i();\n! render/test_bad\n' > "$1/tests/mutants/render.txt"
     printf 'assert_true(1);\n' > "$1/tests/quilt/test_bad.c"
+    printf '# Page\n\n| part | sections |\n|---|---|\n| one | [here](#here) [away](away.md) |\n\n## Hier (`x.c`)\n' > "$1/page.md"
 }
 
 # shellcheck source=tests/report.sh
@@ -205,7 +232,7 @@ trap 'rm -rf "$breaches"' EXIT
 make_breaches "$breaches"
 for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
     includes_not_from_the_root own_headers_in_angles foreign_internal_headers floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
-    cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there; do
+    cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there links_that_lead_nowhere sections_in_no_map; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
     else

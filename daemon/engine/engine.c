@@ -24,7 +24,7 @@ static next_step next_todo(const lf_engine *engine)
         return NEXT_STOP;
     if (engine->first)
         return NEXT_REQUEST;
-    if (engine->controls_changed || engine->panel_changed)
+    if (engine->news.controls || engine->news.panel || engine->news.card)
         return NEXT_CHANGES;
     return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
 }
@@ -40,7 +40,7 @@ static bool sleep_now(lf_engine *engine)
 
 /* Sleeps while there is nothing to do. What changed is copied out under the lock. */
 static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
-                               lf_engine_controls *controls, engine_panel *panel)
+                               engine_orders *orders)
 {
     pthread_mutex_lock(&engine->lock);
     next_step what = next_todo(engine);
@@ -51,12 +51,13 @@ static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
         engine->first = engine->first->next;
         atomic_store_explicit(&engine->cancel, 0, memory_order_relaxed);
     } else if (what == NEXT_CHANGES) {
-        *controls = engine->wanted.controls;
-        engine->controls_changed = false;
+        orders->controls = engine->wanted.controls;
+        engine->news.controls = false;
     }
     if (what == NEXT_REQUEST || what == NEXT_CHANGES) {
-        *panel = engine->wanted.panel;
-        engine->panel_changed = false;
+        orders->panel = engine->wanted.panel;
+        orders->card = engine->wanted.card;
+        engine->news.panel = engine->news.card = false;
     }
     pthread_mutex_unlock(&engine->lock);
     return what;
@@ -112,22 +113,24 @@ static void *engine_main(void *context)
         return NULL;
     for (;;) {
         engine_request *request = NULL;
-        lf_engine_controls controls;
-        engine_panel panel;
-        switch (wait_for_work(engine, &request, &controls, &panel)) {
+        engine_orders orders;
+        switch (wait_for_work(engine, &request, &orders)) {
         case NEXT_STOP:
             end(engine);
             return NULL;
         case NEXT_REQUEST: {
-            engine_take_panel(engine, &panel); /* what a request shows goes to the panel there is */
+            /* what a request shows goes to the panel there is */
+            engine_take_panel(engine, &orders.panel);
+            engine_take_card(engine, &orders.card);
             lf_status status = request->run(engine, request);
             engine_publish(engine); /* before the answer: who gets it may ask for the status next */
             answer(engine, request, status);
             break;
         }
         case NEXT_CHANGES:
-            engine_take_controls(engine, &controls);
-            engine_take_panel(engine, &panel);
+            engine_take_controls(engine, &orders.controls);
+            engine_take_panel(engine, &orders.panel);
+            engine_take_card(engine, &orders.card);
             break;
         case NEXT_RENDER:
             engine_batch(engine);
@@ -248,6 +251,7 @@ void lf_engine_destroy(lf_engine *engine)
     if (engine->life.started)
         pthread_join(engine->life.thread, NULL);
     lf_interlacer_destroy(engine->interlacer);
+    lf_image8_finish(&engine->card.image);
     lf_renderer_destroy(engine->renderer);
     lf_picture_finish(&engine->picture);
     lf_content_unref(engine->content);
@@ -363,7 +367,7 @@ void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *control
 {
     pthread_mutex_lock(&engine->lock);
     engine->wanted.controls = *controls;
-    engine->controls_changed = true;
+    engine->news.controls = true;
     pthread_cond_broadcast(&engine->wake);
     pthread_mutex_unlock(&engine->lock);
 }
@@ -383,7 +387,7 @@ void lf_engine_set_panel(lf_engine *engine, const lf_calibration *calibration, u
     engine->wanted.panel = (engine_panel){.present = calibration, .views = views, .number = panel};
     if (calibration)
         engine->wanted.panel.calibration = *calibration;
-    engine->panel_changed = true;
+    engine->news.panel = true;
     pthread_cond_broadcast(&engine->wake);
     pthread_mutex_unlock(&engine->lock);
 }

@@ -90,6 +90,11 @@ lf_engine_controls lf_engine_get_controls(lf_engine *engine);
 void lf_engine_set_panel(lf_engine *engine, const lf_calibration *calibration, uint64_t panel,
                          bool views);
 
+/* Words that the panel shows as a card until there is a picture; "" = none: the panel keeps what it
+ * shows. Longer than LF_CARD_TEXT they are cut. Of a scene whose picture is black the engine shows
+ * a card by itself. */
+void lf_engine_set_card(lf_engine *engine, const char *words);
+
 void lf_engine_get_status(lf_engine *engine, lf_engine_status *out);
 lf_mailbox *lf_engine_mailbox(lf_engine *engine);
 

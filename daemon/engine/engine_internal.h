@@ -36,15 +36,33 @@ typedef struct engine_panel {
     lf_calibration calibration;
 } engine_panel;
 
+/* lf_engine_set_card. */
+typedef struct engine_card {
+    char words[LF_CARD_TEXT];
+} engine_card;
+
+/* A card and its words; image.data NULL: none was drawn. */
+typedef struct engine_drawn {
+    lf_image8 image;
+    char words[LF_CARD_TEXT];
+} engine_drawn;
+
+/* What of the orders has changed. */
+typedef struct engine_news {
+    bool controls, panel, card;
+} engine_news;
+
 /* What others ask for, and what of it is in force. */
 typedef struct engine_orders {
     lf_engine_controls controls;
     engine_panel panel;
+    engine_card card;
 } engine_orders;
 
 /* The frames posted, and the last one: when it was begun, and how long it took. */
 typedef struct engine_frames {
     uint64_t n, n_before; /* n_before: before this content */
+    bool has_picture;     /* one was of a picture, no card */
     double at, cost;
     /* lf_time_now_ns when the last one, a final one, comes again, with views that it had to go
      * without; 0: it lacks none */
@@ -60,6 +78,8 @@ typedef struct engine_spent {
 typedef struct engine_look {
     lf_render_stats stats;
     double at, cost, views_at;
+    int64_t views_generation;         /* of the views that went out last … */
+    lf_level views_level;             /* … and how good they were */
     double error_bound, bound_passes; /* after how many passes */
     double shown_error, shown_bound;  /* of the reconstructed picture; < 0 = not known */
     bool told_of_cut;                 /* lf_render_warn_of_cut, for this file */
@@ -90,7 +110,7 @@ struct lf_engine {
     pthread_cond_t wake, answered;
     /* under lock */
     engine_request *first;
-    bool controls_changed, panel_changed;
+    engine_news news;
     engine_orders wanted;
     lf_engine_status status;
 
@@ -103,6 +123,7 @@ struct lf_engine {
     lf_schedule schedule;
     lf_interlacer *interlacer;
     lf_layout interlaced; /* what it is for */
+    engine_drawn card;    /* the last one */
     int64_t generation;
     lf_level level;
     bool spoiled; /* a cancelled pass left rows unfinished */
@@ -124,6 +145,18 @@ void engine_settle(lf_engine *engine);
 /* Takes over controls or a panel that changed. */
 void engine_take_controls(lf_engine *engine, const lf_engine_controls *controls);
 void engine_take_panel(lf_engine *engine, const engine_panel *panel);
+void engine_take_card(lf_engine *engine, const engine_card *card);
+/* Posts the card that is wanted (lf_engine_set_card), if there is no picture. */
+void engine_post_waiting_card(lf_engine *engine);
+/* Posts a card in the place of a picture of a scene in which nothing is to be seen; false: there is
+ * something, or it is one frame of many. */
+bool engine_post_dark_card(lf_engine *engine, const lf_views8 *views);
+/* A frame of the picture there is, its image as large as the panel (interlaced) or none; NULL = out
+ * of memory, which was said. */
+lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced);
+/* Gives it to whoever shows it, with its views (NULL: none) where they are wanted. final: none
+ * follows soon. */
+void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views, bool final);
 /* What the requests run. */
 lf_status engine_run_show_as(lf_engine *engine, engine_request *request);
 lf_status engine_run_commit(lf_engine *engine, engine_request *request);

@@ -17,11 +17,6 @@
 /* Composing frames gets at most this share of the time, but for the first coarse and the first
  * complete one. */
 #define FRAME_SHARE 0.2
-/* Views are copied for devices that show them at most this often. */
-#define VIEWS_SECONDS 0.45
-/* Until those of a final frame are offered again that the device, still at the last ones, refused.
- */
-#define VIEWS_AGAIN_NS (LF_NS_PER_S / 50)
 /* The error estimate reads the whole film: it gets at most a twentieth of the time. */
 #define STATS_SHARE 0.05
 #define MAX_SPP 65536
@@ -162,8 +157,8 @@ static bool fit_follows(const lf_engine *engine)
 }
 
 /* Whether there is to be another fit before the next frame. The first frame of a scene waits for
- * none: it is unfiltered, and the next follows at once. A first guess is for an incomplete picture.
- */
+ * none: it is unfiltered, and the next follows at once; but where one frame of many follows
+ * another, noise would flicker between them. A first guess is for an incomplete picture. */
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
@@ -216,37 +211,18 @@ static void post_frame(lf_engine *engine, bool final)
         return;
     if (lf_picture_expose(&engine->picture, engine->pool))
         views = views_now(engine, &blank);
-    const lf_interlacer *interlacer = interlacer_now(engine);
-    const lf_calibration *panel = &engine->now.panel.calibration;
-    lf_frame *frame = lf_mailbox_begin(&engine->mailbox, interlacer ? panel->screen_width_px : 0,
-                                       interlacer ? panel->screen_height_px : 0);
-    if (!frame) {
-        lf_log(LF_LOG_ERROR, "out of memory for a panel frame");
+    if (engine_post_dark_card(engine, &views))
         return;
-    }
-    frame->generation = engine->generation;
-    frame->level = engine->level;
-    frame->passes = engine->spent.passes;
-    frame->reconstructed = engine->renderer && engine->fit.passes > 0;
+    const lf_interlacer *interlacer = interlacer_now(engine);
+    lf_frame *frame = engine_begin_frame(engine, interlacer);
+    if (!frame)
+        return;
     frame->columns = engine->content->layout.columns;
     frame->rows = engine->content->layout.rows;
-    frame->panel = engine->now.panel.number;
-    if (interlacer) {
+    if (interlacer)
         lf_interlace(interlacer, &views, &frame->image, engine->pool);
-        if (engine->now.controls.has_codes)
-            lf_codes_apply(&engine->now.controls.codes, &frame->image, engine->pool);
-        lf_mailbox_compare(&engine->mailbox, frame);
-    }
-    double now = lf_time_now();
-    if (engine->now.panel.views && (final || now - engine->look.views_at > VIEWS_SECONDS)) {
-        if (!lf_mailbox_attach(&engine->mailbox, frame, &views) && final)
-            engine->frames.again_ns = lf_time_now_ns() + VIEWS_AGAIN_NS;
-        engine->look.views_at = now;
-    }
-    engine->frames.n++;
-    engine->frames.cost = lf_time_now() - engine->frames.at;
-    engine_publish(engine); /* before the frame: whoever sees it may ask for the status next */
-    lf_mailbox_post(&engine->mailbox, frame);
+    engine->frames.has_picture = true;
+    engine_end_frame(engine, frame, &views, final);
 }
 
 /* One was posted just now; or nobody has taken the last one yet, and it says no less than the one
@@ -325,8 +301,11 @@ void engine_batch(lf_engine *engine)
 void engine_settle(lf_engine *engine)
 {
     if (!engine->content) {
+        bool again = engine->frames.again_ns > 0;
         engine->owed = false;
         engine->frames.again_ns = 0;
+        if (again)
+            engine_post_waiting_card(engine);
     }
     if (engine->owed)
         update_stats(engine, true);
@@ -437,6 +416,7 @@ void engine_take_panel(lf_engine *engine, const engine_panel *panel)
         engine->now.panel = *panel;
         engine->owed = true;
         drop_interlacer(engine);
+        engine_post_waiting_card(engine);
     }
 }
 
@@ -513,7 +493,7 @@ static void start_over(lf_engine *engine)
     engine->look.error_bound = engine->look.shown_error = engine->look.shown_bound = -1;
     engine->look.bound_passes = 0;
     engine->look.at = 0;
-    engine->fit = (engine_fit){0};
+    engine->fit = (engine_fit){.may_begin = engine->content && engine->content->is_frame};
     engine->frames.n_before = engine->frames.n;
 }
 

@@ -312,6 +312,14 @@ static lf_status fail_cancelled(lf_load *load)
     return lf_error_set(&load->err, LF_E_CANCELLED, load->file ? load->file : "", "cancelled");
 }
 
+/* Whether it, or what was taken into it, goes to another frame of the scene. */
+static bool changes_frame(const lf_load *load)
+{
+    while (load && !json_object_get(load->patch, "frame"))
+        load = next_of(load);
+    return load;
+}
+
 static void run_load(lf_loader *loader, lf_load *load)
 {
     lf_content *content = NULL;
@@ -324,6 +332,7 @@ static void run_load(lf_loader *loader, lf_load *load)
     if (load->status != LF_OK || !content)
         return;
     lf_content_write_document(content);
+    content->is_frame = changes_frame(load);
     load->goes_on = is_shown_anew(loader, load, content);
     if (load->goes_on)
         load->status = lf_engine_show_as(loader->engine, content, &load->generation, &load->err);

@@ -41,7 +41,8 @@ lf_frame *lf_mailbox_begin(lf_mailbox *mailbox, int width, int height)
     }
     frame->n_rects = 0;
     frame->against = 0;
-    frame->has_views = false;
+    frame->has_views = frame->sent_views = frame->lacks_views = false;
+    frame->card[0] = '\0';
     return frame;
 }
 
@@ -91,8 +92,16 @@ bool lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *vi
     mailbox->views.view_stride = row;
     mailbox->views.row_stride = row * n_views;
     mailbox->views.data = mailbox->views_data;
-    frame->has_views = true;
+    frame->has_views = frame->sent_views = true;
     return true;
+}
+
+bool lf_mailbox_keeps_views(lf_mailbox *mailbox)
+{
+    pthread_mutex_lock(&mailbox->lock);
+    bool keeps = mailbox->ready >= 0 && mailbox->slot[mailbox->ready].has_views;
+    pthread_mutex_unlock(&mailbox->lock);
+    return keeps;
 }
 
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame)

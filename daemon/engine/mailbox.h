@@ -9,6 +9,7 @@
 #include <pthread.h>
 
 #include "base/image.h"
+#include "quilt/quilt.h"
 
 #define LF_FRAME_MAX_RECTS 64
 
@@ -25,15 +26,18 @@ typedef struct lf_frame {
     int64_t generation;
     lf_level level;
     double passes;
-    bool reconstructed; /* else unfiltered, or a finished picture */
-    int columns, rows;  /* tiles of its quilt */
-    uint64_t panel;     /* number of the panel it was interlaced for */
-    lf_image8 image;    /* data NULL: there was no panel to interlace for */
-    uint64_t against;   /* number of the frame that rects were computed against; 0 = none */
+    bool reconstructed;      /* else unfiltered, or a finished picture */
+    char card[LF_CARD_TEXT]; /* the words of a card in the place of a picture; empty: it is one */
+    int columns, rows;       /* tiles of its quilt */
+    uint64_t panel;          /* number of the panel it was interlaced for */
+    lf_image8 image;         /* data NULL: there was no panel to interlace for */
+    uint64_t against;        /* number of the frame that rects were computed against; 0 = none */
     int n_rects;
     lf_rect rects[LF_FRAME_MAX_RECTS];
-    bool has_views; /* the views behind it lie in the mailbox's buffer; the consumer does not look
-                     * here, where the producer may write, but asks lf_mailbox_views */
+    bool has_views;   /* the views behind it lie in the mailbox's buffer; the consumer does not look
+                       * here, where the producer may write, but asks lf_mailbox_views */
+    bool sent_views;  /* they did when it was posted */
+    bool lacks_views; /* they, the first of this generation and level, come with a later frame */
 } lf_frame;
 
 typedef struct lf_mailbox {
@@ -65,6 +69,8 @@ void lf_mailbox_compare(lf_mailbox *mailbox, lf_frame *frame);
 /* Puts a copy of the views beside the frame, unless memory is out. False: the consumer is still
  * reading the last ones, and the frame has none. */
 bool lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *views);
+/* Whether the newest frame, which nobody has taken yet, has views that another one would lose. */
+bool lf_mailbox_keeps_views(lf_mailbox *mailbox);
 /* Hands over what begin gave. */
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame);
 

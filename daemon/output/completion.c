@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-enum { MAX_OPTIONS = 96 };
+enum { MAX_OPTIONS = 160 };
 
 /* An option, out of either kind of table. */
 typedef struct described {
@@ -18,8 +18,12 @@ typedef struct described_list {
     described options[MAX_OPTIONS];
 } described_list;
 
+/* Commands may have the same option. */
 static void list_add(described_list *list, described option)
 {
+    for (int i = 0; i < list->n; i++)
+        if (strcmp(list->options[i].name, option.name) == 0)
+            return;
     if (list->n < MAX_OPTIONS)
         list->options[list->n++] = option;
 }
@@ -32,9 +36,8 @@ static const char *shell_at(int index)
 
 static const lf_options_words shell_words[] = {{"completion", shell_at}, {0}};
 
-static void list_own(described_list *list)
+static void list_own(described_list *list, const lf_options_rules *rules)
 {
-    const lf_options_rules *rules = list->rules;
     for (const struct option *own = rules->table; own && own->name; own++) {
         const lf_options_words *words = rules->words;
         while (words && words->option && strcmp(words->option, own->name) != 0)
@@ -48,16 +51,15 @@ static void list_own(described_list *list)
     list_add(list, (described){.name = "completion", .words = shell_words, .takes = true});
 }
 
-static void list_all(described_list *list, const lf_options_rules *rules)
+static void list_rules(described_list *list, const lf_options_rules *rules)
 {
-    *list = (described_list){.rules = rules};
     for (const lf_options_part *part = rules->parts; part && part->params; part++)
         for (const lf_param *row = part->params; row->name || row->option; row = lf_param_next(row))
             if (lf_param_among(row, part->names))
                 list_add(list, (described){.name = row->option,
                                            .row = row,
                                            .takes = row->type != LF_PARAM_SWITCH || row->words});
-    list_own(list);
+    list_own(list, rules);
 }
 
 static const char *word_at(const described *option, int index)
@@ -308,21 +310,72 @@ static void write_fish(const described_list *list, FILE *out)
     }
 }
 
-lf_status lf_completion_write(const lf_options_rules *rules, const char *shell, FILE *out,
-                              lf_error *err)
+static lf_status write_list(const described_list *list, const char *shell, FILE *out, lf_error *err)
 {
     static const struct {
         const char *shell;
         void (*write)(const described_list *list, FILE *out);
     } shells[] = {{"bash", write_bash}, {"zsh", write_zsh}, {"fish", write_fish}};
-    described_list list;
-    list_all(&list, rules);
     for (size_t i = 0; i < sizeof shells / sizeof *shells; i++) {
         if (strcmp(shell, shells[i].shell) == 0) {
-            shells[i].write(&list, out);
+            shells[i].write(list, out);
             return LF_OK;
         }
     }
     return lf_error_set(err, LF_E_ARG, "--completion", "\"%.40s\": expected bash, zsh or fish",
                         shell);
+}
+
+lf_status lf_completion_write(const lf_options_rules *rules, const char *shell, FILE *out,
+                              lf_error *err)
+{
+    described_list list = {.rules = rules};
+    list_rules(&list, rules);
+    return write_list(&list, shell, out, err);
+}
+
+/* ---------------------------------------------------------------------------------- commands -- */
+
+/* Set while commands are asked for their rules, as getopt's state one of the process. */
+static described_list *asking;
+static const lf_completion_command *asked;
+static int n_asked;
+
+bool lf_completion_takes_rules(const lf_options_rules *rules)
+{
+    if (asking)
+        list_rules(asking, rules);
+    return asking;
+}
+
+static const char *command_at(int index)
+{
+    for (int i = 0; i < n_asked; i++)
+        if (asked[i].name && index-- == 0)
+            return asked[i].name;
+    return NULL;
+}
+
+static bool no_follower(int operand, int index, char *word, size_t size)
+{
+    (void)operand, (void)index, (void)word, (void)size;
+    return false;
+}
+
+lf_status lf_completion_write_commands(const char *program, const lf_completion_command *commands,
+                                       int n, const char *shell, FILE *out, lf_error *err)
+{
+    const lf_options_rules rules = {
+        .program = program, .operand_at = command_at, .follower_at = no_follower};
+    described_list list = {.rules = &rules};
+    asked = commands;
+    n_asked = n;
+    asking = &list;
+    for (int i = 0; i < n; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "%s", commands[i].name ? commands[i].name : program);
+        (void)commands[i].run(1, (char *[]){name, NULL});
+    }
+    asking = NULL;
+    return write_list(&list, shell, out, err);
 }

@@ -16,7 +16,8 @@ typedef struct lf_content {
     lf_render_settings settings; /* scene only; integrator points to a static name */
     lf_layout layout;
     lf_film_settings film;
-    bool has_depth; /* scene only: the next is known */
+    bool is_frame;  /* scene only: another frame (of time) of what was shown before */
+    bool has_depth; /* the next is known */
     lf_depth depth;
     /* The scene's document as JSON on one line (lf_content_write_document); NULL: none was made, or
      * it would be LF_CONTENT_MAX_DOCUMENT or longer. */

@@ -121,7 +121,9 @@ lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *
                           bool *out_done, lf_error *err)
 {
     struct option table[MAX_OPTIONS + 1] = {0};
-    *out_done = false;
+    *out_done = lf_completion_takes_rules(rules);
+    if (*out_done)
+        return LF_OK;
     if (rules->print_help && argc == 3 && strcmp(argv[1], "--completion") == 0) {
         *out_done = true;
         return lf_completion_write(rules, argv[2], stdout, err);

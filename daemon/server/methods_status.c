@@ -119,6 +119,11 @@ static void add_engine(lf_server *server, json_t *status)
                                   now.film.tonemap[0] ? now.film.tonemap : "srgb"));
 }
 
+static json_t *card_json(const lf_shown *shown)
+{
+    return shown->card[0] != '\0' ? lf_rpc_text(shown->card) : json_null();
+}
+
 void lf_method_status(lf_call *call)
 {
     lf_server *server = call->server;
@@ -127,16 +132,15 @@ void lf_method_status(lf_call *call)
     add_content(server, status);
     add_engine(server, status);
     json_t *more = json_pack(
-        "{s:{s:I, s:s, s:s}, s:o, s:I, s:I, s:I, s:i, s:o, s:o, s:s, s:i, s:I, s:o, s:f, s:f}",
+        "{s:{s:I, s:s, s:s, s:o}, s:o, s:I, s:I, s:I, s:i, s:o, s:o, s:s, s:i, s:I, s:o, s:f, s:f}",
         "shown", "generation", (json_int_t)server->shown.generation, "level",
-        lf_level_name(server->shown.level), "picture",
-        server->shown.reconstructed ? "reconstructed" : "unfiltered", "device",
-        lf_server_device_json(server), "updates", (json_int_t)counters.updates, "bytes",
-        (json_int_t)counters.bytes, "device_errors", (json_int_t)counters.errors, "loading",
-        lf_loader_pending(server->loader), "load", lf_server_load_json(server), "reading",
-        lf_server_reading_json(server), "landlock", lf_landlock_name(lf_import_landlock()),
-        "clients", lf_clients_count(server->clients), "lines",
-        (json_int_t)lf_clients_lines(server->clients), "jobs", lf_server_jobs_json(server),
+        lf_level_name(server->shown.level), "picture", lf_server_picture_name(&server->shown),
+        "card", card_json(&server->shown), "device", lf_server_device_json(server), "updates",
+        (json_int_t)counters.updates, "bytes", (json_int_t)counters.bytes, "device_errors",
+        (json_int_t)counters.errors, "loading", lf_loader_pending(server->loader), "load",
+        lf_server_load_json(server), "reading", lf_server_reading_json(server), "landlock",
+        lf_landlock_name(lf_import_landlock()), "clients", lf_clients_count(server->clients),
+        "lines", (json_int_t)lf_clients_lines(server->clients), "jobs", lf_server_jobs_json(server),
         "uptime", lf_time_now() - server->life.started, "longest_turn", server->life.longest_turn);
     json_object_update(status, more);
     json_decref(more);

@@ -180,6 +180,7 @@ static void destroy(lf_server *server)
     lf_server_drop_play(server);
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
+    sd_event_source_disable_unref(server->life.card.timer);
     sd_event_source_disable_unref(server->saved.timer);
     sd_event_source_disable_unref(server->waits.more);
     sd_event_unref(server->event);
@@ -301,6 +302,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_play(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
+    status = status == LF_OK ? lf_server_make_card(server) : status;
     status = status == LF_OK ? lf_server_make_button_work(server) : status;
     if (status != LF_OK ||
         sd_event_add_io(server->event, NULL, server->inbox.event_fd, EPOLLIN, on_inbox, server) <
@@ -370,6 +372,7 @@ static void load_first(lf_server *server, const char *scene)
         (void)lf_error_set(&server->error, LF_E_IO, scene, "cannot open: %s",
                            there ? "out of memory" : lf_errno_text(why));
         lf_log_error(&server->error);
+        lf_server_tell_card(server);
         lf_server_ready(server);
         return;
     }
@@ -388,6 +391,7 @@ void lf_server_begin(lf_server *server)
     else
         lf_server_ready(server);
     lf_server_release_loads(server);
+    lf_server_tell_card(server);
 }
 
 static void prepare_process(void)

@@ -3,6 +3,7 @@
  *   server.c          putting it together, the loop, the way down
  *   server_socket.c   which socket: systemd's, or a path with its lock
  *   server_device.c   the panel (daemon/show) as clients see it
+ *   server_card.c     words on the panel where there is no picture
  *   server_buttons.c  what its buttons do
  *   server_engine.c   what comes back from the engine and the loader; waits
  *   server_play.c     playing the frames of a scene
@@ -98,6 +99,13 @@ typedef enum lf_life_phase {
     LF_PHASE_LEAVING,
 } lf_life_phase;
 
+/* What the panel says while there is no picture: server_card.c. */
+typedef struct lf_card {
+    sd_event_source *timer;
+    bool late;                /* it has been dark for long */
+    char words[LF_CARD_TEXT]; /* as the engine has them */
+} lf_card;
+
 /* The daemon from its start to its end: server.c. */
 typedef struct lf_life {
     lf_life_phase phase;
@@ -106,7 +114,8 @@ typedef struct lf_life {
     sd_event_source *begin_timer, *stop_timer;
     bool ready_sent; /* systemd was told */
     int reloads;     /* for systemd that have not ended */
-    lf_task *held;   /* loads that came before the scene of the command line */
+    lf_card card;
+    lf_task *held; /* loads that came before the scene of the command line */
     /* seconds of this thread's CPU time, of the longest turn of the event loop (turns.h) */
     double longest_turn;
 } lf_life;
@@ -119,13 +128,6 @@ typedef struct lf_saved {
     int64_t generation;
     double passes;
 } lf_saved;
-
-/* What the panel shows. */
-typedef struct lf_shown {
-    int64_t generation;
-    lf_level level;
-    bool reconstructed;
-} lf_shown;
 
 struct lf_server {
     lf_server_config config;
@@ -153,7 +155,7 @@ struct lf_server {
     int64_t generation;
     lf_error error;        /* of the last attempt to load the scene; status LF_OK = none */
     lf_engine_status last; /* as last seen */
-    lf_shown shown;
+    lf_shown shown;        /* what the panel shows */
     lf_waits waits;
     lf_job *jobs;
     int64_t n_jobs; /* numbers given so far, to exports and loads */
@@ -186,6 +188,13 @@ bool lf_default_socket(int index, char *out, size_t size);
 LF_NODISCARD lf_status lf_server_make_show(lf_server *server);
 /* The device as status, device.set and the event `device` show it. */
 json_t *lf_server_device_json(const lf_server *server);
+
+/* ----------------------------------------------------------------------------- server_card.c -- */
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_card(lf_server *server);
+/* What the panel is to say may have changed. */
+void lf_server_tell_card(lf_server *server);
 
 /* ----------------------------------------------------------------------------- server_work.c -- */
 
@@ -248,6 +257,8 @@ void lf_server_drop_loading(lf_server *server);
 void lf_server_loads(lf_server *server, lf_load *load);
 /* It has come back; accepts one that was never queued. */
 void lf_server_load_ended(lf_server *server, lf_load *load);
+/* The file of the first load that waits or is under way; NULL: none is, or it is not known yet. */
+const char *lf_server_loading_file(const lf_server *server);
 /* The load in progress, as `status` shows it; null: none. */
 json_t *lf_server_load_json(lf_server *server);
 /* A client has left: where those that have left keep much waiting, their loads that have not begun
@@ -279,8 +290,10 @@ void lf_server_was_reset(lf_server *server);
 /* The engine has posted a frame or changed its state. */
 int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *context);
 /* A frame is shown: answers waits, tells subscribers. */
-void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes,
-                     bool reconstructed);
+void lf_server_shown(lf_server *server, const lf_shown *shown);
+/* What is in the panel's files has changed: answers waits; with an error (may be NULL) those that
+ * wait for no more than files. */
+void lf_server_kept(lf_server *server, const lf_error *err);
 /* Queues a load with the options and the panel there are now, behind the scene of the command line;
  * deferred may be NULL. */
 void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred);
@@ -288,9 +301,9 @@ void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred);
 void lf_server_release_loads(lf_server *server);
 /* The scene file again. */
 void lf_server_reload(lf_server *server);
-/* Answers when generation is shown at that level, or seconds (0 = for ever) have passed; at once
- * with what is wrong when there is no picture because the scene was refused. Takes the call over.
- */
+/* Answers when generation is shown at that level, and in the files of a panel that has some, or
+ * when seconds (0 = for ever) have passed; at once with what is wrong when there is no picture
+ * because the scene was refused. Takes the call over. */
 void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation, lf_level level,
                     double seconds);
 /* LF_E_NOMEM. */
@@ -299,6 +312,8 @@ LF_NODISCARD lf_status lf_server_make_waits(lf_server *server);
 void lf_server_fail_waits(lf_server *server, const lf_error *err, bool scene);
 /* "rendering", "converged", "paused", "idle", "error". */
 const char *lf_server_state_name(const lf_server *server);
+/* "reconstructed", "unfiltered" (also a finished picture), "card". */
+const char *lf_server_picture_name(const lf_shown *shown);
 const char *lf_level_name(lf_level level);
 /* Sends a notification to those who subscribed to `event`; params are taken over. */
 void lf_server_notify(lf_server *server, unsigned event, const char *method, json_t *params);

@@ -86,10 +86,14 @@ static void on_lens(void *context, const lf_calibration *calibration, uint64_t p
         lf_server_load(server, load, NULL);
 }
 
-static void on_shown(void *context, int64_t generation, lf_level level, double passes,
-                     bool reconstructed)
+static void on_shown(void *context, const lf_shown *shown)
 {
-    lf_server_shown(context, generation, level, passes, reconstructed);
+    lf_server_shown(context, shown);
+}
+
+static void on_kept(void *context, const lf_error *err)
+{
+    lf_server_kept(context, err);
 }
 
 static void on_pressed(void *context, lf_button button)
@@ -104,6 +108,7 @@ lf_status lf_server_make_show(lf_server *server)
                                           .changed = on_changed,
                                           .lens = on_lens,
                                           .shown = on_shown,
+                                          .kept = on_kept,
                                           .pressed = on_pressed};
     const lf_show_home home = {.event = server->event,
                                .inbox = &server->inbox,

@@ -19,6 +19,13 @@ const char *lf_level_name(lf_level level)
     return names[level];
 }
 
+const char *lf_server_picture_name(const lf_shown *shown)
+{
+    if (shown->card[0] != '\0')
+        return "card";
+    return shown->reconstructed ? "reconstructed" : "unfiltered";
+}
+
 const char *lf_server_state_name(const lf_server *server)
 {
     if (!server->content)
@@ -80,10 +87,15 @@ static json_t *shown_json(const lf_server *server)
 
 /* A frame may be shown before the loader's word has come that its scene is shown, and whoever
  * waits asks for that next. */
-static bool is_over(const lf_server *server, const lf_wait *wait)
+static bool is_shown(const lf_server *server, const lf_wait *wait)
 {
     return server->generation >= server->shown.generation &&
            server->shown.generation >= wait->generation && server->shown.level >= wait->level;
+}
+
+static bool is_over(const lf_server *server, const lf_wait *wait)
+{
+    return is_shown(server, wait) && lf_show_keeps(server->show, wait->generation, wait->level);
 }
 
 static void forget_wait(lf_wait *wait)
@@ -103,12 +115,13 @@ static bool has_left(const lf_server *server, const lf_wait *wait)
 static void answer_waits(lf_server *server)
 {
     int answered = 0;
-    bool rest = false;
+    bool rest = false, unwritten = false;
     for (lf_wait **at = &server->waits.first; *at;) {
         lf_wait *wait = *at;
         wait->over = wait->over || is_over(server, wait) || has_left(server, wait);
         if (!wait->over || answered == WAITS_A_TURN) {
             rest = rest || wait->over;
+            unwritten = unwritten || (!wait->over && is_shown(server, wait));
             at = &wait->next;
             continue;
         }
@@ -119,6 +132,23 @@ static void answer_waits(lf_server *server)
     }
     if (rest)
         (void)sd_event_source_set_enabled(server->waits.more, SD_EVENT_ONESHOT);
+    if (unwritten)
+        lf_show_await_files(server->show);
+}
+
+void lf_server_kept(lf_server *server, const lf_error *err)
+{
+    for (lf_wait **at = &server->waits.first; err && *at;) {
+        lf_wait *wait = *at;
+        if (wait->over || !is_shown(server, wait) || is_over(server, wait)) {
+            at = &wait->next;
+            continue;
+        }
+        *at = wait->next;
+        lf_deferred_fail(server, wait->deferred, err, false);
+        forget_wait(wait);
+    }
+    answer_waits(server);
 }
 
 /* At most so many; true when none is left. */
@@ -223,30 +253,42 @@ void lf_server_wait(lf_server *server, lf_deferred *deferred, int64_t generation
     }
     server->waits.first = wait;
     /* more than clients may have: some have left */
-    if (all >= MAX_WAITS * LF_MAX_CLIENTS || is_over(server, wait))
+    if (all >= MAX_WAITS * LF_MAX_CLIENTS || is_shown(server, wait))
         answer_waits(server);
     end_vain_waits(server);
 }
 
-void lf_server_shown(lf_server *server, int64_t generation, lf_level level, double passes,
-                     bool reconstructed)
+static json_t *frame_json(const lf_shown *shown)
 {
-    bool news = generation != server->shown.generation || level != server->shown.level;
-    server->shown = (lf_shown){generation, level, reconstructed};
-    lf_server_notify(server, LF_EVENT_FRAME, "frame",
-                     json_pack("{s:I, s:s, s:f}", "generation", (json_int_t)generation, "level",
-                               lf_level_name(level), "passes", passes));
+    json_t *frame = json_pack("{s:I, s:s, s:f, s:s}", "generation", (json_int_t)shown->generation,
+                              "level", lf_level_name(shown->level), "passes", shown->passes,
+                              "picture", lf_server_picture_name(shown));
+    if (frame && shown->card[0] != '\0')
+        (void)json_object_set_new(frame, "card", lf_rpc_text(shown->card));
+    return frame;
+}
+
+void lf_server_shown(lf_server *server, const lf_shown *shown)
+{
+    const lf_shown *before = &server->shown;
+    bool news = shown->generation != before->generation || shown->level != before->level;
+    if (shown->card[0] != '\0' && strcmp(shown->card, before->card) != 0 &&
+        lf_show_calibration(server->show))
+        lf_log(LF_LOG_INFO, "the panel says: %s", shown->card);
+    server->shown = *shown;
+    lf_server_notify(server, LF_EVENT_FRAME, "frame", frame_json(shown));
     if (!news)
         return;
-    lf_log(LF_LOG_DEBUG, "generation %lld: %s after %.1f passes", (long long)generation,
-           lf_level_name(level), passes);
-    if (level == LF_LEVEL_CONVERGED) {
-        lf_server_notify(
-            server, LF_EVENT_CONVERGED, "converged",
-            json_pack("{s:I, s:f}", "generation", (json_int_t)generation, "passes", passes));
+    lf_log(LF_LOG_DEBUG, "generation %lld: %s after %.1f passes", (long long)shown->generation,
+           lf_level_name(shown->level), shown->passes);
+    if (shown->level == LF_LEVEL_CONVERGED) {
+        lf_server_notify(server, LF_EVENT_CONVERGED, "converged",
+                         json_pack("{s:I, s:f}", "generation", (json_int_t)shown->generation,
+                                   "passes", shown->passes));
     }
     answer_waits(server);
     lf_server_play_shown(server);
+    lf_server_tell_card(server);
 }
 
 /* ------------------------------------------------------------------------------------ engine -- */
@@ -375,6 +417,7 @@ static void on_load_done(void *reader, lf_task *task)
     else
         lf_load_destroy(load);
     end_vain_waits(server);
+    lf_server_tell_card(server);
     if (lf_server_is_stopping(server)) {
         lf_server_shutdown(server);
     } else if (plain) {
@@ -392,6 +435,7 @@ static void queue_load(lf_server *server, lf_load *load)
         load->calibration = *calibration;
     lf_server_loads(server, load);
     lf_loader_queue(server->loader, load);
+    lf_server_tell_card(server);
 }
 
 void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred)

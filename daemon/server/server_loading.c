@@ -71,6 +71,12 @@ static const char *file_of(const lf_load *load)
     return load->kind == LF_LOAD_FILE && !load->browsed ? load->file : NULL;
 }
 
+const char *lf_server_loading_file(const lf_server *server)
+{
+    const lf_load *load = server->loading->first;
+    return load ? file_of(load) : NULL;
+}
+
 json_t *lf_server_load_json(lf_server *server)
 {
     static const char *const kinds[] = {[LF_LOAD_FILE] = "file",

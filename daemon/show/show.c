@@ -60,11 +60,11 @@ void lf_show_let_go(lf_show *show)
     show->device = NULL;
 }
 
-void lf_show_gone(lf_show *show)
+void lf_show_gone(lf_show *show, const char *why)
 {
-    lf_log(LF_LOG_INFO, "%s: unplugged", show->spec);
+    lf_log(show->kept.lost ? LF_LOG_WARNING : LF_LOG_INFO, "%s: %s", show->spec, why);
     lf_show_let_go(show);
-    (void)lf_error_set(&show->problem, LF_E_NODEV, show->spec, "unplugged");
+    (void)lf_error_set(&show->problem, LF_E_NODEV, show->spec, "%s", why);
     show->events.changed(show->context);
     lf_show_reopen_soon(show);
 }
@@ -105,6 +105,7 @@ lf_status lf_show_take(lf_show *show, lf_device *device, lf_error *err)
     lf_device_info info;
     lf_show_let_go(show);
     show->device = device;
+    lf_show_forget_kept(show);
     device->ops->info(device, &info);
     snprintf(show->spec, sizeof show->spec, "%s", info.spec);
     if (!lf_show_is_empty(show))

@@ -18,6 +18,15 @@
 
 typedef struct lf_show lf_show;
 
+/* A frame that is on the panel. */
+typedef struct lf_shown {
+    int64_t generation;
+    lf_level level;
+    double passes;
+    bool reconstructed;
+    char card[LF_CARD_TEXT]; /* the words of a card in the place of a picture; empty: it is one */
+} lf_shown;
+
 /* None may be NULL; what is passed is borrowed until the function returns. An event may ask the
  * show and pump it, but not open, stop or end it. */
 typedef struct lf_show_events {
@@ -33,8 +42,10 @@ typedef struct lf_show_events {
     void (*lens)(void *context, const lf_calibration *calibration, uint64_t panel, bool views,
                  bool is_new);
     /* A frame is on the panel. */
-    void (*shown)(void *context, int64_t generation, lf_level level, double passes,
-                  bool reconstructed);
+    void (*shown)(void *context, const lf_shown *shown);
+    /* What lf_show_keeps answers, or lf_show_await_files was called for, may be another. err not
+     * NULL: files could not be written. */
+    void (*kept)(void *context, const lf_error *err);
     /* A button of the panel was pressed. */
     void (*pressed)(void *context, lf_button button);
 } lf_show_events;
@@ -63,6 +74,13 @@ LF_NODISCARD lf_status lf_show_open(lf_show *show, const char *spec, void *answe
 LF_NODISCARD lf_status lf_show_list(lf_show *show, void *answer);
 /* There may be a new frame: gives it to the panel, if it can take one. */
 void lf_show_pump(lf_show *show);
+
+/* Whether a device that keeps what it shows in files holds this generation there, at that level or
+ * better, with its views; true for any other device, and where there is none. */
+bool lf_show_keeps(lf_show *show, int64_t generation, lf_level level);
+/* Somebody waits for them: what is shown now is written soon, and the event `kept` follows, perhaps
+ * from within. */
+void lf_show_await_files(lf_show *show);
 
 /* What the device is, or what was asked for and why it is not there; false: there is none. */
 bool lf_show_info(const lf_show *show, lf_device_info *out);

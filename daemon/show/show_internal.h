@@ -1,6 +1,6 @@
 /* The inside of show.h, shared by show.c (the device and what is told of it), show_open.c (opening
- * and trying again), show_push.c (frames), show_buttons.c, show_check.c (a cached calibration) and
- * show_plugs.c (what udev tells). */
+ * and trying again), show_push.c (frames), show_kept.c (what of them is in files), show_buttons.c,
+ * show_check.c (a cached calibration) and show_plugs.c (what udev tells). */
 #ifndef LF_DAEMON_SHOW_INTERNAL_H
 #define LF_DAEMON_SHOW_INTERNAL_H
 
@@ -8,6 +8,8 @@
 
 #include "daemon/show/opener.h"
 #include "daemon/show/show.h"
+
+enum { LF_KEPT_PENDING = 8 };
 
 /* Something that is done one at a time, and once more when it was asked for meanwhile. */
 typedef enum lf_search {
@@ -25,11 +27,27 @@ typedef enum lf_push_state {
 /* What the panel is being given. */
 typedef struct lf_push {
     lf_push_state state;
-    lf_level level; /* of the frame under way */
-    int64_t generation;
-    double passes;
-    bool reconstructed;
+    lf_shown frame;   /* under way */
+    bool lacks_views; /* it came without its own */
 } lf_push;
+
+/* A push that ended well, as it may be found in the files of the device. */
+typedef struct lf_kept_push {
+    uint64_t number; /* of those that ended well, from 1 */
+    int64_t generation;
+    lf_level level;
+} lf_kept_push;
+
+/* What of that is in the files of a device that has some. */
+typedef struct lf_kept {
+    uint64_t pushes; /* that ended well, on this device */
+    int n;           /* pushes with a generation or level of their own, not in the files yet … */
+    lf_kept_push pending[LF_KEPT_PENDING]; /* … in their order; the last stands for those that were
+                                              too many */
+    lf_kept_push held;                     /* the newest that is; number 0 = none */
+    bool awaited;
+    bool lost; /* they were removed; a new device comes for them */
+} lf_kept;
 
 /* What is being opened. */
 typedef struct lf_opening {
@@ -63,6 +81,7 @@ struct lf_show {
     bool has_calibration;
     bool has_views; /* it takes the views behind a frame too */
     lf_push push;
+    lf_kept kept;
     lf_opening opening;
     lf_buttons *buttons; /* of the panel; NULL = none */
     sd_event_source *buttons_io;
@@ -82,7 +101,7 @@ void lf_show_discard(lf_show *show, lf_device *device, lf_buttons *buttons);
 /* Lets go of the device; its counters are kept. */
 void lf_show_let_go(lf_show *show);
 /* The device said that it is gone. */
-void lf_show_gone(lf_show *show);
+void lf_show_gone(lf_show *show, const char *why);
 /* The panel is this device from now on (taken over whatever comes of it). */
 LF_NODISCARD lf_status lf_show_take(lf_show *show, lf_device *device, lf_error *err);
 
@@ -105,6 +124,15 @@ void lf_show_drop_requests(lf_show *show);
 
 /* Asks the device what became of the push under way. */
 void lf_show_dispatch(lf_show *show);
+
+/* ------------------------------------------------------------------------------ show_kept.c -- */
+
+/* Another device. */
+void lf_show_forget_kept(lf_show *show);
+/* The push under way has ended well. */
+void lf_show_count_push(lf_show *show);
+/* Looks what the files hold by now, and tells. */
+void lf_show_look_at_files(lf_show *show);
 
 /* ---------------------------------------------------------------------------- show_buttons.c -- */
 

@@ -15,32 +15,40 @@ void lf_show_dispatch(lf_show *show)
     case LF_DEVICE_READY:
         if (push->state == LF_PUSH_BUSY) {
             push->state = LF_PUSH_CHANGES;
-            show->events.shown(show->context, push->generation, push->level, push->passes,
-                               push->reconstructed);
+            lf_show_count_push(show);
+            show->events.shown(show->context, &push->frame);
         }
+        lf_show_look_at_files(show);
         break;
     case LF_DEVICE_BUSY:
+        lf_show_look_at_files(show);
         break;
     case LF_DEVICE_RETRY:
         push->state = LF_PUSH_WHOLE;
         lf_show_retry(show, REPUSH_USEC);
         break;
     case LF_DEVICE_GONE:
-        lf_show_gone(show);
+        lf_show_gone(show, "unplugged");
+        break;
+    case LF_DEVICE_LOST:
+        show->kept.lost = true;
+        lf_show_gone(show, "its folder was removed; a new one is made");
         break;
     }
 }
 
-static void give_views(lf_show *show, const lf_frame *frame)
+/* False: the views of this frame come with a later one. */
+static bool give_views(lf_show *show, const lf_frame *frame)
 {
     lf_device *device = show->device;
     lf_mailbox *mailbox = show->home.mailbox;
     if (!device->ops->views)
-        return;
+        return true;
     const lf_views8 *views = lf_mailbox_views(mailbox, frame);
     if (views)
         device->ops->views(device, views, frame->columns, frame->rows);
     lf_mailbox_views_done(mailbox);
+    return views || (!frame->sent_views && !frame->lacks_views);
 }
 
 /* What of frame differs from what the panel shows. */
@@ -61,19 +69,30 @@ static int rects_for(lf_show *show, const lf_frame *frame, lf_rect *rects)
     return lf_changed_rects(&current->image, &frame->image, rects, LF_FRAME_MAX_RECTS);
 }
 
+static lf_shown shown_of(const lf_frame *frame)
+{
+    lf_shown shown = {.generation = frame->generation,
+                      .level = frame->level,
+                      .passes = frame->passes,
+                      .reconstructed = frame->reconstructed};
+    memcpy(shown.card, frame->card, sizeof shown.card);
+    return shown;
+}
+
+/* Of a frame that needs no push. */
 static void tell_shown(lf_show *show, const lf_frame *frame)
 {
+    show->push.frame = shown_of(frame);
     lf_mailbox_shown(show->home.mailbox);
-    show->events.shown(show->context, frame->generation, frame->level, frame->passes,
-                       frame->reconstructed);
+    show->events.shown(show->context, &show->push.frame);
 }
 
 static void push(lf_show *show, const lf_frame *frame)
 {
     lf_rect rects[LF_FRAME_MAX_RECTS];
     int n = rects_for(show, frame, rects);
-    give_views(show, frame);
-    if (n == 0) {
+    bool with_views = give_views(show, frame);
+    if (n == 0 && !show->device->ops->kept) {
         tell_shown(show, frame);
         return;
     }
@@ -81,7 +100,7 @@ static void push(lf_show *show, const lf_frame *frame)
         show->device->ops->push(show->device, &frame->image, rects, n, (uint64_t)frame->generation);
     lf_mailbox_shown(show->home.mailbox);
     if (status == LF_E_NODEV) {
-        lf_show_gone(show);
+        lf_show_gone(show, "unplugged");
         return;
     }
     if (status != LF_OK) {
@@ -90,11 +109,8 @@ static void push(lf_show *show, const lf_frame *frame)
         lf_show_retry(show, REPUSH_USEC);
         return;
     }
-    show->push = (lf_push){.state = LF_PUSH_BUSY,
-                           .generation = frame->generation,
-                           .level = frame->level,
-                           .passes = frame->passes,
-                           .reconstructed = frame->reconstructed};
+    show->push =
+        (lf_push){.state = LF_PUSH_BUSY, .frame = shown_of(frame), .lacks_views = !with_views};
     lf_show_dispatch(show);
 }
 
@@ -118,7 +134,7 @@ void lf_show_pump(lf_show *show)
         push(show, frame);
         return;
     }
-    give_views(show, frame);
+    (void)give_views(show, frame);
     show->push.state = LF_PUSH_CHANGES;
     tell_shown(show, frame);
 }

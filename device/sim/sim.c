@@ -4,7 +4,8 @@
  *   panel.png, view.png, quilt.png   what the panel shows, what an eye in front of it sees, the
  *                                    views behind it; each whole at any time, with the generation
  *                                    as a text chunk; the first at once, then at most twice a
- *                                    second (and at most a sixth of one core), and at the end
+ *                                    second (and at most a sixth of one core), when somebody waits
+ *                                    for them, and at the end
  *   updates.jsonl, updates.jsonl.1   a line a rectangle shown: seq (of the push), x, y, width,
  *                                    height, bytes, time_ns
  *   calibration.json                 read at open when it is there; else the panel is a nominal
@@ -14,7 +15,8 @@
  * The folder itself is held open and locked (flock), so that two daemons never share a panel, and
  * so that everything is in the folder that was opened, whatever its name leads to by now. Options:
  * lf_sim_options in device/sim/sim.h. A folder that cannot be written to ends nothing: it is
- * counted and told by info.problem.
+ * counted and told by info.problem. One that was removed ends the device (LF_DEVICE_LOST): opened
+ * again, it makes a new folder.
  *
  * This file is the state machine of pushes; a timerfd rings when the one under way ends. */
 #include <assert.h>
@@ -23,7 +25,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/epoll.h>
 #include <sys/file.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <sys/timerfd.h>
 #include <time.h>
@@ -33,6 +37,7 @@
 #include "base/errno_text.h"
 #include "base/paths.h"
 #include "base/thread.h"
+#include "base/wakeup.h"
 #include "device/device_table.h"
 #include "device/sim/sim.h"
 
@@ -45,8 +50,10 @@ typedef struct sim_device {
     lf_calibration calibration;
     char calibration_from[256];
     char spec[512];
-    int dir_fd; /* holds the lock; everything is reached through it */
-    int timer_fd;
+    int dir_fd;            /* holds the lock; everything is reached through it */
+    int timer_fd, news_fd; /* rings when a push ends; when the writer has written */
+    int removed_fd;        /* inotify: something is removed beside the folder; -1 = none */
+    int poll_fd;           /* epoll, of the three */
     lf_sim_writer *writer;
     /* event thread */
     bool may_unplug; /* the unplug option has not struck yet in this process */
@@ -208,6 +215,36 @@ static lf_status check_plug(sim_device *sim, lf_error *err)
     return LF_OK;
 }
 
+static bool add_to_poll(const sim_device *sim, int fd)
+{
+    struct epoll_event event = {.events = EPOLLIN};
+    return fd >= 0 && epoll_ctl(sim->poll_fd, EPOLL_CTL_ADD, fd, &event) == 0;
+}
+
+/* Of the folder above, since one that is held open is not told of its own end. Without it that is
+ * found out with the next picture. */
+static void watch_removal(sim_device *sim)
+{
+    char above[64];
+    snprintf(above, sizeof above, "/proc/self/fd/%d/..", sim->dir_fd);
+    sim->removed_fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK);
+    if (sim->removed_fd < 0)
+        return;
+    (void)inotify_add_watch(sim->removed_fd, above, IN_DELETE | IN_ONLYDIR);
+    (void)add_to_poll(sim, sim->removed_fd);
+}
+
+static bool make_descriptors(sim_device *sim)
+{
+    sim->timer_fd = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+    sim->news_fd = lf_wakeup_make();
+    sim->poll_fd = epoll_create1(EPOLL_CLOEXEC);
+    if (!add_to_poll(sim, sim->timer_fd) || !add_to_poll(sim, sim->news_fd))
+        return false;
+    watch_removal(sim);
+    return true;
+}
+
 static lf_status sim_open(const char *argument, const lf_calibration *calibration,
                           lf_device **out_device, lf_error *err)
 {
@@ -216,7 +253,7 @@ static lf_status sim_open(const char *argument, const lf_calibration *calibratio
     if (!sim)
         return lf_error_set(err, LF_E_NOMEM, "sim", "out of memory");
     sim->base.ops = &lf_sim_ops;
-    sim->dir_fd = sim->timer_fd = -1;
+    sim->dir_fd = sim->timer_fd = sim->news_fd = sim->removed_fd = sim->poll_fd = -1;
     status = lf_sim_options_parse(argument, &sim->options, err);
     if (status != LF_OK)
         goto fail;
@@ -231,12 +268,12 @@ static lf_status sim_open(const char *argument, const lf_calibration *calibratio
     if (status != LF_OK)
         goto fail;
     sim->pending = lf_calloc(LF_DEVICE_MAX_RECTS, sizeof *sim->pending);
-    sim->timer_fd = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
-    if (!sim->pending || sim->timer_fd < 0) {
+    if (!sim->pending || !make_descriptors(sim)) {
         status = lf_error_set(err, LF_E_NOMEM, "sim", "out of memory or descriptors");
         goto fail;
     }
-    status = lf_sim_writer_create(&sim->options, sim->dir_fd, &sim->calibration, &sim->writer, err);
+    status = lf_sim_writer_create(&sim->options, sim->dir_fd, sim->news_fd, &sim->calibration,
+                                  &sim->writer, err);
     if (status != LF_OK)
         goto fail;
     *out_device = &sim->base;
@@ -365,10 +402,11 @@ static void sim_destroy(lf_device *device)
     if (sim->writer && !sim->given_up)
         wait_for_push(sim, lf_time_now_ns() + DESTROY_WAIT_NS);
     lf_sim_writer_destroy(sim->writer);
-    if (sim->timer_fd >= 0)
-        close(sim->timer_fd);
-    if (sim->dir_fd >= 0)
-        close(sim->dir_fd); /* last: the lock covers all files */
+    /* the folder last: its lock covers all files */
+    const int fds[] = {sim->poll_fd, sim->removed_fd, sim->news_fd, sim->timer_fd, sim->dir_fd};
+    for (size_t i = 0; i < sizeof fds / sizeof *fds; i++)
+        if (fds[i] >= 0)
+            close(fds[i]);
     lf_free(sim->pending);
     lf_free(sim);
 }
@@ -402,26 +440,42 @@ static void sim_views(lf_device *device, const lf_views8 *views, int columns, in
 
 static int sim_poll_fd(const lf_device *device)
 {
-    return const_sim_of(device)->timer_fd;
+    return const_sim_of(device)->poll_fd;
 }
 
 static lf_device_event sim_dispatch(lf_device *device)
 {
     sim_device *sim = sim_of(device);
     uint64_t rings;
+    char events[4096]; /* that something was removed: what, lf_sim_removed finds out */
     /* Nothing to read is no error: what counts is the clock. */
     if (read(sim->timer_fd, &rings, sizeof rings) < 0)
         assert(errno == EAGAIN || errno == EINTR || errno == ECANCELED);
+    lf_wakeup_clear(sim->news_fd);
+    while (sim->removed_fd >= 0 && read(sim->removed_fd, events, sizeof events) > 0)
+        ;
     if (sim->busy && lf_time_now_ns() >= sim->end_ns)
         end_push(sim);
     if (sim->gone)
         return LF_DEVICE_GONE;
+    if (lf_sim_removed(sim->dir_fd))
+        return LF_DEVICE_LOST;
     if (sim->busy)
         return LF_DEVICE_BUSY;
     if (!sim->retry)
         return LF_DEVICE_READY;
     sim->retry = false;
     return LF_DEVICE_RETRY;
+}
+
+static lf_status sim_kept(lf_device *device, bool awaited, uint64_t *out_pushes)
+{
+    sim_device *sim = sim_of(device);
+    lf_status status = lf_sim_writer_kept(sim->writer, awaited, out_pushes);
+    if (!lf_sim_removed(sim->dir_fd))
+        return status;
+    lf_wakeup_signal(sim->news_fd); /* dispatch tells */
+    return LF_E_NODEV;
 }
 
 static void sim_counters(const lf_device *device, lf_device_counters *out)
@@ -483,6 +537,7 @@ const lf_device_ops lf_sim_ops = {
     .views = sim_views,
     .poll_fd = sim_poll_fd,
     .dispatch = sim_dispatch,
+    .kept = sim_kept,
     .counters = sim_counters,
     .flush = sim_flush,
 };

@@ -74,6 +74,8 @@ lf_sim_plug lf_sim_plug_state(int folder_fd, uint64_t now_ns);
 LF_NODISCARD lf_status lf_sim_plug_out(int folder_fd, uint64_t back_ns, lf_error *err);
 /* Forgets. */
 void lf_sim_plug_clear(int folder_fd);
+/* Whether the folder was removed while it was held open. */
+bool lf_sim_removed(int folder_fd);
 
 /* ------------------------------------------------------------------------------ sim_writer.c -- */
 
@@ -81,10 +83,11 @@ void lf_sim_plug_clear(int folder_fd);
  * views, the lines owed. The calls below come from the device's thread; they copy and return. */
 typedef struct lf_sim_writer lf_sim_writer;
 
-/* folder_fd is DIR, borrowed until the writer is destroyed. */
+/* folder_fd is DIR; news_fd (lf_wakeup) is signalled after an attempt to write pictures that were
+ * awaited; both are borrowed until the writer is destroyed. */
 LF_NODISCARD lf_status lf_sim_writer_create(const lf_sim_options *options, int folder_fd,
-                                            const lf_calibration *calibration, lf_sim_writer **out,
-                                            lf_error *err);
+                                            int news_fd, const lf_calibration *calibration,
+                                            lf_sim_writer **out, lf_error *err);
 /* Writes what is owed (no further picture but panel.png is begun when 1 s has passed), ends the
  * thread. Accepts NULL and half-built. */
 void lf_sim_writer_destroy(lf_sim_writer *writer);
@@ -100,6 +103,9 @@ void lf_sim_writer_views(lf_sim_writer *writer, const lf_views8 *views, int colu
 /* Waits until nothing is owed, writing at once. LF_E_TIMEOUT; LF_E_IO when something could not be
  * written. */
 LF_NODISCARD lf_status lf_sim_writer_flush(lf_sim_writer *writer, int timeout_ms);
+/* How many calls of lf_sim_writer_shown are on disk whole, with the views before them. awaited: all
+ * of them are written at once. LF_E_IO: the last attempt failed. */
+LF_NODISCARD lf_status lf_sim_writer_kept(lf_sim_writer *writer, bool awaited, uint64_t *out_shown);
 /* Copies what is wrong at present ("" = nothing) and returns how many writes failed so far. */
 uint64_t lf_sim_writer_problem(lf_sim_writer *writer, char *out, size_t size);
 

@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/errno_text.h"
@@ -73,4 +74,10 @@ lf_status lf_sim_plug_out(int folder_fd, uint64_t back_ns, lf_error *err)
 void lf_sim_plug_clear(int folder_fd)
 {
     unlinkat(folder_fd, state_name, 0);
+}
+
+bool lf_sim_removed(int folder_fd)
+{
+    struct stat st;
+    return fstat(folder_fd, &st) == 0 && st.st_nlink == 0;
 }

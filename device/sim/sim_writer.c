@@ -11,6 +11,7 @@
 #include "base/image_io.h"
 #include "base/log.h"
 #include "base/thread.h"
+#include "base/wakeup.h"
 #include "device/device_table.h"
 #include "device/sim/optics.h"
 #include "device/sim/sim.h"
@@ -19,12 +20,13 @@
 #define PAUSE_PER_WORK 5 /* at most a sixth of one core goes into pictures */
 #define LAST_PICTURES_NS (LF_NS_PER_S / 2)
 
-enum { PNG_LEVEL = 1, RING = 16384, BATCH = 256, MAX_QUILT = 16384 };
+enum { PNG_LEVEL = 1, RING = 16384, BATCH = 256, MAX_QUILT = 16384, NICER = 5 };
 
 /* Calls of lf_sim_writer_shown: how many, up to which all pictures are on disk, and up to which
  * that was at least tried. */
 typedef struct progress {
     uint64_t shown, written, attempted;
+    uint64_t awaited; /* up to which somebody waits for them; 0 = nobody does */
 } progress;
 
 /* Lines that the log is owed. */
@@ -38,7 +40,7 @@ typedef struct owed_lines {
 struct lf_sim_writer {
     /* immutable after create */
     char dir[512]; /* to be told */
-    int folder_fd;
+    int folder_fd, news_fd;
     bool has_lock, has_wake, has_idle, has_thread;
     pthread_t thread;
 
@@ -87,9 +89,10 @@ static void set_problem(const lf_sim_writer *w, char *out, size_t size, const lf
 
 /* Said once, until it is over: nobody may be asking. `known` is what was said last. Without the
  * lock, which nothing of the panel's waits for; this thread alone writes problems. */
-static void tell_problem(const char *known, const char *problem)
+static void tell_problem(const lf_sim_writer *w, const char *known, const char *problem)
 {
-    if (problem[0] != 0 && known[0] == 0)
+    if (problem[0] != 0 && known[0] == 0 &&
+        !lf_sim_removed(w->folder_fd)) /* the device tells that */
         lf_log(LF_LOG_WARNING, "sim: %s", problem);
 }
 
@@ -161,7 +164,7 @@ static void write_pictures(lf_sim_writer *w, bool *quilt_owed)
     char problem[sizeof w->picture_problem] = "";
     if (status != LF_OK)
         set_problem(w, problem, sizeof problem, &err);
-    tell_problem(w->picture_problem, problem);
+    tell_problem(w, w->picture_problem, problem);
 
     pthread_mutex_lock(&w->lock);
     w->progress.attempted = taken;
@@ -171,6 +174,10 @@ static void write_pictures(lf_sim_writer *w, bool *quilt_owed)
     else
         w->errors++;
     w->due_ns = lf_time_now_ns() + (pause > LEAST_PAUSE_NS ? pause : LEAST_PAUSE_NS);
+    if (w->progress.awaited > 0 && w->progress.awaited <= taken) {
+        w->progress.awaited = 0;
+        lf_wakeup_signal(w->news_fd);
+    }
 }
 
 /* Called and left with the lock held. */
@@ -204,7 +211,8 @@ static bool picture_due(const lf_sim_writer *w)
 {
     if (w->hurry || w->stop)
         return untried(w);
-    return w->progress.shown != w->progress.written && lf_time_now_ns() >= w->due_ns;
+    return w->progress.awaited > w->progress.attempted ||
+           (w->progress.shown != w->progress.written && lf_time_now_ns() >= w->due_ns);
 }
 
 static void wait_for_work(lf_sim_writer *w)
@@ -220,9 +228,9 @@ static void *writer_main(void *context)
 {
     lf_sim_writer *w = context;
     bool quilt_owed = false;
-    /* Encoding yields to rendering: pictures that come a moment later cost nobody anything. On
+    /* Encoding yields to commands, and to rendering no more than half: somebody may wait for it. On
      * Linux this is the thread's own. */
-    (void)setpriority(PRIO_PROCESS, (id_t)gettid(), 10);
+    (void)setpriority(PRIO_PROCESS, (id_t)gettid(), getpriority(PRIO_PROCESS, 0) + NICER);
     pthread_mutex_lock(&w->lock);
     for (;;) {
         if (w->owed.n > 0)
@@ -331,6 +339,20 @@ lf_status lf_sim_writer_flush(lf_sim_writer *w, int timeout_ms)
     return !done ? LF_E_TIMEOUT : failed ? LF_E_IO : LF_OK;
 }
 
+lf_status lf_sim_writer_kept(lf_sim_writer *w, bool awaited, uint64_t *out_shown)
+{
+    pthread_mutex_lock(&w->lock);
+    progress *p = &w->progress;
+    if (awaited && p->written < p->shown) {
+        p->awaited = p->shown;
+        pthread_cond_signal(&w->wake);
+    }
+    *out_shown = p->written;
+    const bool failed = p->attempted != p->written && p->attempted >= p->awaited;
+    pthread_mutex_unlock(&w->lock);
+    return failed ? LF_E_IO : LF_OK;
+}
+
 uint64_t lf_sim_writer_problem(lf_sim_writer *w, char *out, size_t size)
 {
     pthread_mutex_lock(&w->lock);
@@ -368,7 +390,7 @@ static bool make_locks(lf_sim_writer *w)
     return w->has_lock && w->has_wake && w->has_idle;
 }
 
-lf_status lf_sim_writer_create(const lf_sim_options *options, int folder_fd,
+lf_status lf_sim_writer_create(const lf_sim_options *options, int folder_fd, int news_fd,
                                const lf_calibration *calibration, lf_sim_writer **out,
                                lf_error *err)
 {
@@ -378,6 +400,7 @@ lf_status lf_sim_writer_create(const lf_sim_options *options, int folder_fd,
         goto fail;
     snprintf(w->dir, sizeof w->dir, "%s", options->dir);
     w->folder_fd = folder_fd;
+    w->news_fd = news_fd;
     lf_sim_log_init(&w->log, folder_fd, options->rotate_bytes);
     w->owed.ring = lf_calloc(RING, sizeof *w->owed.ring);
     if (!w->owed.ring || !make_locks(w))

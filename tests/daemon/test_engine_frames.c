@@ -112,6 +112,28 @@ static void the_first_frame_of_another_scene_is_unfiltered(void **state)
     close(fd);
 }
 
+/* Of a scene that is played, noise would flicker between one frame and the next. */
+static void no_frame_of_many_is_unfiltered(void **state)
+{
+    (void)state;
+    const lf_engine_controls controls = {.threads = 2, .reconstruct = LF_RECONSTRUCT_AUTO};
+    lf_engine *engine = NULL;
+    lf_error err = {0};
+    int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    lf_assert_ok(lf_engine_create(&controls, fd, &engine, &err), &err);
+    wait_for_a_fit(engine, fd, commit(engine, 0.0, 4.0));
+    for (int i = 1; i <= 20; i++) {
+        int64_t generation = 0;
+        lf_content *content = content_of(0.0, 4.0 + 0.1 * i);
+        content->is_frame = true;
+        lf_assert_ok(lf_engine_commit(engine, content, false, &generation, NULL, &err), &err);
+        lf_content_unref(content);
+        assert_true(next_frame(engine, fd, generation)->reconstructed);
+    }
+    lf_engine_destroy(engine);
+    close(fd);
+}
+
 /* A consumer that reads views just then gets no others; after the last frame no more would come. */
 static void the_last_frame_has_its_views(void **state)
 {
@@ -149,6 +171,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_frame_of_a_camera_that_moves_is_unfiltered),
         cmocka_unit_test(the_first_frame_of_another_scene_is_unfiltered),
+        cmocka_unit_test(no_frame_of_many_is_unfiltered),
         cmocka_unit_test(the_last_frame_has_its_views),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

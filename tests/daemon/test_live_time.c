@@ -110,6 +110,37 @@ static void frames_are_played_once_or_over_and_over_until_they_are_stopped(void 
     live_finish(&l);
 }
 
+/* The fog itself moves: what was shown of it before is no first guess. */
+static void frames_come_reconstructed_from_the_first_on(void **state)
+{
+    (void)state;
+    live l;
+    live_client c;
+    int frames = 0;
+    start_with(&l, &c,
+               "{\"camera\":{\"views\":6},\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,"
+               "\"transform\":{\"translate\":{\"keys\":[[1,[0,0,0]],[101,[9,0,0]]]}}}},"
+               "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}");
+    live_wait(&c, "complete");
+    double before = live_number(&c, "status", NULL, "generation");
+    assert_int_equal(live_code(&c, "subscribe", json_pack("{s:[s]}", "events", "frame")), 0);
+    assert_int_equal(live_code(&c, "time.set", json_pack("{s:i}", "frame", 2)), 0);
+    assert_int_equal(live_code(&c, "time.play", json_pack("{s:i, s:f}", "to", 21, "rate", 50.0)),
+                     0);
+    while (frames < 30) {
+        json_t *message = live_receive(&c), *params = json_object_get(message, "params");
+        if (params && json_number_value(json_object_get(params, "generation")) > before) {
+            assert_string_equal(json_string_value(json_object_get(params, "picture")),
+                                "reconstructed");
+            frames++;
+        }
+        json_decref(message);
+    }
+    live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    live_finish(&l);
+}
+
 /* So many frames a second are never shown: the last comes at its time all the same, and no call
  * waits for those between. */
 static void what_cannot_be_shown_in_time_is_left_out(void **state)
@@ -181,6 +212,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_that_is_set_is_shown_and_keys_stay),
         cmocka_unit_test(frames_are_played_once_or_over_and_over_until_they_are_stopped),
+        cmocka_unit_test(frames_come_reconstructed_from_the_first_on),
         cmocka_unit_test(what_cannot_be_shown_in_time_is_left_out),
         cmocka_unit_test(a_frame_that_is_wrong_ends_the_playing_with_a_word),
         cmocka_unit_test(what_does_not_move_is_not_played),

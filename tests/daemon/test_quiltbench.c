@@ -1,12 +1,6 @@
 /* quiltbench from outside: its numbers on pictures whose errors are known, its limits as exit
  * codes. */
-#include "tests/testing.h"
-
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-
-#include <jansson.h>
+#include "tests/daemon/quiltbench.h"
 
 #include "base/image_io.h"
 
@@ -23,35 +17,6 @@ static int tear_down(void **state)
 {
     lf_test_folder_remove(*state);
     return 0;
-}
-
-/* Runs quiltbench with words parted by blanks; its stderr ends up in the file "err" of the folder.
- * Returns the exit code. */
-static int run(const char *folder, const char *line)
-{
-    static char copy[4 * PATH_MAX];
-    char program[PATH_MAX];
-    char err[PATH_MAX];
-    char *argv[48] = {program};
-    int argc = 1;
-    int status = 0;
-    snprintf(program, sizeof program, "%s", lf_test_built("quiltbench"));
-    snprintf(err, sizeof err, "%s/err", folder);
-    snprintf(copy, sizeof copy, "%s", line);
-    for (char *word = strtok(copy, " "); word && argc < 47; word = strtok(NULL, " "))
-        argv[argc++] = word;
-    pid_t pid = fork();
-    assert_true(pid >= 0);
-    if (pid == 0) {
-        dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
-        dup2(open(err, O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
-        if (chdir(folder) == 0)
-            execv(program, argv);
-        _exit(127);
-    }
-    assert_int_equal(waitpid(pid, &status, 0), pid);
-    assert_true(WIFEXITED(status));
-    return WEXITSTATUS(status);
 }
 
 static void assert_error_line(const char *folder, const char *words)
@@ -89,49 +54,34 @@ static void write_picture(const char *folder, const char *name, int views, float
     lf_image32_finish(&image);
 }
 
-static double number(const json_t *object, const char *key)
-{
-    const json_t *value = json_object_get(object, key);
-    if (!json_is_number(value))
-        fail_msg("no number \"%s\"", key);
-    return json_number_value(value);
-}
-
-static json_t *load(const char *folder, const char *name)
-{
-    json_t *object = json_load_file(lf_test_path(folder, name), 0, NULL);
-    assert_true(json_is_object(object));
-    return object;
-}
-
 static void errors_are_the_stated_formulas(void **state)
 {
     const char *d = *state;
     write_picture(d, "one.exr", 1, 1, 1);
     write_picture(d, "off.exr", 1, 1, 1.5f); /* one of six blocks is off by a half */
-    assert_int_equal(run(d, "error one.exr off.exr --epsilon 0.25 --json e.json"), 0);
-    json_t *e = load(d, "e.json");
-    lf_assert_close(number(e, "rel_mse"), 0.25 / 1.25 / 6, 1e-6, 0);
-    lf_assert_close(number(e, "rmse"), sqrt(0.25 / 6), 1e-6, 0);
-    lf_assert_close(number(e, "relative_mean"), 0.5 / 6, 1e-6, 0);
-    lf_assert_close(number(e, "bias"), 0.5 / 6, 1e-6, 0);
+    assert_int_equal(bench_run(d, "error one.exr off.exr --epsilon 0.25 --json e.json"), 0);
+    json_t *e = bench_load(d, "e.json");
+    lf_assert_close(bench_number(e, "rel_mse"), 0.25 / 1.25 / 6, 1e-6, 0);
+    lf_assert_close(bench_number(e, "rmse"), sqrt(0.25 / 6), 1e-6, 0);
+    lf_assert_close(bench_number(e, "relative_mean"), 0.5 / 6, 1e-6, 0);
+    lf_assert_close(bench_number(e, "bias"), 0.5 / 6, 1e-6, 0);
     /* six block differences, one of them 0.5: standard deviation 0.5/sqrt(6) */
-    lf_assert_close(number(e, "bias_se"), 0.5 / sqrt(6) / sqrt(6), 1e-6, 0);
-    lf_assert_close(number(e, "block_rms"), 0.5 / sqrt(6 * 1.0001), 1e-6, 0);
-    lf_assert_close(number(e, "pixels"), WIDTH * HEIGHT, 0, 0);
-    lf_assert_close(number(e, "holes"), 0, 0, 0);
+    lf_assert_close(bench_number(e, "bias_se"), 0.5 / sqrt(6) / sqrt(6), 1e-6, 0);
+    lf_assert_close(bench_number(e, "block_rms"), 0.5 / sqrt(6 * 1.0001), 1e-6, 0);
+    lf_assert_close(bench_number(e, "pixels"), WIDTH * HEIGHT, 0, 0);
+    lf_assert_close(bench_number(e, "holes"), 0, 0, 0);
     json_decref(e);
 
     write_picture(d, "hole.exr", 1, 1, 0);
-    assert_int_equal(run(d, "error one.exr hole.exr --json e.json"), 0);
-    e = load(d, "e.json");
-    lf_assert_close(number(e, "holes"), 49, 0, 0);
+    assert_int_equal(bench_run(d, "error one.exr hole.exr --json e.json"), 0);
+    e = bench_load(d, "e.json");
+    lf_assert_close(bench_number(e, "holes"), 49, 0, 0);
     json_decref(e);
 
-    assert_int_equal(run(d, "error one.exr one.exr --json e.json"), 0);
-    e = load(d, "e.json");
-    lf_assert_close(number(e, "rel_mse"), 0, 0, 0);
-    lf_assert_close(number(e, "block_rms"), 0, 0, 0);
+    assert_int_equal(bench_run(d, "error one.exr one.exr --json e.json"), 0);
+    e = bench_load(d, "e.json");
+    lf_assert_close(bench_number(e, "rel_mse"), 0, 0, 0);
+    lf_assert_close(bench_number(e, "block_rms"), 0, 0, 0);
     json_decref(e);
 }
 
@@ -141,12 +91,13 @@ static void limits_are_exit_codes(void **state)
     write_picture(d, "one.exr", 1, 1, 1);
     write_picture(d, "off.exr", 1, 1.01f, 1.01f);
     assert_int_equal(
-        run(d, "error one.exr off.exr --max-mean 1.1% --max-block 1.1% --max-relmse 0.001"), 0);
-    assert_int_equal(run(d, "error one.exr off.exr --max-mean 0.9%"), 1);
+        bench_run(d, "error one.exr off.exr --max-mean 1.1% --max-block 1.1% --max-relmse 0.001"),
+        0);
+    assert_int_equal(bench_run(d, "error one.exr off.exr --max-mean 0.9%"), 1);
     assert_error_line(d, "the mean differs by +1.0000 %");
-    assert_int_equal(run(d, "error one.exr off.exr --max-block 0.009"), 1);
+    assert_int_equal(bench_run(d, "error one.exr off.exr --max-block 0.009"), 1);
     assert_error_line(d, "7x7 blocks differ");
-    assert_int_equal(run(d, "error one.exr off.exr --max-relmse 1e-5"), 1);
+    assert_int_equal(bench_run(d, "error one.exr off.exr --max-relmse 1e-5"), 1);
     assert_error_line(d, "relMSE");
 }
 
@@ -155,12 +106,12 @@ static void one_view_is_picked_out_of_many(void **state)
     const char *d = *state;
     write_picture(d, "one.exr", 1, 3, 3); /* is view 2 of the quilt */
     write_picture(d, "q_qs4x1.exr", 4, 1, 1);
-    assert_int_equal(run(d, "error one.exr q_qs4x1.exr --view 2 --max-relmse 0"), 0);
-    assert_int_equal(run(d, "error one.exr q_qs4x1.exr --view 1 --max-relmse 0.01"), 1);
-    assert_int_equal(run(d, "error q_qs4x1.exr q_qs4x1.exr --max-relmse 0"), 0);
-    assert_int_equal(run(d, "error one.exr q_qs4x1.exr"), 1);
+    assert_int_equal(bench_run(d, "error one.exr q_qs4x1.exr --view 2 --max-relmse 0"), 0);
+    assert_int_equal(bench_run(d, "error one.exr q_qs4x1.exr --view 1 --max-relmse 0.01"), 1);
+    assert_int_equal(bench_run(d, "error q_qs4x1.exr q_qs4x1.exr --max-relmse 0"), 0);
+    assert_int_equal(bench_run(d, "error one.exr q_qs4x1.exr"), 1);
     assert_error_line(d, "4 views, but the reference has 1");
-    assert_int_equal(run(d, "error one.exr q_qs4x1.exr --view 4"), 1);
+    assert_int_equal(bench_run(d, "error one.exr q_qs4x1.exr --view 4"), 1);
     assert_error_line(d, "there is no view 4");
 }
 
@@ -201,46 +152,36 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         print_message("%s\n", cases[i].line);
-        assert_int_equal(run(d, cases[i].line), 2);
+        assert_int_equal(bench_run(d, cases[i].line), 2);
         assert_error_line(d, cases[i].words);
     }
-    assert_int_equal(run(d, "error absent.exr absent.exr"), 1);
+    assert_int_equal(bench_run(d, "error absent.exr absent.exr"), 1);
     assert_error_line(d, "absent.exr");
-}
-
-static void write_ball(const char *folder)
-{
-    lf_test_write(
-        folder, "fog.json",
-        "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, "
-        "\"views\": 6, \"cone\": 35 },"
-        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9 } },"
-        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }");
 }
 
 static void a_comparison_says_what_it_compared(void **state)
 {
     const char *d = *state;
-    write_ball(d);
-    assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 3 "
-                            "--reference-spp 256 --ours vpt:mis "
-                            "--json c.json"),
+    bench_write_ball(d);
+    assert_int_equal(bench_run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 3 "
+                                  "--reference-spp 256 --ours vpt:mis "
+                                  "--json c.json"),
                      0);
-    json_t *c = load(d, "c.json");
+    json_t *c = bench_load(d, "c.json");
     assert_non_null(json_object_get(json_object_get(c, "machine"), "cpu"));
-    lf_assert_close(number(c, "views"), 6, 0, 0);
-    lf_assert_close(number(c, "seeds"), 3, 0, 0);
+    lf_assert_close(bench_number(c, "views"), 6, 0, 0);
+    lf_assert_close(bench_number(c, "seeds"), 3, 0, 0);
     assert_int_equal(json_array_size(json_object_get(c, "ratios")), 3);
-    assert_true(number(json_object_get(c, "reference"), "rel_mse") > 0);
+    assert_true(bench_number(json_object_get(c, "reference"), "rel_mse") > 0);
     const json_t *runs = json_object_get(json_object_get(c, "ours"), "runs");
     assert_int_equal(json_array_size(runs), 3);
-    assert_true(number(json_array_get(runs, 0), "cpu_seconds") > 0);
-    assert_true(number(c, "ratio_low") <= number(c, "ratio_median") &&
-                number(c, "ratio_median") <= number(c, "ratio_high"));
+    assert_true(bench_number(json_array_get(runs, 0), "cpu_seconds") > 0);
+    assert_true(bench_number(c, "ratio_low") <= bench_number(c, "ratio_median") &&
+                bench_number(c, "ratio_median") <= bench_number(c, "ratio_high"));
     json_decref(c);
-    assert_int_equal(run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 1 "
-                            "--reference-spp 256 --ours vpt:mis "
-                            "--min-ratio 1000"),
+    assert_int_equal(bench_run(d, "compare fog.json --view-size 6x8 --time 0.05 --seeds 1 "
+                                  "--reference-spp 256 --ours vpt:mis "
+                                  "--min-ratio 1000"),
                      1);
     assert_error_line(d, "the median ratio is");
 }
@@ -253,11 +194,11 @@ static double number_in(const json_t *object, const char *key, size_t i)
 static void what_is_shown_is_nearer_after_the_same_time(void **state)
 {
     const char *d = *state;
-    write_ball(d);
-    assert_int_equal(run(d, "shown fog.json --view-size 24x32 --budgets 0.02,0.08 --seeds 2 "
-                            "--reference-spp 64 --json s.json"),
+    bench_write_ball(d);
+    assert_int_equal(bench_run(d, "shown fog.json --view-size 24x32 --budgets 0.02,0.08 --seeds 2 "
+                                  "--reference-spp 64 --json s.json"),
                      0);
-    json_t *s = load(d, "s.json");
+    json_t *s = bench_load(d, "s.json");
     const json_t *budgets = json_object_get(s, "budgets");
     assert_int_equal(json_array_size(budgets), 2);
     for (size_t seed = 0; seed < 2; seed++) {
@@ -276,12 +217,13 @@ static void what_is_shown_is_nearer_after_the_same_time(void **state)
 static void a_curve_falls_and_says_where_the_time_goes(void **state)
 {
     const char *d = *state;
-    write_ball(d);
-    assert_int_equal(run(d, "curve fog.json --view-size 12x16 --time 0.05 --budgets 3 --seeds 3 "
-                            "--reference-spp 512 --json c.json "
-                            "--plot plot"),
+    bench_write_ball(d);
+    assert_int_equal(bench_run(d,
+                               "curve fog.json --view-size 12x16 --time 0.05 --budgets 3 --seeds 3 "
+                               "--reference-spp 512 --json c.json "
+                               "--plot plot"),
                      0);
-    json_t *c = load(d, "c.json");
+    json_t *c = bench_load(d, "c.json");
     const json_t *contenders = json_object_get(c, "contenders");
     assert_int_equal(json_array_size(contenders), 2);
     for (size_t i = 0; i < 2; i++) {
@@ -289,10 +231,12 @@ static void a_curve_falls_and_says_where_the_time_goes(void **state)
         const json_t *budgets = json_object_get(who, "budgets");
         assert_int_equal(json_array_size(budgets), 3);
         /* four times the time is a quarter of the error, and no less than half of it */
-        double first = number(json_object_get(json_array_get(budgets, 0), "rel_mse"), "estimate");
-        double last = number(json_object_get(json_array_get(budgets, 2), "rel_mse"), "estimate");
+        double first =
+            bench_number(json_object_get(json_array_get(budgets, 0), "rel_mse"), "estimate");
+        double last =
+            bench_number(json_object_get(json_array_get(budgets, 2), "rel_mse"), "estimate");
         assert_true(last > 0 && last < 0.5 * first);
-        assert_true(number(who, "path_us") > 0);
+        assert_true(bench_number(who, "path_us") > 0);
         assert_int_equal(json_array_size(json_object_get(json_array_get(budgets, 0), "runs")), 3);
     }
     /* the baseline is one times itself, its views do not share, and those of mvpt do */
@@ -300,11 +244,12 @@ static void a_curve_falls_and_says_where_the_time_goes(void **state)
         json_array_get(json_object_get(json_array_get(contenders, 0), "budgets"), 2);
     const json_t *shared =
         json_array_get(json_object_get(json_array_get(contenders, 1), "budgets"), 2);
-    lf_assert_close(number(json_object_get(alone, "equal_time_ratio"), "estimate"), 1, 1e-9, 0);
-    lf_assert_close(number(alone, "correlation_1"), 0, 0, 0.3);
-    assert_true(number(shared, "correlation_1") > 0.3);
-    assert_true(number(json_array_get(contenders, 0), "escape_share") > 0 &&
-                number(json_array_get(contenders, 0), "escape_share") < 1);
+    lf_assert_close(bench_number(json_object_get(alone, "equal_time_ratio"), "estimate"), 1, 1e-9,
+                    0);
+    lf_assert_close(bench_number(alone, "correlation_1"), 0, 0, 0.3);
+    assert_true(bench_number(shared, "correlation_1") > 0.3);
+    assert_true(bench_number(json_array_get(contenders, 0), "escape_share") > 0 &&
+                bench_number(json_array_get(contenders, 0), "escape_share") < 1);
     json_decref(c);
     assert_int_equal(access(lf_test_path(d, "plot.dat"), R_OK), 0);
     assert_int_equal(access(lf_test_path(d, "plot.gp"), R_OK), 0);
@@ -318,21 +263,22 @@ static void a_curve_falls_and_says_where_the_time_goes(void **state)
 static void more_views_have_less_error_at_equal_paths(void **state)
 {
     const char *d = *state;
-    write_ball(d);
-    assert_int_equal(run(d, "views fog.json --view-size 12x16 --counts 1,6 --spp 16 --seeds 4 "
-                            "--reference-spp 512 --json v.json"),
+    bench_write_ball(d);
+    assert_int_equal(bench_run(d,
+                               "views fog.json --view-size 12x16 --counts 1,6 --spp 16 --seeds 4 "
+                               "--reference-spp 512 --json v.json"),
                      0);
-    json_t *v = load(d, "v.json");
+    json_t *v = bench_load(d, "v.json");
     const json_t *counts = json_object_get(v, "counts");
     assert_int_equal(json_array_size(counts), 2);
-    double one = number(json_object_get(json_array_get(counts, 0), "rel_mse"), "estimate");
-    double six = number(json_object_get(json_array_get(counts, 1), "rel_mse"), "estimate");
+    double one = bench_number(json_object_get(json_array_get(counts, 0), "rel_mse"), "estimate");
+    double six = bench_number(json_object_get(json_array_get(counts, 1), "rel_mse"), "estimate");
     assert_true(six < one && six > one / 12);
     /* the file has nine digits: 5e-9 of each number */
-    lf_assert_close(number(json_object_get(v, "exponent"), "estimate"), log(six / one) / log(6),
-                    5e-9, 2 * 5e-9 / log(6));
-    assert_true(number(v, "exponent_se") > 0);
-    assert_true(number(json_array_get(counts, 0), "base_paths") >= 16);
+    lf_assert_close(bench_number(json_object_get(v, "exponent"), "estimate"),
+                    log(six / one) / log(6), 5e-9, 2 * 5e-9 / log(6));
+    assert_true(bench_number(v, "exponent_se") > 0);
+    assert_true(bench_number(json_array_get(counts, 0), "base_paths") >= 16);
     json_decref(v);
 }
 
@@ -340,28 +286,29 @@ static void a_table_says_what_is_met(void **state)
 {
     const char *d = *state;
     assert_int_equal(mkdir(lf_test_path(d, "bench"), 0700), 0);
-    write_ball(d);
+    bench_write_ball(d);
     assert_int_equal(rename(lf_test_path(d, "fog.json"), lf_test_path(d, "bench/cloud-g098.json")),
                      0);
-    assert_int_equal(run(d, "table . --scenes cloud-g098 --view-size 20x20 --time 0.05 --seeds 3 "
-                            "--json t.json --markdown t.md"),
-                     0);
-    json_t *t = load(d, "t.json");
+    assert_int_equal(
+        bench_run(d, "table . --scenes cloud-g098 --view-size 20x20 --time 0.05 --seeds 3 "
+                     "--json t.json --markdown t.md"),
+        0);
+    json_t *t = bench_load(d, "t.json");
     const json_t *rows = json_object_get(t, "rows");
     assert_int_equal(json_array_size(rows), 2);
     const json_t *field = json_array_get(rows, 0);
-    lf_assert_close(number(field, "views"), 45, 0, 0);
-    lf_assert_close(number(json_array_get(rows, 1), "views"), 10, 0, 0);
+    lf_assert_close(bench_number(field, "views"), 45, 0, 0);
+    lf_assert_close(bench_number(json_array_get(rows, 1), "views"), 10, 0, 0);
     /* Three seeds bound no tile, and so none counts. */
-    assert_int_equal((int)number(json_object_get(field, "tiles"), "judged"), 0);
+    assert_int_equal((int)bench_number(json_object_get(field, "tiles"), "judged"), 0);
     assert_true(json_is_null(json_object_get(json_object_get(field, "tiles"), "worst_low")));
-    assert_int_equal((int)number(json_object_get(field, "view_tiles"), "judged"), 0);
-    assert_true(number(json_object_get(field, "must"), "tile") > 0);
+    assert_int_equal((int)bench_number(json_object_get(field, "view_tiles"), "judged"), 0);
+    assert_true(bench_number(json_object_get(field, "must"), "tile") > 0);
     assert_true(strlen(json_string_value(json_object_get(field, "verdict"))) > 0);
     assert_string_equal(json_string_value(json_object_get(json_array_get(rows, 1), "verdict")), "");
     json_decref(t);
     assert_int_equal(access(lf_test_path(d, "t.md"), R_OK), 0);
-    assert_int_equal(run(d, "table . --scenes cloud"), 1);
+    assert_int_equal(bench_run(d, "table . --scenes cloud"), 1);
     assert_error_line(d, "cloud.json");
 }
 
@@ -384,22 +331,24 @@ static const json_t *row_of(const json_t *object, const char *integrator, const 
 static void the_papers_estimators_stand_beside_ours(void **state)
 {
     const char *d = *state;
-    write_ball(d);
+    bench_write_ball(d);
     assert_int_equal(rename(lf_test_path(d, "fog.json"), lf_test_path(d, "cloud.json")), 0);
-    assert_int_equal(run(d, "papers . --scenes cloud-1 --views 9 --view-size 20x20 --time 0.1 "
-                            "--seeds 3 --json p.json --markdown p.md"),
+    assert_int_equal(bench_run(d,
+                               "papers . --scenes cloud-1 --views 9 --view-size 20x20 --time 0.1 "
+                               "--seeds 3 --json p.json --markdown p.md"),
                      0);
-    json_t *p = load(d, "p.json");
+    json_t *p = bench_load(d, "p.json");
     const json_t *base = row_of(p, "vpt", "mwis");
-    lf_assert_close(number(base, "equal_time"), 1, 0, 0);
-    lf_assert_close(number(base, "equal_paths"), 1, 0, 0);
+    lf_assert_close(bench_number(base, "equal_time"), 1, 0, 0);
+    lf_assert_close(bench_number(base, "equal_paths"), 1, 0, 0);
     const char *const sharing[][2] = {{"mvpt", "mwis"}, {"mvpt2022", "mwis"}, {"mismvpt", "mis"}};
     for (int i = 0; i < 3; i++) {
         const json_t *row = row_of(p, sharing[i][0], sharing[i][1]);
-        assert_true(number(row, "path_contributions") > 3 * number(base, "path_contributions"));
-        assert_true(number(row, "rel_mse") > 0 && fabs(number(row, "mean_off")) < 0.1);
+        assert_true(bench_number(row, "path_contributions") >
+                    3 * bench_number(base, "path_contributions"));
+        assert_true(bench_number(row, "rel_mse") > 0 && fabs(bench_number(row, "mean_off")) < 0.1);
     }
-    assert_true(number(row_of(p, "mvpt", "mwis"), "equal_paths") > 1.5);
+    assert_true(bench_number(row_of(p, "mvpt", "mwis"), "equal_paths") > 1.5);
     json_decref(p);
     assert_int_equal(access(lf_test_path(d, "p.md"), R_OK), 0);
     lf_test_write(d, "cloud.json",
@@ -408,15 +357,15 @@ static void the_papers_estimators_stand_beside_ours(void **state)
                   " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 1,"
                   " \"sigma_t\": [0.3, 0.6, 1]}},"
                   " \"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}}}");
-    assert_int_equal(run(d, "papers . --scenes cloud-1 --view-size 6x6 --time 0.02 --seeds 1 "
-                            "--json p.json"),
+    assert_int_equal(bench_run(d, "papers . --scenes cloud-1 --view-size 6x6 --time 0.02 --seeds 1 "
+                                  "--json p.json"),
                      0);
-    p = load(d, "p.json");
+    p = bench_load(d, "p.json");
     assert_true(strlen(json_string_value(json_object_get(row_of(p, "mismvpt", "mis"), "refused"))) >
                 0);
-    assert_true(number(row_of(p, "mvpt", "mwis"), "path_contributions") > 0);
+    assert_true(bench_number(row_of(p, "mvpt", "mwis"), "path_contributions") > 0);
     json_decref(p);
-    assert_int_equal(run(d, "papers . --scenes cloud-g085"), 1);
+    assert_int_equal(bench_run(d, "papers . --scenes cloud-g085"), 1);
     assert_error_line(d, "cloud-g085.json");
 }
 
@@ -448,33 +397,33 @@ static void kernels_are_timed_and_must_agree(void **state)
 {
     const char *d = *state;
     write_fog(d);
-    assert_int_equal(run(d, "micro fog.json --view-size 40x30 --repeat 2 --json m.json"), 0);
-    json_t *m = load(d, "m.json");
-    lf_assert_close(number(m, "views"), 12, 0, 0);
+    assert_int_equal(bench_run(d, "micro fog.json --view-size 40x30 --repeat 2 --json m.json"), 0);
+    json_t *m = bench_load(d, "m.json");
+    lf_assert_close(bench_number(m, "views"), 12, 0, 0);
     /* through the middle of the ball it is 8 mean free paths, on average over the row a quarter of
      * pi of that */
-    lf_assert_close(number(m, "optical_depth"), 6.283, 0.1, 0);
+    lf_assert_close(bench_number(m, "optical_depth"), 6.283, 0.1, 0);
     static const char *const kernels[] = {"march to a collision", "densities",
                                           "march through (exits fan)", "through a shape",
                                           "transmittances of a pivot"};
     for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++) {
         const json_t *plain = line_of(m, "what", kernels[i], 0);
         assert_string_equal(json_string_value(json_object_get(plain, "kernels")), "c");
-        lf_assert_close(number(plain, "times_plain_c"), 1, 1e-12, 0);
-        assert_true(number(plain, "ns") > 0);
+        lf_assert_close(bench_number(plain, "times_plain_c"), 1, 1e-12, 0);
+        assert_true(bench_number(plain, "ns") > 0);
     }
-    assert_true(number(line_of(m, "what", "suffix", 0), "ns") > 0);
+    assert_true(bench_number(line_of(m, "what", "suffix", 0), "ns") > 0);
     json_decref(m);
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2")) {
-        assert_int_equal(run(d, "micro fog.json --view-size 40x30 --repeat 1 --fault"), 1);
+        assert_int_equal(bench_run(d, "micro fog.json --view-size 40x30 --repeat 1 --fault"), 1);
         assert_error_line(d, "the avx2 kernels answer something else than the plain C ones");
     }
 #endif
-    assert_int_equal(run(d, "micro"), 2);
+    assert_int_equal(bench_run(d, "micro"), 2);
     assert_error_line(d, "micro: expects one SCENE");
-    assert_int_equal(run(d, "micro fog.json --repeat 0"), 2);
-    assert_int_equal(run(d, "micro none.json"), 1);
+    assert_int_equal(bench_run(d, "micro fog.json --repeat 0"), 2);
+    assert_int_equal(bench_run(d, "micro none.json"), 1);
 }
 
 /* A grid, which lanes serve: all instruction sets find the same, and a bit that is spoilt is told.
@@ -493,16 +442,16 @@ static void suffixes_in_lanes_are_timed_and_must_agree(void **state)
     assert_non_null(real);
     assert_int_equal(symlink(real, lf_test_path(d, "block.vdb")), 0);
     free(real);
-    assert_int_equal(run(d, "micro grid.json --view-size 40x30 --repeat 1 --json l.json"), 0);
-    json_t *m = load(d, "l.json");
+    assert_int_equal(bench_run(d, "micro grid.json --view-size 40x30 --repeat 1 --json l.json"), 0);
+    json_t *m = bench_load(d, "l.json");
     const json_t *plain = line_of(m, "what", "suffix in lanes", 0);
     assert_string_equal(json_string_value(json_object_get(plain, "kernels")), "c");
-    assert_true(number(plain, "ns") > 0);
-    assert_true(number(line_of(m, "what", "suffix one by one, in turns with", 0), "ns") > 0);
+    assert_true(bench_number(plain, "ns") > 0);
+    assert_true(bench_number(line_of(m, "what", "suffix one by one, in turns with", 0), "ns") > 0);
     json_decref(m);
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2")) {
-        assert_int_equal(run(d, "micro grid.json --view-size 40x30 --repeat 1 --fault"), 1);
+        assert_int_equal(bench_run(d, "micro grid.json --view-size 40x30 --repeat 1 --fault"), 1);
         assert_error_line(d, "avx2 finds something else than plain C");
     }
 #endif
@@ -518,26 +467,27 @@ static void what_is_between_views_and_panel_is_timed(void **state)
     const char *d = *state;
     lf_test_write(d, "visual.json", panel_text);
     assert_int_equal(
-        run(d,
+        bench_run(
+            d,
             "quilt visual.json --views 8 --view-size 24x16 --repeat 3 --threads 2 --json q.json"),
         0);
-    json_t *q = load(d, "q.json");
+    json_t *q = bench_load(d, "q.json");
     for (int threads = 0; threads < 2; threads++) {
         const json_t *line = line_of(q, "what", "LKG-T 96x64: interlace nearest", threads);
-        lf_assert_close(number(line, "threads"), threads + 1, 0, 0);
-        lf_assert_close(number(line, "bytes_in"), 8 * 24 * 16 * 3, 0, 0);
-        lf_assert_close(number(line, "bytes_out"), 96 * 64 * 3, 0, 0);
-        assert_true(number(line, "ms") > 0 && number(line, "cpu_ms") > 0 &&
-                    number(line, "ratio_to_copy") > 0);
+        lf_assert_close(bench_number(line, "threads"), threads + 1, 0, 0);
+        lf_assert_close(bench_number(line, "bytes_in"), 8 * 24 * 16 * 3, 0, 0);
+        lf_assert_close(bench_number(line, "bytes_out"), 96 * 64 * 3, 0, 0);
+        assert_true(bench_number(line, "ms") > 0 && bench_number(line, "cpu_ms") > 0 &&
+                    bench_number(line, "ratio_to_copy") > 0);
     }
-    lf_assert_close(number(line_of(q, "what", "tone mapping, srgb", 0), "bytes_in"),
+    lf_assert_close(bench_number(line_of(q, "what", "tone mapping, srgb", 0), "bytes_in"),
                     8 * 24 * 16 * 12, 0, 0);
     line_of(q, "what", "fill, 50 % missing", 1);
     line_of(q, "what", "print, nearest", 0);
     json_decref(q);
-    assert_int_equal(run(d, "quilt none.json"), 1);
-    assert_int_equal(run(d, "quilt --views 0"), 2);
-    assert_int_equal(run(d, "quilt --repeat"), 2);
+    assert_int_equal(bench_run(d, "quilt none.json"), 1);
+    assert_int_equal(bench_run(d, "quilt --views 0"), 2);
+    assert_int_equal(bench_run(d, "quilt --repeat"), 2);
 }
 
 static void what_is_shown_after_a_command_comes_closer(void **state)
@@ -545,29 +495,30 @@ static void what_is_shown_after_a_command_comes_closer(void **state)
     const char *d = *state;
     write_fog(d);
     lf_test_write(d, "visual.json", panel_text);
-    assert_int_equal(run(d, "live fog.json --calibration visual.json --view-size 24x32 --threads 2 "
-                            "--seconds 1 --repeat 2 --yaw 20 "
-                            "--reference-time 0.5 --speed-passes 1 --json l.json"),
-                     0);
-    json_t *l = load(d, "l.json");
+    assert_int_equal(
+        bench_run(d, "live fog.json --calibration visual.json --view-size 24x32 --threads 2 "
+                     "--seconds 1 --repeat 2 --yaw 20 "
+                     "--reference-time 0.5 --speed-passes 1 --json l.json"),
+        0);
+    json_t *l = bench_load(d, "l.json");
     const json_t *shown = json_object_get(l, "shown");
     lf_assert_close((double)json_array_size(shown), 3, 0, 0);
     const json_t *first = json_object_get(json_array_get(shown, 0), "rel_mse"),
                  *last = json_object_get(json_array_get(shown, 2), "rel_mse");
-    assert_true(number(last, "low") < number(first, "high"));
-    assert_true(number(last, "high") < 0.1);
+    assert_true(bench_number(last, "low") < bench_number(first, "high"));
+    assert_true(bench_number(last, "high") < 0.1);
     const json_t *coarse = json_object_get(l, "coarse_seconds"),
                  *complete = json_object_get(l, "complete_seconds");
-    assert_true(number(coarse, "median") > 0 &&
-                number(complete, "median") >= number(coarse, "median"));
-    assert_true(number(json_object_get(l, "updates_per_second"), "low") >= 1);
-    assert_true(number(json_object_get(l, "wire_bytes_per_second"), "low") > 0);
-    assert_true(number(l, "converged_cpus") >= 0 && number(l, "speed_up") > 0);
+    assert_true(bench_number(coarse, "median") > 0 &&
+                bench_number(complete, "median") >= bench_number(coarse, "median"));
+    assert_true(bench_number(json_object_get(l, "updates_per_second"), "low") >= 1);
+    assert_true(bench_number(json_object_get(l, "wire_bytes_per_second"), "low") > 0);
+    assert_true(bench_number(l, "converged_cpus") >= 0 && bench_number(l, "speed_up") > 0);
     json_decref(l);
-    assert_int_equal(run(d, "live"), 2);
+    assert_int_equal(bench_run(d, "live"), 2);
     assert_error_line(d, "live: expects one SCENE");
-    assert_int_equal(run(d, "live fog.json --seconds 0"), 2);
-    assert_int_equal(run(d, "live none.json"), 1);
+    assert_int_equal(bench_run(d, "live fog.json --seconds 0"), 2);
+    assert_int_equal(bench_run(d, "live none.json"), 1);
     assert_error_line(d, "none.json");
 }
 
@@ -577,51 +528,52 @@ static void what_a_usb_display_is_sent_is_timed_and_ends_exact(void **state)
     int n_exact = 0;
     write_fog(d);
     lf_test_write(d, "visual.json", panel_text);
-    assert_int_equal(run(d, "usb fog.json --calibration visual.json --view-size 24x32 --threads 2 "
-                            "--seconds 0.5 --repeat 2 --json u.json"),
-                     0);
-    json_t *u = load(d, "u.json");
+    assert_int_equal(
+        bench_run(d, "usb fog.json --calibration visual.json --view-size 24x32 --threads 2 "
+                     "--seconds 0.5 --repeat 2 --json u.json"),
+        0);
+    json_t *u = bench_load(d, "u.json");
     const json_t *line;
     size_t i;
     json_array_foreach(json_object_get(u, "lines"), i, line)
     {
         if (strcmp(json_string_value(json_object_get(line, "what")), "converging") != 0) {
-            assert_true(number(line, "ms") > 0 && number(line, "mb_per_second") > 0);
+            assert_true(bench_number(line, "ms") > 0 && bench_number(line, "mb_per_second") > 0);
             continue;
         }
         assert_true(json_is_true(json_object_get(line, "exact")));
-        assert_true(number(line, "bytes_an_update") > 0 &&
-                    number(line, "share_of_full_frames") <= 1);
+        assert_true(bench_number(line, "bytes_an_update") > 0 &&
+                    bench_number(line, "share_of_full_frames") <= 1);
         n_exact++;
     }
     assert_true(i > 10);
     assert_int_equal(n_exact, 2);
     json_decref(u);
-    assert_int_equal(run(d, "usb fog.json other.json"), 2);
+    assert_int_equal(bench_run(d, "usb fog.json other.json"), 2);
     assert_error_line(d, "one SCENE");
-    assert_int_equal(run(d, "usb --seconds 0"), 2);
-    assert_int_equal(run(d, "usb none.json"), 1);
+    assert_int_equal(bench_run(d, "usb --seconds 0"), 2);
+    assert_int_equal(bench_run(d, "usb none.json"), 1);
     assert_error_line(d, "none.json");
 }
 
 static void what_is_left_out_is_timed_and_leaves_the_picture(void **state)
 {
     const char *d = *state;
-    assert_int_equal(run(d, "skip --views 3 --view-size 12x16 --passes 6 --repeat 2 --json s.json"),
-                     0);
-    json_t *s = load(d, "s.json");
+    assert_int_equal(
+        bench_run(d, "skip --views 3 --view-size 12x16 --passes 6 --repeat 2 --json s.json"), 0);
+    json_t *s = bench_load(d, "s.json");
     const json_t *lines = json_object_get(s, "skips");
     size_t i;
     json_t *line;
     assert_true(json_array_size(lines) >= 12);
     json_array_foreach(lines, i, line)
     {
-        assert_true(number(line, "without_over_with") > 0);
-        assert_true(number(line, "difference") < 1e-5);
+        assert_true(bench_number(line, "without_over_with") > 0);
+        assert_true(bench_number(line, "difference") < 1e-5);
     }
     json_decref(s);
-    assert_int_equal(run(d, "skip scene.json"), 2);
-    assert_int_equal(run(d, "skip --passes 0"), 2);
+    assert_int_equal(bench_run(d, "skip scene.json"), 2);
+    assert_int_equal(bench_run(d, "skip --passes 0"), 2);
 }
 
 int main(void)

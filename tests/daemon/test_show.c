@@ -258,13 +258,12 @@ static void on_lens(void *context, const lf_calibration *calibration, uint64_t n
     tell(o, "lens %g%s, ", calibration->center, is_new ? " new" : "");
 }
 
-static void on_shown(void *context, int64_t generation, lf_level level, double passes,
-                     bool reconstructed)
+static void on_shown(void *context, const lf_shown *shown)
 {
-    assert_int_equal(level, LF_LEVEL_COMPLETE);
-    assert_true(passes == 0.5 * (double)generation);
-    assert_int_equal(reconstructed, generation == 8);
-    tell(context, "shown %d, ", (int)generation);
+    assert_int_equal(shown->level, LF_LEVEL_COMPLETE);
+    assert_true(shown->passes == 0.5 * (double)shown->generation);
+    assert_int_equal(shown->reconstructed, shown->generation == 8);
+    tell(context, "shown %d, ", (int)shown->generation);
 }
 
 static void on_pressed(void *context, lf_button button)

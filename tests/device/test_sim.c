@@ -494,28 +494,88 @@ static int lines_with(const char *path, const char *words)
     return n;
 }
 
-/* The log has one line for a folder that was deleted, however many pictures are lost. */
-static void a_folder_that_is_gone_is_told_once(void **state)
+static void take_folder_away(const char *dir)
+{
+    assert_int_equal(nftw(dir, lf_test_remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
+}
+
+/* Whoever shows it tells, and opens it again; the device itself says nothing in the log. */
+static void a_folder_that_is_removed_is_lost_and_made_again(void **state)
 {
     char dir[PATH_MAX], said[PATH_MAX];
     snprintf(dir, sizeof dir, "%s/gone", (char *)*state);
     snprintf(said, sizeof said, "%s/said", (char *)*state);
     lf_device *device = open_sim(dir, "");
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
+    wait_for_files(device);
     const int before = dup(STDERR_FILENO),
               file = open(said, O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
     assert_true(before >= 0 && file >= 0);
     assert_true(dup2(file, STDERR_FILENO) >= 0);
-    assert_int_equal(nftw(dir, lf_test_remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
-    for (int i = 1; i < 4; i++) {
-        show(device, i);
-        (void)device->ops->flush(device, DEVICE_WAIT_MS);
-    }
+    take_folder_away(dir);
+    assert_true(device_rings(device, DEVICE_WAIT_MS)); /* nothing is pushed */
+    assert_int_equal(device->ops->dispatch(device), LF_DEVICE_LOST);
+    assert_int_equal(show(device, 2), LF_DEVICE_LOST);
+    (void)device->ops->flush(device, DEVICE_WAIT_MS);
+    lf_device_destroy(device);
     assert_true(dup2(before, STDERR_FILENO) >= 0);
     close(before);
     close(file);
+    assert_int_equal(lines_with(said, ""), 0);
+    device = open_sim(dir, "");
+    assert_int_equal(show(device, 3), LF_DEVICE_READY);
+    wait_for_files(device);
     lf_device_destroy(device);
-    assert_int_equal(lines_with(said, "panel.png"), 1);
-    assert_int_equal(lines_with(said, "the files are behind"), 1);
+    assert_true(panel_shows(dir, 3));
+}
+
+/* They are written at once, whenever the last were, and the descriptor rings once. */
+static void files_that_are_awaited_are_told(void **state)
+{
+    char *dir = *state;
+    uint64_t kept = 0;
+    lf_device *device = open_sim(dir, "");
+    lf_assert_ok(device->ops->kept(device, false, &kept), NULL);
+    assert_int_equal(kept, 0);
+    for (int i = 1; i <= 4; i++) {
+        assert_int_equal(show(device, i), LF_DEVICE_READY);
+        lf_assert_ok(device->ops->kept(device, true, &kept), NULL);
+        while (kept < (uint64_t)i) {
+            assert_true(device_rings(device, DEVICE_WAIT_MS));
+            assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
+            lf_assert_ok(device->ops->kept(device, true, &kept), NULL);
+        }
+        assert_int_equal(kept, i);
+        assert_true(panel_shows(dir, i));
+        assert_true(exists(dir, "view.png"));
+    }
+    lf_device_destroy(device);
+}
+
+/* Whoever waits hears of it, and so of the attempt that ends well. */
+static void awaited_files_that_cannot_be_written_are_told(void **state)
+{
+    char *dir = *state;
+    uint64_t kept = 0;
+    assert_int_equal(mkdir(lf_test_path(dir, "panel.png"), 0700), 0);
+    lf_device *device = open_sim(dir, "");
+    assert_int_equal(show(device, 1), LF_DEVICE_READY);
+    lf_status status = device->ops->kept(device, true, &kept);
+    for (; status == LF_OK; status = device->ops->kept(device, true, &kept)) {
+        assert_true(device_rings(device, DEVICE_WAIT_MS));
+        (void)device->ops->dispatch(device);
+    }
+    lf_assert_status(status, LF_E_IO, NULL);
+    assert_int_equal(kept, 0);
+    assert_int_equal(rmdir(lf_test_path(dir, "panel.png")), 0);
+    while (kept < 1) {
+        assert_true(device_rings(device, DEVICE_WAIT_MS));
+        (void)device->ops->dispatch(device);
+        status = device->ops->kept(device, true, &kept);
+    }
+    lf_assert_ok(status, NULL);
+    assert_true(panel_shows(dir, 1));
+    lf_device_destroy(device);
 }
 
 /* A link stands where the folder was opened; what is written goes on beside it. */
@@ -627,7 +687,9 @@ int main(void)
         lf_test_in_folder(destroy_writes_what_is_owed),
         lf_test_in_folder(calibration_is_the_callers_then_the_folders_then_a_portraits),
         lf_test_in_folder(unwritable_folder_ends_nothing),
-        lf_test_in_folder(a_folder_that_is_gone_is_told_once),
+        lf_test_in_folder(a_folder_that_is_removed_is_lost_and_made_again),
+        lf_test_in_folder(files_that_are_awaited_are_told),
+        lf_test_in_folder(awaited_files_that_cannot_be_written_are_told),
         lf_test_in_folder(a_folder_that_is_swapped_leads_nothing_away),
         lf_test_in_folder(links_are_followed_unless_it_is_said),
         lf_test_in_folder(lens_that_cannot_be_looked_through_is_a_problem_only),

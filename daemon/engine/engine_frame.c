@@ -1,0 +1,63 @@
+/* Frames on their way to the panel, and the views that go with them. */
+#include "base/log.h"
+#include "base/thread.h"
+#include "daemon/engine/engine_internal.h"
+
+/* Views of the same generation and level are copied for devices that show them at most this often.
+ */
+#define VIEWS_SECONDS 0.45
+/* Until those of a final frame are offered again that the device, still at the last ones, refused.
+ */
+#define VIEWS_AGAIN_NS (LF_NS_PER_S / 50)
+
+lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced)
+{
+    const lf_calibration *panel = &engine->now.panel.calibration;
+    lf_frame *frame = lf_mailbox_begin(&engine->mailbox, interlaced ? panel->screen_width_px : 0,
+                                       interlaced ? panel->screen_height_px : 0);
+    if (!frame) {
+        lf_log(LF_LOG_ERROR, "out of memory for a panel frame");
+        return NULL;
+    }
+    frame->generation = engine->generation;
+    frame->level = engine->level;
+    frame->passes = engine->spent.passes;
+    frame->reconstructed = engine->renderer && engine->fit.passes > 0;
+    frame->panel = engine->now.panel.number;
+    return frame;
+}
+
+/* The views of every generation and level, and of later frames from time to time. */
+static void attach_views(lf_engine *engine, lf_frame *frame, const lf_views8 *views, bool final)
+{
+    engine_look *look = &engine->look;
+    double now = lf_time_now();
+    bool news = frame->generation != look->views_generation || frame->level != look->views_level;
+    if (!views || !engine->now.panel.views ||
+        !(final || news || now - look->views_at > VIEWS_SECONDS ||
+          lf_mailbox_keeps_views(&engine->mailbox)))
+        return;
+    look->views_at = now;
+    if (lf_mailbox_attach(&engine->mailbox, frame, views)) {
+        look->views_generation = frame->generation;
+        look->views_level = frame->level;
+        return;
+    }
+    frame->lacks_views = news || frame->lacks_views;
+    if (final)
+        engine->frames.again_ns = lf_time_now_ns() + VIEWS_AGAIN_NS;
+}
+
+void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views, bool final)
+{
+    if (frame->image.data) {
+        if (engine->now.controls.has_codes)
+            lf_codes_apply(&engine->now.controls.codes, &frame->image, engine->pool);
+        lf_mailbox_compare(&engine->mailbox, frame);
+    }
+    attach_views(engine, frame, views, final);
+    engine->frames.n++;
+    engine->frames.cost = lf_time_now() - engine->frames.at;
+    engine_publish(engine); /* before the frame: whoever sees it may ask for the status next */
+    lf_mailbox_post(&engine->mailbox, frame);
+}

@@ -1,0 +1,78 @@
+/* What the panel says where there is no picture: that there is no scene, what is being loaded, or
+ * why a file could not be. A picture that is shown stays, whatever becomes of the next. */
+#include <stdio.h>
+#include <string.h>
+
+#include "daemon/server/server.h"
+
+/* Loads that are quicker show no card. */
+#define LATE_USEC 1000000
+
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash && slash[1] != '\0' ? slash + 1 : path;
+}
+
+/* Of the scene that is being rendered or loaded. */
+static const char *scene_name(const lf_server *server)
+{
+    const char *file = server->content ? server->content->file : lf_server_loading_file(server);
+    file = file ? file : server->config.scene;
+    return file ? name_of(file) : "a scene";
+}
+
+static void say_error(const lf_error *err, char *out, size_t size)
+{
+    char line[32] = "";
+    if (err->line > 0)
+        snprintf(line, sizeof line, ":%d", err->line);
+    snprintf(out, size, "Cannot show %.80s%s: %.120s", name_of(err->where), line, err->what);
+}
+
+static void find_words(const lf_server *server, char *out, size_t size)
+{
+    const bool loads = server->life.held || lf_loader_pending(server->loader) > 0;
+    out[0] = '\0';
+    if (server->shown.level >= LF_LEVEL_COARSE || server->life.phase != LF_PHASE_RUNNING)
+        return;
+    if (server->content || loads) {
+        if (server->life.card.late)
+            snprintf(out, size, "%s %.120s", server->content ? "Rendering" : "Loading",
+                     scene_name(server));
+    } else if (server->error.status != LF_OK) {
+        say_error(&server->error, out, size);
+    } else {
+        snprintf(out, size, "No scene is loaded. To load one: quiltctl scene.load file=NAME");
+    }
+}
+
+void lf_server_tell_card(lf_server *server)
+{
+    char words[LF_CARD_TEXT];
+    if (lf_server_is_stopping(server))
+        return;
+    find_words(server, words, sizeof words);
+    if (strcmp(words, server->life.card.words) == 0)
+        return;
+    memcpy(server->life.card.words, words, sizeof words);
+    lf_engine_set_card(server->engine, words);
+}
+
+static int on_late(sd_event_source *source, uint64_t usec, void *context)
+{
+    lf_server *server = context;
+    (void)source;
+    (void)usec;
+    server->life.card.late = true;
+    lf_server_tell_card(server);
+    return 0;
+}
+
+lf_status lf_server_make_card(lf_server *server)
+{
+    return sd_event_add_time_relative(server->event, &server->life.card.timer, CLOCK_MONOTONIC,
+                                      LATE_USEC, 0, on_late, server) >= 0
+               ? LF_OK
+               : LF_E_NOMEM;
+}
