@@ -32,7 +32,8 @@ const char *lf_image_ending(const char *path);
 /* The endings of formats of floats one after the other, without the dot; NULL behind the last. */
 const char *lf_image_float_ending(int index);
 
-/* 8-bit RGB (3 channels; grey is spread, alpha dropped, 16-bit PNG rounded, palettes expanded).
+/* 8-bit RGB (3 channels; grey is spread, alpha dropped, 16-bit PNG rounded, palettes expanded), the
+ * way up that EXIF's orientation says.
  * Floats are not accepted. */
 LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out,
                                       lf_error *err);
