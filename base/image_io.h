@@ -72,6 +72,11 @@ typedef void (*lf_rows32_fn)(void *context, int y, float *row);
 LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
                                          void *context, int level, const lf_attribute *attributes,
                                          int n, lf_error *err);
+/* The same of pixels whose width / height is not 1, which a pHYs says: 0.01..100; 0: square. */
+LF_NODISCARD lf_status lf_png_write_oblong(lf_outfile *file, int width, int height,
+                                           double pixel_aspect, lf_rows8_fn rows, void *context,
+                                           int level, const lf_attribute *attributes, int n,
+                                           lf_error *err);
 LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
                                     const lf_attribute *attributes, int n, lf_error *err);
 /* Channels by name, each once; rows fills [width][n] in their order. */
@@ -81,6 +86,7 @@ typedef struct lf_channels32 {
     int n; /* at most LF_EXR_MAX_CHANNELS */
     lf_rows32_fn rows;
     void *context;
+    double pixel_aspect; /* width / height of a pixel; 0: square */
 } lf_channels32;
 
 /* EXR, 32-bit float, ZIP scan lines, of these channels; else as lf_exr_write_rows. */

@@ -122,7 +122,9 @@ static lf_status load_file(const lf_loader *loader, lf_load *load, lf_content **
         lf_options options = load->options;
         if (named && (!load->meant || strcmp(load->file, load->meant) != 0))
             options.columns = options.rows = 0;
-        return lf_content_from_quilt(load->file, loader->roots, &options, out, &load->err);
+        return lf_content_from_quilt(load->file, loader->roots, &options,
+                                     load->has_calibration ? &load->calibration : NULL, out,
+                                     &load->err);
     }
     lf_scene *scene = NULL;
     const lf_scene *previous = loader->content ? loader->content->scene : NULL;

@@ -40,6 +40,8 @@ typedef struct lf_load {
     /* FILE: what the options are for, borrowed; in another quilt's name the layout wins over theirs
      */
     const char *meant;
+    lf_photo photo; /* FILE: with has_photo, in place of that of the options */
+    bool has_photo;
     json_t *patch;           /* PATCH */
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
     char *name;              /* FIT: of what is to fill it; NULL = all */

@@ -22,17 +22,26 @@ void lf_method_scene_load(lf_call *call)
 {
     lf_error err;
     char *file = NULL;
-    lf_status status = lf_server_read_path(
-        call->server, json_string_value(json_object_get(call->params, "file")), &file, &err);
+    lf_photo photo = call->server->options.photo;
+    lf_status status =
+        lf_param_from_json(lf_photo_params, call->params, &photo, "scene.load", &err);
+    if (status == LF_OK)
+        status = lf_param_from_json(lf_picture_params, call->params, &photo, "scene.load", &err);
+    if (status == LF_OK)
+        status = lf_server_read_path(
+            call->server, json_string_value(json_object_get(call->params, "file")), &file, &err);
     if (status != LF_OK) {
         lf_fail(call, &err, status != LF_E_ARG);
         return;
     }
     lf_load *load = lf_load_create(LF_LOAD_FILE);
-    if (load)
+    if (load) {
         load->file = file;
-    else
+        load->photo = photo;
+        load->has_photo = true;
+    } else {
         lf_free(file);
+    }
     lf_method_queue(call, load);
 }
 

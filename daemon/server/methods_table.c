@@ -86,10 +86,11 @@ static pthread_once_t parsed = PTHREAD_ONCE_INIT;
 static const struct {
     const char *method;
     const lf_param *params;
-} tables[] = {{"export", lf_print_params},        {"export", lf_panel_params},
-              {"export", lf_response_params},     {"export", lf_rgbd_params},
-              {"device.set", lf_response_params}, {"camera.set", lf_camera_params},
-              {"render.set", lf_option_params}};
+} tables[] = {{"export", lf_print_params},       {"export", lf_panel_params},
+              {"export", lf_response_params},    {"export", lf_rgbd_params},
+              {"export", lf_photo_params},       {"scene.load", lf_photo_params},
+              {"scene.load", lf_picture_params}, {"device.set", lf_response_params},
+              {"camera.set", lf_camera_params},  {"render.set", lf_option_params}};
 
 static void add_properties(const char *method, json_t *schema)
 {
