@@ -1,6 +1,7 @@
 #include "base/image.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/alloc.h"
 
@@ -53,6 +54,26 @@ void lf_image32_finish(lf_image32 *image)
 {
     lf_free(image->data);
     *image = (lf_image32){0};
+}
+
+void lf_orient(int orientation, const void *in, size_t in_stride, int width, int height,
+               size_t pixel_bytes, void *out)
+{
+    const bool swaps = lf_orientation_swaps(orientation);
+    const bool right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8,
+               down = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+    const int out_width = swaps ? height : width, out_height = swaps ? width : height;
+    uint8_t *to = out;
+    const size_t row_bytes = (size_t)out_width * pixel_bytes;
+    for (int y = 0; y < out_height && orientation < 2; y++)
+        memcpy(to + (size_t)y * row_bytes, (const uint8_t *)in + (size_t)y * in_stride, row_bytes);
+    for (int y = 0; y < out_height && orientation >= 2; y++)
+        for (int x = 0; x < out_width; x++, to += pixel_bytes) {
+            const int column = swaps ? y : x, row = swaps ? x : y;
+            const size_t at_x = (size_t)(right ? width - 1 - column : column),
+                         at_y = (size_t)(down ? height - 1 - row : row);
+            memcpy(to, (const uint8_t *)in + at_y * in_stride + at_x * pixel_bytes, pixel_bytes);
+        }
 }
 
 void lf_srgb_light(float out[256])

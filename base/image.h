@@ -2,6 +2,7 @@
 #ifndef LF_BASE_IMAGE_H
 #define LF_BASE_IMAGE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -25,6 +26,18 @@ LF_NODISCARD lf_status lf_image32_init(lf_image32 *image, int width, int height,
 /* Accept zeroed structs; leave them zeroed. */
 void lf_image8_finish(lf_image8 *image);
 void lf_image32_finish(lf_image32 *image);
+
+/* Copies a picture the way up that an orientation of EXIF (1..8) says it is meant to be seen; 6 is
+ * a quarter turn clockwise, 3 half a turn, 8 a quarter turn anticlockwise. width and height are
+ * in's, rows of it in_stride bytes apart; out is packed, [width][height] pixels where
+ * lf_orientation_swaps. Others than 2..8 only copy. */
+void lf_orient(int orientation, const void *in, size_t in_stride, int width, int height,
+               size_t pixel_bytes, void *out);
+/* Whether width and height change places. */
+static inline bool lf_orientation_swaps(int orientation)
+{
+    return orientation >= 5 && orientation <= 8;
+}
 
 /* The light of 8-bit codes by sRGB (IEC 61966-2-1). */
 void lf_srgb_light(float out[256]);

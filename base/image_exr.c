@@ -363,6 +363,7 @@ typedef struct exr_job {
     const char *const *channels; /* [n_channels] */
     int n_channels;
     float *block; /* [lines of a chunk][width][n_channels] */
+    double pixel_aspect;
     const lf_attribute *attributes;
     int n_attributes;
     exr_result_t (*compress)(exr_encode_pipeline_t *encode); /* the library's choice */
@@ -386,6 +387,8 @@ static exr_result_t define_part(exr_context_t exr, const exr_job *job)
     if (rv == EXR_ERR_SUCCESS)
         rv = exr_initialize_required_attr_simple(exr, part, job->width, job->height,
                                                  EXR_COMPRESSION_ZIP);
+    if (rv == EXR_ERR_SUCCESS && job->pixel_aspect > 0)
+        rv = exr_set_pixel_aspect_ratio(exr, part, (float)job->pixel_aspect);
     for (const char *name = channel_behind(job, NULL); name && rv == EXR_ERR_SUCCESS;
          name = channel_behind(job, name))
         rv = exr_add_channel(exr, part, name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LINEAR, 1, 1);
@@ -489,6 +492,7 @@ lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
                    .context = channels->context,
                    .channels = channels->names,
                    .n_channels = channels->n,
+                   .pixel_aspect = channels->pixel_aspect,
                    .attributes = attributes,
                    .n_attributes = n};
     exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
@@ -510,7 +514,7 @@ lf_status lf_exr_write_rows(lf_outfile *file, int width, int height, lf_rows32_f
                             void *context, const lf_attribute *attributes, int n, lf_error *err)
 {
     static const char *const rgb[] = {"R", "G", "B"};
-    const lf_channels32 channels = {rgb, 3, rows, context};
+    const lf_channels32 channels = {.names = rgb, .n = 3, .rows = rows, .context = context};
     return lf_exr_write_channels(file, width, height, &channels, attributes, n, err);
 }
 

@@ -178,10 +178,9 @@ static void note_numbers(const lf_exr_input *in)
     const exr_attribute_t *luminance = find(in, "whiteLuminance", EXR_ATTR_FLOAT),
                           *turn = find(in, "Orientation", EXR_ATTR_INT);
     float aspect = 1;
-    if (exr_get_pixel_aspect_ratio(in->exr, in->part, &aspect) == EXR_ERR_SUCCESS &&
-        fabsf(aspect - 1) > 1e-3f)
-        lf_image_note(notes_of(in), "pixelAspectRatio %g is not used: pixels are taken as square",
-                      (double)aspect);
+    if (in->session->source->said &&
+        exr_get_pixel_aspect_ratio(in->exr, in->part, &aspect) == EXR_ERR_SUCCESS)
+        lf_image_say_aspect(in->session->source->said, "pixelAspectRatio", (double)aspect);
     if (luminance)
         lf_image_note(notes_of(in), "whiteLuminance %g is not used: 1 stays 1",
                       (double)luminance->f);

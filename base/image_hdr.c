@@ -26,6 +26,7 @@ typedef struct hdr_header {
     int n_scans, n_along;   /* scan lines in the file, and pixels of one */
     bool scans_are_columns; /* the first axis was X */
     bool flip_x, flip_y;    /* stored from the right, from the bottom */
+    double pixel_height;    /* in widths of a pixel: the product of all PIXASPECT */
     double gain[3];         /* to undo EXPOSURE and COLORCORR */
     bool xyz;               /* pixels are X, Y, Z */
     bool has_primaries;
@@ -120,11 +121,9 @@ static void take_primaries(const reader *r, const char *line, hdr_header *h)
         lf_image_note(notes_of(r), "PRIMARIES is not eight numbers: taken as Rec. 709");
 }
 
-/* Of pixels that are not square, and of those that are no light. */
+/* Of pixels that are no light. */
 static void note_variable(const reader *r, const char *line)
 {
-    if (strncmp(line, "PIXASPECT=", 10) == 0 && fabs(strtod(line + 10, NULL) - 1) > 1e-3)
-        lf_image_note(notes_of(r), "%.60s is not used: pixels are taken as square", line);
     if (strncmp(line, "GAMMA=", 6) == 0 && fabs(strtod(line + 6, NULL) - 1) > 1e-3)
         lf_image_note(notes_of(r), "%.60s is not used: the numbers are taken as linear light",
                       line);
@@ -138,6 +137,8 @@ static lf_status take_variable(const reader *r, const char *line, hdr_header *h)
     note_variable(r, line);
     if (strncmp(line, "PRIMARIES=", 10) == 0) {
         take_primaries(r, line, h);
+    } else if (strncmp(line, "PIXASPECT=", 10) == 0) {
+        h->pixel_height *= strtod(line + 10, NULL);
     } else if (strncmp(line, "EXPOSURE=", 9) == 0) {
         double exposure = strtod(line + 9, NULL);
         for (int i = 0; i < 3; i++)
@@ -179,7 +180,7 @@ static lf_status take_resolution(const reader *r, const char *line, hdr_header *
 static lf_status read_header(reader *r, hdr_header *h)
 {
     char line[2048];
-    *h = (hdr_header){.gain = {1, 1, 1}};
+    *h = (hdr_header){.gain = {1, 1, 1}, .pixel_height = 1};
     for (int i = 0; i < MAX_HEADER_LINES; i++) {
         if (!next_line(r, line, sizeof line))
             return fail(r, "the header does not end");
@@ -326,6 +327,8 @@ static lf_status read_hdr(const lf_image_source *source, lf_image32 *out, lf_err
     if (status == LF_OK) {
         lf_image_colours colours = colours_of(r, &header);
         lf_image_settle(source, &colours, &image);
+        if (source->said)
+            lf_image_say_aspect(source->said, "PIXASPECT", 1 / header.pixel_height);
     }
     lf_free(r);
     if (status == LF_OK)

@@ -93,13 +93,12 @@ static lf_status recognise(const lf_image_source *source, const lf_image_format 
                         format_names(true, LF_IMAGE_8BIT, names, sizeof names));
 }
 
-/* Of a file that is open. said: what will be noted of its meaning; NULL: nothing. */
+/* Of a file that is open. said: what it will say of its meaning. */
 static lf_status look_at(int fd, const char *path, lf_image_said *said, lf_image_source *source,
                          const lf_image_format **format, lf_error *err)
 {
     struct stat info;
-    if (said)
-        *said = (lf_image_said){0};
+    *said = (lf_image_said){0};
     if (fstat(fd, &info) != 0)
         return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
     if (!S_ISREG(info.st_mode) || (uint64_t)info.st_size > LF_IMAGE_MAX_BYTES)
@@ -110,14 +109,14 @@ static lf_status look_at(int fd, const char *path, lf_image_said *said, lf_image
 }
 
 /* On LF_OK the caller closes source->fd. */
-static lf_status open_source(const char *path, const lf_roots *roots, lf_image_source *source,
-                             const lf_image_format **format, lf_error *err)
+static lf_status open_source(const char *path, const lf_roots *roots, lf_image_said *said,
+                             lf_image_source *source, const lf_image_format **format, lf_error *err)
 {
     int fd;
     lf_status status = lf_file_open(path, roots, LF_IMAGE_MAX_BYTES, &fd, NULL, err);
     if (status != LF_OK)
         return status;
-    status = look_at(fd, path, NULL, source, format, err);
+    status = look_at(fd, path, said, source, format, err);
     if (status != LF_OK)
         close(fd);
     return status;
@@ -126,9 +125,10 @@ static lf_status open_source(const char *path, const lf_roots *roots, lf_image_s
 lf_status lf_image_probe(const char *path, const lf_roots *roots, lf_image_kind *out_kind,
                          lf_error *err)
 {
+    lf_image_said said;
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = open_source(path, roots, &source, &format, err);
+    lf_status status = open_source(path, roots, &said, &source, &format, err);
     if (status != LF_OK)
         return status;
     close(source.fd);
@@ -138,11 +138,47 @@ lf_status lf_image_probe(const char *path, const lf_roots *roots, lf_image_kind 
 
 lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind, lf_error *err)
 {
+    lf_image_said said;
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = look_at(fd, path, NULL, &source, &format, err);
+    lf_status status = look_at(fd, path, &said, &source, &format, err);
     if (status == LF_OK)
         *out_kind = format->kind;
+    return status;
+}
+
+/* The right way up. */
+static lf_status turn(const lf_image_source *source, lf_image8 *image, lf_error *err)
+{
+    lf_image_said *said = source->said;
+    const bool swaps = lf_orientation_swaps(said->orientation);
+    lf_image8 turned = {0};
+    if (said->orientation < 2)
+        return LF_OK;
+    lf_status status = lf_image8_init(&turned, swaps ? image->height : image->width,
+                                      swaps ? image->width : image->height, image->channels);
+    if (status != LF_OK)
+        return lf_error_set(err, status, source->where, "no memory for the picture");
+    lf_orient(said->orientation, image->data, image->stride, image->width, image->height,
+              (size_t)image->channels, turned.data);
+    lf_image8_finish(image);
+    *image = turned;
+    if (swaps && said->pixel_aspect > 0)
+        said->pixel_aspect = 1 / said->pixel_aspect;
+    return LF_OK;
+}
+
+static lf_status read8_upright(const lf_image_source *source, const lf_image_format *format,
+                               lf_image8 *out, lf_error *err)
+{
+    lf_image8 image = {0};
+    lf_status status = format->read8(source, &image, err);
+    if (status == LF_OK)
+        status = turn(source, &image, err);
+    if (status == LF_OK)
+        *out = image;
+    else
+        lf_image8_finish(&image);
     return status;
 }
 
@@ -151,16 +187,17 @@ static lf_status read8_from(const lf_image_source *source, const lf_image_format
 {
     char names[128];
     if (format->read8)
-        return format->read8(source, out, err);
+        return read8_upright(source, format, out, err);
     return lf_error_set(err, LF_E_FORMAT, source->where, "%s is a picture of floats (expected %s)",
                         format->name, format_names(false, LF_IMAGE_8BIT, names, sizeof names));
 }
 
 lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out, lf_error *err)
 {
+    lf_image_said said;
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = open_source(path, roots, &source, &format, err);
+    lf_status status = open_source(path, roots, &said, &source, &format, err);
     if (status != LF_OK)
         return status;
     status = read8_from(&source, format, out, err);
@@ -179,7 +216,8 @@ lf_status lf_image8_read_said(int fd, const char *path, lf_image8 *out, lf_image
 
 lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err)
 {
-    return lf_image8_read_said(fd, path, out, NULL, err);
+    lf_image_said said;
+    return lf_image8_read_said(fd, path, out, &said, err);
 }
 
 static lf_status decode_srgb(const lf_image8 *in, const char *where, lf_image32 *out, lf_error *err)
@@ -209,7 +247,7 @@ static lf_status read32_from(const lf_image_source *source, const lf_image_forma
     if (format->read32) {
         status = format->read32(source, &image, err);
     } else {
-        status = format->read8(source, &encoded, err);
+        status = read8_upright(source, format, &encoded, err);
         if (status == LF_OK)
             status = decode_srgb(&encoded, source->where, &image, err);
     }
@@ -223,9 +261,10 @@ static lf_status read32_from(const lf_image_source *source, const lf_image_forma
 
 lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *out, lf_error *err)
 {
+    lf_image_said said;
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = open_source(path, roots, &source, &format, err);
+    lf_status status = open_source(path, roots, &said, &source, &format, err);
     if (status != LF_OK)
         return status;
     status = read32_from(&source, format, out, err);
@@ -244,5 +283,6 @@ lf_status lf_image32_read_said(int fd, const char *path, lf_image32 *out, lf_ima
 
 lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out, lf_error *err)
 {
-    return lf_image32_read_said(fd, path, out, NULL, err);
+    lf_image_said said;
+    return lf_image32_read_said(fd, path, out, &said, err);
 }

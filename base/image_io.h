@@ -32,7 +32,8 @@ const char *lf_image_ending(const char *path);
 /* The endings of formats of floats one after the other, without the dot; NULL behind the last. */
 const char *lf_image_float_ending(int index);
 
-/* 8-bit RGB (3 channels; grey is spread, alpha dropped, 16-bit PNG rounded, palettes expanded).
+/* 8-bit RGB (3 channels; grey is spread, alpha dropped, 16-bit PNG rounded, palettes expanded), the
+ * way up that EXIF's orientation says.
  * Floats are not accepted. */
 LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out,
                                       lf_error *err);
@@ -71,6 +72,11 @@ typedef void (*lf_rows32_fn)(void *context, int y, float *row);
 LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
                                          void *context, int level, const lf_attribute *attributes,
                                          int n, lf_error *err);
+/* The same of pixels whose width / height is not 1, which a pHYs says: 0.01..100; 0: square. */
+LF_NODISCARD lf_status lf_png_write_oblong(lf_outfile *file, int width, int height,
+                                           double pixel_aspect, lf_rows8_fn rows, void *context,
+                                           int level, const lf_attribute *attributes, int n,
+                                           lf_error *err);
 LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
                                     const lf_attribute *attributes, int n, lf_error *err);
 /* JPEG, sRGB, colours at full resolution (4:4:4); quality 1..100 is libjpeg's. No attributes. Else
@@ -85,6 +91,7 @@ typedef struct lf_channels32 {
     int n; /* at most LF_EXR_MAX_CHANNELS */
     lf_rows32_fn rows;
     void *context;
+    double pixel_aspect; /* width / height of a pixel; 0: square */
 } lf_channels32;
 
 /* EXR, 32-bit float, ZIP scan lines, of these channels; else as lf_exr_write_rows. */

@@ -54,12 +54,13 @@ static bool begins(const struct jpeg_marker_struct *marker, int code, const char
 }
 
 static void note_marker(const struct jpeg_decompress_struct *jpeg,
-                        const struct jpeg_marker_struct *marker, lf_image_notes *notes)
+                        const struct jpeg_marker_struct *marker, lf_image_said *said)
 {
+    lf_image_notes *notes = &said->notes;
     const uint8_t *data = marker->data;
     size_t n = marker->data_length;
     if (begins(marker, JPEG_APP0 + 1, "Exif\0", 6))
-        lf_exif_note(data + 6, n - 6, notes);
+        lf_exif_read(data + 6, n - 6, said);
     /* the first part of a profile, behind its number and how many there are */
     if (begins(marker, JPEG_APP0 + 2, "ICC_PROFILE", 12) && n > 14 && data[12] == 1 &&
         !lf_icc_is_srgb(data + 14, n - 14))
@@ -73,13 +74,10 @@ static void note_markers(const struct jpeg_decompress_struct *jpeg, const lf_ima
 {
     if (!source->said)
         return;
-    lf_image_notes *notes = &source->said->notes;
     for (const struct jpeg_marker_struct *m = jpeg->marker_list; m; m = m->next)
-        note_marker(jpeg, m, notes);
-    if (jpeg->saw_JFIF_marker && jpeg->X_density > 0 && jpeg->Y_density > 0 &&
-        jpeg->X_density != jpeg->Y_density)
-        lf_image_note(notes, "density %u x %u is not used: pixels are taken as square",
-                      jpeg->X_density, jpeg->Y_density);
+        note_marker(jpeg, m, source->said);
+    if (jpeg->saw_JFIF_marker && jpeg->X_density > 0 && jpeg->Y_density > 0)
+        lf_image_say_aspect(source->said, "the density", (double)jpeg->Y_density / jpeg->X_density);
 }
 
 /* ------------------------------------------------------------------------------------- pixels --

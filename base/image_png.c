@@ -1,4 +1,5 @@
 #include <errno.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdio.h>
 #include <string.h>
@@ -215,8 +216,12 @@ static void put_text(png_session *s, const lf_attribute *attribute)
     lf_free(copy);
 }
 
+/* Pixels along a unit of length in a pHYs: only the ratio of both numbers counts. */
+#define PHYS_PER_UNIT 1000000
+
 typedef struct png_job {
     int width, height, level;
+    double pixel_aspect; /* 0: square */
     lf_rows8_fn rows;
     void *context;
     uint8_t *row; /* [width][3] */
@@ -238,6 +243,10 @@ static lf_status write_rows(png_session *s, const png_job *job)
                  PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(s->png, s->info, PNG_sRGB_INTENT_PERCEPTUAL);
+    if (job->pixel_aspect > 0)
+        png_set_pHYs(s->png, s->info, PHYS_PER_UNIT,
+                     (png_uint_32)lround(job->pixel_aspect * PHYS_PER_UNIT),
+                     PNG_RESOLUTION_UNKNOWN);
     for (int i = 0; i < job->n_attributes; i++)
         put_text(s, &job->attributes[i]);
     png_write_info(s->png, s->info);
@@ -249,9 +258,9 @@ static lf_status write_rows(png_session *s, const png_job *job)
     return LF_OK;
 }
 
-lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
-                            void *context, int level, const lf_attribute *attributes, int n,
-                            lf_error *err)
+lf_status lf_png_write_oblong(lf_outfile *file, int width, int height, double pixel_aspect,
+                              lf_rows8_fn rows, void *context, int level,
+                              const lf_attribute *attributes, int n, lf_error *err)
 {
     if (width < 1 || width > 65536 || height < 1 || height > 65536 || level < 1 || level > 9)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file),
@@ -260,6 +269,7 @@ lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn
     png_job job = {.width = width,
                    .height = height,
                    .level = level,
+                   .pixel_aspect = pixel_aspect,
                    .rows = rows,
                    .context = context,
                    .attributes = attributes,
@@ -273,6 +283,13 @@ lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn
     png_destroy_write_struct(&s.png, &s.info);
     lf_free(job.row);
     return status;
+}
+
+lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
+                            void *context, int level, const lf_attribute *attributes, int n,
+                            lf_error *err)
+{
+    return lf_png_write_oblong(file, width, height, 0, rows, context, level, attributes, n, err);
 }
 
 static void copy_row(void *context, int y, uint8_t *row)

@@ -69,14 +69,14 @@ static void take_srgb(walk *w)
 
 static void take_exif(walk *w)
 {
-    lf_exif_note(w->data, w->n, w->notes);
+    lf_exif_read(w->data, w->n, w->source->said);
 }
 
-static void note_aspect(walk *w)
+static void take_aspect(walk *w)
 {
-    if (w->n >= 9 && lf_be32(w->data) != lf_be32(w->data + 4))
-        lf_image_note(w->notes, "pHYs %u x %u is not used: pixels are taken as square",
-                      lf_be32(w->data), lf_be32(w->data + 4));
+    if (w->n >= 9)
+        lf_image_say_aspect(w->source->said, "pHYs",
+                            (double)lf_be32(w->data + 4) / lf_be32(w->data));
 }
 
 static void note_animation(walk *w)
@@ -102,7 +102,7 @@ static const struct {
 } chunks[] = {
     {"gAMA", take_gamma},       {"cHRM", take_chromaticities}, {"cICP", take_cicp},
     {"iCCP", take_icc},         {"sRGB", take_srgb},           {"eXIf", take_exif},
-    {"pHYs", note_aspect},      {"acTL", note_animation},      {"sTER", note_stereo},
+    {"pHYs", take_aspect},      {"acTL", note_animation},      {"sTER", note_stereo},
     {"pCAL", note_calibration},
 };
 

@@ -81,6 +81,7 @@ typedef struct tiff {
     const uint8_t *data;
     size_t size;
     bool big;
+    bool is_broken; /* a folder ends behind the data */
 } tiff;
 
 static uint32_t number(const tiff *t, size_t at, int bytes)
@@ -92,11 +93,11 @@ static uint32_t number(const tiff *t, size_t at, int bytes)
 }
 
 /* A tag of one short or long in the folder at `folder`; 0: it is not there. */
-static uint32_t find_number(const tiff *t, size_t folder, uint32_t tag)
+static uint32_t find_number(tiff *t, size_t folder, uint32_t tag)
 {
-    if (folder + 2 > t->size)
-        return 0;
-    for (uint32_t i = 0, n = number(t, folder, 2); i < n; i++) {
+    uint32_t n = folder + 2 <= t->size ? number(t, folder, 2) : 0;
+    t->is_broken |= folder + 2 + 12 * (size_t)n > t->size;
+    for (uint32_t i = 0; i < n; i++) {
         size_t entry = folder + 2 + 12 * (size_t)i;
         if (entry + 12 > t->size)
             return 0;
@@ -106,18 +107,25 @@ static uint32_t find_number(const tiff *t, size_t folder, uint32_t tag)
     return 0;
 }
 
-void lf_exif_note(const uint8_t *data, size_t size, lf_image_notes *notes)
+void lf_exif_read(const uint8_t *data, size_t size, lf_image_said *said)
 {
     enum { ORIENTATION = 0x0112, EXIF_FOLDER = 0x8769, COLOUR_SPACE = 0xa001 };
-    tiff t = {data, size, size >= 2 && data[0] == 'M'};
-    if (size < 8 || (memcmp(data, "II*\0", 4) != 0 && memcmp(data, "MM\0*", 4) != 0))
+    tiff t = {data, size, size >= 2 && data[0] == 'M', false};
+    if (size < 8 || (memcmp(data, "II*\0", 4) != 0 && memcmp(data, "MM\0*", 4) != 0)) {
+        lf_image_note(&said->notes, "the EXIF is broken: it is not used");
         return;
+    }
     uint32_t folder = number(&t, 4, 4), turn = find_number(&t, folder, ORIENTATION);
     uint32_t more = find_number(&t, folder, EXIF_FOLDER);
     uint32_t space = more ? find_number(&t, more, COLOUR_SPACE) : 0;
-    if (turn > 1 && turn <= 8)
-        lf_image_note(notes, "EXIF orientation %u is not used: the picture is not turned", turn);
+    if (t.is_broken)
+        lf_image_note(&said->notes, "the EXIF is broken: what is left of it is used");
+    if (turn > 8)
+        lf_image_note(&said->notes, "EXIF orientation %u is unknown: the picture is not turned",
+                      turn);
+    else if (turn > 0 && said->orientation == 0)
+        said->orientation = (int)turn;
     if (space > 1 && space != 0xffff) /* that is none of both that EXIF knows: a profile's */
-        lf_image_note(notes, "EXIF colour space %u%s is not used: colours are taken as sRGB", space,
-                      space == 2 ? " (Adobe RGB)" : "");
+        lf_image_note(&said->notes, "EXIF colour space %u%s is not used: colours are taken as sRGB",
+                      space, space == 2 ? " (Adobe RGB)" : "");
 }

@@ -18,8 +18,8 @@ static inline uint32_t lf_be32(const uint8_t *p)
  * one of sRGB: its primaries to three digits, and a curve that is sRGB's to 1 %. */
 bool lf_icc_is_srgb(const uint8_t *data, size_t size);
 
-/* Notes what EXIF (a TIFF, beginning with its byte order) says of the pixels that the picture
- * lacks: an orientation other than 1, and a colour space other than sRGB. */
-void lf_exif_note(const uint8_t *data, size_t size, lf_image_notes *notes);
+/* Takes what EXIF (a TIFF, beginning with its byte order) says of the pixels: the orientation of
+ * the main picture (the first that is said counts), and notes a colour space other than sRGB. */
+void lf_exif_read(const uint8_t *data, size_t size, lf_image_said *said);
 
 #endif

@@ -1,5 +1,6 @@
 #include "base/image_said.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -58,4 +59,12 @@ bool lf_image_notes_next(const lf_image_notes *notes, size_t *at, char *line, si
     snprintf(line, size, "%.*s", (int)n, from);
     *at += n + 1;
     return true;
+}
+
+void lf_image_say_aspect(lf_image_said *said, const char *what, double aspect)
+{
+    if (!(aspect >= 0.01 && aspect <= 100))
+        lf_image_note(&said->notes, "%s is no shape of pixels: they are taken as square", what);
+    else if (fabs(aspect - 1) > 1e-3)
+        said->pixel_aspect = aspect;
 }

@@ -22,8 +22,15 @@ typedef struct lf_image_notes {
 
 typedef struct lf_image_said {
     lf_image_layout layout;
+    int orientation; /* of EXIF, 1..8; 0: none is said. lf_image8_read_said has obeyed it */
+    /* width / height of a pixel of the picture, the right way up; 0: square */
+    double pixel_aspect;
     lf_image_notes notes;
 } lf_image_said;
+
+/* Takes what `what` (a chunk, an attribute) says of the shape of pixels, width / height: near to 1
+ * is square; beyond 1:100 it is noted and not used. */
+void lf_image_say_aspect(lf_image_said *said, const char *what, double aspect);
 
 /* Adds a line, once however often it comes, without its control characters; notes NULL: nobody
  * listens. What is too long is cut, a line without room is dropped. */

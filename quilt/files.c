@@ -1,4 +1,6 @@
 #include <dirent.h>
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -6,7 +8,7 @@
 
 #include "base/alloc.h"
 #include "base/import/raster.h"
-#include "quilt/quilt.h"
+#include "quilt/photo.h"
 
 #define MAX_FOLDER_VIEWS 4096
 #define MAX_SAMPLES ((size_t)1 << 31)
@@ -64,20 +66,20 @@ static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *e
     return LF_OK;
 }
 
-/* Copies the part of a picture whose corner is (x, y) into a view. */
-static void take_view(lf_quilt_file *q, int view, const lf_raster *p, int x, int y)
+/* Copies the part of a picture whose corner is (x, y), turned, into a view. */
+static void take_view(lf_quilt_file *q, int view, const lf_raster *p, int x, int y, int orientation)
 {
-    size_t n = (size_t)q->layout.view_width * 3;
-    for (int row = 0; row < q->layout.view_height; row++) {
-        size_t to = ((size_t)view * (size_t)q->layout.view_height + (size_t)row) * n,
-               from_row = (size_t)(y + row);
-        if (q->is_float)
-            memcpy(q->image32.data + to, p->data32 + (from_row * (size_t)p->width + (size_t)x) * 3,
-                   n * sizeof(float));
-        else
-            memcpy(q->image8.data + to, p->data8 + (from_row * (size_t)p->width + (size_t)x) * 3,
-                   n);
-    }
+    const lf_layout *l = &q->layout;
+    const bool swaps = lf_orientation_swaps(orientation);
+    const int width = swaps ? l->view_height : l->view_width,
+              height = swaps ? l->view_width : l->view_height;
+    const size_t row = (size_t)p->width * 3, from = (size_t)y * row + (size_t)x * 3,
+                 to = (size_t)view * (size_t)width * (size_t)height * 3;
+    if (q->is_float)
+        lf_orient(orientation, p->data32 + from, row * sizeof(float), width, height,
+                  3 * sizeof(float), q->image32.data + to);
+    else
+        lf_orient(orientation, p->data8 + from, row, width, height, 3, q->image8.data + to);
 }
 
 void lf_quilt_finish(lf_quilt_file *q)
@@ -89,22 +91,45 @@ void lf_quilt_finish(lf_quilt_file *q)
 
 /* ------------------------------------------------------------------------------------- quilt -- */
 
-static lf_status cut_quilt(const char *path, const lf_raster *p, lf_quilt_file *q, lf_error *err)
+/* Turns the shape of a view. */
+static void turn_layout(lf_layout *l, int orientation)
+{
+    const int width = l->view_width;
+    if (!lf_orientation_swaps(orientation))
+        return;
+    l->view_width = l->view_height;
+    l->view_height = width;
+    l->aspect = 1 / l->aspect;
+}
+
+/* As it is meant to be seen. */
+static double aspect_of(int width, int height, const lf_raster *p)
+{
+    return (double)width / height * (p->said.pixel_aspect > 0 ? p->said.pixel_aspect : 1);
+}
+
+static lf_status cut_quilt(const char *path, const lf_raster *p, const lf_photo *photo,
+                           lf_quilt_file *q, lf_error *err)
 {
     lf_layout *l = &q->layout;
     if (p->width < l->columns || p->height < l->rows)
         return lf_error_set(err, LF_E_FORMAT, path, "%dx%d pixels are too few for %dx%d views",
                             p->width, p->height, l->columns, l->rows);
+    const int width = p->width / l->columns, height = p->height / l->rows;
     l->n_views = l->columns * l->rows;
-    l->view_width = p->width / l->columns;
-    l->view_height = p->height / l->rows;
+    l->view_width = width;
+    l->view_height = height;
+    if (photo->aspect > 0)
+        l->aspect = photo->aspect;
     if (!(l->aspect > 0))
-        l->aspect = (double)l->view_width / l->view_height;
+        l->aspect = aspect_of(width, height, p);
+    const int orientation = lf_photo_orientation(photo, l->aspect);
+    turn_layout(l, orientation);
     q->is_float = p->data32;
     lf_status status = allocate_views(q, path, err);
     for (int view = 0; view < l->n_views && status == LF_OK; view++)
-        take_view(q, view, p, view % l->columns * l->view_width,
-                  p->height - (view / l->columns + 1) * l->view_height);
+        take_view(q, view, p, view % l->columns * width,
+                  p->height - (view / l->columns + 1) * height, orientation);
     return status;
 }
 
@@ -123,7 +148,7 @@ static lf_status refuse_name(const char *path, lf_error *err)
 }
 
 static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows,
-                            lf_quilt_file *q, lf_error *err)
+                            const lf_photo *photo, lf_quilt_file *q, lf_error *err)
 {
     int named_columns = 0, named_rows = 0;
     double aspect = 0;
@@ -138,7 +163,7 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
     lf_raster p = {0};
     lf_status status = lf_raster_open(path, roots, false, &p, err);
     if (status == LF_OK)
-        status = cut_quilt(path, &p, q, err);
+        status = cut_quilt(path, &p, photo, q, err);
     lf_image_note_lines(&q->notes, p.said.notes.text, p.said.notes.length);
     lf_raster_close(&p);
     return status;
@@ -209,62 +234,171 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
     return status;
 }
 
-static lf_status begin_folder(const char *folder, const lf_raster *first, int n, lf_quilt_file *q,
-                              lf_error *err)
+/* A folder that is being read. */
+typedef struct folder {
+    const char *path;
+    const lf_roots *roots;
+    name_list list;
+    lf_photo photo; /* its frame: the first picture's where there is no other */
+    lf_quilt_file *q;
+    int width, height; /* of the first picture as it is stored */
+    int n_odd;         /* pictures of another size */
+    char odd[256];     /* their names and sizes */
+    bool odd_is_full;  /* not all of them */
+} folder;
+
+static lf_status begin_folder(folder *f, const lf_raster *first, double aspect, lf_error *err)
 {
+    const int orientation = lf_photo_orientation(&f->photo, aspect);
+    lf_quilt_file *q = f->q;
     q->is_float = first->data32;
-    q->layout = (lf_layout){.n_views = n,
+    q->layout = (lf_layout){.n_views = f->list.n,
                             .view_width = first->width,
                             .view_height = first->height,
-                            .aspect = (double)first->width / first->height};
-    lf_layout_tiles(n, first->width, first->height, &q->layout.columns, &q->layout.rows);
-    return allocate_views(q, folder, err);
+                            .aspect = aspect};
+    turn_layout(&q->layout, orientation);
+    f->width = first->width;
+    f->height = first->height;
+    if (!(f->photo.frame > 0))
+        f->photo.frame = q->layout.aspect;
+    lf_layout_tiles(f->list.n, q->layout.view_width, q->layout.view_height, &q->layout.columns,
+                    &q->layout.rows);
+    return allocate_views(q, f->path, err);
 }
 
-static lf_status take_picture(const char *folder, const name_list *list, int view,
-                              const lf_roots *roots, lf_quilt_file *q, lf_error *err)
+static const char *base_name(const char *path)
 {
-    const char *name = list->names[view];
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* Remembers a picture of another size, and notes where it loses. */
+static void note_odd(folder *f, const char *path, const lf_raster *p,
+                     const lf_photo_picture *turned, const lf_photo_place *place)
+{
+    const lf_layout *l = &f->q->layout;
+    const size_t used = strlen(f->odd);
+    const char *name = base_name(path);
+    const double scale = place->height * l->view_height / turned->height;
+    const int n = snprintf(f->odd + used, sizeof f->odd - used, "%s%.60s (%dx%d)", used ? ", " : "",
+                           name, p->width, p->height);
+    if (n < 0 || (size_t)n >= sizeof f->odd - used) {
+        f->odd[used] = '\0';
+        f->odd_is_full = true;
+    }
+    f->n_odd++;
+    if (place->cut > 0)
+        lf_image_note(&f->q->notes,
+                      "%.60s: %.0f %% of the picture are cut (--photo fit shows it whole)", name,
+                      100 * place->cut);
+    if (scale > 2 || scale < 0.5)
+        lf_image_note(&f->q->notes, "%.60s: %dx%d pixels are scaled by %.3g", name, p->width,
+                      p->height, scale);
+}
+
+static void note_folder(const folder *f)
+{
+    if (f->n_odd == 0)
+        return;
+    lf_image_note(&f->q->notes, "%d of %d pictures are not %dx%d as %.60s is: %s%s; %s", f->n_odd,
+                  f->list.n, f->width, f->height, base_name(f->list.names[0]), f->odd,
+                  f->odd_is_full ? " ..." : "",
+                  f->photo.mode == LF_PHOTO_FIT
+                      ? "they are scaled whole, with black borders (--photo fill cuts them instead)"
+                      : "they are scaled and cut (--photo fit shows them whole)");
+}
+
+/* A picture of another size than the first; shape: as it is turned. */
+static lf_status scale_picture(folder *f, int view, const lf_raster *p, const lf_layout *shape,
+                               int orientation, lf_error *err)
+{
+    const lf_layout *l = &f->q->layout;
+    const char *name = f->list.names[view];
+    const size_t pixel = 3 * (p->data32 ? sizeof(float) : 1),
+                 to = (size_t)view * (size_t)l->view_width * (size_t)l->view_height * 3;
+    const void *in = p->data32 ? (const void *)p->data32 : p->data8;
+    void *turned = lf_calloc((size_t)p->width * (size_t)p->height, pixel);
+    if (!turned)
+        return lf_error_set(err, LF_E_NOMEM, name, "no memory for the picture");
+    lf_orient(orientation, in, (size_t)p->width * pixel, p->width, p->height, pixel, turned);
+    const lf_photo_picture picture = {.width = shape->view_width,
+                                      .height = shape->view_height,
+                                      .aspect = shape->aspect,
+                                      .data8 = p->data32 ? NULL : turned,
+                                      .data32 = p->data32 ? turned : NULL};
+    const lf_photo_place place = lf_photo_lay(&f->photo, picture.aspect, l->aspect, 1,
+                                              l->aspect / l->view_width, 1.0 / l->view_height);
+    note_odd(f, name, p, &picture, &place);
+    lf_status status =
+        lf_photo_draw(&picture, &place, l, f->q->is_float ? NULL : f->q->image8.data + to,
+                      f->q->is_float ? f->q->image32.data + to : NULL);
+    lf_free(turned);
+    return status == LF_OK ? status : lf_error_set(err, status, name, "no memory for the picture");
+}
+
+static lf_status take_raster(folder *f, int view, const lf_raster *p, lf_error *err)
+{
+    const double aspect = f->photo.aspect > 0 ? f->photo.aspect : aspect_of(p->width, p->height, p);
+    lf_status status = view == 0 ? begin_folder(f, p, aspect, err) : LF_OK;
+    if (status == LF_OK && !p->data32 == f->q->is_float)
+        return lf_error_set(err, LF_E_FORMAT, f->list.names[view],
+                            "pictures of 8 bits and of floats in one folder");
+    if (status != LF_OK)
+        return status;
+    const int orientation = lf_photo_orientation(&f->photo, aspect);
+    lf_layout turned = {.view_width = p->width, .view_height = p->height, .aspect = aspect};
+    turn_layout(&turned, orientation);
+    const lf_layout *l = &f->q->layout;
+    if (turned.view_width != l->view_width || turned.view_height != l->view_height ||
+        fabs(turned.aspect / l->aspect - 1) > 1e-3)
+        return scale_picture(f, view, p, &turned, orientation, err);
+    take_view(f->q, view, p, 0, 0, orientation);
+    return LF_OK;
+}
+
+static lf_status take_picture(folder *f, int view, lf_error *err)
+{
     lf_raster p = {0};
-    lf_status status = lf_raster_open(name, roots, false, &p, err);
-    if (status == LF_OK && view == 0)
-        status = begin_folder(folder, &p, list->n, q, err);
-    if (status == LF_OK && (p.width != q->layout.view_width || p.height != q->layout.view_height))
-        status = lf_error_set(err, LF_E_FORMAT, name,
-                              "%dx%d pixels (expected %dx%d as in the first view)", p.width,
-                              p.height, q->layout.view_width, q->layout.view_height);
-    if (status == LF_OK && !p.data32 == q->is_float)
-        status =
-            lf_error_set(err, LF_E_FORMAT, name, "pictures of 8 bits and of floats in one folder");
+    lf_status status = lf_raster_open(f->list.names[view], f->roots, false, &p, err);
     if (status == LF_OK)
-        take_view(q, view, &p, 0, 0);
-    lf_image_note_lines(&q->notes, p.said.notes.text, p.said.notes.length);
+        status = take_raster(f, view, &p, err);
+    lf_image_note_lines(&f->q->notes, p.said.notes.text, p.said.notes.length);
     lf_raster_close(&p);
     return status;
 }
 
-static lf_status read_folder(const char *folder, const lf_roots *roots, lf_quilt_file *q,
-                             lf_error *err)
+static lf_status read_folder(const char *path, const lf_roots *roots, const lf_photo *photo,
+                             lf_quilt_file *q, lf_error *err)
 {
-    name_list list = {0};
-    lf_status status = list_pictures(folder, roots, &list, err);
-    for (int view = 0; view < list.n && status == LF_OK; view++)
-        status = take_picture(folder, &list, view, roots, q, err);
-    name_list_finish(&list);
+    folder f = {.path = path, .roots = roots, .photo = *photo, .q = q};
+    lf_status status = list_pictures(path, roots, &f.list, err);
+    for (int view = 0; view < f.list.n && status == LF_OK; view++)
+        status = take_picture(&f, view, err);
+    if (status == LF_OK)
+        note_folder(&f);
+    name_list_finish(&f.list);
+    return status;
+}
+
+lf_status lf_quilt_read_photo(const char *path, const lf_roots *roots, int columns, int rows,
+                              const lf_photo *photo, lf_quilt_file *out, lf_error *err)
+{
+    static const lf_photo plain = {0};
+    const lf_photo *how = photo ? photo : &plain;
+    lf_quilt_file q = {0};
+    lf_status status = is_folder(path) ? read_folder(path, roots, how, &q, err)
+                                       : read_quilt(path, roots, columns, rows, how, &q, err);
+    if (status == LF_OK)
+        *out = q;
+    else
+        lf_quilt_finish(&q);
     return status;
 }
 
 lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows,
                         lf_quilt_file *out, lf_error *err)
 {
-    lf_quilt_file q = {0};
-    lf_status status = is_folder(path, roots) ? read_folder(path, roots, &q, err)
-                                              : read_quilt(path, roots, columns, rows, &q, err);
-    if (status == LF_OK)
-        *out = q;
-    else
-        lf_quilt_finish(&q);
-    return status;
+    return lf_quilt_read_photo(path, roots, columns, rows, NULL, out, err);
 }
 
 /* ------------------------------------------------------------------------------------- write -- */
@@ -362,6 +496,16 @@ static lf_status check_layout(const lf_layout *l, int n_views, int width, int he
     return LF_OK;
 }
 
+/* Of a picture that is one view: a quilt's name says it, and a view's only its pixels can. 0: they
+ * are square. */
+static double pixel_aspect_of(const lf_layout *l)
+{
+    const double aspect = l->aspect * l->view_height / l->view_width;
+    return l->columns * l->rows == 1 && fabs(aspect - 1) > 1e-3 && aspect >= 0.01 && aspect <= 100
+               ? aspect
+               : 0;
+}
+
 lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views, const lf_layout *layout,
                              const lf_attribute *attributes, int n_attributes, lf_error *err)
 {
@@ -369,8 +513,9 @@ lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views, const lf_
     if (status != LF_OK)
         return status;
     quilt_rows8 rows = {views, layout};
-    return lf_png_write_rows(file, layout->columns * views->width, layout->rows * views->height,
-                             row8, &rows, PNG_LEVEL, attributes, n_attributes, err);
+    return lf_png_write_oblong(file, layout->columns * views->width, layout->rows * views->height,
+                               pixel_aspect_of(layout), row8, &rows, PNG_LEVEL, attributes,
+                               n_attributes, err);
 }
 
 lf_status lf_quilt_write_jpeg(lf_outfile *file, const lf_views8 *views, const lf_layout *layout,
@@ -395,12 +540,12 @@ lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *views, const lf
     int n = 3;
     for (int i = 0; views->layers && i < views->layers->n && n < LF_EXR_MAX_CHANNELS; i++)
         names[n++] = views->layers->names[i];
-    const lf_channels32 channels = {names, n, row32, &rows};
+    const lf_channels32 channels = {names, n, row32, &rows, pixel_aspect_of(layout)};
     return lf_exr_write_channels(file, layout->columns * views->width, layout->rows * views->height,
                                  &channels, attributes, n_attributes, err);
 }
 
-lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view,
+lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view, double aspect,
                             const lf_attribute *attributes, int n_attributes, lf_error *err)
 {
     lf_views32 one = *views;
@@ -419,6 +564,7 @@ lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view,
                         .rows = 1,
                         .n_views = 1,
                         .view_width = views->width,
-                        .view_height = views->height};
+                        .view_height = views->height,
+                        .aspect = aspect};
     return lf_quilt_write_exr(file, &one, &layout, attributes, n_attributes, err);
 }

@@ -170,6 +170,27 @@ LF_NODISCARD lf_status lf_card_draw(const char *text, int width, int height, lf_
 int lf_changed_rects(const lf_image8 *before, const lf_image8 *after, lf_rect *out_rects,
                      int max_rects);
 
+/* ------------------------------------------------------------------------------------ photos -- */
+
+typedef enum lf_photo_mode { LF_PHOTO_FIT, LF_PHOTO_FILL } lf_photo_mode;
+typedef enum lf_turn { LF_TURN_NONE, LF_TURN_90, LF_TURN_180, LF_TURN_270, LF_TURN_AUTO } lf_turn;
+
+/* How a finished picture is laid onto a view, a panel or a print of another shape. Zeroed: whole,
+ * in the middle, as it stands, with borders (black on views and panels, white on prints). */
+typedef struct lf_photo {
+    lf_photo_mode mode;
+    int position;   /* row of a table of words, 0 the middle */
+    lf_turn rotate; /* clockwise; auto: by 90 where frame is upright and the picture is not, or the
+                       other way round */
+    double aspect;  /* of a view as its file has it, width / height; 0: what the files say */
+    /* not set by people: width / height of the panel or print; 0: there is none */
+    double frame;
+} lf_photo;
+/* Names, ranges and defaults of what people set (base/param.h): mode and position, and what is of
+ * pictures as they are read. */
+extern const lf_param lf_photo_params[];
+extern const lf_param lf_picture_params[];
+
 /* ------------------------------------------------------------------------------------- files -- */
 
 /* A light field read from a quilt picture or a folder of views. */
@@ -182,18 +203,26 @@ typedef struct lf_quilt_file {
     lf_image32 image32;
     lf_views8 views8;   /* valid when !is_float */
     lf_views32 views32; /* valid when is_float */
-    /* what the picture's file says and is not used, or those of a folder, each line once */
+    /* what the picture's file says and is not used, or those of a folder, each line once, and what
+     * was scaled or cut */
     lf_image_notes notes;
 } lf_quilt_file;
 
 /* True when path names a picture (PNG, JPEG, EXR by contents) or a folder, and not a scene. */
 bool lf_is_quilt(const char *path, const lf_roots *roots);
 /* columns, rows 0 = from the name (LF_E_ARG when it has none). Padding at right and top is left
- * out; every tile is a view. The aspect is the name's, else that of a tile. A folder: its pictures
- * (by their endings, not hidden ones) in name order, all of one size and kind, at most 4096.
- * LF_E_FORMAT, LF_E_IO, LF_E_PATH, LF_E_NOMEM. */
+ * out; every tile is a view. The aspect is the name's, else that of a tile's pixels, whose shape
+ * the file may say. A folder: its pictures (by their endings, not hidden ones) in name order, all
+ * of one kind, at most 4096; those of another size than the first are laid onto one of its size, as
+ * photo says (NULL: as a zeroed one does), which a line of notes tells. A picture that is turned
+ * changes the aspect, too. LF_E_FORMAT, LF_E_IO, LF_E_PATH, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_quilt_read_photo(const char *path, const lf_roots *roots, int columns,
+                                           int rows, const lf_photo *photo, lf_quilt_file *out,
+                                           lf_error *err);
 LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows,
                                      lf_quilt_file *out, lf_error *err);
+/* With LF_PHOTO_FILL, and a frame: cuts the views to its aspect, to whole pixels, and notes it. */
+void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt);
 void lf_quilt_finish(lf_quilt_file *quilt);
 
 /* Row y, from the top, of the picture that lf_quilt_write_png makes of the same: 3 bytes a pixel,
@@ -212,10 +241,11 @@ LF_NODISCARD lf_status lf_quilt_write_exr(lf_outfile *file, const lf_views32 *vi
                                           const lf_layout *layout, const lf_attribute *attributes,
                                           int n_attributes, lf_error *err);
 
-/* One view of them, alone. */
+/* One view of them, alone. As the picture of one view by lf_quilt_write_png and _exr, it says the
+ * shape of its pixels where those of this aspect (0: not known) are not square. */
 LF_NODISCARD lf_status lf_view_write_exr(lf_outfile *file, const lf_views32 *views, int view,
-                                         const lf_attribute *attributes, int n_attributes,
-                                         lf_error *err);
+                                         double aspect, const lf_attribute *attributes,
+                                         int n_attributes, lf_error *err);
 
 /* -------------------------------------------------------------------------- lenticular print -- */
 
@@ -267,8 +297,10 @@ typedef struct lf_print {
     /* horizontal only: views come from a rolled rig, see lf_print_shape_of */
     bool rolled;
     double view_aspect; /* views of another size than the shape's (a quilt picture): width / height
-                           they are meant to be seen with; they are scaled to cover the raster,
-                           centred, what stands over is cut. 0 = stretched over the raster */
+                           they are meant to be seen with; they are laid onto the raster as photo
+                           says, with white borders; what shows no border inside of the trim size
+                           covers the raster. 0 = stretched over the raster */
+    lf_photo photo;     /* its rotate, aspect and frame are not read */
     double parallax_lenses; /* largest shift of a point between neighbouring views, in lens pitches,
                                if known: above 1 is warned of */
 } lf_print;
@@ -329,10 +361,15 @@ typedef struct lf_print_run {
     const char *tonemap; /* as for lf_tone_create; NULL = "srgb" */
     /* an object that is put into the manifest; may be NULL */
     const struct json_t *settings;
-    const lf_cancel *cancel;                          /* looked at once a strip; may be NULL */
+    const lf_image_notes *notes; /* warnings for the manifest, a line each; may be NULL */
+    const lf_cancel *cancel;     /* looked at once a strip; may be NULL */
     void (*progress)(void *context, double fraction); /* rising, 0..1; may be NULL */
     void *context;
 } lf_print_run;
+
+/* Notes what lf_print_write cuts of these views, how wide their borders are, and a scale along the
+ * lenses beyond 2. print must have passed lf_print_check. */
+void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes);
 
 /* Interlaces and streams the TIFF onto tiff->fd (seekable, empty), then writes the manifest JSON;
  * neither is committed: the caller commits both, or abandons both on failure. Memory beyond the

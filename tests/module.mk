@@ -2,7 +2,7 @@
 test_libraries := stat optics kms spoiled pictures faulty meshes
 # What a room's tests link: its own library and base; the tests of other folders link everything.
 test_libs_base := pictures base
-test_libs_quilt := optics quilt base
+test_libs_quilt := optics pictures quilt base
 test_libs_device := kms model device base
 test_libs_render := $(if $(PORTABLE),,meshes spoiled pictures) stat render base
 test_libs_stat := stat render base

@@ -25,14 +25,16 @@ static lf_status take_pixels(lf_raster *out, lf_error *err)
     const int64_t *shape = lf_parcel_get(&out->parcel, LF_PARCEL_SHAPE, &n);
     out->data8 = lf_parcel_get(&out->parcel, LF_PARCEL_PIXELS8, &n8);
     out->data32 = lf_parcel_get(&out->parcel, LF_PARCEL_PIXELS32, &n32);
-    if ((n != 2 && n != 3) || !out->data8 == !out->data32 || shape[0] < 1 ||
+    if (n < 2 || n > 4 || !out->data8 == !out->data32 || shape[0] < 1 ||
         shape[0] > LF_IMAGE_MAX_SIDE || shape[1] < 1 || shape[1] > LF_IMAGE_MAX_SIDE ||
         (uint64_t)(3 * shape[0] * shape[1]) != n8 + n32)
         return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no picture");
     out->width = (int)shape[0];
     out->height = (int)shape[1];
-    if (n == 3 && shape[2] == LF_IMAGE_CUBE && shape[1] == 6 * shape[0])
+    if (n >= 3 && shape[2] == LF_IMAGE_CUBE && shape[1] == 6 * shape[0])
         out->said.layout = LF_IMAGE_CUBE;
+    if (n == 4 && shape[3] >= 10000 && shape[3] <= 100000000)
+        out->said.pixel_aspect = (double)shape[3] / 1e6;
     const char *notes = lf_parcel_get(&out->parcel, LF_PARCEL_WARNINGS, &n_notes);
     lf_image_note_lines(&out->said.notes, notes, n_notes);
     return out->data32 ? check_floats(out, err) : LF_OK;

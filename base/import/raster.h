@@ -12,7 +12,7 @@ typedef struct lf_raster {
     /* one of both, [height][width][3]: display encoded, or linear and finite */
     const uint8_t *data8;
     const float *data32;
-    lf_image_said said; /* what else the file says */
+    lf_image_said said; /* what else the file says; orientation has been obeyed, and is 0 */
     lf_parcel parcel;
 } lf_raster;
 

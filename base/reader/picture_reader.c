@@ -1,13 +1,15 @@
 /* quiltimport-picture: skies, quilts and views. Apart from meshes, whose library has no business
  * with them, and as there may be one for every view. */
+#include <math.h>
+
 #include "base/image_io.h"
 #include "base/reader/reader.h"
 
 static lf_status put_said(lf_parcel_writer *parcel, int width, int height,
                           const lf_image_said *said, lf_error *err)
 {
-    const int64_t shape[3] = {width, height, said->layout};
-    lf_status status = lf_parcel_put(parcel, LF_PARCEL_SHAPE, shape, 3, err);
+    const int64_t shape[] = {width, height, said->layout, llround(said->pixel_aspect * 1e6)};
+    lf_status status = lf_parcel_put(parcel, LF_PARCEL_SHAPE, shape, 4, err);
     return status == LF_OK ? lf_parcel_put(parcel, LF_PARCEL_WARNINGS, said->notes.text,
                                            said->notes.length, err)
                            : status;

@@ -118,7 +118,9 @@ static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf
     } else if (named && (!load->meant || strcmp(load->file, load->meant) != 0)) {
         options.columns = options.rows = 0;
     }
-    lf_status status = lf_content_from_quilt(load->file, roots, &options, out, &load->err);
+    lf_status status = lf_content_from_quilt(
+        load->file, roots, &options, load->has_calibration ? &load->calibration : NULL, out,
+        &load->err);
     /* whoever calls has no command line */
     if (status == LF_E_ARG && load->deferred && !named && options.columns == 0)
         status = lf_error_set(&load->err, LF_E_ARG, load->file,

@@ -46,19 +46,24 @@ lf_status lf_content_from_scene(lf_scene *scene, const char *file, const lf_opti
 }
 
 lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const lf_options *options,
-                                lf_content **out_content, lf_error *err)
+                                const lf_calibration *calibration, lf_content **out_content,
+                                lf_error *err)
 {
+    lf_photo photo = options->photo;
+    if (calibration)
+        photo.frame = (double)calibration->screen_width_px / calibration->screen_height_px;
     lf_content *content = content_create(file);
     if (!content)
         return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
     lf_import_group group, *before = lf_import_group_begin(&group); /* of a folder's pictures */
-    lf_status status =
-        lf_quilt_read(file, roots, options->columns, options->rows, &content->quilt, err);
+    lf_status status = lf_quilt_read_photo(file, roots, options->columns, options->rows, &photo,
+                                           &content->quilt, err);
     (void)lf_import_group_enter(before);
     if (status != LF_OK) {
         lf_content_unref(content);
         return status;
     }
+    lf_photo_cut(&photo, &content->quilt);
     lf_log_notes(&content->quilt.notes, file);
     content->layout = content->quilt.layout;
     *out_content = content;

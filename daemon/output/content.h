@@ -24,16 +24,17 @@ typedef struct lf_content {
     char *document;
 } lf_content;
 
-/* From a scene (a reference is taken) or from a quilt picture (read here). calibration may be NULL.
- * On LF_OK the caller owns a reference. A scene's film has features unless reconstruct is off: auto
- * is on, here. */
+/* From a scene (a reference is taken) or from a quilt picture (read here). calibration may be NULL:
+ * a picture is laid onto no panel. On LF_OK the caller owns a reference. A scene's film has
+ * features unless reconstruct is off: auto is on, here. */
 LF_NODISCARD lf_status lf_content_from_scene(lf_scene *scene, const char *file,
                                              const lf_options *options,
                                              const lf_calibration *calibration,
                                              lf_content **out_content, lf_error *err);
 LF_NODISCARD lf_status lf_content_from_quilt(const char *file, const lf_roots *roots,
-                                             const lf_options *options, lf_content **out_content,
-                                             lf_error *err);
+                                             const lf_options *options,
+                                             const lf_calibration *calibration,
+                                             lf_content **out_content, lf_error *err);
 /* Makes its document, before others see the content: whoever is asked for it then only copies a
  * text that is not too long to be sent. Takes time with the size of what is not. */
 void lf_content_write_document(lf_content *content);

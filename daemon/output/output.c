@@ -196,7 +196,8 @@ lf_output_source lf_output_from_quilt(const lf_quilt_file *quilt)
     return (lf_output_source){.is_float = quilt->is_float,
                               .views8 = quilt->views8,
                               .views32 = quilt->views32,
-                              .aspect = quilt->layout.aspect};
+                              .aspect = quilt->layout.aspect,
+                              .notes = &quilt->notes};
 }
 
 lf_output_source lf_output_from_film(const lf_render_settings *settings, const float *film)

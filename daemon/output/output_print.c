@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "daemon/output/content.h"
 #include "daemon/output/output_internal.h"
 
 /* The column of cameras that horizontal lenses want: the rig rolled by 90 degrees, see
@@ -75,6 +76,24 @@ lf_print_run output_print_run(const lf_output_request *request)
                           .context = request->context};
 }
 
+/* The warnings of the manifest: what was said of the picture already, and how it lies, which is
+ * logged, too. */
+static void note_laid(const lf_output_request *request, const lf_output_source *source,
+                      const lf_print *print, const lf_views32 *views, lf_image_notes *out)
+{
+    const char *name = json_string_value(json_object_get(request->settings, "scene"));
+    lf_image_notes laid = {0};
+    char line[512];
+    name = name ? name : request->path;
+    lf_print_note_laid(print, views, &laid);
+    lf_log_notes(&laid, name);
+    for (size_t at = 0;
+         source->notes && lf_image_notes_next(source->notes, &at, line, sizeof line);)
+        lf_image_note(out, "%s: %s", name, line);
+    for (size_t at = 0; lf_image_notes_next(&laid, &at, line, sizeof line);)
+        lf_image_note(out, "%s: %s", name, line);
+}
+
 static lf_status write_files(const lf_output_request *request, const lf_output_source *source,
                              lf_outfile *files, lf_error *err)
 {
@@ -88,6 +107,9 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     }
     if (!(print.view_aspect > 0))
         print.view_aspect = source->aspect;
+    lf_image_notes notes = {0};
+    note_laid(request, source, &print, &views, &notes);
+    run.notes = &notes;
     return lf_print_write(&print, &views, &run, &files[0], &files[1], err);
 }
 

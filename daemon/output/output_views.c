@@ -78,8 +78,8 @@ static lf_status write_exrs(const lf_output_request *request, const lf_output_so
     for (int view = 0; view < views.n_views && status == LF_OK; view++) {
         status = output_check_cancel(request, err);
         if (status == LF_OK)
-            status =
-                lf_view_write_exr(&files[view], &views, view, attributes.list, attributes.n, err);
+            status = lf_view_write_exr(&files[view], &views, view, source->aspect, attributes.list,
+                                       attributes.n, err);
         output_progress(request, (view + 1.0) / (views.n_views + 1.0));
     }
     return status;

@@ -86,10 +86,25 @@ static lf_status take_tiles(const lf_call *call, lf_load *load, lf_error *err)
     return LF_OK;
 }
 
+/* How a picture is to lie in its view, where the call says so. */
+static lf_status take_photo(const lf_call *call, lf_load *load, lf_error *err)
+{
+    load->photo = call->server->options.photo;
+    load->has_photo = true;
+    lf_status status =
+        lf_param_from_json(lf_photo_params, call->params, &load->photo, "scene.load", err);
+    if (status == LF_OK)
+        status =
+            lf_param_from_json(lf_picture_params, call->params, &load->photo, "scene.load", err);
+    return status;
+}
+
 /* The words of a call that loads a file. */
 static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
 {
     lf_status status = take_passed(call, &load->passed, err);
+    if (status == LF_OK)
+        status = take_photo(call, load, err);
     if (status == LF_OK)
         status = take_tiles(call, load, err);
     return status == LF_OK ? find_file(call, load->passed, &load->file, err) : status;

@@ -429,6 +429,8 @@ static void on_load_done(void *reader, lf_task *task)
 static void queue_load(lf_server *server, lf_load *load)
 {
     load->options = server->options;
+    if (load->has_photo)
+        load->options.photo = load->photo;
     const lf_calibration *calibration = lf_show_calibration(server->show);
     load->has_calibration = calibration;
     if (calibration)

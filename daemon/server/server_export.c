@@ -51,7 +51,10 @@ static lf_status take_print_words(lf_job *job, const json_t *params, lf_error *e
         return lf_error_set(err, LF_E_ARG, "export", "%s needs %s; \"%s\" is missing",
                             job->kind->what, job->kind->asks, missing);
     lf_param_defaults(lf_print_params, print);
+    print->photo = job->server->options.photo;
     lf_status status = lf_param_from_json(lf_print_params, params, print, "export", err);
+    if (status == LF_OK)
+        status = lf_param_from_json(lf_photo_params, params, &print->photo, "export", err);
     if (status == LF_OK && !job->kind->is_drawn)
         status = lf_print_choose_views(print, job->server->content->layout.n_views, "export",
                                        "/views", err);

@@ -52,6 +52,8 @@ static void print_help(void)
            "                         usb[:BUS-PORT], sim:DIR[,option=value...] or none\n");
     lf_param_print_help(lf_option_params, shared);
     lf_param_print_help(lf_response_params, NULL);
+    lf_param_print_help(lf_photo_params, NULL);
+    lf_param_print_help(lf_picture_params, NULL);
     printf(
         "  --state DIR            keeps the accumulation there over restarts\n"
         "  --allow-path DIR       clients may name files to read beneath it; may be given often\n"
@@ -129,6 +131,8 @@ int main(int argc, char *argv[])
     lf_server_config config = {.device = "auto"};
     const lf_options_part parts[] = {{lf_option_params, shared, &config.options},
                                      {lf_response_params, NULL, &config.response},
+                                     {lf_photo_params, NULL, &config.options.photo},
+                                     {lf_picture_params, NULL, &config.options.photo},
                                      {0}};
     const lf_options_rules rules = {.program = PROGRAM,
                                     .letters = ":",

@@ -62,6 +62,8 @@ static void print_help(void)
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
     lf_param_print_help(lf_rgbd_params, NULL);
+    lf_param_print_help(lf_photo_params, NULL);
+    lf_param_print_help(lf_picture_params, NULL);
     printf("\n"
            "How long (one of them; else --passes %d, or --spp %d of what is not denoised):\n"
            "  --passes N             base paths: N for every pixel of one view's size\n"
@@ -154,6 +156,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->print_option = row->option;
     if ((params == lf_panel_params || params == lf_response_params) && !a->panel_option)
         a->panel_option = row->option;
+    if ((params == lf_photo_params || params == lf_picture_params) && !a->photo_option)
+        a->photo_option = row->option;
     if (params == lf_rgbd_params && !kind && !a->rgbd_option)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
@@ -425,6 +429,8 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},
                                      {lf_rgbd_params, NULL, &a->rgbd},
+                                     {lf_photo_params, NULL, &a->options.photo},
+                                     {lf_picture_params, NULL, &a->options.photo},
                                      {lf_frames_params, NULL, &a->frames},
                                      {lf_video_params, NULL, &a->video},
                                      {0}};

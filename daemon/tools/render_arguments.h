@@ -35,7 +35,8 @@ typedef struct lf_render_arguments {
     const char *panel_option;  /* the first option that only makes sense with --panel */
     lf_print print;
     lf_panel_options panel;
-    const char *rgbd_option; /* the first option that only makes sense with --rgbd */
+    const char *photo_option; /* the first option that only makes sense with a finished picture */
+    const char *rgbd_option;  /* the first option that only makes sense with --rgbd */
     lf_rgbd_options rgbd;
     lf_frames frames; /* checked */
     lf_video_options video;

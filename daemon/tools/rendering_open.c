@@ -41,6 +41,7 @@ static lf_status prepare_print(lf_rendering *r, int n_views_most, lf_error *err)
 {
     const char *warning = NULL;
     r->print = r->arguments->print;
+    r->print.photo = r->arguments->options.photo;
     r->print.n_views = r->arguments->options.views;
     const char *where = r->print.n_views > 0 ? "--views" : "--print";
     lf_status status = lf_print_choose_views(&r->print, n_views_most, where, NULL, err);
@@ -66,6 +67,7 @@ static void lay_out_quilt(lf_rendering *r)
         r->layout.rows = a->options.rows;
     }
     aspect = 0;
+    stated = stated || a->options.photo.aspect > 0;
     if (!stated && lf_layout_from_name(a->out, &columns, &rows, &aspect) && aspect > 0)
         r->layout.aspect = aspect;
 }
@@ -92,9 +94,17 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     const bool is_still = a->kind == &lf_output_still ||
                           (a->kind == &lf_output_quilt && o->views == 1 && o->columns == 0),
                of_middle = is_still || a->kind == &lf_output_wiggle;
-    lf_status status = lf_quilt_read(a->scene, NULL, o->columns, o->rows, &r->quilt, err);
+    lf_photo photo = o->photo;
+    if (a->kind->needs_panel)
+        photo.frame = (double)r->calibration.screen_width_px / r->calibration.screen_height_px;
+    else if (a->kind->check_print)
+        photo.frame = a->print.width_mm / a->print.height_mm;
+    lf_status status =
+        lf_quilt_read_photo(a->scene, NULL, o->columns, o->rows, &photo, &r->quilt, err);
     if (status != LF_OK)
         return status;
+    if (a->kind->needs_panel)
+        lf_photo_cut(&photo, &r->quilt);
     lf_log_notes(&r->quilt.notes, a->scene);
     r->is_quilt = true;
     if (a->kind->check_print)
@@ -232,6 +242,13 @@ static lf_status whiten(lf_rendering *r, lf_error *err)
 static lf_status open_scene(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
+    if (a->photo_option) {
+        char where[64];
+        snprintf(where, sizeof where, "--%s", a->photo_option);
+        return lf_error_set(err, LF_E_ARG, where,
+                            "only goes with a finished quilt or a folder of pictures: a scene is "
+                            "rendered in the shape that is asked for");
+    }
     if (a->kind->check_print &&
         (a->options.preset || a->options.columns > 0 || a->options.view_width > 0))
         return lf_error_set(err, LF_E_ARG, "--print",

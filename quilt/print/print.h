@@ -9,7 +9,8 @@
 
 #include <jansson.h>
 
-#include "quilt/quilt.h"
+#include "quilt/axis.h"
+#include "quilt/photo.h"
 
 /* ------------------------------------------------------------------------------------ raster -- */
 
@@ -48,27 +49,13 @@ void lf_stripe_mix_at(const lf_print *print, const lf_print_shape *shape, int pi
 
 /* ------------------------------------------------------------------------------------- views -- */
 
-/* Weighted source samples of each output sample along one axis. */
-typedef struct lf_axis_filter {
-    int n_out, max_taps;
-    int *first;    /* [n_out] source index of the first tap */
-    int *n_taps;   /* [n_out] 1..max_taps */
-    float *weight; /* [n_out][max_taps], sum 1 */
-} lf_axis_filter;
-
-/* Output sample i covers `footprint` source samples about middle start + i * step (source
- * coordinates: sample s covers [s, s + 1]): area average where footprint > 1, else linear
- * interpolation at the middle; clamped to the source's n_in samples. */
-LF_NODISCARD lf_status lf_axis_filter_init(lf_axis_filter *filter, int n_in, int n_out,
-                                           double start, double step, double footprint);
-void lf_axis_filter_finish(lf_axis_filter *filter);
-
 /* Where the interlacer gets display light from. */
 typedef struct lf_print_source {
     const lf_views32 *views;
     const lf_tone *tone;
     int n_stripe_views; /* the print's number of views */
-    bool resampled;     /* views are not of the print's shape */
+    bool resampled;     /* views are not of the print's shape: they lie as place says, in mm */
+    lf_photo_place place;
     /* floats from sample to sample of a view, across the lenses and along them */
     size_t across_step, along_step;
     int n_across_in, n_along_in; /* samples of a view in these directions */

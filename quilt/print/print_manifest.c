@@ -147,18 +147,30 @@ static json_t *stripe_part(const lf_print *print, const json_t *options)
                      "view_0", print->horizontal ? "topmost camera" : "leftmost camera");
 }
 
+/* Where a picture of another shape lies: its size, and its middle from that of the print. */
+static json_t *photo_part(const lf_print_source *source)
+{
+    const lf_photo_place *place = &source->place;
+    if (!source->resampled)
+        return NULL;
+    return json_pack("{s:[f,f], s:[f,f], s:[f,f], s:f}", "size_mm", place->width, place->height,
+                     "middle_mm", place->right, place->down, "border_mm", place->beside,
+                     place->above, "cut", place->cut);
+}
+
 static json_t *source_part(const lf_print_facts *facts)
 {
     const lf_views32 *views = facts->source->views;
     json_t *shown = json_array();
     for (int i = 0; shown && i < facts->print->n_views; i++)
         json_array_append_new(shown, json_integer(lf_print_source_view(facts->source, i)));
-    return json_pack("{s:i, s:[i,i], s:b, s:s, s:o, s:f, s:s}", "views", views->n_views, "view_px",
-                     views->width, views->height, "resampled", facts->source->resampled, "sampling",
-                     facts->source->resampled ? "area average where smaller, linear where larger"
-                                              : "one sample a lens, the printer's rows",
-                     "shown", shown, "exposure", facts->run->exposure, "tonemap",
-                     facts->run->tonemap ? facts->run->tonemap : "srgb");
+    return json_pack(
+        "{s:i, s:[i,i], s:b, s:s, s:o, s:o?, s:f, s:s}", "views", views->n_views, "view_px",
+        views->width, views->height, "resampled", facts->source->resampled, "sampling",
+        facts->source->resampled ? "area average where smaller, linear where larger"
+                                 : "one sample a lens, the printer's rows",
+        "shown", shown, "photo", photo_part(facts->source), "exposure", facts->run->exposure,
+        "tonemap", facts->run->tonemap ? facts->run->tonemap : "srgb");
 }
 
 static json_t *colour_part(const lf_print_facts *facts, const json_t *options)
@@ -178,7 +190,7 @@ static json_t *colour_part(const lf_print_facts *facts, const json_t *options)
 static json_t *warning_part(const lf_print_facts *facts)
 {
     json_t *warnings = json_array();
-    char text[160];
+    char text[512];
     if (warnings && facts->warning)
         json_array_append_new(warnings, json_string(facts->warning));
     if (warnings && facts->print->parallax_lenses > 1.0) {
@@ -188,6 +200,9 @@ static json_t *warning_part(const lf_print_facts *facts)
             facts->print->parallax_lenses);
         json_array_append_new(warnings, json_string(text));
     }
+    const lf_image_notes *notes = facts->run->notes;
+    for (size_t at = 0; warnings && notes && lf_image_notes_next(notes, &at, text, sizeof text);)
+        json_array_append_new(warnings, json_stringn_nocheck(text, strlen(text)));
     return warnings;
 }
 

@@ -4,68 +4,8 @@
 #include "base/alloc.h"
 #include "quilt/print/print.h"
 
-/* ------------------------------------------------------------------------------- axis filter -- */
-
-/* Taps of the interval [low, high] by area; outside the source its edge sample counts. */
-static void area_taps(lf_axis_filter *filter, int n_in, int i, double low, double high)
-{
-    low = fmin(fmax(low, 0.0), n_in - 1e-6);
-    high = fmin(fmax(high, low + 1e-6), (double)n_in);
-    const int first = (int)low;
-    const int last = (int)ceil(high) - 1;
-    float *weight = filter->weight + (size_t)i * (size_t)filter->max_taps;
-
-    filter->first[i] = first;
-    filter->n_taps[i] = last - first + 1;
-    for (int t = 0; t < filter->n_taps[i]; t++) {
-        const double s = first + t;
-        weight[t] = (float)((fmin(high, s + 1.0) - fmax(low, s)) / (high - low));
-    }
-}
-
-static void linear_taps(lf_axis_filter *filter, int n_in, int i, double middle)
-{
-    const double s = fmin(fmax(middle - 0.5, 0.0), n_in - 1.0);
-    const int first = (int)s;
-    const double fraction = s - first;
-    float *weight = filter->weight + (size_t)i * (size_t)filter->max_taps;
-    filter->first[i] = first;
-    filter->n_taps[i] = fraction > 0.0 ? 2 : 1;
-    weight[0] = (float)(1.0 - fraction);
-    weight[1] = (float)fraction;
-}
-
-lf_status lf_axis_filter_init(lf_axis_filter *filter, int n_in, int n_out, double start,
-                              double step, double footprint)
-{
-    const int max_taps = footprint > 1.0 ? (int)fmin(ceil(footprint) + 1.0, n_in) : 2;
-    memset(filter, 0, sizeof *filter);
-    filter->n_out = n_out;
-    filter->max_taps = max_taps;
-    filter->first = lf_calloc((size_t)n_out, sizeof *filter->first);
-    filter->n_taps = lf_calloc((size_t)n_out, sizeof *filter->n_taps);
-    filter->weight = lf_calloc((size_t)n_out, (size_t)max_taps * sizeof *filter->weight);
-    if (!filter->first || !filter->n_taps || !filter->weight) {
-        lf_axis_filter_finish(filter);
-        return LF_E_NOMEM;
-    }
-    for (int i = 0; i < n_out; i++) {
-        const double middle = start + i * step;
-        if (footprint > 1.0)
-            area_taps(filter, n_in, i, middle - 0.5 * footprint, middle + 0.5 * footprint);
-        else
-            linear_taps(filter, n_in, i, middle);
-    }
-    return LF_OK;
-}
-
-void lf_axis_filter_finish(lf_axis_filter *filter)
-{
-    lf_free(filter->first);
-    lf_free(filter->n_taps);
-    lf_free(filter->weight);
-    memset(filter, 0, sizeof *filter);
-}
+/* Aspects closer than this are the same one, rounded in a file's name. */
+#define SAME_ASPECT 1e-3
 
 /* ------------------------------------------------------------------------------------ source -- */
 
@@ -98,27 +38,44 @@ static lf_status identity_filters(lf_print_source *source, const lf_print_shape 
     return status;
 }
 
-/* The picture is laid over the raster: scaled to cover it with its aspect kept, or stretched over
- * it. */
-static lf_status covering_filters(lf_print_source *source, const lf_print *print,
-                                  const lf_print_shape *shape, bool backwards)
+/* How a picture lies on the raster, in mm. With bleed, what shows no border inside of the trim size
+ * covers it all. */
+static lf_photo_place lay(const lf_print *print, const lf_print_shape *shape)
+{
+    const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
+    const double width = shape->raster_width * right_mm, height = shape->raster_height * down_mm;
+    const double slack_width = 2 * print->bleed_mm + fmax(right_mm, SAME_ASPECT * width),
+                 slack_height = 2 * print->bleed_mm + fmax(down_mm, SAME_ASPECT * height);
+    if (!(print->view_aspect > 0.0))
+        return (lf_photo_place){.width = width, .height = height};
+    /* A rolled rig's picture lies on its side. */
+    const double aspect = print->rolled ? 1.0 / print->view_aspect : print->view_aspect;
+    return lf_photo_lay(&print->photo, aspect, width, height, slack_width, slack_height);
+}
+
+/* A lens or dot at the edge of the raster reaches beyond it, and yet is no border where the picture
+ * reaches it as well. */
+static void no_border(lf_axis_filter *filter)
+{
+    for (int i = 0; i < filter->n_out; i++)
+        filter->inside[i] = 1;
+}
+
+static lf_status laid_filters(lf_print_source *source, const lf_print *print,
+                              const lf_print_shape *shape, bool backwards)
 {
     const double pixel_mm = 25.4 / lf_print_dpi_along(print), pitch_mm = 25.4 / print->lpi;
-    double picture_width = shape->raster_width * (25.4 / print->dpi),
-           picture_height = shape->raster_height * (25.4 / lf_print_dpi_down(print));
-    if (print->view_aspect > 0.0) {
-        /* A rolled rig's picture lies on its side. */
-        const double aspect = print->rolled ? 1.0 / print->view_aspect : print->view_aspect;
-        picture_width = fmax(picture_width, picture_height * aspect);
-        picture_height = picture_width / aspect;
-    }
-    const double across_mm = print->horizontal ? picture_height : picture_width;
-    const double along_mm = print->horizontal ? picture_width : picture_height;
+    const lf_photo_place *place = &source->place;
+    const double across_mm = print->horizontal ? place->height : place->width;
+    const double along_mm = print->horizontal ? place->width : place->height;
+    const double across_middle = print->horizontal ? place->down : place->right;
+    const double along_middle =
+        (print->horizontal ? place->right : place->down) * (backwards ? -1.0 : 1.0);
     const double across_scale = source->n_across_in / across_mm,
                  along_scale = source->n_along_in / along_mm;
-    const double first_mm = print->phase_mm + shape->first_lens * pitch_mm;
+    const double first_mm = print->phase_mm + shape->first_lens * pitch_mm - across_middle;
     const double along_first_mm =
-        (0.5 - 0.5 * shape->n_along) * pixel_mm * (backwards ? -1.0 : 1.0);
+        (0.5 - 0.5 * shape->n_along) * pixel_mm * (backwards ? -1.0 : 1.0) - along_middle;
     lf_status status = lf_axis_filter_init(&source->across, source->n_across_in, shape->n_lenses,
                                            (first_mm + 0.5 * across_mm) * across_scale,
                                            pitch_mm * across_scale, pitch_mm * across_scale);
@@ -128,6 +85,10 @@ static lf_status covering_filters(lf_print_source *source, const lf_print *print
                                      (along_first_mm + 0.5 * along_mm) * along_scale,
                                      pixel_mm * along_scale * (backwards ? -1.0 : 1.0),
                                      pixel_mm * along_scale);
+    if (status == LF_OK && !((print->horizontal ? place->above : place->beside) > 0))
+        no_border(&source->across);
+    if (status == LF_OK && !((print->horizontal ? place->beside : place->above) > 0))
+        no_border(&source->along);
     return status;
 }
 
@@ -144,7 +105,8 @@ lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
     source->resampled = views->width != shape->view_width || views->height != shape->view_height;
     set_axes(source, print);
     const size_t longest = (size_t)(views->width > views->height ? views->width : views->height);
-    lf_status status = source->resampled ? covering_filters(source, print, shape, backwards)
+    source->place = lay(print, shape);
+    lf_status status = source->resampled ? laid_filters(source, print, shape, backwards)
                                          : identity_filters(source, shape, backwards);
 
     source->line = lf_calloc(longest, 3 * sizeof *source->line);
@@ -153,6 +115,41 @@ lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
     if (status != LF_OK)
         lf_print_source_finish(source);
     return status;
+}
+
+/* Dots of the print for a pixel of the views, along the lenses. */
+static double scale_along(const lf_print *print, const lf_views32 *views,
+                          const lf_photo_place *place)
+{
+    const double dots_mm = lf_print_dpi_along(print) / 25.4;
+    const int n = print->horizontal && !print->rolled ? views->width : views->height;
+    return (print->horizontal ? place->width : place->height) * dots_mm / n;
+}
+
+void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image_notes *notes)
+{
+    lf_print_shape shape;
+    lf_print_shape_of(print, &shape);
+    if (views->width == shape.view_width && views->height == shape.view_height)
+        return;
+    const lf_photo_place place = lay(print, &shape);
+    const double scale = scale_along(print, views, &place);
+    if (place.cut > 0)
+        lf_image_note(
+            notes,
+            "%.0f %% of the picture, whose aspect is %.4g, are cut for a print of %g x %g "
+            "mm (--photo fit shows it whole)",
+            100 * place.cut, print->view_aspect, print->width_mm, print->height_mm);
+    if (place.beside > 0 || place.above > 0)
+        lf_image_note(notes,
+                      "the picture, whose aspect is %.4g, is whole on a print of %g x %g mm: white "
+                      "borders of %.1f mm %s (--photo fill cuts it instead)",
+                      print->view_aspect, print->width_mm, print->height_mm,
+                      place.beside + place.above,
+                      place.beside > 0 ? "beside it" : "above and below");
+    if (scale > 2 || scale < 0.5)
+        lf_image_note(notes, "views of %dx%d pixels are scaled by %.3g along the lenses",
+                      views->width, views->height, scale);
 }
 
 void lf_print_source_finish(lf_print_source *source)
@@ -210,16 +207,16 @@ static void gather_line(const lf_views32 *views, int view, const line_place *pla
     }
 }
 
-static void filter_line(const lf_axis_filter *filter, const float *line, float *out)
+/* Paper where the picture does not reach. */
+static void add_border(const lf_print_source *source, const lf_axis_filter *filter, float inside,
+                       float *out)
 {
+    if (!(source->resampled && (source->place.beside > 0 || source->place.above > 0)))
+        return;
     for (int i = 0; i < filter->n_out; i++) {
-        const float *weight = filter->weight + (size_t)i * (size_t)filter->max_taps;
-        const float *in = line + 3 * (size_t)filter->first[i];
-        float sum[3] = {0.0F, 0.0F, 0.0F};
-        for (int t = 0; t < filter->n_taps[i]; t++)
-            for (int c = 0; c < 3; c++)
-                sum[c] += weight[t] * in[3 * t + c];
-        memcpy(out + 3 * (size_t)i, sum, sizeof sum);
+        const float share = inside * filter->inside[i];
+        for (int c = 0; c < 3; c++)
+            out[3 * i + c] = share * out[3 * i + c] + (1.0F - share);
     }
 }
 
@@ -228,8 +225,9 @@ void lf_print_source_across(const lf_print_source *source, int i, int along, flo
     const line_place place = {source->across_step, source->along_step, source->n_across_in};
     gather_line(source->views, lf_print_source_view(source, i), &place, &source->along, along,
                 source->line);
-    filter_line(&source->across, source->line, out);
+    lf_axis_filter_line(&source->across, source->line, out);
     lf_tone_linear(source->tone, (size_t)source->across.n_out, out, out);
+    add_border(source, &source->across, source->along.inside[along], out);
 }
 
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out)
@@ -237,6 +235,7 @@ void lf_print_source_along(const lf_print_source *source, int i, int lens, float
     const line_place place = {source->along_step, source->across_step, source->n_along_in};
     gather_line(source->views, lf_print_source_view(source, i), &place, &source->across, lens,
                 source->line);
-    filter_line(&source->along, source->line, out);
+    lf_axis_filter_line(&source->along, source->line, out);
     lf_tone_linear(source->tone, (size_t)source->along.n_out, out, out);
+    add_border(source, &source->along, source->across.inside[lens], out);
 }

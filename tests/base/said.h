@@ -42,6 +42,13 @@ static inline void lf_said_tells(const lf_image_said *said, const char *word)
         fail_msg("\"%s\" is told, and not %s", text, word ? word : "nothing");
 }
 
+/* The shape of pixels, and the orientation that was obeyed. */
+static inline void lf_said_is(const lf_image_said *said, double pixel_aspect, int orientation)
+{
+    lf_assert_close(said->pixel_aspect, pixel_aspect, 0, 1e-6);
+    assert_int_equal(said->orientation, orientation);
+}
+
 static inline void lf_pixel_is(const lf_image32 *image, int x, int y, const double rgb[3],
                                double tolerance)
 {

@@ -94,7 +94,7 @@ static const int32_t turned[1] = {6}, box[4] = {0, 0, 99, 99}, fraction[2] = {24
                      keycode[7] = {1, 2, 3, 4, 5, 6, 7}, timecode[2] = {1, 2};
 static const unsigned char preview[12] = {1, 0, 0, 0, 1, 0, 0, 0, 255, 0, 0, 255};
 static const attribute_case white_luminance = {DATA("float", luminance), {0}, "whiteLuminance"};
-static const attribute_case pixel_aspect = {DATA("float", aspect), {0}, "pixelAspectRatio 2"};
+static const attribute_case pixel_aspect = {DATA("float", aspect), {0}, NULL};
 static const attribute_case orientation = {DATA("int", turned), {0}, "Orientation 6"};
 static const attribute_case rendering = {TEXT("transform_RRT"), {0}, "transform_RRT"};
 static const attribute_case look = {TEXT("look_warm"), {0}, "look_warm"};
@@ -108,6 +108,31 @@ static const attribute_case key = {DATA("keycode", keycode), {0}, NULL};
 static const attribute_case moment = {DATA("timecode", timecode), {0}, NULL};
 static const attribute_case thumbnail = {DATA("preview", preview), {0}, NULL};
 static const attribute_case strange = {DATA("v2f", point), {0}, NULL};
+
+static void no_pixels(const lf_format_row *row)
+{
+    static const float none[1] = {1000};
+    const exr_part_bytes part = {.channels = RGB_CHANNELS,
+                                 .value = PLAIN,
+                                 .type = EXR_FLOAT,
+                                 .attributes = {{"pixelAspectRatio", "float", none, sizeof none}}};
+    (void)row;
+    expect(&part, 1, "pixelAspectRatio is no shape of pixels", plain, 1e-7);
+}
+
+static void oblong_pixels(const lf_format_row *row)
+{
+    const attribute_case *c = row->with;
+    const exr_part_bytes part = {.channels = RGB_CHANNELS,
+                                 .value = PLAIN,
+                                 .type = EXR_FLOAT,
+                                 .attributes = {{row->name, c->type, c->data, c->size}}};
+    lf_image_said said;
+    expect(&part, 1, c->told, plain, 1e-7);
+    lf_image32 image = lf_picture_said(file(), &said);
+    lf_said_is(&said, 2, 0);
+    lf_image32_finish(&image);
+}
 
 static void bad_chromaticities(const lf_format_row *row)
 {
@@ -450,7 +475,8 @@ static const lf_format_row rows[] = {
     {"lineOrder", "used", one_part, &backwards},
     {"dataWindow, displayWindow", "used", windows, NULL},
     {"windows that do not meet", "told", one_part, &beside},
-    {"pixelAspectRatio", "told", attribute, &pixel_aspect},
+    {"pixelAspectRatio", "used", oblong_pixels, &pixel_aspect},
+    {"pixelAspectRatio beyond 1:100", "told", no_pixels, NULL},
     {"envmap 0", "used", latlong, NULL},
     {"envmap 1", "used", cube, NULL},
     {"envmap 1 without six squares", "told", no_cube, NULL},

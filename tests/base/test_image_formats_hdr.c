@@ -80,8 +80,9 @@ static const hdr_case few = {RGBE "PRIMARIES=0.64 0.33" END,
                              {0.78125, 0.09765625, 0.09765625},
                              0,
                              "not eight numbers"};
-static const hdr_case aspect = {
-    RGBE "PIXASPECT=2" END, PIXEL, {0.78125, 0.09765625, 0.09765625}, 0, "PIXASPECT=2"};
+static const hdr_case aspect = {RGBE "PIXASPECT=1\nPIXASPECT=0.5" END, PIXEL, PLAIN};
+static const hdr_case no_aspect = {
+    RGBE "PIXASPECT=x" END, PIXEL, {0.78125, 0.09765625, 0.09765625}, 0, "PIXASPECT is no shape"};
 static const hdr_case gamma_said = {
     RGBE "GAMMA=2.2" END, PIXEL, {0.78125, 0.09765625, 0.09765625}, 0, "GAMMA=2.2"};
 static const hdr_case words = {
@@ -93,6 +94,19 @@ static const hdr_case bright = {RGBE "EXPOSURE=1e-30" END,
                                 {65504, 65504, 65504},
                                 0,
                                 "6 pixels are not finite"};
+
+/* It is height over width. */
+static void oblong_pixels(const lf_format_row *row)
+{
+    const hdr_case *c = row->with;
+    lf_image_said said;
+    header(row);
+    lf_image32 image = load(c->header, c->pixel, NULL);
+    lf_image32_finish(&image);
+    image = lf_picture_said(lf_test_path(folder, "a.hdr"), &said);
+    lf_said_is(&said, 2, 0);
+    lf_image32_finish(&image);
+}
 
 static void other_format(const lf_format_row *row)
 {
@@ -158,7 +172,8 @@ static const lf_format_row rows[] = {
     {"PRIMARIES of Rec. 709", "used", header, &rec709},
     {"PRIMARIES without colours", "told", header, &on_a_line},
     {"PRIMARIES without eight numbers", "told", header, &few},
-    {"PIXASPECT", "told", header, &aspect},
+    {"PIXASPECT", "used", oblong_pixels, &aspect},
+    {"PIXASPECT beyond 1:100", "told", header, &no_aspect},
     {"GAMMA", "told", header, &gamma_said},
     {"VIEW and other lines", "ignored", header, &words},
     {"-Y N +X M and the other seven", "used", axes, NULL},

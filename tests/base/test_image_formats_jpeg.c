@@ -134,8 +134,10 @@ static void marker(const lf_format_row *row)
     }
 #define TIFF_OF(tag, value) "II*\0\x8\0\0\0\1\0" tag "\3\0\1\0\0\0" value "\0\0\0\0\0\0\0"
 static const segment upright = SEGMENT(0xe1, "Exif\0\0" TIFF_OF("\x12\1", "\1"), NULL);
-static const segment turned =
-    SEGMENT(0xe1, "Exif\0\0" TIFF_OF("\x12\1", "\6"), "EXIF orientation 6");
+static const segment turned = SEGMENT(0xe1, "Exif\0\0" TIFF_OF("\x12\1", "\6"), NULL);
+static const segment odd =
+    SEGMENT(0xe1, "Exif\0\0" TIFF_OF("\x12\1", "\x9"), "EXIF orientation 9 is unknown");
+static const segment no_exif = SEGMENT(0xe1, "Exif\0\0II*\0\xff\0\0\0", "the EXIF is broken");
 /* a folder of one entry that leads to another of one */
 static const segment adobe_rgb =
     SEGMENT(0xe1,
@@ -182,11 +184,34 @@ static void patch(int after, size_t distance, const char *bytes, size_t n)
     lf_free(data);
 }
 
+static void expect_said(double pixel_aspect, int orientation)
+{
+    lf_image_said said;
+    lf_image8 image = lf_codes_said(file(), &said);
+    lf_said_tells(&said, NULL);
+    lf_said_is(&said, pixel_aspect, orientation);
+    lf_image8_finish(&image);
+}
+
 static void density(const lf_format_row *row)
 {
     (void)row;
     patch(0xe0, 12, "\0\1\0\2", 4);
-    expect(ycc.rgb, "density 1 x 2");
+    expect_said(2, 0);
+}
+
+static void no_density(const lf_format_row *row)
+{
+    (void)row;
+    patch(0xe0, 12, "\0\1\2\0", 4);
+    expect(ycc.rgb, "the density is no shape of pixels");
+}
+
+/* tests/base/test_image_orientation.c looks at the pixels */
+static void orientation(const lf_format_row *row)
+{
+    marker(row);
+    expect_said(0, 6);
 }
 
 static void square_density(const lf_format_row *row)
@@ -243,10 +268,13 @@ static const lf_format_row rows[] = {
     {"DRI", "used", code, &restarts},
     {"DNL", "refused", no_height, NULL},
     {"JFIF density of square pixels", "ignored", square_density, NULL},
-    {"JFIF density", "told", density, NULL},
+    {"JFIF density", "used", density, NULL},
+    {"JFIF density beyond 1:100", "told", no_density, NULL},
     {"JFXX", "ignored", marker, &jfxx},
     {"EXIF of an upright picture", "ignored", marker, &upright},
-    {"EXIF orientation", "told", marker, &turned},
+    {"EXIF orientation", "used", orientation, &turned},
+    {"EXIF orientation above 8", "told", marker, &odd},
+    {"EXIF that is broken", "told", marker, &no_exif},
     {"EXIF colour space", "told", marker, &adobe_rgb},
     {"XMP", "ignored", marker, &xmp},
     {"ICC_PROFILE of sRGB", "used", icc_usual, NULL},

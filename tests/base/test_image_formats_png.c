@@ -129,6 +129,28 @@ static void chunk(const lf_format_row *row)
     expect(codes, c->told);
 }
 
+static void expect_said(double pixel_aspect, int orientation)
+{
+    lf_image_said said;
+    lf_image8 image = lf_codes_said(file(), &said);
+    lf_said_is(&said, pixel_aspect, orientation);
+    lf_image8_finish(&image);
+}
+
+/* tests/base/test_image_orientation.c looks at the pixels */
+static void orientation(const lf_format_row *row)
+{
+    const chunk_case *c = row->with;
+    write_chunk(c->type, c->data, c->n);
+    expect_said(0, 6);
+}
+
+static void oblong_pixels(const lf_format_row *row)
+{
+    chunk(row);
+    expect_said(2, 0);
+}
+
 #define BYTES(...)                                                                                 \
     (const uint8_t[]){__VA_ARGS__}, sizeof(const uint8_t[])                                        \
     {                                                                                              \
@@ -152,8 +174,19 @@ static const chunk_case upright = {
     NULL, "eXIf"};
 static const chunk_case turned = {
     BYTES('M', 'M', 0, '*', 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, 6, 0, 0, 0, 0, 0, 0),
-    "EXIF orientation 6", "eXIf"};
-static const chunk_case oblong = {BYTES(BE(100), BE(200), 0), "pHYs 100 x 200", NULL};
+    NULL, "eXIf"};
+static const chunk_case odd = {
+    BYTES('M', 'M', 0, '*', 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, 9, 0, 0, 0, 0, 0, 0),
+    "EXIF orientation 9 is unknown", "eXIf"};
+static const chunk_case no_exif = {BYTES('M', 'M', 0, '*', 0, 0, 0, 99), "the EXIF is broken",
+                                   "eXIf"};
+/* a folder of one entry that leads to another of one */
+static const chunk_case adobe_rgb = {BYTES('M', 'M', 0, '*', 0, 0, 0, 8, 0, 1, 0x87, 0x69, 0, 4, 0,
+                                           0, 0, 1, BE(26), BE(0), 0, 1, 0xa0, 1, 0, 3, 0, 0, 0, 1,
+                                           0, 2, 0, 0, BE(0)),
+                                     "EXIF colour space 2 (Adobe RGB)", "eXIf"};
+static const chunk_case oblong = {BYTES(BE(100), BE(200), 0), NULL, NULL};
+static const chunk_case sliver = {BYTES(BE(0), BE(200), 0), "pHYs is no shape of pixels", "pHYs"};
 static const chunk_case animation = {BYTES(BE(5), BE(0)), "an animation of 5 frames", NULL};
 static const chunk_case stereo = {BYTES(0), "side by side", NULL};
 static const chunk_case calibration = {BYTES('x', 0, BE(0), BE(255), 0, 2, 'm', 0, '0', 0, '1'),
@@ -237,8 +270,12 @@ static const lf_format_row rows[] = {
     {"cICP", "told", chunk, &cicp_other},
     {"one of these beside a stronger", "ignored", outdone, NULL},
     {"eXIf of an upright picture", "ignored", chunk, &upright},
-    {"eXIf", "told", chunk, &turned},
-    {"pHYs", "told", chunk, &oblong},
+    {"eXIf orientation", "used", orientation, &turned},
+    {"eXIf orientation above 8", "told", chunk, &odd},
+    {"eXIf that is broken", "told", chunk, &no_exif},
+    {"eXIf colour space", "told", chunk, &adobe_rgb},
+    {"pHYs", "used", oblong_pixels, &oblong},
+    {"pHYs beyond 1:100", "told", chunk, &sliver},
     {"acTL", "told", chunk, &animation},
     {"sTER", "told", chunk, &stereo},
     {"pCAL", "told", chunk, &calibration},

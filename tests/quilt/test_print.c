@@ -472,6 +472,7 @@ static void a_picture_keeps_its_aspect_and_is_cut(void **state)
         data[i] = ramp_value(size, 0, i / 300, i / 3 % 100, i % 3);
     const lf_views32 views = {1, 100, 100, 0, 300, data, NULL, NULL, NULL};
     print.view_aspect = 1.0;
+    print.photo.mode = LF_PHOTO_FILL;
     lf_printed_make(&print, &views, 0, &printed);
     const double visible = (double)printed.height / printed.width;
     lf_assert_close(lf_printed_linear(&printed, 3, 0, 1), 0.5 - 0.5 * visible, 0.0, 0.006);

@@ -1,0 +1,194 @@
+#include "quilt/photo.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "quilt/axis.h"
+
+/* Aspects closer than this are the same one, rounded in a file's name. */
+#define SLACK 1e-3
+
+/* -------------------------------------------------------------------------------- parameters -- */
+
+static const char *const modes[] = {[LF_PHOTO_FIT] = "fit", [LF_PHOTO_FILL] = "fill", NULL};
+static const char *const turns[] = {
+    [LF_TURN_NONE] = "0",  [LF_TURN_90] = "90",     [LF_TURN_180] = "180",
+    [LF_TURN_270] = "270", [LF_TURN_AUTO] = "auto", NULL};
+
+/* Shares of what is left over, at the left and at the top. */
+static const struct {
+    const char *name;
+    double left, top;
+} positions[] = {{"center", 0.5, 0.5}, {"left", 0, 0.5},      {"right", 1, 0.5},
+                 {"top", 0.5, 0},      {"bottom", 0.5, 1},    {"top-left", 0, 0},
+                 {"top-right", 1, 0},  {"bottom-left", 0, 1}, {"bottom-right", 1, 1}};
+
+enum { N_POSITIONS = sizeof positions / sizeof *positions };
+
+static const char *position_at(int index)
+{
+    return index < N_POSITIONS ? positions[index].name : NULL;
+}
+
+#define PLACE(field) .place = offsetof(lf_photo, field)
+
+/* clang-format off */
+const lf_param lf_photo_params[] = {
+    {.name = "photo", .option = "photo", .argument = "fit|fill", PLACE(mode),
+     .type = LF_PARAM_WORD, .words = modes,
+     .help = "a picture of another shape than the view, panel or print: shown whole with borders, "
+             "or cut to cover it"},
+    {.name = "photo_position", .option = "photo-position", .argument = "WHERE", PLACE(position),
+     .type = LF_PARAM_WORD, .word_at = position_at,
+     .help = "where it lies, or what of it is kept"},
+    {0},
+};
+
+const lf_param lf_picture_params[] = {
+    {.name = "photo_rotate", .option = "photo-rotate", .argument = "DEGREES", PLACE(rotate),
+     .type = LF_PARAM_WORD, .words = turns,
+     .help = "turns each picture clockwise; auto: by 90 where the panel or print is upright and "
+             "the picture is not, or the other way round"},
+    {.name = "aspect", .option = "aspect", .argument = "A", PLACE(aspect), .low = 0.01, .high = 100,
+     .help = "width / height of the views of a finished quilt or folder (what its name, its "
+             "pictures or their pixels say)"},
+    {0},
+};
+/* clang-format on */
+
+/* ---------------------------------------------------------------------------------- geometry -- */
+
+lf_photo_place lf_photo_lay(const lf_photo *photo, double aspect, double frame_width,
+                            double frame_height, double slack_width, double slack_height)
+{
+    const double whole = fmin(frame_width, frame_height * aspect);
+    const bool fits =
+        frame_width - whole <= slack_width && frame_height - whole / aspect <= slack_height;
+    const bool covers = fits || photo->mode == LF_PHOTO_FILL;
+    lf_photo_place place = {.width = covers ? fmax(frame_width, frame_height * aspect) : whole};
+    place.height = place.width / aspect;
+    place.right = (frame_width - place.width) * (positions[photo->position].left - 0.5);
+    place.down = (frame_height - place.height) * (positions[photo->position].top - 0.5);
+    if (!covers && frame_width > frame_height * aspect)
+        place.beside = frame_width - place.width;
+    else if (!covers)
+        place.above = frame_height - place.height;
+    if (covers && !fits)
+        place.cut = 1 - frame_width * frame_height / (place.width * place.height);
+    return place;
+}
+
+int lf_photo_orientation(const lf_photo *photo, double aspect)
+{
+    static const int orientations[] = {
+        [LF_TURN_NONE] = 1, [LF_TURN_90] = 6, [LF_TURN_180] = 3, [LF_TURN_270] = 8};
+    if (photo->rotate != LF_TURN_AUTO)
+        return orientations[photo->rotate];
+    return photo->frame > 0 && (aspect - 1) * (photo->frame - 1) < 0 ? 6 : 1;
+}
+
+/* A whole number of pixels, of which `part` is to be kept, beginning at *first. */
+static int kept(int n, double part, double share, int *first)
+{
+    const int keep = (int)fmin(fmax(round(n * part), 1), n);
+    *first = (int)lround((n - keep) * share);
+    return keep;
+}
+
+void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt)
+{
+    lf_layout *l = &quilt->layout;
+    int x, y;
+    if (!(photo->frame > 0))
+        return;
+    const lf_photo_place place =
+        lf_photo_lay(photo, l->aspect, photo->frame, 1, SLACK * photo->frame, SLACK);
+    if (!(place.cut > 0))
+        return;
+    lf_image_note(&quilt->notes,
+                  "%.0f %% of the picture, whose aspect is %.4g, are cut for an aspect of %.4g "
+                  "(--photo fit shows it whole)",
+                  100 * place.cut, l->aspect, photo->frame);
+    l->view_width =
+        kept(l->view_width, photo->frame / place.width, positions[photo->position].left, &x);
+    l->view_height = kept(l->view_height, 1 / place.height, positions[photo->position].top, &y);
+    l->aspect = photo->frame;
+    if (quilt->is_float) {
+        quilt->views32.data += (size_t)y * quilt->views32.row_stride + 3 * (size_t)x;
+        quilt->views32.width = l->view_width;
+        quilt->views32.height = l->view_height;
+    } else {
+        quilt->views8.data += (size_t)y * quilt->views8.row_stride + 3 * (size_t)x;
+        quilt->views8.width = l->view_width;
+        quilt->views8.height = l->view_height;
+    }
+}
+
+/* ----------------------------------------------------------------------------------- scaling -- */
+
+/* The part of a length of n_out samples that a picture of n_in lies on. */
+static lf_status init_axis(lf_axis_filter *filter, int n_in, int n_out, double frame,
+                           double picture, double offset, double border)
+{
+    const double scale = n_in / picture, step = frame / n_out;
+    lf_status status = lf_axis_filter_init(
+        filter, n_in, n_out, (0.5 * step - 0.5 * frame - offset + 0.5 * picture) * scale,
+        step * scale, step * scale);
+    for (int i = 0; i < n_out && status == LF_OK && !(border > 0); i++)
+        filter->inside[i] = 1;
+    return status;
+}
+
+static void add_row(const lf_photo_picture *p, int y, const float light[256], float weight,
+                    float *line)
+{
+    const size_t n = 3 * (size_t)p->width, at = (size_t)y * n;
+    for (size_t i = 0; i < n; i++)
+        line[i] += weight * (p->data32 ? p->data32[at + i] : light[p->data8[at + i]]);
+}
+
+static void draw_row(const lf_photo_picture *p, const lf_axis_filter *columns,
+                     const lf_axis_filter *rows, int y, const float light[256], float *line,
+                     float *out)
+{
+    const float *weight = rows->weight + (size_t)y * (size_t)rows->max_taps;
+    memset(line, 0, 3 * (size_t)p->width * sizeof *line);
+    for (int t = 0; t < rows->n_taps[y]; t++)
+        add_row(p, rows->first[y] + t, light, weight[t], line);
+    lf_axis_filter_line(columns, line, out);
+    for (int x = 0; x < columns->n_out; x++)
+        for (int c = 0; c < 3; c++)
+            out[3 * x + c] *= columns->inside[x] * rows->inside[y];
+}
+
+lf_status lf_photo_draw(const lf_photo_picture *p, const lf_photo_place *place,
+                        const lf_layout *view, uint8_t *out8, float *out32)
+{
+    const size_t n = 3 * (size_t)view->view_width;
+    float light[256];
+    lf_axis_filter columns = {0}, rows = {0};
+    lf_tone *tone = NULL;
+    float *line = lf_calloc((size_t)p->width, 3 * sizeof *line), *row = lf_calloc(n, sizeof *row);
+    lf_status status = line && row ? lf_tone_create(0, "srgb", &tone, NULL) : LF_E_NOMEM;
+    if (status == LF_OK)
+        status = init_axis(&columns, p->width, view->view_width, view->aspect, place->width,
+                           place->right, place->beside);
+    if (status == LF_OK)
+        status = init_axis(&rows, p->height, view->view_height, 1, place->height, place->down,
+                           place->above);
+    lf_srgb_light(light);
+    for (int y = 0; y < view->view_height && status == LF_OK; y++) {
+        float *to = out32 ? out32 + (size_t)y * n : row;
+        draw_row(p, &columns, &rows, y, light, line, to);
+        if (out8)
+            lf_tone_map(tone, (size_t)view->view_width, to, out8 + (size_t)y * n);
+    }
+    lf_axis_filter_finish(&columns);
+    lf_axis_filter_finish(&rows);
+    lf_tone_destroy(tone);
+    lf_free(row);
+    lf_free(line);
+    return status;
+}
