@@ -14,6 +14,7 @@ typedef struct lf_content {
     lf_render_settings settings; /* scene only; integrator points to a static name */
     lf_layout layout;
     lf_film_settings film;
+    bool is_unseen; /* scene only: lf_scene_is_seen says so */
     bool has_depth; /* scene only: the next is known */
     lf_depth depth;
     /* The scene's document as JSON on one line (lf_content_write_document); NULL: none was made, or
