@@ -312,6 +312,10 @@ char *lf_param_argument(const lf_param *row, char *buf, size_t size)
 {
     size_t used = 0;
     buf[0] = '\0';
+    if (row->optional) {
+        snprintf(buf, size, "[%s]", row->argument);
+        return buf;
+    }
     for (const lf_param *end = lf_param_next(row); row < end && used < size; row++)
         used +=
             (size_t)snprintf(buf + used, size - used, "%s%s", row->argument ? row->argument : "",

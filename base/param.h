@@ -63,6 +63,9 @@ typedef struct lf_param {
     bool watts;     /* of lights: W or W sr^-1 */
     bool or_object; /* of a WHOLE: an object may stand in its place, which others read */
     bool exclusive; /* an error where a thing of another kind says it (surfaces) */
+    /* of a TEXT: the option may stand without its argument; the field is then NULL, and `has` says
+     * that it was given */
+    bool optional;
 } lf_param;
 
 /* Sets every field that has a row with a name to its initial value: texts, names and files to NULL.
@@ -70,7 +73,8 @@ typedef struct lf_param {
  * names, or belong to structs in which 0 is what nobody gave. */
 void lf_param_defaults(const lf_param *params, void *object);
 
-/* Takes the text of an option, for its first row and those joined to it; NULL for a switch.
+/* Takes the text of an option, for its first row and those joined to it; NULL for a switch, and for
+ * an option that stands without its optional argument.
  * LF_E_ARG with "--OPTION" as where and what was expected; *object untouched then. */
 LF_NODISCARD lf_status lf_param_from_text(const lf_param *row, const char *text, void *object,
                                           lf_error *err);

@@ -1,84 +1,13 @@
-/* How a scene lies in the window of a rig: its bounds, its depth, and where to stand. */
+/* How a scene lies in the window of a rig: its depth, whether it is seen, and where to stand. */
 #include <math.h>
 #include <string.h>
 
+#include "base/alloc.h"
+#include "base/nearest.h"
+#include "render/bounds.h"
 #include "render/render.h"
 #include "render/rows/rig.h"
 #include "render/scene/vec_double.h"
-
-/* ------------------------------------------------------------------------------------ bounds -- */
-
-static bool is_there(const lf_box *box)
-{
-    return box->min.x <= box->max.x;
-}
-
-static void grow_by_volume(const lf_volume *volume, lf_box *box)
-{
-    if (!(volume->sigma_max > 0.0f))
-        return;
-    box->min =
-        lf_v3(lf_min(box->min.x, volume->bounds_min.x), lf_min(box->min.y, volume->bounds_min.y),
-              lf_min(box->min.z, volume->bounds_min.z));
-    box->max =
-        lf_v3(lf_max(box->max.x, volume->bounds_max.x), lf_max(box->max.y, volume->bounds_max.y),
-              lf_max(box->max.z, volume->bounds_max.z));
-}
-
-/* The box of the i-th thing: volumes with what they emit, then meshes. Volumes that are empty and
- * meshes that the camera does not see have none. */
-static lf_box box_at(const lf_scene *scene, int i)
-{
-    lf_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    if (i >= scene->n_volumes) {
-        const lf_mesh *mesh = &scene->meshes[i - scene->n_volumes];
-        return mesh->hidden ? box : mesh->box;
-    }
-    grow_by_volume(&scene->volumes[i], &box);
-    for (int f = 0; f < scene->flames.n; f++)
-        if (scene->flames.light[f].volume == i)
-            grow_by_volume(&scene->flames.field[f], &box);
-    return box;
-}
-
-static void grow(const lf_scene *scene, const lf_box *box, double bounds[2][3])
-{
-    const float lo[3] = {box->min.x, box->min.y, box->min.z},
-                hi[3] = {box->max.x, box->max.y, box->max.z};
-    for (int i = 0; i < 3 && is_there(box); i++) {
-        bounds[0][i] = fmin(bounds[0][i], (double)lo[i] + scene->origin[i]);
-        bounds[1][i] = fmax(bounds[1][i], (double)hi[i] + scene->origin[i]);
-    }
-}
-
-/* Volumes and meshes are in the order of the document; lights that are faces come behind them. */
-static void grow_by_section(const lf_scene *scene, const char *section, int first, const char *name,
-                            double bounds[2][3])
-{
-    const char *key;
-    json_t *value;
-    json_object_foreach(json_object_get(scene->json, section), key, value)
-    {
-        lf_box box = box_at(scene, first++);
-        if (!name || strcmp(key, name) == 0)
-            grow(scene, &box, bounds);
-    }
-}
-
-bool lf_scene_bounds(const lf_scene *scene, const char *name, double out_bounds[2][3])
-{
-    double bounds[2][3];
-    for (int i = 0; i < 3; i++) {
-        bounds[0][i] = INFINITY;
-        bounds[1][i] = -INFINITY;
-    }
-    grow_by_section(scene, "volumes", 0, name, bounds);
-    grow_by_section(scene, "meshes", scene->n_volumes, name, bounds);
-    if (!(bounds[0][0] <= bounds[1][0]))
-        return false;
-    memcpy(out_bounds, bounds, sizeof bounds);
-    return true;
-}
 
 /* ------------------------------------------------------------------------------------- depth -- */
 
@@ -93,14 +22,18 @@ typedef struct half_space {
 
 enum { FACES = 6, SIDES = 4, HALF_SPACES = FACES + SIDES };
 
-/* The box, and the pyramid of the window before the middle of the rig. */
-static void make_half_spaces(const lf_rig *rig, const lf_box *box, half_space out[HALF_SPACES])
+/* The box, and the pyramid of the window before a camera that stands so far to the right of the
+ * rig's middle. */
+static void make_half_spaces(const lf_rig *rig, double aside, const lf_box *box,
+                             half_space out[HALF_SPACES])
 {
     const lf_vec3 axes[3] = {rig->right, rig->up, rig->forward};
     const float lo[3] = {box->min.x, box->min.y, box->min.z},
                 hi[3] = {box->max.x, box->max.y, box->max.z},
-                eye[3] = {rig->eye.x, rig->eye.y, rig->eye.z};
-    double across[2] = {(double)rig->x0, (double)rig->x0 + rig->width * (double)rig->dx},
+                eye[3] = {rig->eye.x, rig->eye.y, rig->eye.z},
+                right[3] = {rig->right.x, rig->right.y, rig->right.z};
+    double across[2] = {(double)rig->x0 - aside,
+                        (double)rig->x0 + rig->width * (double)rig->dx - aside},
            up[2] = {(double)rig->y0 + rig->height * (double)rig->dy, (double)rig->y0},
            distance = (double)rig->distance;
     for (int i = 0; i < 3; i++) {
@@ -110,8 +43,9 @@ static void make_half_spaces(const lf_rig *rig, const lf_box *box, half_space ou
             below->n[a] = (double)axis[i];
             above->n[a] = -(double)axis[i];
         }
-        below->d = (double)hi[i] - (double)eye[i];
-        above->d = (double)eye[i] - (double)lo[i];
+        const double at = (double)eye[i] + aside * (double)right[i];
+        below->d = (double)hi[i] - at;
+        above->d = at - (double)lo[i];
     }
     for (int i = 0; i < 2; i++) {
         double sign = i == 0 ? -1.0 : 1.0;
@@ -134,12 +68,12 @@ static bool meet(const half_space *a, const half_space *b, const half_space *c, 
 }
 
 /* What both hold is convex: its nearest and farthest points are among its corners. */
-static void see_box(const lf_rig *rig, const lf_box *box, lf_depth *depth)
+static void see_box(const lf_rig *rig, double aside, const lf_box *box, lf_depth *depth)
 {
     half_space sides[HALF_SPACES];
     lf_vec3 size = lf_sub(box->max, box->min);
     double slack = 1e-6 * ((double)lf_max3(size) + (double)rig->distance), p[3];
-    make_half_spaces(rig, box, sides);
+    make_half_spaces(rig, aside, box, sides);
     for (int i = 0; i < HALF_SPACES; i++)
         for (int j = i + 1; j < HALF_SPACES; j++)
             for (int k = j + 1; k < HALF_SPACES; k++) {
@@ -158,6 +92,13 @@ static double far_step(const lf_rig *rig)
     return rig->n_views > 1 ? outer / (rig->n_views - 1) / (double)rig->dx : 0.0;
 }
 
+/* A ground that is said to be one goes on to the horizon, as a sky does. */
+static bool is_endless(const lf_scene *scene, int thing)
+{
+    return thing >= scene->n_volumes &&
+           scene->meshes[thing - scene->n_volumes].ground == LF_GROUND_SAID;
+}
+
 bool lf_scene_depth(const lf_scene *scene, const lf_render_settings *settings, lf_depth *out)
 {
     lf_depth depth = {.nearest = INFINITY, .farthest = -INFINITY};
@@ -165,10 +106,10 @@ bool lf_scene_depth(const lf_scene *scene, const lf_render_settings *settings, l
     if (lf_rig_init(&rig, settings, scene->origin, NULL) != LF_OK || rig.n_views < 2 ||
         rig.still < 1.0f)
         return false;
-    for (int i = 0; i < scene->n_volumes + scene->n_meshes; i++) {
-        lf_box box = box_at(scene, i);
-        if (is_there(&box))
-            see_box(&rig, &box, &depth);
+    for (int i = 0; i < lf_scene_things(scene); i++) {
+        lf_box box;
+        if (!is_endless(scene, i) && lf_thing_box(scene, i, &box))
+            see_box(&rig, 0.0, &box, &depth);
     }
     if (!(depth.nearest <= depth.farthest && depth.farthest > 0.0))
         return false;
@@ -183,6 +124,38 @@ bool lf_scene_depth(const lf_scene *scene, const lf_render_settings *settings, l
                      fmax(-depth.nearest_step, depth.farthest_step) > depth.limit;
     *out = depth;
     return true;
+}
+
+/* -------------------------------------------------------------------------------------- sees -- */
+
+/* The outer cameras, and the middle of the rig. */
+static bool sees_box(const lf_rig *rig, const lf_box *box)
+{
+    const double aside[3] = {0.0, (double)rig->b[0], (double)rig->b[rig->n_views - 1]};
+    lf_depth depth = {.nearest = INFINITY, .farthest = -INFINITY};
+    for (int i = 0; i < 3 && !(depth.farthest >= 0.0); i++)
+        see_box(rig, aside[i], box, &depth);
+    return depth.farthest >= 0.0;
+}
+
+bool lf_scene_is_seen(const lf_scene *scene, const lf_render_settings *settings)
+{
+    lf_rig rig;
+    bool *left_out = lf_calloc((size_t)lf_scene_things(scene) + 1, sizeof *left_out), any = false,
+         seen = false;
+    if (left_out && !settings->camera.list && !(settings->camera.track > 0.0) &&
+        lf_rig_init(&rig, settings, scene->origin, NULL) == LF_OK) {
+        (void)lf_find_grounds(scene, left_out);
+        for (int i = 0; i < lf_scene_things(scene) && !seen; i++) {
+            lf_box box;
+            if (left_out[i] || !lf_thing_box(scene, i, &box))
+                continue;
+            any = true;
+            seen = sees_box(&rig, &box);
+        }
+    }
+    lf_free(left_out);
+    return seen || !any;
 }
 
 /* --------------------------------------------------------------------------------------- fit -- */
@@ -203,25 +176,16 @@ static double distance_for(const lf_rig *rig, const double corner[3], double fil
     return least;
 }
 
-lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *settings, const char *name,
-                        double fill, double steps, double out_target[3], double out_position[3],
-                        lf_error *err)
+/* Where the camera is to stand for these bounds, seen from where settings have it. */
+static lf_status stand(const lf_scene *scene, const lf_render_settings *settings,
+                       const double bounds[2][3], double fill, double steps, double out_target[3],
+                       double out_position[3], lf_error *err)
 {
-    double bounds[2][3], middle[3], distance = 0.0;
+    double middle[3], distance = 0.0;
     lf_rig rig;
-    if (!(fill > 0.0 && fill <= 1.0) || !(steps >= 0.0))
-        return lf_error_set(err, LF_E_ARG, "fit", "fill must be above 0 and at most 1");
-    if (settings->camera.track > 0.0)
-        return lf_error_set(err, LF_E_ARG, "fit",
-                            "camera.views is a track: its cameras see what they pass");
     lf_status status = lf_rig_init(&rig, settings, scene->origin, err);
     if (status != LF_OK)
         return status;
-    if (!lf_scene_bounds(scene, name, bounds))
-        return lf_error_set(err, LF_E_ARG, "fit",
-                            name ? "no mesh or volume \"%s\" is there"
-                                 : "nothing is there that could be framed%s",
-                            name ? name : "");
     for (int i = 0; i < 3; i++)
         middle[i] = 0.5 * (bounds[0][i] + bounds[1][i]);
     for (int i = 0; i < 8; i++) {
@@ -240,5 +204,90 @@ lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *setting
         out_target[i] = middle[i];
         out_position[i] = middle[i] - distance * (double)forward[i];
     }
+    return LF_OK;
+}
+
+/* The axis that is nearest to the camera's up. */
+static int upward(const lf_camera *camera)
+{
+    const double *up = camera->up;
+    int axis = fabs(up[1]) >= fabs(up[0]) ? 1 : 0;
+    return fabs(up[2]) > fabs(up[axis]) ? 2 : axis;
+}
+
+/* Whether a ground lies between what is framed and a camera beneath it. */
+static bool is_beneath(const lf_scene *scene, int axis, double sign, const double target[3],
+                       const double position[3])
+{
+    bool *left_out = lf_calloc((size_t)lf_scene_things(scene) + 1, sizeof *left_out), found = false;
+    if (left_out && lf_find_grounds(scene, left_out)) {
+        for (int i = 0; i < lf_scene_things(scene); i++) {
+            lf_box box;
+            double side[3];
+            if (!left_out[i] || !lf_thing_box(scene, i, &box) || lf_box_sides(&box, side) != axis)
+                continue;
+            const float lo[3] = {box.min.x, box.min.y, box.min.z},
+                        hi[3] = {box.max.x, box.max.y, box.max.z};
+            const double top = sign * ((double)(sign > 0 ? hi : lo)[axis] + scene->origin[axis]);
+            found = found || (sign * target[axis] >= top && sign * position[axis] < top);
+        }
+    }
+    lf_free(left_out);
+    return found;
+}
+
+/* No mesh or volume has that name. */
+static lf_status refuse_name(const lf_scene *scene, const char *name, lf_error *err)
+{
+    static const char *const sections[] = {"volumes", "meshes"};
+    const size_t room = json_object_size(json_object_get(scene->json, sections[0])) +
+                        json_object_size(json_object_get(scene->json, sections[1]));
+    const char **names = lf_calloc(room + 1, sizeof *names), *key;
+    size_t n = 0;
+    json_t *value;
+    for (int s = 0; s < 2 && names; s++)
+        json_object_foreach(json_object_get(scene->json, sections[s]), key, value) names[n++] = key;
+    const char *meant = names ? lf_nearest_name(name, names) : NULL;
+    bool is_said = false;
+    for (size_t i = 0; i < n; i++)
+        is_said = is_said || strcmp(names[i], name) == 0;
+    lf_free(names);
+    if (is_said)
+        return lf_error_set(err, LF_E_ARG, "fit", "nothing is seen of \"%s\": it cannot be framed",
+                            name);
+    return meant ? lf_error_set(err, LF_E_ARG, "fit",
+                                "no mesh or volume \"%s\" is there; did you mean \"%s\"?", name,
+                                meant)
+                 : lf_error_set(err, LF_E_ARG, "fit", "no mesh or volume \"%s\" is there", name);
+}
+
+lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *settings, const char *name,
+                        double fill, double steps, double out_target[3], double out_position[3],
+                        lf_error *err)
+{
+    double bounds[2][3], target[3], position[3];
+    const lf_camera *camera = &settings->camera;
+    const int axis = upward(camera);
+    if (!(fill > 0.0 && fill <= 1.0) || !(steps >= 0.0))
+        return lf_error_set(err, LF_E_ARG, "fit", "fill must be above 0 and at most 1");
+    if (camera->track > 0.0)
+        return lf_error_set(err, LF_E_ARG, "fit",
+                            "camera.views is a track: its cameras see what they pass");
+    if (!lf_scene_bounds(scene, name, bounds))
+        return name ? refuse_name(scene, name, err)
+                    : lf_error_set(err, LF_E_ARG, "fit",
+                                   "nothing is there that could be framed");
+    const double(*box)[3] = (const double(*)[3])bounds;
+    lf_status status = stand(scene, settings, box, fill, steps, target, position, err);
+    if (status == LF_OK &&
+        is_beneath(scene, axis, camera->up[axis] < 0.0 ? -1.0 : 1.0, target, position)) {
+        lf_render_settings level = *settings;
+        level.camera.position[axis] = level.camera.target[axis];
+        status = stand(scene, &level, box, fill, steps, target, position, err);
+    }
+    if (status != LF_OK)
+        return status;
+    memcpy(out_target, target, sizeof target);
+    memcpy(out_position, position, sizeof position);
     return LF_OK;
 }

@@ -192,10 +192,13 @@ LF_NODISCARD lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf
  * people, with the file's name, control characters escaped. NULL behind the last; they belong to
  * the scene. At most 65, of which the last says how many more there are. */
 const char *lf_scene_warning(const lf_scene *scene, int index);
-/* The box about the volumes and meshes of a scene (name NULL), or about those of this name, in
- * world coordinates: least and greatest corner. Lights at a distance and skies have none. false:
- * nothing is there. */
+/* The box about the volumes and meshes of a scene without its grounds (name NULL), or about those
+ * of this name, in world coordinates: least and greatest corner. Lights at a distance, skies and
+ * what the camera does not see have none. false: nothing is there. */
 bool lf_scene_bounds(const lf_scene *scene, const char *name, double out_bounds[2][3]);
+/* The meshes that lf_scene_bounds leaves out as grounds: what the scene says, or else the rule of
+ * docs/scene.md, "Framing". NULL behind the last; the names belong to the scene. */
+const char *lf_scene_ground(const lf_scene *scene, int index);
 /* The JSON Schema of scene files (docs/scene.schema.json, compiled in); a new reference. */
 json_t *lf_scene_schema(void);
 
@@ -286,7 +289,8 @@ typedef struct lf_render_settings {
 /* --------------------------------------------------------------------------------- framing -- */
 
 /* How deep the picture is, of the boxes of meshes and volumes as far as the middle of the rig sees
- * them through the window. A step is how far a thing jumps from one view to the next beside the
+ * them through the window; grounds that the scene says to be such go on to the horizon and do not
+ * count. A step is how far a thing jumps from one view to the next beside the
  * window, in pixels of a view: between cameras b apart a point at distance Z along the view axis
  * moves by b (1 - D/Z), D the window's distance. Positive behind the window, negative before it;
  * -INFINITY where things begin at the cameras. What is finer than its step is not seen once but
@@ -307,14 +311,20 @@ typedef struct lf_depth {
  * out of range. */
 bool lf_scene_depth(const lf_scene *scene, const lf_render_settings *settings, lf_depth *out);
 
+/* Whether the box of at least one volume or mesh that is no ground lies in a view of the rig; true,
+ * too, where there is no such box, and of rigs with several windows (tracks, lists of cameras), of
+ * which nothing is known. False: the picture shows nothing but grounds and backdrop. */
+bool lf_scene_is_seen(const lf_scene *scene, const lf_render_settings *settings);
+
 /* What framing fills of the window unless somebody says otherwise. */
 #define LF_CAMERA_FILL 0.9
 
 /* Where to put the camera of settings so that the box of lf_scene_bounds is in the middle of the
  * window, looked at from the same side as now, and in all views fills at most the share `fill`
- * (above 0, at most 1) of it across and up: as near as that allows. steps > 0: no nearer than where
- * no part of the box has a step beyond that, which makes it smaller in the window. LF_E_ARG:
- * nothing is there, or fill or steps are out of range; errors of the rig. */
+ * (above 0, at most 1) of it across and up: as near as that allows. A camera that would stand
+ * beneath a ground looks level instead. steps > 0: no nearer than where no part of the box has a
+ * step beyond that, which makes it smaller in the window. LF_E_ARG: nothing is there, or fill or
+ * steps are out of range; errors of the rig. */
 LF_NODISCARD lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *settings,
                                      const char *name, double fill, double steps,
                                      double out_target[3], double out_position[3], lf_error *err);

@@ -162,6 +162,7 @@ void engine_publish(lf_engine *engine)
         .threads = lf_pool_threads(engine->pool),
         .frames = engine->frames.n,
         .reconstructed = engine->renderer && engine->fit.passes > 0,
+        .blank = engine->look.blank,
     };
     if (engine->content && (engine->content->scene || engine->content->quilt.is_float))
         now.film = engine->picture.film;

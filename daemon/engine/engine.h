@@ -9,6 +9,7 @@
 
 #include "daemon/engine/mailbox.h"
 #include "daemon/engine/states.h"
+#include "daemon/output/blank.h"
 #include "daemon/output/content.h"
 #include "daemon/output/output.h"
 
@@ -51,6 +52,7 @@ typedef struct lf_engine_status {
     uint64_t frames;       /* composed so far */
     bool reconstructed;    /* what they are made of; else the unfiltered answer */
     lf_film_settings film; /* exposure: the one in use */
+    lf_blank blank;        /* the last frame, of a scene whose objects the camera sees */
 } lf_engine_status;
 
 /* Starts the thread. event_fd (borrowed) becomes readable after frames and changes of state. */

@@ -83,6 +83,7 @@ typedef struct engine_look {
     double error_bound, bound_passes; /* after how many passes */
     double shown_error, shown_bound;  /* of the reconstructed picture; < 0 = not known */
     bool told_of_cut;                 /* lf_render_warn_of_cut, for this file */
+    lf_blank blank;                   /* the last frame, of a scene that is seen */
 } engine_look;
 
 /* The last fit that rows are shown by: after how many passes (0 = there is none), when it was shown

@@ -197,6 +197,19 @@ static lf_status fit(lf_engine *engine, bool final)
     return status;
 }
 
+/* Whether nothing is to be seen in a frame of a scene; what its camera does not see is told of when
+ * it is loaded. */
+static void look_for_blank(lf_engine *engine, const lf_views8 *views)
+{
+    const lf_blank before = engine->look.blank;
+    engine->look.blank = engine->content->scene && !engine->content->is_unseen
+                             ? lf_blank_of_views8(views)
+                             : LF_BLANK_NOT;
+    const char *words = lf_blank_words(engine->look.blank, true);
+    if (words && before == LF_BLANK_NOT)
+        lf_log(LF_LOG_WARNING, "%s: %s", engine->content->file, words);
+}
+
 static void post_frame(lf_engine *engine, bool final)
 {
     engine->owed = false;
@@ -211,6 +224,7 @@ static void post_frame(lf_engine *engine, bool final)
         return;
     if (lf_picture_expose(&engine->picture, engine->pool))
         views = views_now(engine, &blank);
+    look_for_blank(engine, &views);
     if (engine_post_dark_card(engine, &views))
         return;
     const lf_interlacer *interlacer = interlacer_now(engine);

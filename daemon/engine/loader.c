@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "base/thread.h"
 #include "daemon/engine/folder.h"
+#include "daemon/output/blank.h"
 #include "daemon/output/fit.h"
 #include "daemon/output/orbit.h"
 #include "daemon/threads/worker.h"
@@ -309,6 +310,13 @@ static void tell_depth(const lf_content *content, const lf_content *before)
                               sizeof words));
 }
 
+static void tell_unseen(const lf_content *content, const lf_content *before)
+{
+    bool told = before && before->is_unseen && strcmp(before->file, content->file) == 0;
+    if (content->is_unseen && !told)
+        lf_log(LF_LOG_WARNING, "%s: %s", content->file, lf_unseen_words(true));
+}
+
 static lf_status fail_cancelled(lf_load *load)
 {
     return lf_error_set(&load->err, LF_E_CANCELLED, load->file ? load->file : "", "cancelled");
@@ -348,6 +356,7 @@ static void run_load(lf_loader *loader, lf_load *load)
         return;
     }
     tell_depth(content, loader->content);
+    tell_unseen(content, loader->content);
     lf_content_unref(loader->content);
     loader->content = content;
     load->content = lf_content_ref(content);

@@ -58,7 +58,8 @@ static void list_rules(described_list *list, const lf_options_rules *rules)
             if (lf_param_among(row, part->names))
                 list_add(list, (described){.name = row->option,
                                            .row = row,
-                                           .takes = row->type != LF_PARAM_SWITCH || row->words});
+                                           .takes = (row->type != LF_PARAM_SWITCH || row->words) &&
+                                                    !row->optional});
     list_own(list, rules);
 }
 

@@ -40,6 +40,7 @@ lf_status lf_content_from_scene(lf_scene *scene, const char *file, const lf_opti
         lf_content_unref(content);
         return status;
     }
+    content->is_unseen = !lf_scene_is_seen(scene, &content->settings);
     content->has_depth = lf_scene_depth(scene, &content->settings, &content->depth);
     *out_content = content;
     return LF_OK;

@@ -17,7 +17,8 @@ typedef struct lf_content {
     lf_layout layout;
     lf_film_settings film;
     bool is_frame;  /* scene only: another frame (of time) of what was shown before */
-    bool has_depth; /* the next is known */
+    bool is_unseen; /* scene only: lf_scene_is_seen says so */
+    bool has_depth; /* scene only: the next is known */
     lf_depth depth;
     /* The scene's document as JSON on one line (lf_content_write_document); NULL: none was made, or
      * it would be LF_CONTENT_MAX_DOCUMENT or longer. */

@@ -63,7 +63,8 @@ typedef struct lf_options {
     unsigned skip;                           /* bits of lf_skip */
     double target_error, target_shown_error; /* > 0 */
     bool has_exposure;                       /* it was given */
-    bool fit;                                /* the camera moves to where all fills its views */
+    bool fit;                                /* the camera moves to where all fills its views … */
+    const char *fit_name;                    /* … or the mesh or volume of this name; NULL: all */
     bool png;                                /* of a folder: 8-bit views */
     bool still;                              /* one view as a plain picture */
     int quality;                             /* of JPEG, 1..100 */
@@ -146,10 +147,11 @@ typedef struct lf_options_rules {
 } lf_options_rules;
 
 /* Takes all options, by getopt_long without its own messages; optind is then the first operand
- * (operands may stand anywhere). *out_done: help, the version or, by `--completion SHELL` and
- * nothing else, the program's completion was asked for and printed, and nothing behind it was read.
- * LF_E_ARG for an unknown or ambiguous option, a missing or an unwanted argument, or one that is no
- * good; errors of take. */
+ * (operands may stand anywhere). The word behind an option with an optional argument is that unless
+ * it begins with -, holds a dot or a slash, or is a file: those are given as --OPTION=WORD.
+ * *out_done: help, the version or, by `--completion SHELL` and nothing else, the program's
+ * completion was asked for and printed, and nothing behind it was read. LF_E_ARG for an unknown or
+ * ambiguous option, a missing or an unwanted argument, or one that is no good; errors of take. */
 LF_NODISCARD lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *rules,
                                        bool *out_done, lf_error *err);
 

@@ -3,6 +3,7 @@
 #include <assert.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/nearest.h"
 #include "daemon/output/completion.h"
@@ -48,9 +49,11 @@ static void make_table(const lf_options_rules *rules, struct option *table)
         const lf_options_part *part = &rules->parts[i];
         for (const lf_param *row = part->params; row->name || row->option;
              row = lf_param_next(row)) {
-            const bool bare = row->type == LF_PARAM_SWITCH && !row->words;
+            const int takes = row->type == LF_PARAM_SWITCH && !row->words ? no_argument
+                              : row->optional                             ? optional_argument
+                                                                          : required_argument;
             if (lf_param_among(row, part->names))
-                n = append(table, n, row->option, bare ? no_argument : required_argument,
+                n = append(table, n, row->option, takes,
                            CODE_PART + i * PART_SIZE + (int)(row - part->params));
         }
     }
@@ -107,11 +110,24 @@ static lf_status read_next(int argc, char *const argv[], const char *letters,
     return unknown(table, where, err);
 }
 
-static lf_status take_row(const lf_options_rules *rules, int code, lf_error *err)
+/* Whether a word behind an option is its optional argument: what looks like a file is an operand.
+ */
+static bool is_argument(const char *word)
+{
+    struct stat file;
+    return word && word[0] != '-' && word[0] != '\0' && !strpbrk(word, "./") &&
+           !(stat(word, &file) == 0 && S_ISREG(file.st_mode));
+}
+
+static lf_status take_row(const lf_options_rules *rules, char *const argv[], int code,
+                          lf_error *err)
 {
     const lf_options_part *part = &rules->parts[code / PART_SIZE];
     const lf_param *row = &part->params[code % PART_SIZE];
-    lf_status status = lf_param_from_text(row, optarg, part->object, err);
+    const char *text = optarg;
+    if (row->optional && !text && is_argument(argv[optind])) /* argv ends with NULL */
+        text = argv[optind++];
+    lf_status status = lf_param_from_text(row, text, part->object, err);
     if (status == LF_OK && rules->taken)
         rules->taken(rules->context, part->params, row);
     return status;
@@ -140,7 +156,7 @@ lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *
             *out_done = true;
             return LF_OK;
         }
-        status = code >= CODE_PART ? take_row(rules, code - CODE_PART, err)
+        status = code >= CODE_PART ? take_row(rules, argv, code - CODE_PART, err)
                                    : rules->take(rules->context, code, optarg, err);
         if (status != LF_OK)
             return status;

@@ -113,6 +113,10 @@ static void add_engine(lf_server *server, json_t *status)
     json_decref(more);
     json_object_set_new(status, "shown_error", known_or_null(now.shown_error));
     json_object_set_new(status, "shown_error_bound", known_or_null(now.shown_error_bound));
+    json_t *warnings = lf_server_warnings_json(server);
+    if (lf_blank_words(now.blank, true))
+        json_array_append_new(warnings, json_string(lf_blank_words(now.blank, true)));
+    json_object_set_new(status, "warnings", warnings);
     json_object_set_new(status, "exposure",
                         json_pack("{s:f, s:b, s:s}", "stops", now.film.exposure, "auto",
                                   now.film.auto_exposure, "tonemap",

@@ -299,6 +299,8 @@ void lf_server_kept(lf_server *server, const lf_error *err);
 void lf_server_load(lf_server *server, lf_load *load, lf_deferred *deferred);
 /* Queues those that came before that scene was queued; on the way down they fail. */
 void lf_server_release_loads(lf_server *server);
+/* What is to be said of what is shown, as `status` and the answers to loads tell it. */
+json_t *lf_server_warnings_json(const lf_server *server);
 /* The scene file again. */
 void lf_server_reload(lf_server *server);
 /* Answers when generation is shown at that level, and in the files of a panel that has some, or

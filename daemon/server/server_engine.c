@@ -321,24 +321,31 @@ static void append_notes(json_t *lines, const lf_content *content)
     }
 }
 
+json_t *lf_server_warnings_json(const lf_server *server)
+{
+    const lf_content *content = server->content;
+    json_t *lines = json_array();
+    char words[LF_DEPTH_WORDS];
+    if (!content)
+        return lines;
+    for (int i = 0; content->scene && lf_scene_warning(content->scene, i); i++)
+        (void)json_array_append_new(lines, lf_rpc_text(lf_scene_warning(content->scene, i)));
+    append_notes(lines, content);
+    if (content->depth.exceeded)
+        (void)json_array_append_new(
+            lines, json_string(lf_depth_words(&content->depth, content->settings.width, words,
+                                              sizeof words)));
+    if (content->is_unseen)
+        (void)json_array_append_new(lines, json_string(lf_unseen_words(true)));
+    return lines;
+}
+
 /* The answer to a load, and with it what is to be said of the scene's files. */
 static json_t *load_answer(const lf_server *server, const lf_load *load)
 {
-    json_t *answer = json_pack("{s:I}", "generation", (json_int_t)server->generation), *lines;
-    char words[LF_DEPTH_WORDS];
-    if (!answer || (load->kind != LF_LOAD_FILE && load->kind != LF_LOAD_PATCH))
-        return answer;
-    const lf_scene *scene = server->content->scene;
-    lines = json_array();
-    for (int i = 0; scene && lf_scene_warning(scene, i); i++)
-        (void)json_array_append_new(lines, lf_rpc_text(lf_scene_warning(scene, i)));
-    append_notes(lines, server->content);
-    if (server->content->depth.exceeded)
-        (void)json_array_append_new(
-            lines,
-            json_string(lf_depth_words(&server->content->depth, server->content->settings.width,
-                                       LF_DEPTH_PANEL, words, sizeof words)));
-    (void)json_object_set_new(answer, "warnings", lines);
+    json_t *answer = json_pack("{s:I}", "generation", (json_int_t)server->generation);
+    if (answer && (load->kind == LF_LOAD_FILE || load->kind == LF_LOAD_PATCH))
+        (void)json_object_set_new(answer, "warnings", lf_server_warnings_json(server));
     return answer;
 }
 

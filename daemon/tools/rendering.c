@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "daemon/output/blank.h"
 #include "daemon/output/content.h"
 #include "daemon/output/guides.h"
 
@@ -106,9 +107,32 @@ static void measure_depth(lf_rendering *r)
         r->print.parallax_lenses = fmin(lf_depth_shift(&depth), r->settings.width);
 }
 
+/* Once, of a scene that the camera does not see. */
+static void warn_of_unseen(lf_rendering *r)
+{
+    if (r->told_of_blank || lf_scene_is_seen(r->scene, &r->settings))
+        return;
+    r->told_of_blank = true;
+    lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene, lf_unseen_words(false));
+}
+
+/* Once, of a picture in which nothing is to be seen. */
+static void warn_of_blank(lf_rendering *r, const lf_output_source *source)
+{
+    const char *words =
+        r->told_of_blank || !r->scene
+            ? NULL
+            : lf_blank_words(lf_blank_of_views32(&source->views32, &r->film_settings), false);
+    if (!words)
+        return;
+    r->told_of_blank = true;
+    lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene, words);
+}
+
 /* The renderer of r->scene; that of the frame or row before goes on with this one. */
 static lf_status begin(lf_rendering *r, const lf_render_settings *settings, lf_error *err)
 {
+    warn_of_unseen(r);
     if (r->gathered) {
         if (r->sequence.n_done == 0)
             warn_of_depth(r);
@@ -322,6 +346,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
     lf_status status = expose(r, &source, err);
     if (status != LF_OK)
         return status;
+    warn_of_blank(r, &source);
     if (a->options.guides) {
         mark_depth(r);
     } else if (a->options.layers) {

@@ -54,7 +54,8 @@ typedef struct lf_rendering {
     char *path;     /* final name; of a sequence, of the frame in hand */
     json_t *record; /* settings for attributes and the manifest */
     lf_render_times times;
-    bool told_of_cut; /* lf_render_warn_of_cut */
+    bool told_of_cut;   /* lf_render_warn_of_cut */
+    bool told_of_blank; /* that nothing is to be seen */
     /* what was spent on all that the renderer holds, and it is to be answered as it is; NULL:
      * nothing yet */
     const lf_render_times *gathered;

@@ -218,7 +218,8 @@ static lf_status patch_scene(lf_rendering *r, json_t *patch, lf_error *err)
 static lf_status fit(lf_rendering *r, lf_error *err)
 {
     json_t *patch = NULL;
-    lf_status status = lf_fit_patch(r->scene, &r->settings, NULL, LF_CAMERA_FILL, 0.0, &patch, err);
+    lf_status status = lf_fit_patch(r->scene, &r->settings, r->arguments->options.fit_name,
+                                    LF_CAMERA_FILL, 0.0, &patch, err);
     return status == LF_OK ? patch_scene(r, patch, err) : status;
 }
 

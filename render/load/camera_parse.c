@@ -151,21 +151,47 @@ static void parse_placed_views(lf_reader *reader, const lf_node *views, lf_scene
                      "{\"list\": […]}, {\"path\": {…}} or {\"circle\": {…}}");
 }
 
-/* The keys of the table; views that are an object are read by themselves, behind the others. */
+/* A camera that is fitted later (placing.h): without a position it looks from the front, the right
+ * and a little above. */
+static void parse_fit(lf_reader *reader, const lf_node *node, const lf_node *fit, lf_camera *camera)
+{
+    static const double three_quarters[3] = {0.5, 0.1, 1.0};
+    for (int i = 0; i < 3 && !json_is_false(fit->value) && !lf_node_child(node, "position").value;
+         i++)
+        camera->position[i] = camera->target[i] + three_quarters[i];
+    if (json_is_string(fit->value))
+        (void)lf_read_string(reader, node, "fit", NULL, LF_MAX_NAME);
+    else if (!json_is_boolean(fit->value))
+        lf_read_fail(reader, fit, "expected true, false or the name of a mesh or volume");
+    if (!json_is_false(fit->value) && lf_node_child(node, "from").value)
+        lf_read_fail(reader, fit, "does not go with \"from\": one of them places the camera");
+    if (!json_is_false(fit->value) && json_is_object(lf_node_child(node, "views").value))
+        lf_read_fail(reader, fit, "only goes with a number of \"views\"");
+}
+
+/* The keys of the table; views that are an object, and "fit", are read by themselves. */
 static void parse_params(lf_reader *reader, const lf_node *node, lf_scene_desc *out)
 {
-    const lf_node views = lf_node_child(node, "views"), from = lf_node_child(node, "from");
-    if (!json_is_object(views.value)) {
+    const lf_node views = lf_node_child(node, "views"), from = lf_node_child(node, "from"),
+                  fit = lf_node_child(node, "fit");
+    if (!json_is_object(views.value) && !fit.value) {
         lf_read_params(reader, node, "from", lf_camera_params, &out->camera);
         return;
     }
     lf_node others = *node;
     others.value = json_copy(node->value);
-    if (!others.value || json_object_del(others.value, "views") != 0)
-        reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
-    else
+    if (json_is_object(views.value))
+        json_object_del(others.value, "views");
+    json_object_del(others.value, "fit");
+    if (others.value)
         lf_read_params(reader, &others, "from", lf_camera_params, &out->camera);
+    else
+        reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
     json_decref(others.value);
+    if (fit.value)
+        parse_fit(reader, node, &fit, &out->camera);
+    if (!json_is_object(views.value))
+        return;
     parse_placed_views(reader, &views, out);
     if (out->camera.list && from.value)
         lf_read_fail(reader, &from, "does not go with cameras that are listed one by one");

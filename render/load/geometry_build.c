@@ -53,6 +53,8 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
             json_object_set_new(copy, "material", shines ? json_string("light") : json_true());
         json_object_del(copy, "animation");
         json_object_del(copy, "catcher");
+        if (!said->stands)
+            json_object_del(copy, "ground");
         json_object_del(copy, "lights");
         if (clip)
             json_object_set(copy, "animation", clip);

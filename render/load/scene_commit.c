@@ -15,6 +15,7 @@
 #include "render/load/meshes_import.h"
 #include "render/load/nested_glass.h"
 #include "render/load/open_flesh.h"
+#include "render/load/placing.h"
 #include "render/load/scene_looks.h"
 #include "render/load/scene_subject.h"
 #include "render/load/unused_grids.h"
@@ -192,6 +193,10 @@ static void load_volumes(commit *c)
         const lf_volume_desc *desc = &c->desc->volumes[i];
         lf_volume *volume = &scene->volumes[scene->n_volumes++];
         *volume = (lf_volume){.kind = desc->kind, .nearest = desc->nearest, .g = (float)desc->g};
+        if (desc->absent) { /* a shape of nothing */
+            volume->kind = LF_VOLUME_BOX;
+            continue;
+        }
         take_extinction(volume, desc);
         volume->second = desc->second;
         if (desc->droplets > 0.0)
@@ -331,6 +336,18 @@ static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
     }
 }
 
+/* Grounds that the scene leaves to be placed, by imported data. */
+static void place_grounds(const commit *c, lf_mesh_data *data, json_t *key)
+{
+    double beside[2][3];
+    const lf_scene_desc none = {0};
+    commit volumes = *c;
+    volumes.desc = &none;
+    world_bounds(&volumes, NULL, NULL, beside);
+    if (!lf_place_grounds(c->desc, (const double(*)[3])beside, data, key, &c->scene->file.placing))
+        out_of_memory(c);
+}
+
 /* Sets scene->origin and scene->geometry, sharing the geometry of the scene before when nothing of
  * it changed. */
 static void load_meshes(commit *c)
@@ -352,6 +369,8 @@ static void load_meshes(commit *c)
         shared = c->previous->geometry;
     if (!shared)
         import_meshes(c, data);
+    if (!shared && c->reader->status == LF_OK)
+        place_grounds(c, data, key);
     if (c->reader->status != LF_OK)
         goto done;
     world_bounds(c, shared, data, bounds);
@@ -406,6 +425,7 @@ static void place_meshes(commit *c)
         scene->meshes[i].catcher = c->desc->meshes[i].catcher;
         scene->meshes[i].reflects = c->desc->meshes[i].reflects;
         scene->meshes[i].lamp = c->desc->meshes[i].lamp;
+        scene->meshes[i].ground = c->desc->meshes[i].ground;
         scene->n_meshes++;
     }
     for (int i = 0; geometry && i < geometry->n_meshes; i++)

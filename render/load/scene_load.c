@@ -5,8 +5,10 @@
 #include "base/frame_name.h"
 #include "base/import/import_group.h"
 #include "render/load/bare_file.h"
+#include "render/load/frame_hold.h"
 #include "render/load/json_size.h"
 #include "render/load/keyframes.h"
+#include "render/load/placing.h"
 #include "render/load/scene_commit.h"
 #include "render/load/scene_include.h"
 
@@ -91,8 +93,8 @@ static lf_status refuse_size(const lf_reader *reader, size_t bytes)
 }
 
 /* source.text may be NULL; it is what doc was parsed from, for the lines in errors. */
-static lf_status build(const lf_json_source *source, const char *folder, const lf_roots *roots,
-                       const lf_scene *previous, lf_scene **out_scene, lf_error *err)
+static lf_status build_once(const lf_json_source *source, const char *folder, const lf_roots *roots,
+                            const lf_scene *previous, lf_scene **out_scene, lf_error *err)
 {
     lf_reader reader = {source->where, source->text, source->size, LF_OK, err, NULL, 0};
     lf_scene_desc desc = {0};
@@ -119,6 +121,8 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
         scene->file.has_frames = scene->file.has_frames || has_sequences(root.value);
         lf_scene_parse(&reader, &root, &desc);
     }
+    if (reader.status == LF_OK && !lf_hold_frames(&desc, folder, &extended))
+        reader.status = lf_error_set(err, LF_E_NOMEM, source->where, "out of memory");
     if (reader.status == LF_OK)
         lf_shutter_read(&reader, &keyed, scene->file.still, &desc, &shutter);
     if (reader.status == LF_OK)
@@ -134,6 +138,47 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
         lf_includes_finish(includes);
     lf_free(includes);
     return reader.status;
+}
+
+static lf_status build(const lf_json_source *source, const char *folder, const lf_roots *roots,
+                       const lf_scene *previous, lf_scene **out_scene, lf_error *err);
+
+/* The scene of base's document with a patch on it (taken over, NULL: out of memory). */
+static lf_status build_from(const lf_scene *base, json_t *patch, const lf_roots *roots,
+                            lf_scene **out_scene, lf_error *err)
+{
+    const char *where = base->file.where;
+    const lf_json_source source = {
+        .where = where, .doc = patch ? lf_json_merge_patch(lf_scene_json(base), patch) : NULL};
+    lf_status status = source.doc ? build(&source, base->file.folder, roots, base, out_scene, err)
+                                  : lf_error_set(err, LF_E_NOMEM, where, "out of memory");
+    if (status == LF_OK) { /* the document has no include any more */
+        json_decref((*out_scene)->file.included);
+        (*out_scene)->file.included = json_incref(base->file.included);
+    }
+    json_decref(source.doc);
+    json_decref(patch);
+    return status;
+}
+
+/* What the document leaves to be placed is placed. */
+static lf_status build(const lf_json_source *source, const char *folder, const lf_roots *roots,
+                       const lf_scene *previous, lf_scene **out_scene, lf_error *err)
+{
+    lf_reader reader = {source->where, source->text, source->size, LF_OK, err, NULL, 0};
+    lf_scene *first = NULL;
+    lf_status status = build_once(source, folder, roots, previous, &first, err);
+    if (status == LF_OK && !lf_scene_is_unplaced(first)) {
+        *out_scene = first;
+        return LF_OK;
+    }
+    if (status == LF_OK) {
+        json_t *patch = lf_scene_placing(&reader, first);
+        status = reader.status == LF_OK ? build_from(first, patch, roots, out_scene, err)
+                                        : reader.status;
+    }
+    lf_scene_unref(first);
+    return status;
 }
 
 /* Lays patch (may be NULL) over doc; what is no object is the parser's to refuse. */
@@ -185,6 +230,32 @@ static lf_status load_bare(const char *path, const json_t *patch, const lf_roots
     return status;
 }
 
+/* A document that was read, with a patch (may be NULL) on it. What it leaves to be placed is placed
+ * in its own frame, whatever the patch says of frames: so it is the same in all. */
+static lf_status build_patched(const lf_json_source *source, const json_t *patch,
+                               const char *folder, const lf_roots *roots, const lf_scene *previous,
+                               lf_scene **out_scene, lf_error *err)
+{
+    if (!patch || !json_is_object(source->doc))
+        return build(source, folder, roots, previous, out_scene, err);
+    lf_json_source patched = *source;
+    lf_scene *first = NULL, *own = NULL;
+    patched.doc = lf_json_merge_patch(source->doc, patch);
+    lf_status status = patched.doc ? build_once(&patched, folder, roots, previous, &first, err)
+                                   : lf_error_set(err, LF_E_NOMEM, source->where, "out of memory");
+    json_decref(patched.doc);
+    if (status != LF_OK || !lf_scene_is_unplaced(first)) {
+        *out_scene = first;
+        return status;
+    }
+    status = build(source, folder, roots, first, &own, err);
+    lf_scene_unref(first);
+    if (status == LF_OK)
+        status = build_from(own, json_deep_copy(patch), roots, out_scene, err);
+    lf_scene_unref(own);
+    return status;
+}
+
 static lf_status load_text(const char *path, const json_t *patch, const lf_roots *roots,
                            const lf_scene *previous, lf_scene **out_scene, lf_error *err)
 {
@@ -194,9 +265,7 @@ static lf_status load_text(const char *path, const json_t *patch, const lf_roots
     if (status == LF_OK && !folder)
         status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     if (status == LF_OK)
-        status = patch_document(text.source.doc, patch, path, err);
-    if (status == LF_OK)
-        status = build(&text.source, folder, roots, previous, out_scene, err);
+        status = build_patched(&text.source, patch, folder, roots, previous, out_scene, err);
     lf_scene_text_finish(&text);
     lf_free(folder);
     return status;

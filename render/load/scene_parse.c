@@ -9,6 +9,7 @@
 #include "render/load/foreign_words.h"
 #include "render/load/frame_file.h"
 #include "render/load/member_read.h"
+#include "render/load/mesh_role.h"
 #include "render/load/transform_read.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/surface.h"
@@ -261,7 +262,7 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID;
     const char *file = lf_read_file(reader, node, "file", lf_volume_endings);
-    volume->file = file ? lf_frame_file(reader, node, file, frame) : NULL;
+    volume->file = file ? lf_frame_file(reader, node, file, frame, &volume->frame) : NULL;
     parse_grid_names(reader, node, volume);
     volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
     volume->half = lf_read_choice(reader, node, "precision", precisions, 0) == 1;
@@ -492,17 +493,6 @@ static double parse_lights_of(lf_reader *reader, const lf_node *node)
     return lf_read_bool(reader, node, "lights", true) ? 1 : 0;
 }
 
-/* A catcher of shadows, or of what it reflects as well. */
-static void parse_catcher(lf_reader *reader, const lf_node *node, lf_mesh_desc *mesh)
-{
-    const lf_node catcher = lf_node_child(node, "catcher");
-    mesh->reflects = json_is_string(catcher.value) &&
-                     strcmp(json_string_value(catcher.value), "reflection") == 0;
-    if (catcher.value && !mesh->reflects && !json_is_boolean(catcher.value))
-        lf_read_fail(reader, &catcher, "expected true, false or \"reflection\"");
-    mesh->hidden = mesh->catcher = mesh->reflects || json_is_true(catcher.value);
-}
-
 /* Which animation of a file, and where it is in this frame. */
 static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, lf_clip *clip)
 {
@@ -539,7 +529,8 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
 {
     static const char *const keys[] = {"file",      "shape",     "material", "normals",
                                        "transform", "animation", "units",    "catcher",
-                                       "lights",    "instances", "variant",  NULL};
+                                       "lights",    "instances", "variant",  "ground",
+                                       NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
     const char *shapes[LF_MAX_KINDS + 1] = {NULL};
@@ -557,7 +548,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     const lf_node units = lf_node_child(node, "units");
     if (mesh->shape && units.value)
         lf_read_fail(reader, &units, "only what is in a file has units of its own");
-    parse_catcher(reader, node, mesh);
+    lf_mesh_role_parse(reader, node, mesh);
     parse_clip(reader, node, desc->seconds, &mesh->clip);
     mesh->variant = parse_variant(reader, node);
     mesh->lights = parse_lights_of(reader, node);

@@ -5,6 +5,7 @@
 #define LF_RENDER_SCENE_PARSE_H
 
 #include "render/load/clip.h"
+#include "render/load/frame_file.h"
 #include "render/load/json_reader.h"
 #include "render/load/mesh_shape.h"
 #include "render/scene/affine.h"
@@ -36,6 +37,8 @@ typedef struct lf_volume_desc {
      * but the last */
     char grid[LF_MAX_SUMMED * LF_GRID_NAME_BYTES];
     char *file; /* of the frame; released by lf_scene_desc_finish */
+    lf_frame_of frame;
+    bool absent; /* there is no file for the frame: nothing is there */
     bool nearest;
     bool half;        /* grids are rounded to 16 bits (lf_grid_shorten) */
     double scale;     /* sigma_t per scene unit and unit of value … */
@@ -84,7 +87,9 @@ typedef struct lf_mesh_desc {
     bool hidden; /* from the camera */
     bool catcher;
     bool reflects; /* a catcher of what it reflects, too */
-    bool shines;   /* the material that it names does */
+    lf_ground_word ground;
+    bool stands; /* a ground that the scene places (placing.h) */
+    bool shines; /* the material that it names does */
     lf_places_desc places;
 } lf_mesh_desc;
 

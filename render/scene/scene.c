@@ -70,6 +70,7 @@ void lf_scene_unref(lf_scene *scene)
     bool large = scene->file.bytes >= LF_SCENE_LARGE_BYTES;
     json_decref(scene->json);
     json_decref(scene->file.included);
+    json_decref(scene->file.placing);
     json_decref(scene->file.still);
     json_decref(scene->subject);
     lf_free(scene->file.folder);

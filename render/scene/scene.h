@@ -309,6 +309,9 @@ typedef struct lf_mesh_close {
     const float *vertices, *normals, *tangents;
 } lf_mesh_close;
 
+/* What the scene says of whether a mesh is a ground, which a fit does not frame. */
+typedef enum lf_ground_word { LF_GROUND_GUESSED, LF_GROUND_SAID, LF_GROUND_DENIED } lf_ground_word;
+
 typedef struct lf_mesh {
     unsigned geom_id; /* Embree geometry */
     int n_vertices, n_triangles;
@@ -324,6 +327,7 @@ typedef struct lf_mesh {
     bool catcher;  /* hidden, but for what it gets of shadows (catcher.h) */
     bool reflects; /* a catcher that also tells what it reflects */
     bool lamp;     /* made of one of the scene's lights */
+    lf_ground_word ground;
     /* lf_mesh_data's, each NULL where no material wants it */
     const float *uvs, *colours, *tangents;
     lf_mesh_close close;
@@ -461,6 +465,7 @@ typedef struct lf_scene_file {
     double rate;           /* frames a second */
     bool has_frames;       /* they differ */
     lf_view_camera *views; /* what the camera's list is; NULL: it has none */
+    json_t *placing;       /* lf_place_grounds' patch; NULL: the document says where all stands */
 } lf_scene_file;
 
 /* Two triangles of different solids of glass that lie in one plane. */

@@ -79,8 +79,13 @@ static void the_depth_and_bounds_are_told_and_framed(void **state)
                        "\"translate\":[3,0,0]}}}}",
                        0, NULL);
     answer = result_of(&c, "scene.patch", json_pack("{s:o}", "patch", patch));
-    assert_int_equal(json_array_size(json_object_get(answer, "warnings")), 0);
+    /* beside the window: no depth that is exceeded, and nothing to be seen */
+    warnings = json_object_get(answer, "warnings");
+    assert_int_equal(json_array_size(warnings), 1);
+    assert_non_null(strstr(json_string_value(json_array_get(warnings, 0)),
+                           "the camera sees no mesh and no volume of the scene; camera.fit"));
     json_decref(answer);
+    assert_true(live_logged(&l, "the camera sees no mesh"));
     assert_box(&c, 3, 0.5);
     assert_true(live_number(&c, "camera.fit", json_pack("{s:s, s:f}", "name", "fog", "fill", 0.5),
                             "generation") == 4);
@@ -100,6 +105,9 @@ static void the_depth_and_bounds_are_told_and_framed(void **state)
         json_object_get(json_object_get(json_object_get(scene, "scene"), "camera"), "position");
     assert_true(hypot(at(position, 1), at(position, 2)) < 0.7 * wide);
     json_decref(scene);
+    json_t *status = result_of(&c, "status", NULL);
+    assert_int_equal(json_array_size(json_object_get(status, "warnings")), 0);
+    json_decref(status);
 
     assert_int_equal(live_code(&c, "camera.fit", json_pack("{s:f}", "steps", 0.5)), 0);
     assert_true(budget(&c, "farthest_step") < 0.5001 && budget(&c, "nearest_step") > -0.5001);
@@ -157,6 +165,34 @@ static void an_automatic_exposure_never_pumps(void **state)
     lf_assert_close(second, first - 3, 0, 0.3);
     live_wait(&c, "converged");
     assert_true(stops_now(&c, true) == second);
+    live_close(&c);
+    live_finish(&l);
+}
+
+static void assert_warns(live_client *c, const char *words)
+{
+    json_t *status = result_of(c, "status", NULL);
+    const json_t *warnings = json_object_get(status, "warnings");
+    assert_int_equal(json_array_size(warnings), words ? 1 : 0);
+    assert_true(!words || strstr(json_string_value(json_array_get(warnings, 0)), words));
+    json_decref(status);
+}
+
+static void a_black_picture_is_told(void **state)
+{
+    (void)state;
+    live l;
+    live_prepare(&l);
+    live_start(&l, l.scene, "--device", l.sim, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    live_wait(&c, "coarse");
+    assert_warns(&c, NULL);
+    shine(&c, 1e-6);
+    assert_warns(&c, "the picture is black in all views");
+    assert_true(live_logged(&l, "the picture is black in all views"));
+    shine(&c, 0.7);
+    assert_warns(&c, NULL);
     live_close(&c);
     live_finish(&l);
 }
@@ -370,6 +406,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_depth_and_bounds_are_told_and_framed),
         cmocka_unit_test(an_automatic_exposure_never_pumps),
+        cmocka_unit_test(a_black_picture_is_told),
         cmocka_unit_test(an_exposure_that_is_set_starts_nothing_over),
         cmocka_unit_test(a_patch_of_the_film_starts_nothing_over),
         cmocka_unit_test(a_file_is_exposed_by_its_own_picture),

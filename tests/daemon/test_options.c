@@ -4,7 +4,7 @@
 
 #include "daemon/output/options.h"
 
-static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " target-error panel";
+static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " target-error panel fit";
 static const struct option table[] = {
     {"own", required_argument, NULL, LF_OPTION_OWN},
     {NULL, 0, NULL, 0},
@@ -85,6 +85,32 @@ static void options_of_the_program_itself_are_handed_to_it_until_one_is_bad(void
     lf_assert_status(read_line("--own bad --own behind", &o, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "is bad");
     assert_int_equal(got.n, 0);
+}
+
+/* What looks like a file is an operand. */
+static void a_name_may_stand_behind_fit(void **state)
+{
+    static const struct {
+        const char *line, *name;
+    } cases[] = {
+        {"a.json --fit", NULL},      {"--fit a.json", NULL},
+        {"--fit folder/a", NULL},    {"--fit cow a.json", "cow"},
+        {"a.json --fit cow", "cow"}, {"a.json --fit --views 7", NULL},
+        {"--fit=a.b a.json", "a.b"}, {"a.json b.json --fit cow --views 7", "cow"},
+    };
+    lf_options o;
+    lf_error err;
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lf_assert_ok(read_line(cases[i].line, &o, &err), &err);
+        assert_true(o.fit);
+        if (cases[i].name)
+            assert_string_equal(o.fit_name, cases[i].name);
+        else
+            assert_null(o.fit_name);
+    }
+    lf_assert_ok(read_line("a.json cow", &o, &err), &err);
+    assert_false(o.fit);
 }
 
 static void nothing_is_read_behind_help_and_version(void **state)
@@ -416,6 +442,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_of_the_program_itself_are_handed_to_it_until_one_is_bad),
+        cmocka_unit_test(a_name_may_stand_behind_fit),
         cmocka_unit_test(nothing_is_read_behind_help_and_version),
         cmocka_unit_test(every_shared_option_is_taken),
         cmocka_unit_test(wrong_words_are_refused_with_the_option_and_what_it_expects),

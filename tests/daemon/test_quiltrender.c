@@ -495,6 +495,67 @@ static void a_camera_that_fits_is_where_another_one_would_be(void **state)
     lf_quilt_finish(&missed);
 }
 
+/* A thing by its name, a wrong one by another; what looks like a file is none. */
+static void a_camera_fits_one_thing(void **state)
+{
+    const qr_files *f = *state;
+    qr_outcome o;
+    qr_succeed("--fit fog %s -o %s/fit_a.png " SMALL " --views 2", f->scene, f->folder);
+    qr_succeed("--fit %s -o %s/fit_b.png " SMALL " --views 2", f->scene, f->folder);
+    qr_succeed("%s --fit=ground -o %s/fit_c.png " SMALL " --views 2", f->scene, f->folder);
+    lf_quilt_file fits[3];
+    for (int i = 0; i < 3; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "fit_%c_qs2x1a0.75.png", 'a' + i);
+        lf_assert_ok(lf_quilt_read(lf_test_path(f->folder, name), NULL, 0, 0, &fits[i], NULL),
+                     NULL);
+    }
+    /* the ground is left out where nothing is named */
+    bool same[2] = {true, true};
+    for (int i = 0; i < 2; i++)
+        for (int y = 0; y < 16; y++)
+            same[i] = same[i] && memcmp(lf_views8_row(&fits[0].views8, 0, y),
+                                        lf_views8_row(&fits[i + 1].views8, 0, y), 3 * 12) == 0;
+    assert_true(same[0] && !same[1]);
+    for (int i = 0; i < 3; i++)
+        lf_quilt_finish(&fits[i]);
+    qr_run(&o, "%s --fit fgo -o %s/fit_d.png " SMALL " --views 2", f->scene, f->folder);
+    assert_int_equal(o.code, 2);
+    assert_non_null(strstr(o.err, "no mesh or volume \"fgo\" is there; did you mean \"fog\"?"));
+}
+
+/* A scene of that camera and light, and what is said of its picture. */
+static void assert_told(const qr_files *f, const char *camera, const char *light, const char *words)
+{
+    char text[600];
+    qr_outcome o;
+    snprintf(text, sizeof text,
+             "{\"camera\": {%s}, \"meshes\": {\"ball\": {\"shape\": \"sphere\"}}, \"lights\": "
+             "{\"l\": {%s}}}",
+             camera, light);
+    const char *scene = lf_test_write(f->folder, "told.json", text);
+    qr_run(&o, "%s -o %s/told.png " SMALL " --views 2", scene, f->folder);
+    assert_int_equal(o.code, 0);
+    if (words ? !strstr(o.err, words) : strstr(o.err, "camera sees") || strstr(o.err, "picture "))
+        fail_msg("expected %s: %s", words ? words : "nothing", o.err);
+}
+
+static void a_picture_in_which_nothing_is_seen_is_told(void **state)
+{
+    static const char sky[] = "\"type\": \"environment\", \"radiance\": 1",
+                      dim[] = "\"type\": \"environment\", \"radiance\": 0.0001, \"visible\": false",
+                      dusk[] = "\"type\": \"environment\", \"radiance\": 0.003, \"visible\": false";
+    assert_told(*state, "\"position\": [0, 0, 9]", sky, NULL);
+    assert_told(*state, "\"position\": [0, 0, 9]", dusk, NULL);
+    assert_told(*state, "\"position\": [0, 0, 9]", dim,
+                "told.json: the picture is black in all views");
+    assert_told(*state, "\"target\": [50, 0, 0], \"position\": [50, 0, 9]", sky,
+                "told.json: the camera sees no mesh and no volume of the scene; --fit");
+    assert_told(*state, "\"position\": [0, 0, 0.1], \"cone\": 1",
+                "\"type\": \"point\", \"position\": [9, 9, 9], \"intensity\": 1e9",
+                "told.json: the picture is black in all views");
+}
+
 /* The camera of the fog, turned or not, with its views placed so. */
 static const char *placed(const char *folder, const char *name, double height, const char *views)
 {
@@ -617,6 +678,8 @@ int main(void)
         cmocka_unit_test(a_scene_becomes_what_the_options_say),
         cmocka_unit_test(what_a_scene_lacks_is_a_line_on_stderr),
         cmocka_unit_test(a_camera_that_fits_is_where_another_one_would_be),
+        cmocka_unit_test(a_camera_fits_one_thing),
+        cmocka_unit_test(a_picture_in_which_nothing_is_seen_is_told),
         cmocka_unit_test(cameras_in_a_list_are_views),
         cmocka_unit_test(rows_of_a_grid_are_tracks),
     };

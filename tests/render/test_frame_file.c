@@ -50,8 +50,9 @@ static void a_frame_is_checked_without_reading_it(void **state)
     assert_int_equal(
         symlink(there[0] == '/' ? there : realpath(there, NULL), lf_test_path(*state, "b_1.vdb")),
         0);
-    const char *path =
-        lf_test_write(*state, "s.json", "{\"volumes\": {\n\"v\": {\n\"file\": \"b_%d.vdb\"}}}");
+    const char *path = lf_test_write(*state, "s.json",
+                                     "{\"volumes\": {\n\"v\": {\n\"file\": \"b_%d.vdb\", "
+                                     "\"sequence\": {\"missing\": \"error\"}}}}");
     lf_test_write(*state, "b_3.vdb", "no grid");
     lf_assert_ok(lf_scene_load(path, NULL, NULL, &scene, &err), &err);
     assert_true(lf_scene_has_frames(scene));
@@ -73,11 +74,65 @@ static void a_frame_is_checked_without_reading_it(void **state)
     json_decref(doc);
 }
 
+static lf_scene *load_frame(const char *path, int frame)
+{
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    json_t *patch = json_pack("{s:i}", "frame", frame);
+    lf_assert_ok(lf_scene_load_patched(path, patch, NULL, NULL, &scene, &err), &err);
+    json_decref(patch);
+    return scene;
+}
+
+static bool has_warned(const lf_scene *scene, const char *words)
+{
+    for (int i = 0; lf_scene_warning(scene, i); i++)
+        if (strstr(lf_scene_warning(scene, i), words))
+            return true;
+    return false;
+}
+
+static void a_hole_holds_the_file_before_it_or_nothing(void **state)
+{
+    char there[PATH_MAX];
+    double box[2][3];
+    lf_error err = {0};
+    snprintf(there, sizeof there, "%s", lf_test_built("testdata/block.vdb"));
+    for (int i = 1; i <= 4; i += 3) {
+        char name[16];
+        snprintf(name, sizeof name, "c_%d.vdb", i);
+        assert_int_equal(symlink(realpath(there, NULL), lf_test_path(*state, name)), 0);
+    }
+    const char *held =
+        lf_test_write(*state, "held.json", "{\"volumes\": {\"v\": {\"file\": \"c_%d.vdb\"}}}");
+    lf_scene *scene = load_frame(held, 3);
+    assert_true(has_warned(scene, "c_3.vdb: the file is missing: frame 3 shows c_1.vdb"));
+    assert_true(lf_scene_bounds(scene, "v", box));
+    lf_assert_ok(lf_scene_check_frame(scene, 2, &err), &err);
+    /* behind the last file nothing is held */
+    lf_assert_status(lf_scene_check_frame(scene, 5, &err), LF_E_IO, &err);
+    lf_assert_status(lf_scene_check_frame(scene, 0, &err), LF_E_IO, &err);
+    lf_scene_unref(scene);
+    scene = load_frame(held, 4);
+    assert_false(has_warned(scene, "missing"));
+    lf_scene_unref(scene);
+    scene = load_frame(lf_test_write(*state, "empty.json",
+                                     "{\"volumes\": {\"v\": {\"file\": \"c_%d.vdb\", \"emission\": "
+                                     "{\"grid\": \"density\"}, \"sequence\": {\"missing\": "
+                                     "\"empty\"}}}}"),
+                       2);
+    assert_true(
+        has_warned(scene, "c_2.vdb: the file is missing: volume \"v\" is empty in frame 2"));
+    assert_false(lf_scene_bounds(scene, "v", box));
+    lf_scene_unref(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_file_has_the_number_of_the_frame_or_what_the_sequence_says),
         lf_test_in_folder(a_frame_is_checked_without_reading_it),
+        lf_test_in_folder(a_hole_holds_the_file_before_it_or_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
