@@ -333,7 +333,8 @@ json_t *lf_server_warnings_json(const lf_server *server)
     append_notes(lines, content);
     if (content->depth.exceeded)
         (void)json_array_append_new(
-            lines, json_string(lf_depth_words(&content->depth, content->settings.width, words,
+            lines, json_string(lf_depth_words(&content->depth, content->settings.width,
+                                      LF_DEPTH_PANEL, words,
                                               sizeof words)));
     if (content->is_unseen)
         (void)json_array_append_new(lines, json_string(lf_unseen_words(true)));
