@@ -15,11 +15,13 @@
 
 /* What becomes of one channel, from above 0 on. */
 typedef double (*curve_fn)(double x);
+/* What becomes of a pixel, from 0 on; display light, which may leave 0..1. */
+typedef void (*mixture_fn)(const double scene[3], double out[3]);
 
 typedef struct tone_curve {
     const char *name;
     curve_fn curve;
-    bool mixes; /* channels: lights_mixed */
+    mixture_fn mixture; /* where channels are mixed: in place of a curve */
 } tone_curve;
 
 struct lf_tone {
@@ -49,14 +51,48 @@ static double aces(double x)
     return (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081);
 }
 
-static const tone_curve curves[] = {
-    {"srgb", clamp, false}, {"filmic", filmic, false}, {"aces", aces, true}};
-
 /* sRGB to the space of the fit, and back to sRGB. */
 static const double to_fit[3][3] = {
     {0.59719, 0.35458, 0.04823}, {0.07600, 0.90834, 0.01566}, {0.02840, 0.13383, 0.83777}};
 static const double from_fit[3][3] = {
     {1.60475, -0.53108, -0.07367}, {-0.10208, 1.10813, -0.00605}, {-0.00327, -0.07276, 1.07602}};
+
+static void aces_mixture(const double scene[3], double out[3])
+{
+    double fitted[3];
+    for (int c = 0; c < 3; c++)
+        fitted[c] =
+            aces(to_fit[c][0] * scene[0] + to_fit[c][1] * scene[1] + to_fit[c][2] * scene[2]);
+    for (int c = 0; c < 3; c++)
+        out[c] =
+            from_fit[c][0] * fitted[0] + from_fit[c][1] * fitted[1] + from_fit[c][2] * fitted[2];
+}
+
+/* Khronos' PBR Neutral tone mapper (2024): colours stay what they are up to 0.8 but for the 0.04
+ * that surfaces reflect of a white room, and go towards white beyond. */
+static void neutral_mixture(const double scene[3], double out[3])
+{
+    const double reflected = 0.04, start = 0.8 - reflected, desaturation = 0.15;
+    const double least = fmin(scene[0], fmin(scene[1], scene[2])),
+                 most = fmax(scene[0], fmax(scene[1], scene[2])),
+                 offset =
+                     least < 2 * reflected ? least - least * least / (4 * reflected) : reflected,
+                 peak = most - offset;
+    double scale = 1, white = 0, grey = 0;
+    if (peak > start) {
+        const double room = 1 - start;
+        white = 1 - room * room / (peak + room - start);
+        scale = white / peak;
+        grey = 1 - 1 / (desaturation * (peak - white) + 1);
+    }
+    for (int c = 0; c < 3; c++)
+        out[c] = (1 - grey) * scale * (scene[c] - offset) + grey * white;
+}
+
+static const tone_curve curves[] = {{"srgb", clamp, NULL},
+                                    {"filmic", filmic, NULL},
+                                    {"aces", NULL, aces_mixture},
+                                    {"neutral", NULL, neutral_mixture}};
 
 static double unit(double x)
 {
@@ -74,22 +110,19 @@ static double display_light(const lf_tone *tone, double value)
 static void lights_mixed(const lf_tone *tone, const float in[3], float out[3])
 {
     enum { BRIGHT = 1000000 };
-    double scene[3], fitted[3];
+    double scene[3], light[3];
     for (int c = 0; c < 3; c++) {
         double x = (double)in[c] * tone->gain;
         scene[c] = x > 0 ? x < BRIGHT ? x : BRIGHT : 0;
     }
+    tone->map->mixture(scene, light);
     for (int c = 0; c < 3; c++)
-        fitted[c] = tone->map->curve(to_fit[c][0] * scene[0] + to_fit[c][1] * scene[1] +
-                                     to_fit[c][2] * scene[2]);
-    for (int c = 0; c < 3; c++)
-        out[c] = (float)unit(from_fit[c][0] * fitted[0] + from_fit[c][1] * fitted[1] +
-                             from_fit[c][2] * fitted[2]);
+        out[c] = (float)unit(light[c]);
 }
 
 static int display_code(const lf_tone *tone, double value)
 {
-    double light = tone->map->mixes ? unit(value) : display_light(tone, value);
+    double light = tone->map->mixture ? unit(value) : display_light(tone, value);
     double srgb = light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
     return (int)floor(255 * srgb + 0.5);
 }
@@ -157,7 +190,8 @@ lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf
         map = strcmp(tonemap, curves[i].name) == 0 ? &curves[i] : NULL;
     if (!map)
         return lf_error_set(err, LF_E_ARG, "tonemap",
-                            "\"%s\" is not known (expected srgb, filmic or aces)", tonemap);
+                            "\"%s\" is not known (expected srgb, filmic, aces or neutral)",
+                            tonemap);
     if (!(fabs(exposure) <= MAX_STOPS))
         return lf_error_set(err, LF_E_ARG, "exposure", "%g stops (expected -%g to %g)", exposure,
                             MAX_STOPS, MAX_STOPS);
@@ -187,7 +221,7 @@ void lf_tone_destroy(lf_tone *tone)
 void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out)
 {
     enum { PIXELS = 128 };
-    if (!tone->map->mixes) {
+    if (!tone->map->mixture) {
         tone->kernels->tone(&tone->table, 3 * n, in, out);
         return;
     }
@@ -201,8 +235,8 @@ void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out)
 
 void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out)
 {
-    for (size_t i = 0; i < n && tone->map->mixes; i++)
+    for (size_t i = 0; i < n && tone->map->mixture; i++)
         lights_mixed(tone, in + 3 * i, out + 3 * i);
-    for (size_t i = 0; i < 3 * n && !tone->map->mixes; i++)
+    for (size_t i = 0; i < 3 * n && !tone->map->mixture; i++)
         out[i] = (float)display_light(tone, (double)in[i]);
 }

@@ -54,7 +54,7 @@ typedef struct lf_scene lf_scene;
 typedef struct lf_film_settings {
     double exposure;    /* stops: radiance is multiplied by 2^exposure for display */
     bool auto_exposure; /* the picture says: exposure is 0 until it has */
-    char tonemap[16];   /* "srgb" (clamp), "filmic" or "aces" */
+    char tonemap[16];   /* "srgb" (clamp), "filmic", "aces" or "neutral" */
 } lf_film_settings;
 
 /* What is added to numbers of a camera at one end of its shutter. */
@@ -132,6 +132,19 @@ extern const lf_param lf_camera_params[];
 #define LF_MAX_VIEW_SIDE 16384
 #define LF_MAX_VIEW_BLUR 8
 
+/* How a file of a mesh or a volume is shown that stands in a scene's place (docs/scene.md, "Files
+ * without a scene"). Zeroed: turned as its kind is, its front towards the eye, on a ground, in a
+ * studio. */
+typedef enum lf_up { LF_UP_OF_FILE, LF_UP_Y, LF_UP_Z } lf_up;
+typedef struct lf_alone {
+    bool bare;               /* no ground, no studio: before a dark backdrop */
+    bool has_yaw, has_pitch; /* they were given: a camera of the file is not used then */
+    double yaw, pitch;       /* degrees by which the eye is to the right of +z, and above */
+    lf_up up;                /* which axis of the file leads upwards */
+} lf_alone;
+/* Its options and keys. */
+extern const lf_param lf_alone_params[];
+
 /* Loads a scene file (JSON, at most 16 MiB) and those that it includes. Files it names are read
  * relative to its folder and under roots (NULL or empty = anywhere; the scene's own folder is
  * always allowed, but where the roots are closed). previous (may be NULL): parts of it that are
@@ -142,10 +155,10 @@ extern const lf_param lf_camera_params[];
 LF_NODISCARD lf_status lf_scene_load(const char *path, const lf_roots *roots,
                                      const lf_scene *previous, lf_scene **out_scene, lf_error *err);
 
-/* The same of what the file says with a merge patch laid over it (NULL: none); lines in errors are
- * those of the file. */
-LF_NODISCARD lf_status lf_scene_load_patched(const char *path, const json_t *patch,
-                                             const lf_roots *roots, const lf_scene *previous,
+/* The same, with a merge patch laid over what the file says (NULL: none), and of a file without a
+ * scene as alone says (NULL: zeroed); lines in errors are those of the file. */
+LF_NODISCARD lf_status lf_scene_load_patched(const char *path, const lf_alone *alone,
+                                             const json_t *patch, const lf_roots *roots, const lf_scene *previous,
                                              lf_scene **out_scene, lf_error *err);
 
 /* The same from a document in memory; folder is what relative paths are relative to. where names it

@@ -63,7 +63,7 @@ unsigned lf_import_seconds(void);
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
-#define LF_IMPORT_VERSION UINT32_C(8)
+#define LF_IMPORT_VERSION UINT32_C(9)
 #define LF_IMPORT_LEAST_MEMORY ((uint64_t)192 << 20) /* of a reader: OpenVDB starts with 128 MB */
 #define LF_IMPORT_MAX_NAME 256
 #define LF_IMPORT_MAX_FILES 64 /* that a reader has open at once */
@@ -95,6 +95,7 @@ typedef struct lf_import_request {
     uint32_t floats;
     /* of a grid; 1: of velocities, which are of either sign */
     uint32_t is_velocity;
+    uint32_t lists; /* 1: only the names of its grids of numbers are wanted */
     char grid[LF_IMPORT_MAX_NAME];
     char path[PATH_MAX]; /* what the file is called, and names in it are relative to */
 } lf_import_request;

@@ -1,16 +1,20 @@
 /* A scene from a file or a document: parsed (scene_parse.h), then committed (scene_commit.h). */
 #include <stdint.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/file.h"
 #include "base/frame_name.h"
 #include "base/import/import_group.h"
-#include "render/load/bare_file.h"
+#include "render/load/file_alone.h"
 #include "render/load/frame_hold.h"
 #include "render/load/json_size.h"
 #include "render/load/keyframes.h"
+#include "render/load/member_read.h"
 #include "render/load/placing.h"
 #include "render/load/scene_commit.h"
 #include "render/load/scene_include.h"
+#include "render/load/vdb_import.h"
 
 /* Those that are all there are. */
 static lf_status copy_roots(const lf_roots *roots, lf_roots *out, lf_error *err)
@@ -204,27 +208,56 @@ static lf_status build_made(json_t *doc, const json_t *patch, const char *path, 
     return status;
 }
 
-/* The file alone, to see how large it is, and then with what shows it. */
-static lf_status load_bare(const char *path, const json_t *patch, const lf_roots *roots,
-                           const lf_scene *previous, lf_scene **out_scene, lf_error *err)
+/* The names of the grids of a volume's file, of a sequence in the frame that a document has; ""
+ * where the file is none. */
+static lf_status list_grids(const char *path, const lf_roots *roots, char **out_names,
+                            lf_error *err)
 {
-    char *folder = lf_path_folder(path), *allowed = NULL;
+    char *file = lf_alone_file(path);
+    int fd = -1;
+    if (!file)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    lf_status status = lf_file_open(file, roots, LF_VDB_MAX_BYTES, &fd, NULL, err);
+    if (status == LF_OK) {
+        status = lf_vdb_import_names(fd, file, out_names, err);
+        close(fd);
+    }
+    lf_free(file);
+    return status;
+}
+
+/* The document of the file, with what shows it once its scene is known (NULL: not yet). */
+static json_t *make_alone(const char *path, const lf_alone *how, const char *grids,
+                          const lf_scene *scene)
+{
+    json_t *document = lf_alone_document(path, how, grids);
+    if (!document || !scene || lf_alone_furnish(document, how, scene))
+        return document;
+    json_decref(document);
+    return NULL;
+}
+
+/* The file alone, to see how large it is, and then with what shows it. */
+static lf_status load_alone(const char *path, const lf_alone *how, const json_t *patch,
+                            const lf_roots *roots, const lf_scene *previous, lf_scene **out_scene,
+                            lf_error *err)
+{
+    char *folder = lf_path_folder(path), *allowed = NULL, *grids = NULL;
     lf_scene *alone = NULL;
     lf_status status = folder ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     if (status == LF_OK && roots && roots->n_roots > 0 && !lf_passed_has(roots->passed, path))
         status = lf_roots_resolve(roots, folder, &allowed, err);
+    if (status == LF_OK && !how->bare && lf_is_file_of(path, lf_volume_endings))
+        status = list_grids(path, roots, &grids, err);
+    const char *names = grids ? grids : "";
     if (status == LF_OK)
-        status =
-            build_made(lf_bare_document(path), NULL, path, folder, roots, previous, &alone, err);
-    if (status == LF_OK) {
-        json_t *doc = lf_bare_document(path);
-        if (doc && !lf_bare_furnish(doc, alone)) {
-            json_decref(doc);
-            doc = NULL;
-        }
-        status = build_made(doc, patch, path, folder, roots, alone, out_scene, err);
-    }
+        status = build_made(make_alone(path, how, names, NULL), NULL, path, folder, roots, previous,
+                            &alone, err);
+    if (status == LF_OK)
+        status = build_made(make_alone(path, how, names, alone), patch, path, folder, roots, alone,
+                            out_scene, err);
     lf_scene_unref(alone);
+    lf_free(grids);
     lf_free(allowed);
     lf_free(folder);
     return status;
@@ -271,12 +304,16 @@ static lf_status load_text(const char *path, const json_t *patch, const lf_roots
     return status;
 }
 
-lf_status lf_scene_load_patched(const char *path, const json_t *patch, const lf_roots *roots,
-                                const lf_scene *previous, lf_scene **out_scene, lf_error *err)
+lf_status lf_scene_load_patched(const char *path, const lf_alone *alone, const json_t *patch,
+                                const lf_roots *roots, const lf_scene *previous,
+                                lf_scene **out_scene, lf_error *err)
 {
+    const lf_alone as_it_is = {0};
     lf_import_group group, *before = lf_import_group_begin(&group);
-    lf_status status = (lf_is_bare_file(path) ? load_bare : load_text)(path, patch, roots, previous,
-                                                                       out_scene, err);
+    lf_status status =
+        lf_is_file_alone(path)
+            ? load_alone(path, alone ? alone : &as_it_is, patch, roots, previous, out_scene, err)
+            : load_text(path, patch, roots, previous, out_scene, err);
     (void)lf_import_group_enter(before);
     return status;
 }
@@ -284,7 +321,7 @@ lf_status lf_scene_load_patched(const char *path, const json_t *patch, const lf_
 lf_status lf_scene_load(const char *path, const lf_roots *roots, const lf_scene *previous,
                         lf_scene **out_scene, lf_error *err)
 {
-    return lf_scene_load_patched(path, NULL, roots, previous, out_scene, err);
+    return lf_scene_load_patched(path, NULL, NULL, roots, previous, out_scene, err);
 }
 
 lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *where,

@@ -45,7 +45,7 @@ static lf_affine parse_placed(lf_reader *reader, const lf_node *node, double sce
 static void parse_film(lf_reader *reader, const lf_node *root, lf_film_settings *film)
 {
     static const char *const keys[] = {"exposure", "tonemap", NULL};
-    static const char *const tonemaps[] = {"srgb", "filmic", "aces", NULL};
+    static const char *const tonemaps[] = {"srgb", "filmic", "aces", "neutral", NULL};
     lf_node node = lf_node_child(root, "film");
     lf_read_object(reader, &node, keys);
     lf_node exposure = lf_node_child(&node, "exposure");

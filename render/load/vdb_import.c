@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/alloc.h"
 #include "base/import/import.h"
 #include "render/scene/scene.h"
 
@@ -75,6 +76,21 @@ static lf_status import(int fd, const char *path, const char *name, bool is_velo
     lf_parcel_close(&parcel);
     return status == LF_OK ? LF_OK
                            : lf_error_set(err, status, path, "grid %s: %s", name, problem.what);
+}
+
+lf_status lf_vdb_import_names(int fd, const char *path, char **out_names, lf_error *err)
+{
+    lf_import_request request = {.kind = LF_IMPORT_GRID, .lists = 1};
+    lf_parcel parcel = {0};
+    snprintf(request.path, sizeof request.path, "%s", path);
+    lf_status status = lf_import_run(&request, fd, path, NULL, NULL, &parcel, err);
+    if (status != LF_OK)
+        return status;
+    size_t n;
+    const char *names = lf_parcel_get(&parcel, LF_PARCEL_OTHERS, &n);
+    *out_names = lf_strdup(names && n > 0 && names[n - 1] == '\0' ? names : "");
+    lf_parcel_close(&parcel);
+    return *out_names ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
 }
 
 lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,

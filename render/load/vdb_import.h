@@ -20,6 +20,11 @@
 LF_NODISCARD lf_status lf_vdb_import(int fd, const char *path, const char *name, lf_grid **out_grid,
                                      lf_error *err);
 
+/* The names of the file's grids of numbers, each with a newline behind it, "" if there are none.
+ * On LF_OK *out_names is the caller's (lf_free). Errors: as of lf_vdb_import. */
+LF_NODISCARD lf_status lf_vdb_import_names(int fd, const char *path, char **out_names,
+                                           lf_error *err);
+
 /* The sum of the grids of these names, each with a newline behind it but the last (lf_grid_sum: its
  * errors, too); one alone is lf_vdb_import. */
 LF_NODISCARD lf_status lf_vdb_import_sum(int fd, const char *path, const char *names,

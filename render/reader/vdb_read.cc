@@ -413,16 +413,11 @@ void lf_vdb_begin()
     openvdb::initialize();
 }
 
-lf_status lf_vdb_read(int fd, const char *name, bool is_velocity, lf_grid **out_grid, lf_error *err)
+/* What a reader does, with its exceptions as errors. */
+template <typename Work> static lf_status guarded(lf_error *err, Work work)
 {
     try {
-        Import import{name, err, is_velocity};
-        lf_status status = import_from(import, fd);
-        if (status == LF_OK) {
-            *out_grid = import.grid;
-            import.grid = nullptr;
-        }
-        return status;
+        return work();
     } catch (const std::bad_alloc &) {
         return lf_error_set(err, LF_E_NOMEM, "", LF_READER_NOMEM);
     } catch (const std::ios_base::failure &) {
@@ -433,4 +428,38 @@ lf_status lf_vdb_read(int fd, const char *name, bool is_velocity, lf_grid **out_
     } catch (...) {
         return lf_error_set(err, LF_E_FORMAT, "", "cannot be read as OpenVDB");
     }
+}
+
+lf_status lf_vdb_read(int fd, const char *name, bool is_velocity, lf_grid **out_grid, lf_error *err)
+{
+    return guarded(
+        err,
+        [&] {
+            Import import{name, err, is_velocity};
+            lf_status status = import_from(import, fd);
+            if (status == LF_OK) {
+                *out_grid = import.grid;
+                import.grid = nullptr;
+            }
+            return status;
+        });
+}
+
+lf_status lf_vdb_list(int fd, char *out, size_t size, lf_error *err)
+{
+    return guarded(
+        err,
+        [&] {
+            OpenFile file(dup(fd));
+            std::string list;
+            for (const auto &entry : file.entries) {
+                const std::string name = name_of(entry) + "\n";
+                if ((entry.grid->isType<openvdb::FloatGrid>() ||
+                     entry.grid->isType<openvdb::DoubleGrid>()) &&
+                    list.size() + name.size() < size)
+                    list += name;
+            }
+            std::snprintf(out, size, "%s", list.c_str());
+            return LF_OK;
+        });
 }

@@ -9,6 +9,7 @@
 extern "C" {
 #endif
 
+#define LF_VDB_NAMES_BYTES 4096 /* of all grids of a file that are listed */
 #define LF_READER_NOMEM "takes more memory than a reader may have (--import-memory)"
 
 /* As lf_vdb_import (vdb_import.h) says, or of velocities as lf_vdb_import_velocity does of each,
@@ -17,6 +18,9 @@ extern "C" {
 void lf_vdb_begin(void);
 LF_NODISCARD lf_status lf_vdb_read(int fd, const char *name, bool is_velocity, lf_grid **out_grid,
                                    lf_error *err);
+/* The names of the grids of floats, halves and doubles, each with a newline behind it; at most
+ * `size` bytes with the end, whole names. Errors as of lf_vdb_read. */
+LF_NODISCARD lf_status lf_vdb_list(int fd, char *out, size_t size, lf_error *err);
 
 #ifdef __cplusplus
 }

@@ -37,9 +37,19 @@ static lf_status put_grid(lf_parcel_writer *parcel, const lf_grid *grid, lf_erro
     return status == LF_OK ? put_bricks(parcel, grid, err) : status;
 }
 
+static lf_status put_names(int fd, lf_parcel_writer *parcel, lf_error *err)
+{
+    char names[LF_VDB_NAMES_BYTES];
+    lf_status status = lf_vdb_list(fd, names, sizeof names, err);
+    return status == LF_OK ? lf_parcel_put(parcel, LF_PARCEL_OTHERS, names, strlen(names) + 1, err)
+                           : status;
+}
+
 static lf_status read_grid(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
                            lf_error *err)
 {
+    if (request->lists)
+        return put_names(fd, parcel, err);
     lf_grid *grid = NULL;
     lf_status status = lf_vdb_read(fd, request->grid, request->is_velocity != 0, &grid, err);
     if (status == LF_OK)

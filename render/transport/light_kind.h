@@ -79,6 +79,7 @@ typedef struct lf_light_kind {
 #define LF_LIGHT_KINDS(KIND)                                                                       \
     KIND(environment)                                                                              \
     KIND(sky)                                                                                      \
+    KIND(studio)                                                                                   \
     KIND(distant)                                                                                  \
     KIND(point)                                                                                    \
     KIND(spot)                                                                                     \
