@@ -149,7 +149,8 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
                             "is no picture: quilt=COLUMNSxROWS goes with pictures alone");
     lf_scene *scene = NULL;
     const lf_scene *previous = loader->content ? loader->content->scene : NULL;
-    status = lf_scene_load(load->file, roots, previous, &scene, &load->err);
+    status = lf_scene_load_patched(load->file, &load->options.alone, NULL, roots, previous, &scene,
+                                   &load->err);
     if (status == LF_OK)
         lf_log_warnings(scene, NULL);
     return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;

@@ -47,6 +47,8 @@ typedef struct lf_load {
     lf_load_tiles tiles;     /* FILE: of a picture, whatever its name says; 0 = not given */
     lf_photo photo; /* FILE: with has_photo, in place of that of the options */
     bool has_photo;
+    lf_alone alone; /* FILE: with has_alone, in place of that of the options */
+    bool has_alone;
     json_t *patch;           /* PATCH */
     lf_passed *passed;       /* FILE, PATCH: files that the client has passed; NULL = none */
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */

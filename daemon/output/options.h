@@ -76,6 +76,7 @@ typedef struct lf_options {
     double import_memory;    /* GiB; 0 = half of the machine's */
     int import_time;         /* seconds; 0 = LF_IMPORT_SECONDS */
     lf_photo photo;          /* of finished pictures: lf_photo_params */
+    lf_alone alone;          /* of files without a scene: lf_alone_params */
 } lf_options;
 
 /* The names of the calibration's option are --panel (quiltrender) and --calibration (the others).

@@ -99,12 +99,22 @@ static lf_status take_photo(const lf_call *call, lf_load *load, lf_error *err)
     return status;
 }
 
+/* How a file without a scene is to be shown: what the call leaves out is as on the command line. */
+static lf_status take_alone(const lf_call *call, lf_load *load, lf_error *err)
+{
+    load->alone = call->server->config.options.alone;
+    load->has_alone = true;
+    return lf_param_from_json(lf_alone_params, call->params, &load->alone, "scene.load", err);
+}
+
 /* The words of a call that loads a file. */
 static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
 {
     lf_status status = take_passed(call, &load->passed, err);
     if (status == LF_OK)
         status = take_photo(call, load, err);
+    if (status == LF_OK)
+        status = take_alone(call, load, err);
     if (status == LF_OK)
         status = take_tiles(call, load, err);
     return status == LF_OK ? find_file(call, load->passed, &load->file, err) : status;

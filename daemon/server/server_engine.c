@@ -334,8 +334,7 @@ json_t *lf_server_warnings_json(const lf_server *server)
     if (content->depth.exceeded)
         (void)json_array_append_new(
             lines, json_string(lf_depth_words(&content->depth, content->settings.width,
-                                      LF_DEPTH_PANEL, words,
-                                              sizeof words)));
+                                              LF_DEPTH_PANEL, words, sizeof words)));
     if (content->is_unseen)
         (void)json_array_append_new(lines, json_string(lf_unseen_words(true)));
     return lines;
@@ -366,6 +365,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
                          json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file",
                                    lf_rpc_text(server->content->file)));
         if (load->kind == LF_LOAD_FILE) {
+            server->options.alone = load->options.alone; /* for when it is read again */
             lf_server_file_shown(server, load->browsed);
             lf_server_play_file(server, same);
             server->error.status = LF_OK;
@@ -437,6 +437,8 @@ static void on_load_done(void *reader, lf_task *task)
 static void queue_load(lf_server *server, lf_load *load)
 {
     load->options = server->options;
+    if (load->has_alone)
+        load->options.alone = load->alone;
     if (load->has_photo)
         load->options.photo = load->photo;
     const lf_calibration *calibration = lf_show_calibration(server->show);

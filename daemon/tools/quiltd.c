@@ -52,6 +52,7 @@ static void print_help(void)
            "                         usb[:BUS-PORT], sim:DIR[,option=value...] or none\n");
     lf_param_print_help(lf_option_params, shared);
     lf_param_print_help(lf_response_params, NULL);
+    lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
     printf(
@@ -131,6 +132,7 @@ int main(int argc, char *argv[])
     lf_server_config config = {.device = "auto"};
     const lf_options_part parts[] = {{lf_option_params, shared, &config.options},
                                      {lf_response_params, NULL, &config.response},
+                                     {lf_alone_params, NULL, &config.options.alone},
                                      {lf_photo_params, NULL, &config.options.photo},
                                      {lf_picture_params, NULL, &config.options.photo},
                                      {0}};

@@ -62,6 +62,7 @@ static void print_help(void)
     lf_param_print_help(lf_response_params, NULL);
     lf_param_print_help(lf_print_params, NULL);
     lf_param_print_help(lf_rgbd_params, NULL);
+    lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
     printf("\n"
@@ -425,7 +426,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                     bool *out_done, lf_error *err)
 {
     const lf_options_part parts[] = {{lf_option_params, shared, &a->options},
-                                     {lf_alone_params, NULL, &a->alone},
+                                     {lf_alone_params, NULL, &a->options.alone},
                                      {lf_panel_params, NULL, &a->panel},
                                      {lf_response_params, NULL, &a->panel.response},
                                      {lf_print_params, NULL, &a->print},

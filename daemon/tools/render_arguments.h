@@ -18,7 +18,6 @@
 /* Everything the command line says. */
 typedef struct lf_render_arguments {
     lf_options options; /* reconstruct auto: on, unless the scene lists its cameras one by one */
-    lf_alone alone;
     const char *scene; /* NULL for a chart */
     const char *out, *stats;
     const char *state;      /* NULL: what is accumulated is not kept */

@@ -256,7 +256,7 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
                             "says what to render: no --preset, --quilt or --view-size");
     const bool moves = r->sequence.on && !a->frames.of_rows;
     json_t *patch = moves ? lf_frames_patch(r->sequence.frame) : NULL;
-    lf_status status = lf_scene_load_patched(a->scene, &a->alone, patch, NULL, NULL, &r->scene, err);
+    lf_status status = lf_scene_load_patched(a->scene, &a->options.alone, patch, NULL, NULL, &r->scene, err);
     json_decref(patch);
     lf_progress_line_clear(&r->line);
     if (status == LF_OK)
