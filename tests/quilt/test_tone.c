@@ -268,6 +268,48 @@ static void unknown_curves_and_exposures_are_refused(void **state)
     lf_tone_destroy(NULL);
 }
 
+/* ----------------------------------------------------------------------------------- neutral -- */
+
+/* Khronos' formulas worked out by hand: below 0.8 less what surfaces reflect, above it bent towards
+ * 1 and, of a pure colour, towards white. */
+static void neutral_is_as_worked_out_by_hand(void **state)
+{
+    (void)state;
+    static const struct {
+        float in[3];
+        double out[3];
+    } cases[] = {{{0.5f, 0.5f, 0.5f}, {0.46, 0.46, 0.46}},
+                 {{0.04f, 0.04f, 0.04f}, {0.01, 0.01, 0.01}},
+                 {{0.6f, 0.3f, 0.1f}, {0.56, 0.26, 0.06}},
+                 {{2.0f, 2.0f, 2.0f}, {0.96, 0.96, 0.96}},
+                 {{1.0f, 0.0f, 0.0f}, {0.88, 0.015560, 0.015560}}};
+    lf_tone *tone = tone_of(0, "neutral");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        float light[3];
+        lf_tone_linear(tone, 1, cases[i].in, light);
+        for (int c = 0; c < 3; c++)
+            lf_assert_close((double)light[c], cases[i].out[c], 0, 2e-6);
+    }
+    lf_tone_destroy(tone);
+}
+
+/* However bright, a grey is grey, brighter for more light, and below 1. */
+static void neutral_rises_and_stays_below_white(void **state)
+{
+    (void)state;
+    lf_tone *tone = tone_of(0, "neutral");
+    float before = -1.0f;
+    for (double stops = -12.0; stops < 10.0; stops += 0.25) {
+        const float value = (float)exp2(stops), in[3] = {value, value, value};
+        float light[3];
+        lf_tone_linear(tone, 1, in, light);
+        assert_true(light[0] > before && light[0] < 1.0f);
+        lf_assert_close((double)light[1], (double)light[0], 1e-6, 0);
+        before = light[0];
+    }
+    lf_tone_destroy(tone);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -280,6 +322,8 @@ int main(void)
         cmocka_unit_test(aces_is_the_published_fit),
         cmocka_unit_test(aces_mixes_channels),
         cmocka_unit_test(aces_rises),
+        cmocka_unit_test(neutral_is_as_worked_out_by_hand),
+        cmocka_unit_test(neutral_rises_and_stays_below_white),
         cmocka_unit_test(unknown_curves_and_exposures_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

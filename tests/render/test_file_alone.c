@@ -1,6 +1,6 @@
 /* A mesh or a volume in a scene's place: it stands on a ground, its front towards the eye; all of
- * it is in all views, however large and wherever it is, lit the same; what a patch says wins; and it
- * lies beneath the roots. */
+ * it is in all views, however large and wherever it is, lit the same; what a patch says wins; and
+ * it lies beneath the roots. */
 #include "tests/testing.h"
 
 #include "render/rows/rig.h"
@@ -301,7 +301,8 @@ static void a_camera_of_the_file_is_used_where_it_shows_all_and_large(void **sta
         bool used;
     } cases[] = {{5.5, NULL, true}, {3.0, NULL, false}, {20.0, NULL, false}, {5.5, &turned, false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        lf_scene *scene = load_as(write_camera(folder, cases[i].distance), cases[i].how, NULL, NULL);
+        lf_scene *scene =
+            load_as(write_camera(folder, cases[i].distance), cases[i].how, NULL, NULL);
         if (cases[i].used)
             lf_assert_close(lf_scene_camera(scene)->position[2], 5.5, 1e-5, 0);
         else
