@@ -74,13 +74,13 @@ static bool is_there(const lf_ctl_files *files, const char *name)
     return false;
 }
 
-/* Takes fd over. */
-static void add(gathering *g, const char *name, int fd)
+/* Takes fd over; whether it is a new file of the call. */
+static bool add(gathering *g, const char *name, int fd)
 {
     lf_ctl_files *files = g->files;
     if (!is_regular(fd) || is_there(files, name)) {
         close(fd);
-        return;
+        return false;
     }
     if (files->n == LF_MAX_PASSED) {
         g->status = lf_error_set(g->err, LF_E_ARG, name,
@@ -88,15 +88,16 @@ static void add(gathering *g, const char *name, int fd)
                                  "read: start quiltd with --allow-path DIR",
                                  LF_MAX_PASSED);
         close(fd);
-        return;
+        return false;
     }
     files->names = files->names ? files->names : json_array();
     if (json_array_append_new(files->names, json_string(name)) != 0) {
         fail_memory(g, name);
         close(fd);
-        return;
+        return false;
     }
     files->fd[files->n++] = fd;
+    return true;
 }
 
 /* ----------------------------------------------------------------------- what a mesh names -- */
@@ -120,7 +121,7 @@ static lf_status open_beside(void *context, const char *asked, bool needed, int 
     int fd = lf_beneath_open(b->folder_fd, rest, HOW_TO_READ);
     if (fd < 0)
         return LF_E_IO;
-    add(b->g, name, fd);
+    (void)add(b->g, name, fd);
     *out_fd = lf_beneath_open(b->folder_fd, rest, HOW_TO_READ);
     if (*out_fd >= 0 && is_regular(*out_fd))
         return LF_OK;
@@ -218,11 +219,8 @@ static void gather_file(gathering *g, const char *folder, const char *file)
     }
     const bool here = !daemon_reads(g, path);
     const int fd = here ? open(path, HOW_TO_READ) : -1;
-    if (fd >= 0) {
-        add(g, name, fd);
-        if (g->status == LF_OK && names_others(name) && is_there(g->files, name))
-            gather_beside(g, name, g->files->fd[g->files->n - 1]);
-    }
+    if (fd >= 0 && add(g, name, fd) && names_others(name))
+        gather_beside(g, name, fd);
     if (g->status == LF_OK && is_scene(name))
         gather_document(g, name);
     lf_free(path);
