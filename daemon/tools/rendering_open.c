@@ -217,9 +217,12 @@ static lf_status patch_scene(lf_rendering *r, json_t *patch, lf_error *err)
 /* The scene with its camera where --fit wants it. */
 static lf_status fit(lf_rendering *r, lf_error *err)
 {
+    const char *name = r->arguments->options.fit_name, *ground;
     json_t *patch = NULL;
-    lf_status status = lf_fit_patch(r->scene, &r->settings, r->arguments->options.fit_name,
-                                    LF_CAMERA_FILL, 0.0, &patch, err);
+    lf_status status = lf_fit_patch(r->scene, &r->settings, name, LF_CAMERA_FILL, 0.0, &patch, err);
+    for (int i = 0; status == LF_OK && !name && (ground = lf_scene_ground(r->scene, i)); i++)
+        lf_log(LF_LOG_INFO, "--fit: the ground \"%s\" is left out (--fit=\"%s\" frames it)", ground,
+               ground);
     return status == LF_OK ? patch_scene(r, patch, err) : status;
 }
 

@@ -501,7 +501,9 @@ static void a_camera_fits_one_thing(void **state)
     const qr_files *f = *state;
     qr_outcome o;
     qr_succeed("--fit fog %s -o %s/fit_a.png " SMALL " --views 2", f->scene, f->folder);
-    qr_succeed("--fit %s -o %s/fit_b.png " SMALL " --views 2", f->scene, f->folder);
+    qr_run(&o, "--fit %s -o %s/fit_b.png " SMALL " --views 2", f->scene, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "--fit: the ground \"ground\" is left out"));
     qr_succeed("%s --fit=ground -o %s/fit_c.png " SMALL " --views 2", f->scene, f->folder);
     lf_quilt_file fits[3];
     for (int i = 0; i < 3; i++) {

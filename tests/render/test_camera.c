@@ -42,7 +42,7 @@ static void the_schema_of_scenes_says_of_the_camera_what_its_table_says(void **s
     json_t *defaults = lf_param_json(lf_camera_params, &initial);
     const char *name;
     json_t *said;
-    assert_int_equal(json_object_size(properties), json_object_size(table) + 1); /* "from" */
+    assert_int_equal(json_object_size(properties), json_object_size(table) + 2); /* "from", "fit" */
     json_object_foreach(table, name, said)
     {
         const json_t *property = resolve(schema, json_object_get(properties, name));
