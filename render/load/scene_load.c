@@ -187,12 +187,16 @@ static lf_status load_text(const char *path, const json_t *patch, const lf_roots
     return status;
 }
 
-/* Who shows a file alone knows no document: the file is named once, and no pointer. */
+/* Who shows a file alone knows no document: the file is named once, without a pointer to its name.
+ */
 static void name_once(const char *path, lf_error *err)
 {
+    static const char key[] = "/file";
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     const char *found = strstr(err->what, name);
-    const size_t n = strlen(name);
+    const size_t n = strlen(name), length = strlen(err->pointer);
+    if (length < sizeof key || strcmp(err->pointer + length - (sizeof key - 1), key) != 0)
+        return;
     err->pointer[0] = '\0';
     if (found && (found == err->what || found[-1] == '/') && strncmp(found + n, ": ", 2) == 0)
         memmove(err->what, found + n + 2, strlen(found + n + 2) + 1);
