@@ -144,7 +144,7 @@ static lf_status refuse_name(const char *path, lf_error *err)
                             part);
     return lf_error_set(err, LF_E_ARG, path,
                         "the name says no tiles, such as _qs8x6a0.75 (give them with "
-                        "--quilt COLUMNSxROWS)");
+                        "--quilt COLUMNSxROWS; 1x1 is a picture that is one view)");
 }
 
 static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows,

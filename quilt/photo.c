@@ -105,6 +105,9 @@ void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt)
         return;
     const lf_photo_place place =
         lf_photo_lay(photo, l->aspect, photo->frame, 1, SLACK * photo->frame, SLACK);
+    if (photo->position != 0 && (place.beside > 0 || place.above > 0))
+        lf_image_note(&quilt->notes, "--photo-position is not used: a panel shows a whole picture "
+                                     "in its middle (--photo fill)");
     if (!(place.cut > 0))
         return;
     lf_image_note(&quilt->notes,

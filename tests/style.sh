@@ -62,7 +62,7 @@ render: render/scene render/transport render/load render/film render/rows render
 quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/kernel
-quilt/print: quilt/quilt.h
+quilt/print: quilt/quilt.h quilt/axis.h quilt/photo.h
 device:
 device/hid: device/device.h device/device_table.h
 device/find: device/device.h device/device_table.h device/hid

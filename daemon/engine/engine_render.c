@@ -642,7 +642,7 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
         }
         update_stats(engine, true);
     } else {
-        out->source = lf_output_from_quilt(&content->quilt);
+        out->source = lf_output_from_quilt(&content->quilt, content->file);
     }
     out->shown_as = is_toned(content) ? engine->picture.film : content->film;
     out->content = lf_content_ref(content);

@@ -191,12 +191,13 @@ void output_progress(const lf_output_request *request, double fraction)
 
 /* --------------------------------------------------------------------------------------- job -- */
 
-lf_output_source lf_output_from_quilt(const lf_quilt_file *quilt)
+lf_output_source lf_output_from_quilt(const lf_quilt_file *quilt, const char *file)
 {
     return (lf_output_source){.is_float = quilt->is_float,
                               .views8 = quilt->views8,
                               .views32 = quilt->views32,
                               .aspect = quilt->layout.aspect,
+                              .file = file,
                               .notes = &quilt->notes};
 }
 

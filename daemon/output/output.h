@@ -47,15 +47,17 @@ LF_NODISCARD lf_status lf_rgbd_check(const lf_rgbd_options *rgbd, const char *wh
 /* A light field to write: 8-bit display-encoded or linear float views. Borrowed. */
 typedef struct lf_output_source {
     bool is_float;
-    lf_views8 views8;            /* valid when !is_float */
-    lf_views32 views32;          /* valid when is_float */
-    double aspect;               /* width / height of a view as it is meant to be seen */
-    const lf_image_notes *notes; /* what is to be said of where it came from; may be NULL */
+    lf_views8 views8;   /* valid when !is_float */
+    lf_views32 views32; /* valid when is_float */
+    double aspect;      /* width / height of a view as it is meant to be seen */
+    /* of a finished picture; NULL of a film: */
+    const char *file;            /* where it came from … */
+    const lf_image_notes *notes; /* … and what was said of that */
 } lf_output_source;
 
 /* The source that a quilt file is, and the one that lf_renderer_resolve's buffer
  * [row][view][column][3] is. */
-lf_output_source lf_output_from_quilt(const lf_quilt_file *quilt);
+lf_output_source lf_output_from_quilt(const lf_quilt_file *quilt, const char *file);
 lf_output_source lf_output_from_film(const lf_render_settings *settings, const float *film);
 
 typedef struct lf_output_request {

@@ -81,10 +81,9 @@ lf_print_run output_print_run(const lf_output_request *request)
 static void note_laid(const lf_output_request *request, const lf_output_source *source,
                       const lf_print *print, const lf_views32 *views, lf_image_notes *out)
 {
-    const char *name = json_string_value(json_object_get(request->settings, "scene"));
+    const char *name = source->file ? source->file : request->path;
     lf_image_notes laid = {0};
     char line[512];
-    name = name ? name : request->path;
     lf_print_note_laid(print, views, &laid);
     lf_log_notes(&laid, name);
     for (size_t at = 0;

@@ -178,7 +178,9 @@ static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
                         : o->view_width > 0 ? "--view-size"
                         : o->has_exposure   ? "--exposure"
                                             : NULL;
-    const char *option = a->panel_option ? a->panel_option : a->render_option;
+    const char *option = a->panel_option   ? a->panel_option
+                         : a->photo_option ? a->photo_option
+                                           : a->render_option;
     char where[64];
     if (!other && option) {
         snprintf(where, sizeof where, "--%s", option);

@@ -337,8 +337,8 @@ static lf_status write_walk(const lf_rendering *r, const lf_output_request *requ
 lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
-    lf_output_source source =
-        r->is_quilt ? lf_output_from_quilt(&r->quilt) : lf_output_from_film(&r->settings, r->film);
+    lf_output_source source = r->is_quilt ? lf_output_from_quilt(&r->quilt, a->scene)
+                                          : lf_output_from_film(&r->settings, r->film);
     const char *names[LF_MAX_LAYER_CHANNELS];
     lf_layers32 layers;
     if (r->is_quilt)

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/alloc.h"
 #include "quilt/print/print.h"
@@ -225,6 +226,14 @@ static lf_status make_transform(lf_print_colour *colour, cmsHPROFILE profile, co
     return LF_OK;
 }
 
+/* A complaint of lcms without what the error says already. */
+static const char *reason_of(const char *complaint)
+{
+    static const char said[] = "not an ICC profile, ";
+    const bool again = strncasecmp(complaint, said, sizeof said - 1) == 0;
+    return complaint + (again ? sizeof said - 1 : 0);
+}
+
 static lf_status load_profile(lf_print_colour *colour, const lf_print *print, lf_error *err)
 {
     char *data = NULL;
@@ -237,7 +246,7 @@ static lf_status load_profile(lf_print_colour *colour, const lf_print *print, lf
         cmsOpenProfileFromMemTHR(colour->context, data, (cmsUInt32Number)colour->profile_size);
     if (!profile)
         return lf_error_set(err, LF_E_FORMAT, print->icc_path, "not an ICC profile%s%s",
-                            colour->complaint[0] ? ": " : "", colour->complaint);
+                            colour->complaint[0] ? ": " : "", reason_of(colour->complaint));
     status = check_profile(colour, profile, print->icc_path, err);
     if (status == LF_OK)
         status = make_transform(colour, profile, print->icc_path, err);

@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
+#include "base/image_io.h"
 #include "base/text.h"
 #include "render/scene/scene.h"
 
@@ -17,6 +18,10 @@
 static lf_status refuse_text(const char *path, const char *text, const json_error_t *problem,
                              lf_error *err)
 {
+    if (lf_image_ending(path))
+        return lf_error_set(err, LF_E_FORMAT, path,
+                            "not a picture, though its name ends as one of them (expected PNG, "
+                            "JPEG, EXR or Radiance HDR)");
     if (text[strspn(text, " \t\r\n")] != '{')
         return lf_error_set_at(
             err, LF_E_FORMAT, path, problem->line, NULL,

@@ -1,5 +1,6 @@
 /* A scene from a file or a document: parsed (scene_parse.h), then committed (scene_commit.h). */
 #include <stdint.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
@@ -304,16 +305,33 @@ static lf_status load_text(const char *path, const json_t *patch, const lf_roots
     return status;
 }
 
+/* Who shows a file alone knows no document: the file is named once, without a pointer to its name.
+ */
+static void name_once(const char *path, lf_error *err)
+{
+    static const char key[] = "/file";
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *found = strstr(err->what, name);
+    const size_t n = strlen(name), length = strlen(err->pointer);
+    if (length < sizeof key || strcmp(err->pointer + length - (sizeof key - 1), key) != 0)
+        return;
+    err->pointer[0] = '\0';
+    if (found && (found == err->what || found[-1] == '/') && strncmp(found + n, ": ", 2) == 0)
+        memmove(err->what, found + n + 2, strlen(found + n + 2) + 1);
+}
+
 lf_status lf_scene_load_patched(const char *path, const lf_alone *alone, const json_t *patch,
                                 const lf_roots *roots, const lf_scene *previous,
                                 lf_scene **out_scene, lf_error *err)
 {
     const lf_alone as_it_is = {0};
     lf_import_group group, *before = lf_import_group_begin(&group);
-    lf_status status =
-        lf_is_file_alone(path)
-            ? load_alone(path, alone ? alone : &as_it_is, patch, roots, previous, out_scene, err)
-            : load_text(path, patch, roots, previous, out_scene, err);
+    const bool is_alone = lf_is_file_alone(path);
+    lf_status status = is_alone ? load_alone(path, alone ? alone : &as_it_is, patch, roots,
+                                             previous, out_scene, err)
+                                : load_text(path, patch, roots, previous, out_scene, err);
+    if (status != LF_OK && err && is_alone)
+        name_once(path, err);
     (void)lf_import_group_enter(before);
     return status;
 }

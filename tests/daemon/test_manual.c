@@ -116,6 +116,25 @@ static void every_shared_option_stands_in_the_manuals(void **state)
     lf_free(daemon);
 }
 
+static void every_option_of_photos_stands_in_the_manuals(void **state)
+{
+    (void)state;
+    const lf_param *const tables[] = {lf_photo_params, lf_picture_params};
+    char *page = read_page("docs/man/quiltrender.1"), *daemon = read_page("docs/man/quiltd.1"),
+         *guide = read_page("docs/print.md");
+    for (int i = 0; i < 2; i++)
+        for (const lf_param *row = tables[i]; row->option; row++) {
+            char head[64];
+            snprintf(head, sizeof head, "`--%s ", row->option);
+            check_option(page, row, true);
+            check_option(daemon, row, false);
+            assert_non_null(strstr(guide, head));
+        }
+    lf_free(page);
+    lf_free(daemon);
+    lf_free(guide);
+}
+
 /* The other way: what is told of is in a table, or the program's own. */
 static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void **state)
 {
@@ -131,7 +150,8 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
         if (!lf_param_find(lf_print_params, option) && !lf_param_find(lf_option_params, option) &&
             !lf_param_find(lf_panel_params, option) && !lf_param_find(lf_response_params, option) &&
             !lf_param_find(lf_rgbd_params, option) && !lf_param_find(lf_frames_params, option) &&
-            !lf_param_find(lf_video_params, option) &&
+            !lf_param_find(lf_video_params, option) && !lf_param_find(lf_photo_params, option) &&
+            !lf_param_find(lf_picture_params, option) && !lf_param_find(lf_alone_params, option) &&
             !lf_param_among(&own, "passes spp time state state-info stats plan help completion"))
             fail_msg("--%s is in no table", option);
         n++;
@@ -233,6 +253,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_option_of_a_print_stands_in_the_manual_of_quiltrender),
         cmocka_unit_test(every_shared_option_stands_in_the_manuals),
+        cmocka_unit_test(every_option_of_photos_stands_in_the_manuals),
         cmocka_unit_test(the_manual_of_quiltrender_tells_of_no_option_that_is_not_there),
         cmocka_unit_test(every_key_of_a_print_stands_in_the_manual_of_quiltd),
         cmocka_unit_test(every_option_and_key_of_depth_stands_in_the_manuals),

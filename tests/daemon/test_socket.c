@@ -369,7 +369,7 @@ static void what_a_scene_lacks_is_told_with_the_answer_and_logged_once(void **st
 static void what_a_quilt_says_in_vain_is_told_and_logged(void **state)
 {
     (void)state;
-    static const char quilt[] = "#?RADIANCE\nPIXASPECT=2\n\n-Y 1 +X 2\nabcdabcd";
+    static const char quilt[] = "#?RADIANCE\nGAMMA=2\n\n-Y 1 +X 2\nabcdabcd";
     live l;
     live_prepare(&l);
     const char *path = lf_test_write(l.folder, "scene/said_qs2x1a1.hdr", quilt);
@@ -377,9 +377,39 @@ static void what_a_quilt_says_in_vain_is_told_and_logged(void **state)
     live_client c;
     live_connect(&l, &c);
     assert_int_equal(warnings_of(&c, "scene.load", json_pack("{s:s}", "file", path),
-                                 "said_qs2x1a1.hdr: PIXASPECT=2 is not used"),
+                                 "said_qs2x1a1.hdr: GAMMA=2 is not used"),
                      1);
-    assert_int_equal(lines_logged(&l, "said_qs2x1a1.hdr: PIXASPECT=2 is not used"), 1);
+    assert_int_equal(lines_logged(&l, "said_qs2x1a1.hdr: GAMMA=2 is not used"), 1);
+    live_close(&c);
+    live_finish(&l);
+}
+
+/* Onto the panel of the simulated device, which is upright. */
+static void a_picture_is_laid_onto_the_panel_as_it_is_said(void **state)
+{
+    (void)state;
+    char spec[PATH_MAX + 8];
+    live l;
+    live_prepare(&l);
+    const char *path =
+        lf_test_write(l.folder, "scene/wide_qs1x1a3.hdr", "#?RADIANCE\n\n-Y 1 +X 3\nabcdabcdabcd");
+    snprintf(spec, sizeof spec, "sim:%s/p", l.exports);
+    live_start(&l, l.scene, "--device", spec, NULL);
+    live_client c;
+    live_connect(&l, &c);
+    assert_int_equal(warnings_of(&c, "scene.load", json_pack("{s:s}", "file", path), NULL), 0);
+    assert_int_equal(warnings_of(&c, "scene.load",
+                                 json_pack("{s:s, s:s}", "file", path, "photo", "fill"),
+                                 "75 % of the picture, whose aspect is 3, are cut"),
+                     1);
+    assert_int_equal(warnings_of(&c, "scene.load",
+                                 json_pack("{s:s, s:s, s:s, s:f}", "file", path, "photo", "fill",
+                                           "photo_rotate", "auto", "aspect", 4 / 3.0),
+                                 NULL),
+                     0);
+    assert_int_equal(
+        live_code(&c, "scene.load", json_pack("{s:s, s:s}", "file", path, "photo", "crop")),
+        -32602);
     live_close(&c);
     live_finish(&l);
 }
@@ -561,6 +591,7 @@ int main(void)
         cmocka_unit_test(reads_stay_beneath_the_scene_and_the_allowed_paths),
         cmocka_unit_test(what_a_scene_lacks_is_told_with_the_answer_and_logged_once),
         cmocka_unit_test(what_a_quilt_says_in_vain_is_told_and_logged),
+        cmocka_unit_test(a_picture_is_laid_onto_the_panel_as_it_is_said),
         cmocka_unit_test(without_a_scene_nothing_may_be_read),
         cmocka_unit_test(a_client_waits_only_so_often),
         cmocka_unit_test(a_client_opens_simulated_panels_only_where_it_may_write),
