@@ -61,6 +61,11 @@ LF_NODISCARD lf_status lf_tone_create(double exposure, const char *tonemap, lf_t
 void lf_tone_destroy(lf_tone *tone);
 /* n pixels linear float RGB -> 8-bit sRGB RGB, rounded to nearest; NaN becomes 0. */
 void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out);
+/* The same of the first n pixels of a row of a view, dithered: a value between two codes becomes
+ * either, by a fixed 8x8 pattern that each view has in another place, so that the mean over 8x8
+ * pixels is the value before rounding. A value that is a code before rounding stays that code. */
+void lf_tone_dither(const lf_tone *tone, int view, int row, size_t n, const float *in,
+                    uint8_t *out);
 /* n pixels linear float RGB -> display light, still linear, 0..1: what lf_tone_map does before the
  * sRGB curve; NaN becomes 0. in may be out. */
 void lf_tone_linear(const lf_tone *tone, size_t n, const float *in, float *out);

@@ -31,6 +31,9 @@ struct lf_tone {
     lf_tone_table table;
     uint32_t *entries;  /* owned, the table's */
     int32_t first[257]; /* [code] bits of the smallest float that has it; 256 is never reached */
+    /* [code] the float that is this code before rounding; codes per unit of a float below it, and
+     * from it on: 0 below black and beyond white */
+    float centre[256], slope[256][2];
     const lf_quilt_kernels *kernels;
 };
 
@@ -120,11 +123,17 @@ static void lights_mixed(const lf_tone *tone, const float in[3], float out[3])
         out[c] = (float)unit(light[c]);
 }
 
-static int display_code(const lf_tone *tone, double value)
+/* The code before rounding. */
+static double display_level(const lf_tone *tone, double value)
 {
     double light = tone->map->mixture ? unit(value) : display_light(tone, value);
     double srgb = light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
-    return (int)floor(255 * srgb + 0.5);
+    return 255 * srgb;
+}
+
+static int display_code(const lf_tone *tone, double value)
+{
+    return (int)floor(display_level(tone, value) + 0.5);
 }
 
 static float float_of(int32_t bits)
@@ -149,6 +158,34 @@ static void find_thresholds(lf_tone *tone)
         tone->first[code] = at;
     }
     tone->first[256] = INT32_MAX;
+}
+
+/* Half a code lies between the two. */
+static float per_unit(float from, float to)
+{
+    return to > from ? (float)(0.5 / ((double)to - (double)from)) : 0;
+}
+
+/* For dithering, codes between thresholds and centres are linear in the value. The centre of 255 is
+ * where white begins; TINY is what the formula may lack there. */
+static void find_centres(lf_tone *tone)
+{
+    const double TINY = 1e-9;
+    for (int code = 0; code < 256; code++) {
+        int32_t below = code == 0 ? -1 : tone->first[code] - 1;
+        int32_t at = code < 255 ? tone->first[code + 1] : INFINITY_BITS;
+        while (at - below > 1) {
+            int32_t middle = below + (at - below) / 2;
+            if (display_level(tone, (double)float_of(middle)) >= code - TINY)
+                at = middle;
+            else
+                below = middle;
+        }
+        tone->centre[code] = float_of(at);
+        tone->slope[code][0] = per_unit(float_of(tone->first[code]), tone->centre[code]);
+        if (code < 255)
+            tone->slope[code][1] = per_unit(tone->centre[code], float_of(tone->first[code + 1]));
+    }
 }
 
 /* At most one threshold in a bucket? Thresholds rise, so neighbours tell. */
@@ -202,6 +239,7 @@ lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf
     tone->map = map;
     tone->kernels = lf_quilt_kernels_get();
     find_thresholds(tone);
+    find_centres(tone);
     if (build_table(tone) != LF_OK) {
         lf_tone_destroy(tone);
         return lf_error_set(err, LF_E_NOMEM, "tonemap", "no memory");
@@ -230,6 +268,46 @@ void lf_tone_map(const lf_tone *tone, size_t n, const float *in, uint8_t *out)
         size_t some = n - i < PIXELS ? n - i : PIXELS;
         lf_tone_linear(tone, some, in + 3 * i, light);
         tone->kernels->tone(&tone->table, 3 * some, light, out + 3 * i);
+    }
+}
+
+/* Ordered dither after Bayer (1973): each of 0..63 once in 8x8 pixels. */
+static const uint8_t bayer[8][8] = {
+    {0, 32, 8, 40, 2, 34, 10, 42},  {48, 16, 56, 24, 50, 18, 58, 26},
+    {12, 44, 4, 36, 14, 46, 6, 38}, {60, 28, 52, 20, 62, 30, 54, 22},
+    {3, 35, 11, 43, 1, 33, 9, 41},  {51, 19, 59, 27, 49, 17, 57, 25},
+    {15, 47, 7, 39, 13, 45, 5, 37}, {63, 31, 55, 23, 61, 29, 53, 21}};
+
+static void dither(const lf_tone *tone, const float threshold[8], size_t n, const float *in,
+                   uint8_t *codes)
+{
+    for (size_t i = 0; i < n; i++) {
+        const float up = threshold[i & 7], down = up - 1;
+        for (size_t at = 3 * i; at < 3 * i + 3; at++) {
+            unsigned code = codes[at];
+            float beyond = in[at] - tone->centre[code];
+            float level = beyond * tone->slope[code][beyond >= 0];
+            codes[at] = (uint8_t)(code + (level >= up) - (level < down));
+        }
+    }
+}
+
+void lf_tone_dither(const lf_tone *tone, int view, int row, size_t n, const float *in, uint8_t *out)
+{
+    enum { PIXELS = 128, ACROSS = 5, DOWN = 3 };
+    float threshold[8], light[3 * PIXELS];
+    for (int i = 0; i < 8; i++)
+        threshold[i] =
+            1 - ((float)bayer[(row + DOWN * view) & 7][(i + ACROSS * view) & 7] + 0.5f) / 64;
+    for (size_t i = 0; i < n; i += PIXELS) {
+        size_t some = n - i < PIXELS ? n - i : PIXELS;
+        const float *from = in + 3 * i;
+        if (tone->map->mixes) {
+            lf_tone_linear(tone, some, from, light);
+            from = light;
+        }
+        tone->kernels->tone(&tone->table, 3 * some, from, out + 3 * i);
+        dither(tone, threshold, some, from, out + 3 * i);
     }
 }
 

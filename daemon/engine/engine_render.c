@@ -634,6 +634,7 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
         out->reconstructed = is_reconstructed(engine, request->reconstruct);
         lf_status status = take_film(engine, out, request->err);
         out->source = lf_output_from_film(&content->settings, out->film);
+        out->source.reconstructed = out->reconstructed;
         if (status == LF_OK && request->layers)
             status = take_layers(engine, request->layers, out, request->err);
         if (status != LF_OK) {

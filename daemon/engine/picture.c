@@ -147,10 +147,11 @@ static uint8_t not_there(const lf_picture *picture)
     return picture->sampled ? LF_PIXEL_UNSEEN : LF_PIXEL_HOLE | LF_PIXEL_UNSEEN;
 }
 
-/* A row as it is shown: what catchers take from it, what guides mark. */
+/* A row as it is shown: what catchers take from it, what guides mark; dithered where it is fitted,
+ * since noise does that otherwise. */
 static void tone_row(lf_picture *picture, int row, bool fitted, int worker)
 {
-    const size_t n = row_pixels(picture);
+    const size_t n = row_pixels(picture), width = (size_t)picture->width;
     float *linear = picture->scratch + (size_t)worker * n * 3;
     if (picture->caught)
         lf_caught_take(picture->caught, row, fitted, linear);
@@ -160,7 +161,11 @@ static void tone_row(lf_picture *picture, int row, bool fitted, int worker)
                                    layers) == LF_OK)
             lf_guides_mark(&picture->sharp, picture->film.exposure, layers, n, linear);
     }
-    lf_tone_map(picture->tone, n, linear, picture->rgb + (size_t)row * n * 3);
+    uint8_t *rgb = picture->rgb + (size_t)row * n * 3;
+    if (!fitted)
+        lf_tone_map(picture->tone, n, linear, rgb);
+    for (size_t view = 0, at = 0; fitted && at < 3 * n; view++, at += 3 * width)
+        lf_tone_dither(picture->tone, (int)view, row, width, linear + at, rgb + at);
 }
 
 /* A fit has an answer for every pixel of a row that was visited. */

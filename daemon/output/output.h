@@ -46,6 +46,10 @@ LF_NODISCARD lf_status lf_rgbd_check(const lf_rgbd_options *rgbd, const char *wh
 
 /* A light field to write: 8-bit display-encoded or linear float views. Borrowed. */
 typedef struct lf_output_source {
+    /* A reconstructed picture, which has less noise than a step of 8 bits: float views are dithered
+     * on their way to 8 bits, as views first_view, first_view + 1, … (lf_tone_dither). */
+    bool reconstructed;
+    int first_view;
     bool is_float;
     lf_views8 views8;   /* valid when !is_float */
     lf_views32 views32; /* valid when is_float */

@@ -4,19 +4,24 @@
 
 typedef struct tone_job {
     const lf_tone *tone;
-    const lf_views32 *in;
+    const lf_output_source *source;
     uint8_t *out; /* [row][view][column][3] */
 } tone_job;
 
 static void tone_row(void *context, int row, int worker)
 {
     const tone_job *job = context;
-    size_t width = (size_t)job->in->width;
-    uint8_t *out = job->out + (size_t)row * (size_t)job->in->n_views * width * 3;
+    const lf_views32 *in = &job->source->views32;
+    size_t width = (size_t)in->width;
+    uint8_t *out = job->out + (size_t)row * (size_t)in->n_views * width * 3;
     (void)worker;
-    for (int view = 0; view < job->in->n_views; view++)
-        lf_tone_map(job->tone, width, lf_views32_row(job->in, view, row),
-                    out + (size_t)view * width * 3);
+    for (int view = 0; view < in->n_views; view++, out += width * 3) {
+        const float *linear = lf_views32_row(in, view, row);
+        if (job->source->reconstructed)
+            lf_tone_dither(job->tone, job->source->first_view + view, row, width, linear, out);
+        else
+            lf_tone_map(job->tone, width, linear, out);
+    }
 }
 
 /* Runs fn for every row, on the job's pool when it has one. */
@@ -50,7 +55,7 @@ lf_status output_views8(const lf_output_request *request, const lf_output_source
     uint8_t *buffer = lf_calloc((size_t)in->height, row_size);
     status = buffer ? LF_OK : lf_error_set(err, LF_E_NOMEM, request->path, "out of memory");
     if (status == LF_OK) {
-        tone_job job = {tone, in, buffer};
+        tone_job job = {tone, source, buffer};
         status = run_rows(request, in->height, tone_row, &job, err);
     }
     lf_tone_destroy(tone);

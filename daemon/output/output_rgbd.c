@@ -190,6 +190,7 @@ static lf_status draw_colours(const lf_output_request *request, const lf_output_
     lf_views8 views;
     uint8_t *buffer = NULL;
     one.views32.data = lf_views32_row(&source->views32, view, 0);
+    one.first_view = source->first_view + view;
     one.views32.n_views = 1;
     lf_status status = output_views8(request, &one, &views, &buffer, err);
     for (int y = 0; y < views.height && status == LF_OK; y++)

@@ -341,6 +341,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
                                           : lf_output_from_film(&r->settings, r->film);
     const char *names[LF_MAX_LAYER_CHANNELS];
     lf_layers32 layers;
+    source.reconstructed = !r->is_quilt && r->reconstructs;
     if (r->is_quilt)
         source.aspect = r->layout.aspect;
     lf_status status = expose(r, &source, err);

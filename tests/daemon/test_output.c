@@ -115,6 +115,44 @@ static void png_quilts_of_both_sources_come_back_unchanged(void **state)
     }
 }
 
+static void write_grey(const fixture *f, bool reconstructed, int code[VIEWS])
+{
+    static float film[HEIGHT][VIEWS][WIDTH][3];
+    const char *path = lf_test_path(f->folder, "grey_qs3x2a1.25.png");
+    lf_output_request request = {
+        .kind = &lf_output_quilt, .path = path, .overwrite = true, .layout = f->layout};
+    lf_output_source source = f->source32;
+    lf_quilt_file quilt = {0};
+    lf_error err = {0};
+    for (size_t i = 0; i < sizeof film / sizeof(float); i++)
+        (&film[0][0][0][0])[i] = (float)(0.3 * linear_of(100) + 0.7 * linear_of(101));
+    source.views32.data = &film[0][0][0][0];
+    source.reconstructed = reconstructed;
+    lf_assert_ok(lf_output_write(&request, &source, &err), &err);
+    read_quilt(path, &quilt);
+    for (int view = 0; view < VIEWS; view++) {
+        code[view] = 0;
+        for (int y = 0; y < HEIGHT; y++)
+            for (int x = 0; x < WIDTH; x++)
+                code[view] += lf_views8_row(&quilt.views8, view, y)[3 * x];
+    }
+    lf_quilt_finish(&quilt);
+}
+
+/* A grey between two codes is rounded, and dithered where the picture is reconstructed. */
+static void reconstructed_pictures_are_dithered(void **state)
+{
+    int code[VIEWS];
+    write_grey(*state, false, code);
+    for (int view = 0; view < VIEWS; view++)
+        assert_int_equal(code[view], 101 * WIDTH * HEIGHT);
+    write_grey(*state, true, code);
+    for (int view = 0; view < VIEWS; view++) {
+        assert_true(code[view] > 100 * WIDTH * HEIGHT);
+        assert_true(code[view] < 101 * WIDTH * HEIGHT);
+    }
+}
+
 static void exr_quilts_hold_the_floats_and_the_settings(void **state)
 {
     const fixture *f = *state;
@@ -570,6 +608,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(png_quilts_of_both_sources_come_back_unchanged),
+        cmocka_unit_test(reconstructed_pictures_are_dithered),
         cmocka_unit_test(exr_quilts_hold_the_floats_and_the_settings),
         cmocka_unit_test(a_folder_of_views_is_the_light_field_and_nothing_else),
         cmocka_unit_test(a_folder_of_pictures_is_the_light_field_and_nothing_else),

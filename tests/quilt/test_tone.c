@@ -23,11 +23,16 @@ static double light_of(double exposure, bool filmic, float value)
     return fmin(x, 1);
 }
 
-static int code_of(double exposure, bool filmic, float value)
+static double level_of(double exposure, bool filmic, float value)
 {
     double light = light_of(exposure, filmic, value);
     double srgb = light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
-    return (int)floor(255 * srgb + 0.5);
+    return 255 * srgb;
+}
+
+static int code_of(double exposure, bool filmic, float value)
+{
+    return (int)floor(level_of(exposure, filmic, value) + 0.5);
 }
 
 static int mapped(const lf_tone *tone, float value)
@@ -254,6 +259,90 @@ static void aces_rises(void **state)
     lf_tone_destroy(tone);
 }
 
+/* The means of n values from low to high, each all over 8x8 pixels of a view, are within 0.03 codes
+ * of what they are before rounding. */
+static void check_means(const lf_tone *tone, bool filmic, double low, double high, int n)
+{
+    for (int k = 0; k < n; k++) {
+        const float value = (float)(low + (high - low) * k / n);
+        float in[24];
+        int sum = 0, least = 255, most = 0;
+        for (int i = 0; i < 24; i++)
+            in[i] = value;
+        for (int row = 0; row < 8; row++) {
+            uint8_t out[24];
+            lf_tone_dither(tone, k % 45, row, 8, in, out);
+            for (int i = 0; i < 24; i++) {
+                sum += out[i];
+                least = out[i] < least ? out[i] : least;
+                most = out[i] > most ? out[i] : most;
+            }
+        }
+        double mean = sum / 192.0, wanted = level_of(0, filmic, value);
+        if (fabs(mean - wanted) > 0.03)
+            fail_msg("%g: mean code %g, expected %g", (double)value, mean, wanted);
+        assert_true(most - least <= 1);
+    }
+}
+
+static void dithered_codes_have_the_mean_before_rounding(void **state)
+{
+    (void)state;
+    for (int filmic = 0; filmic < 2; filmic++) {
+        lf_tone *tone = tone_of(0, filmic ? "filmic" : "srgb");
+        check_means(tone, filmic, 0, 0.01, 1000);
+        check_means(tone, filmic, 0.01, filmic ? 8 : 1.1, 5000);
+        lf_tone_destroy(tone);
+    }
+}
+
+/* Black, white, what is no light and the values of an 8-bit picture: no noise in what is exact. */
+static void codes_before_rounding_are_not_dithered(void **state)
+{
+    (void)state;
+    lf_tone *tone = tone_of(0, "srgb");
+    for (int i = 0; i < 256 + 5; i++) {
+        const float odd[] = {NAN, -1, -INFINITY, INFINITY, 3};
+        const double s = i / 255.0;
+        const float value = i >= 256
+                                ? odd[i - 256]
+                                : (float)(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4));
+        const float in[24] = {value, value, value, value, value, value, value, value,
+                              value, value, value, value, value, value, value, value,
+                              value, value, value, value, value, value, value, value};
+        for (int row = 0; row < 8; row++) {
+            uint8_t out[24];
+            lf_tone_dither(tone, 0, row, 8, in, out);
+            for (int c = 0; c < 24; c++)
+                assert_int_equal(out[c], i < 256 ? i : i < 259 ? 0 : 255);
+        }
+    }
+    lf_tone_destroy(tone);
+}
+
+/* The pattern is that of the pixel's column, whatever the width; each view has another. */
+static void dither_follows_column_and_view(void **state)
+{
+    (void)state;
+    enum { WIDTH = 300 };
+    static float in[3 * WIDTH];
+    static const char *const maps[] = {"srgb", "filmic", "aces"};
+    for (int i = 0; i < 3 * WIDTH; i++)
+        in[i] = 0.4f + 0.0005f * (float)(i / 3 % 8);
+    for (int m = 0; m < 3; m++) {
+        lf_tone *tone = tone_of(0, maps[m]);
+        static uint8_t out[3 * WIDTH], other[3 * WIDTH];
+        lf_tone_dither(tone, 0, 5, WIDTH, in, out);
+        for (int i = 3 * 8; i < 3 * WIDTH; i++)
+            assert_int_equal(out[i], out[i - 3 * 8]);
+        lf_tone_dither(tone, 1, 5, WIDTH, in, other);
+        assert_memory_not_equal(out, other, sizeof out);
+        lf_tone_dither(tone, 8, 5, WIDTH, in, other);
+        assert_memory_equal(out, other, sizeof out);
+        lf_tone_destroy(tone);
+    }
+}
+
 static void unknown_curves_and_exposures_are_refused(void **state)
 {
     (void)state;
@@ -324,6 +413,9 @@ int main(void)
         cmocka_unit_test(aces_rises),
         cmocka_unit_test(neutral_is_as_worked_out_by_hand),
         cmocka_unit_test(neutral_rises_and_stays_below_white),
+        cmocka_unit_test(dithered_codes_have_the_mean_before_rounding),
+        cmocka_unit_test(codes_before_rounding_are_not_dithered),
+        cmocka_unit_test(dither_follows_column_and_view),
         cmocka_unit_test(unknown_curves_and_exposures_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
