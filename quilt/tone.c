@@ -302,7 +302,7 @@ void lf_tone_dither(const lf_tone *tone, int view, int row, size_t n, const floa
     for (size_t i = 0; i < n; i += PIXELS) {
         size_t some = n - i < PIXELS ? n - i : PIXELS;
         const float *from = in + 3 * i;
-        if (tone->map->mixes) {
+        if (tone->map->mixture) {
             lf_tone_linear(tone, some, from, light);
             from = light;
         }
