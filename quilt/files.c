@@ -243,7 +243,7 @@ typedef struct folder {
     lf_quilt_file *q;
     int width, height; /* of the first picture as it is stored */
     int n_odd;         /* pictures of another size */
-    char odd[256];     /* their names and sizes */
+    char odd[200];     /* their names and sizes */
     bool odd_is_full;  /* not all of them */
 } folder;
 

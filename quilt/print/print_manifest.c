@@ -187,6 +187,16 @@ static json_t *colour_part(const lf_print_facts *facts, const json_t *options)
                      (json_int_t)size);
 }
 
+/* A line that may hold the name of a file, which is any bytes. */
+static json_t *line_of(char *text)
+{
+    json_t *line = json_string(text);
+    for (char *c = text; !line && *c; c++)
+        if ((unsigned char)*c >= 0x80)
+            *c = '?';
+    return line ? line : json_string(text);
+}
+
 static json_t *warning_part(const lf_print_facts *facts)
 {
     json_t *warnings = json_array();
@@ -202,7 +212,7 @@ static json_t *warning_part(const lf_print_facts *facts)
     }
     const lf_image_notes *notes = facts->run->notes;
     for (size_t at = 0; warnings && notes && lf_image_notes_next(notes, &at, text, sizeof text);)
-        json_array_append_new(warnings, json_stringn_nocheck(text, strlen(text)));
+        json_array_append_new(warnings, line_of(text));
     return warnings;
 }
 

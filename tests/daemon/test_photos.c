@@ -70,6 +70,21 @@ static void a_print_tells_what_it_cut_and_scaled(void **state)
     assert_null(strstr(o.err, "cut"));
 }
 
+/* A name that is no UTF-8 is told of all the same. */
+static void a_print_tells_of_pictures_of_any_name(void **state)
+{
+    const qr_files *f = *state;
+    char path[PATH_MAX];
+    assert_int_equal(mkdir(lf_test_path(f->folder, "mixed"), 0700), 0);
+    qr_write_quilt(path, f->folder, "mixed/a.png", WIDTH, HEIGHT);
+    qr_write_quilt(path, f->folder, "mixed/b\xff\xc3.png", WIDTH, WIDTH);
+    qr_succeed("%s/mixed -o %s/mixed.tif --print 60@300 --print-size 20x8", f->folder, f->folder);
+    json_t *manifest = manifest_of(f, "mixed.json");
+    snprintf(path, sizeof path, "%s/mixed", f->folder);
+    assert_warned(manifest, path, "1 of 2 pictures are not 60x24 as a.png is: b??.png (60x40)");
+    json_decref(manifest);
+}
+
 static void a_panel_is_covered_where_it_is_said(void **state)
 {
     const qr_files *f = *state; /* the panel is 90 x 60 */
@@ -190,6 +205,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_aspect_survives_a_folder_of_views),
         cmocka_unit_test(a_print_tells_what_it_cut_and_scaled),
+        cmocka_unit_test(a_print_tells_of_pictures_of_any_name),
         cmocka_unit_test(a_panel_is_covered_where_it_is_said),
         cmocka_unit_test(what_is_wrong_is_said_once),
     };
