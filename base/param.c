@@ -617,11 +617,10 @@ json_t *lf_param_json(const lf_param *params, const void *object)
     for (const lf_param *row = params; ok && !is_end(row); row++)
         if (row->name)
             ok = json_object_set_new(out, row->name, value_json(row, object)) == 0;
-    if (!ok) {
-        json_decref(out);
-        return NULL;
-    }
-    return out;
+    if (ok)
+        return out;
+    json_decref(out);
+    return NULL;
 }
 
 static json_t *words_json(const lf_param *row)
@@ -694,9 +693,8 @@ json_t *lf_param_schema(const lf_param *params)
         if (row->name)
             ok = json_object_set_new(out, row->name, schema) == 0 && describe_schema(row, schema);
     }
-    if (!ok) {
-        json_decref(out);
-        return NULL;
-    }
-    return out;
+    if (ok)
+        return out;
+    json_decref(out);
+    return NULL;
 }

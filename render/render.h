@@ -158,8 +158,9 @@ LF_NODISCARD lf_status lf_scene_load(const char *path, const lf_roots *roots,
 /* The same, with a merge patch laid over what the file says (NULL: none), and of a file without a
  * scene as alone says (NULL: zeroed); lines in errors are those of the file. */
 LF_NODISCARD lf_status lf_scene_load_patched(const char *path, const lf_alone *alone,
-                                             const json_t *patch, const lf_roots *roots, const lf_scene *previous,
-                                             lf_scene **out_scene, lf_error *err);
+                                             const json_t *patch, const lf_roots *roots,
+                                             const lf_scene *previous, lf_scene **out_scene,
+                                             lf_error *err);
 
 /* The same from a document in memory; folder is what relative paths are relative to. where names it
  * in errors. The scene keeps a reference to doc, and shares its values: nobody may change them from
@@ -251,7 +252,7 @@ typedef struct lf_integrator_entry {
     /* picture files show its reconstruction unless told otherwise; false: it is there to compare
      * with, or has none */
     bool reconstructs;
-    bool remembers;   /* more than its film: lf_renderer_passes_after does not take it */
+    bool remembers; /* more than its film: lf_renderer_passes_after does not take it */
 } lf_integrator_entry;
 
 /* The first is the default; NULL behind the last. */

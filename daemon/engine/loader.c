@@ -113,15 +113,15 @@ static lf_status turn_pages(const lf_roots *roots, lf_load *load)
 static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf_content **out)
 {
     lf_options options = load->options;
-    if (load->tiles.columns > 0) {
-        options.columns = load->tiles.columns;
-        options.rows = load->tiles.rows;
+    if (load->words.columns > 0) {
+        options.columns = load->words.columns;
+        options.rows = load->words.rows;
     } else if (named && (!load->meant || strcmp(load->file, load->meant) != 0)) {
         options.columns = options.rows = 0;
     }
-    lf_status status = lf_content_from_quilt(
-        load->file, roots, &options, load->has_calibration ? &load->calibration : NULL, out,
-        &load->err);
+    lf_status status =
+        lf_content_from_quilt(load->file, roots, &options,
+                              load->has_calibration ? &load->calibration : NULL, out, &load->err);
     /* whoever calls has no command line */
     if (status == LF_E_ARG && load->deferred && !named && options.columns == 0)
         status = lf_error_set(&load->err, LF_E_ARG, load->file,
@@ -144,7 +144,7 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
     bool meant = named && dot && strcmp(dot, ".json") != 0;
     if (meant || lf_is_quilt(load->file, roots))
         return load_quilt(roots, load, named, out);
-    if (load->tiles.columns > 0)
+    if (load->words.columns > 0)
         return lf_error_set(&load->err, LF_E_ARG, load->file,
                             "is no picture: quilt=COLUMNSxROWS goes with pictures alone");
     lf_scene *scene = NULL;

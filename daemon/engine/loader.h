@@ -30,9 +30,13 @@ typedef struct lf_load_job {
     atomic_bool cancelled;           /* lf_loader_cancel */
 } lf_load_job;
 
-typedef struct lf_load_tiles {
-    int columns, rows;
-} lf_load_tiles;
+/* What a call says of its file, in place of the command line's options. */
+typedef struct lf_load_words {
+    bool said;         /* the rest counts */
+    int columns, rows; /* tiles of a picture, whatever its name says; 0 = not given */
+    lf_photo photo;
+    lf_alone alone;
+} lf_load_words;
 
 typedef struct lf_load {
     lf_task task; /* posted when it is done; the poster sets done */
@@ -44,11 +48,7 @@ typedef struct lf_load {
     /* FILE: what the options are for, borrowed; in another quilt's name the layout wins over theirs
      */
     const char *meant;
-    lf_load_tiles tiles;     /* FILE: of a picture, whatever its name says; 0 = not given */
-    lf_photo photo; /* FILE: with has_photo, in place of that of the options */
-    bool has_photo;
-    lf_alone alone; /* FILE: with has_alone, in place of that of the options */
-    bool has_alone;
+    lf_load_words words;     /* FILE */
     json_t *patch;           /* PATCH */
     lf_passed *passed;       /* FILE, PATCH: files that the client has passed; NULL = none */
     double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */

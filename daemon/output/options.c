@@ -98,14 +98,14 @@ const lf_param lf_option_params[] = {
      .help = "what is left out where the scene does not need it (all)"},
     {.option = "aov", .argument = "all|none|LIST", PLACE(layers), .type = LF_PARAM_LIST,
      .word_at = layer_at, .help = "layers beside the colours of EXR files (none)"},
-    {.option = "fit", .argument = "NAME", PLACE(fit_name), .has = offsetof(lf_options, fit),
+    {.option = "fit", .argument = "NAME", PLACE(fit.name), .has = offsetof(lf_options, fit.on),
      .type = LF_PARAM_TEXT, .optional = true,
      .help = "move the camera to where the scene, or its mesh or volume NAME, fills the views"},
-    {.name = "png", .option = "png", PLACE(png), .type = LF_PARAM_SWITCH,
+    {.name = "png", .option = "png", PLACE(file.png), .type = LF_PARAM_SWITCH,
      .help = "the views of OUT/ as 8-bit PNG pictures in place of EXR"},
-    {.option = "still", PLACE(still), .type = LF_PARAM_SWITCH,
+    {.option = "still", PLACE(file.still), .type = LF_PARAM_SWITCH,
      .help = "one view as a plain picture, 1080 pixels high; of a finished quilt its middle view"},
-    {.option = "quality", .argument = "N", PLACE(quality), .type = LF_PARAM_WHOLE, .low = 1,
+    {.option = "quality", .argument = "N", PLACE(file.quality), .type = LF_PARAM_WHOLE, .low = 1,
      .high = 100, .help = "of OUT.jpg, 1 to 100 (92)"},
     {.name = "guides", .option = "guides", PLACE(guides), .type = LF_PARAM_SWITCH,
      .help = "a picture to frame by: red is nearer than a panel shows sharply, blue farther",
@@ -278,7 +278,7 @@ static void resolve_view_size(const lf_options *options, const lf_calibration *c
                               double aspect, lf_layout *layout)
 {
     lf_layout quilt;
-    const int height = options->still ? STILL_HEIGHT : DEFAULT_VIEW_HEIGHT;
+    const int height = options->file.still ? STILL_HEIGHT : DEFAULT_VIEW_HEIGHT;
     double width = round(aspect * height);
     layout->view_width = (int)fmax(1.0, fmin(width, LF_MAX_VIEW_SIDE));
     layout->view_height = height;

@@ -44,6 +44,19 @@ typedef struct lf_papers_options {
     bool has_shift, has_selection, has_reuse, has_weights; /* they were given */
 } lf_papers_options;
 
+/* The camera moves to where all, or the mesh or volume of this name, fills its views. */
+typedef struct lf_fit_option {
+    bool on;
+    const char *name; /* NULL: all */
+} lf_fit_option;
+
+/* What kind of file is written. */
+typedef struct lf_file_options {
+    bool png;    /* of a folder: 8-bit views */
+    bool still;  /* one view as a plain picture */
+    int quality; /* of JPEG, 1..100; 0 = not given */
+} lf_file_options;
+
 /* What the shared options say; zero and NULL mean "not given" unless stated. Zeroed is a valid
  * start. */
 typedef struct lf_options {
@@ -63,13 +76,10 @@ typedef struct lf_options {
     unsigned skip;                           /* bits of lf_skip */
     double target_error, target_shown_error; /* > 0 */
     bool has_exposure;                       /* it was given */
-    bool fit;                                /* the camera moves to where all fills its views … */
-    const char *fit_name;                    /* … or the mesh or volume of this name; NULL: all */
-    bool png;                                /* of a folder: 8-bit views */
-    bool still;                              /* one view as a plain picture */
-    int quality;                             /* of JPEG, 1..100 */
-    bool guides;                             /* what lies outside of the sharp depth is marked */
-    double exposure;                         /* as in lf_exposed_film */
+    lf_fit_option fit;
+    lf_file_options file;
+    bool guides;     /* what lies outside of the sharp depth is marked */
+    double exposure; /* as in lf_exposed_film */
     lf_reconstruct reconstruct;
     unsigned layers;         /* bits of lf_layer, beside the colours of EXR files */
     const char *calibration; /* a file */

@@ -104,5 +104,6 @@ lf_output_source output_middle(const lf_output_source *source, int n, lf_layers3
         v32->layers = layers;
     }
     v32->n_views = n;
+    some.first_view += first;
     return some;
 }

@@ -81,30 +81,29 @@ static lf_status take_tiles(const lf_call *call, lf_load *load, lf_error *err)
     if (lf_param_from_text(lf_param_find(lf_option_params, "quilt"), text, &options, &wrong) !=
         LF_OK)
         return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/quilt", "%s", wrong.what);
-    load->tiles.columns = options.columns;
-    load->tiles.rows = options.rows;
+    load->words.columns = options.columns;
+    load->words.rows = options.rows;
     return LF_OK;
 }
 
 /* How a picture is to lie in its view, where the call says so. */
 static lf_status take_photo(const lf_call *call, lf_load *load, lf_error *err)
 {
-    load->photo = call->server->options.photo;
-    load->has_photo = true;
+    load->words.photo = call->server->options.photo;
+    load->words.said = true;
     lf_status status =
-        lf_param_from_json(lf_photo_params, call->params, &load->photo, "scene.load", err);
+        lf_param_from_json(lf_photo_params, call->params, &load->words.photo, "scene.load", err);
     if (status == LF_OK)
-        status =
-            lf_param_from_json(lf_picture_params, call->params, &load->photo, "scene.load", err);
+        status = lf_param_from_json(lf_picture_params, call->params, &load->words.photo,
+                                    "scene.load", err);
     return status;
 }
 
 /* How a file without a scene is to be shown: what the call leaves out is as on the command line. */
 static lf_status take_alone(const lf_call *call, lf_load *load, lf_error *err)
 {
-    load->alone = call->server->config.options.alone;
-    load->has_alone = true;
-    return lf_param_from_json(lf_alone_params, call->params, &load->alone, "scene.load", err);
+    load->words.alone = call->server->config.options.alone;
+    return lf_param_from_json(lf_alone_params, call->params, &load->words.alone, "scene.load", err);
 }
 
 /* The words of a call that loads a file. */

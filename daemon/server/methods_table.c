@@ -144,12 +144,12 @@ static const struct {
     const char *method;
     const lf_param *params;
     bool keeps;
-} tables[] = {{"export", lf_print_params, false},        {"export", lf_panel_params, false},
-              {"export", lf_response_params, true},      {"export", lf_rgbd_params, false},
-              {"export", lf_photo_params, false},        {"scene.load", lf_alone_params, false},
-              {"scene.load", lf_photo_params, false},
-              {"scene.load", lf_picture_params, false},  {"device.set", lf_response_params, true},
-              {"camera.set", lf_camera_params, true},    {"render.set", lf_option_params, true}};
+} tables[] = {{"export", lf_print_params, false},       {"export", lf_panel_params, false},
+              {"export", lf_response_params, true},     {"export", lf_rgbd_params, false},
+              {"export", lf_photo_params, false},       {"scene.load", lf_alone_params, false},
+              {"scene.load", lf_photo_params, false},   {"scene.load", lf_picture_params, false},
+              {"device.set", lf_response_params, true}, {"camera.set", lf_camera_params, true},
+              {"render.set", lf_option_params, true}};
 
 static json_t *table_schema(const lf_param *params, bool keeps)
 {

@@ -437,10 +437,10 @@ static void on_load_done(void *reader, lf_task *task)
 static void queue_load(lf_server *server, lf_load *load)
 {
     load->options = server->options;
-    if (load->has_alone)
-        load->options.alone = load->alone;
-    if (load->has_photo)
-        load->options.photo = load->photo;
+    if (load->words.said) {
+        load->options.alone = load->words.alone;
+        load->options.photo = load->words.photo;
+    }
     const lf_calibration *calibration = lf_show_calibration(server->show);
     load->has_calibration = calibration;
     if (calibration)

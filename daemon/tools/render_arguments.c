@@ -256,7 +256,7 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
     if (a->options.layers && !lf_output_is_light(a->kind, a->out))
         return lf_error_set(err, LF_E_ARG, "--aov",
                             "only goes with OUT.exr and folders of EXR views");
-    if (a->options.quality > 0 && !lf_path_has_ending(a->out, ".jpg") &&
+    if (a->options.file.quality > 0 && !lf_path_has_ending(a->out, ".jpg") &&
         !lf_path_has_ending(a->out, ".jpeg"))
         return lf_error_set(err, LF_E_ARG, "--quality", "only goes with OUT.jpg");
     if (a->options.guides && (a->kind->layers || !lf_path_has_ending(a->out, ".png")))
@@ -345,10 +345,10 @@ static lf_status take_plain_preset(lf_render_arguments *a, lf_error *err)
 /* --still is --views 1. */
 static lf_status take_still(lf_render_arguments *a, lf_error *err)
 {
-    if (a->options.still && a->options.views > 1)
+    if (a->options.file.still && a->options.views > 1)
         return lf_error_set(err, LF_E_ARG, "--still", "is one view: no --views %d",
                             a->options.views);
-    if (a->options.still)
+    if (a->options.file.still)
         a->options.views = 1;
     return LF_OK;
 }

@@ -369,7 +369,7 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
         .print = &r->print,
         .rgbd = a->rgbd,
         .exposure = r->film_settings.exposure,
-        .quality = a->options.quality,
+        .quality = a->options.file.quality,
         .tonemap = r->film_settings.tonemap,
         .settings = r->record,
         .pool = r->pool,

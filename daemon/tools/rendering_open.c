@@ -217,7 +217,7 @@ static lf_status patch_scene(lf_rendering *r, json_t *patch, lf_error *err)
 /* The scene with its camera where --fit wants it. */
 static lf_status fit(lf_rendering *r, lf_error *err)
 {
-    const char *name = r->arguments->options.fit_name, *ground;
+    const char *name = r->arguments->options.fit.name, *ground;
     json_t *patch = NULL;
     lf_status status = lf_fit_patch(r->scene, &r->settings, name, LF_CAMERA_FILL, 0.0, &patch, err);
     for (int i = 0; status == LF_OK && !name && (ground = lf_scene_ground(r->scene, i)); i++)
@@ -231,7 +231,7 @@ static lf_status whiten(lf_rendering *r, lf_error *err)
 {
     const lf_options *o = &r->arguments->options;
     const lf_film_settings *film = lf_scene_film_settings(r->scene);
-    const bool frames = o->fit || !lf_path_has_ending(r->arguments->scene, ".json");
+    const bool frames = o->fit.on || !lf_path_has_ending(r->arguments->scene, ".json");
     const lf_film_settings exposed =
         lf_exposed_film(film, o->has_exposure ? o->exposure : -HUGE_VAL);
     json_t *patch = NULL;
@@ -259,7 +259,8 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
                             "says what to render: no --preset, --quilt or --view-size");
     const bool moves = r->sequence.on && !a->frames.of_rows;
     json_t *patch = moves ? lf_frames_patch(r->sequence.frame) : NULL;
-    lf_status status = lf_scene_load_patched(a->scene, &a->options.alone, patch, NULL, NULL, &r->scene, err);
+    lf_status status =
+        lf_scene_load_patched(a->scene, &a->options.alone, patch, NULL, NULL, &r->scene, err);
     json_decref(patch);
     lf_progress_line_clear(&r->line);
     if (status == LF_OK)
@@ -278,7 +279,7 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
     const lf_preset *preset = lf_options_preset(&a->options);
     if (status == LF_OK && preset && preset->is_plain)
         return whiten(r, err);
-    return status == LF_OK && a->options.fit ? fit(r, err) : status;
+    return status == LF_OK && a->options.fit.on ? fit(r, err) : status;
 }
 
 /* Files that are written beside and renamed would take the place of what they were made from.

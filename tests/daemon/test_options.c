@@ -103,14 +103,14 @@ static void a_name_may_stand_behind_fit(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         lf_assert_ok(read_line(cases[i].line, &o, &err), &err);
-        assert_true(o.fit);
+        assert_true(o.fit.on);
         if (cases[i].name)
-            assert_string_equal(o.fit_name, cases[i].name);
+            assert_string_equal(o.fit.name, cases[i].name);
         else
-            assert_null(o.fit_name);
+            assert_null(o.fit.name);
     }
     lf_assert_ok(read_line("a.json cow", &o, &err), &err);
-    assert_false(o.fit);
+    assert_false(o.fit.on);
 }
 
 static void nothing_is_read_behind_help_and_version(void **state)

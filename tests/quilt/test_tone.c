@@ -326,10 +326,10 @@ static void dither_follows_column_and_view(void **state)
     (void)state;
     enum { WIDTH = 300 };
     static float in[3 * WIDTH];
-    static const char *const maps[] = {"srgb", "filmic", "aces"};
+    static const char *const maps[] = {"srgb", "filmic", "aces", "neutral"};
     for (int i = 0; i < 3 * WIDTH; i++)
         in[i] = 0.4f + 0.0005f * (float)(i / 3 % 8);
-    for (int m = 0; m < 3; m++) {
+    for (int m = 0; m < 4; m++) {
         lf_tone *tone = tone_of(0, maps[m]);
         static uint8_t out[3 * WIDTH], other[3 * WIDTH];
         lf_tone_dither(tone, 0, 5, WIDTH, in, out);
