@@ -232,12 +232,12 @@ static const char pyramid[] = "solid s\n"
                               "vertex 0.5 0.6 4\nendloop\nendfacet\nendsolid s\n";
 
 /* 1 wide, 2 deep and 4 high in a file for printers. */
-static void assert_height(const char *file, const lf_alone *how, double height)
+static void assert_height(const char *file, const lf_alone *how, double tall)
 {
     double bounds[2][3];
     lf_scene *scene = load_as(file, how, NULL, NULL);
     assert_true(lf_scene_bounds(scene, NULL, bounds));
-    lf_assert_close(bounds[1][1] - bounds[0][1], height, 1e-5, 0);
+    lf_assert_close(bounds[1][1] - bounds[0][1], tall, 1e-5, 0);
     lf_scene_unref(scene);
 }
 

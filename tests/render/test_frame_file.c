@@ -63,7 +63,8 @@ static void a_frame_is_checked_without_reading_it(void **state)
     assert_non_null(strstr(err.what, "b_2.vdb: cannot open"));
     lf_scene_unref(scene);
     json_t *patch = json_pack("{s:i}", "frame", 2);
-    lf_assert_status(lf_scene_load_patched(path, patch, NULL, NULL, &scene, &err), LF_E_IO, &err);
+    lf_assert_status(lf_scene_load_patched(path, NULL, patch, NULL, NULL, &scene, &err), LF_E_IO,
+                     &err);
     assert_int_equal(err.line, 3);
     assert_non_null(strstr(err.what, "b_2.vdb"));
     json_decref(patch);
@@ -79,7 +80,7 @@ static lf_scene *load_frame(const char *path, int frame)
     lf_scene *scene = NULL;
     lf_error err = {0};
     json_t *patch = json_pack("{s:i}", "frame", frame);
-    lf_assert_ok(lf_scene_load_patched(path, patch, NULL, NULL, &scene, &err), &err);
+    lf_assert_ok(lf_scene_load_patched(path, NULL, patch, NULL, NULL, &scene, &err), &err);
     json_decref(patch);
     return scene;
 }

@@ -179,7 +179,7 @@ static void what_is_placed_is_so_in_all_frames(void **state)
     lf_error err;
     json_t *patch = json_pack("{s:i}", "frame", 3);
     lf_assert_ok(lf_scene_load(path, NULL, NULL, &scene[0], &err), &err);
-    lf_assert_ok(lf_scene_load_patched(path, patch, NULL, NULL, &scene[1], &err), &err);
+    lf_assert_ok(lf_scene_load_patched(path, NULL, patch, NULL, NULL, &scene[1], &err), &err);
     json_decref(patch);
     double high[2][3];
     assert_true(lf_scene_bounds(scene[1], "cube", high) && high[0][1] == 8);
