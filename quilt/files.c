@@ -302,7 +302,7 @@ static void note_folder(const folder *f)
                   f->list.n, f->width, f->height, base_name(f->list.names[0]), f->odd,
                   f->odd_is_full ? " ..." : "",
                   f->photo.mode == LF_PHOTO_FIT
-                      ? "they are scaled whole, with black borders (--photo fill cuts them instead)"
+                      ? "they are scaled whole, with borders (--photo fill cuts them instead)"
                       : "they are scaled and cut (--photo fit shows them whole)");
 }
 
@@ -327,9 +327,9 @@ static lf_status scale_picture(folder *f, int view, const lf_raster *p, const lf
     const lf_photo_place place = lf_photo_lay(&f->photo, picture.aspect, l->aspect, 1,
                                               l->aspect / l->view_width, 1.0 / l->view_height);
     note_odd(f, name, p, &picture, &place);
-    lf_status status =
-        lf_photo_draw(&picture, &place, l, f->q->is_float ? NULL : f->q->image8.data + to,
-                      f->q->is_float ? f->q->image32.data + to : NULL);
+    lf_status status = lf_photo_draw(&picture, &place, l, f->photo.on_paper ? 1 : 0,
+                                     f->q->is_float ? NULL : f->q->image8.data + to,
+                                     f->q->is_float ? f->q->image32.data + to : NULL);
     lf_free(turned);
     return status == LF_OK ? status : lf_error_set(err, status, name, "no memory for the picture");
 }

@@ -130,7 +130,8 @@ static void what_has_the_shape_of_the_trimmed_sheet_covers_the_bleed(void **stat
 
 /* ----------------------------------------------------------------------------------- folders -- */
 
-static const uint8_t red[3] = {200, 10, 10}, blue[3] = {10, 10, 200}, black[3] = {0, 0, 0};
+static const uint8_t red[3] = {200, 10, 10}, blue[3] = {10, 10, 200}, black[3] = {0, 0, 0},
+                     white[3] = {255, 255, 255};
 
 /* Red left, blue right. */
 static void save_halves(const char *folder, const char *name, int width, int height)
@@ -192,6 +193,11 @@ static void pictures_of_other_sizes_are_laid_onto_the_first_s(void **state)
     assert_told(&q, "2 of 4 pictures are not 80x40 as a1.png is: a2.png (40x40), a3.png (240x120)");
     assert_told(&q, "a3.png: 240x120 pixels are scaled by 0.333");
     assert_null(strstr(q.notes.text, "cut (--photo fit"));
+    lf_quilt_finish(&q);
+    read_folder(folder, (lf_photo){.on_paper = true}, &q);
+    assert_row(&q, 1, 0, 20, white);
+    assert_row(&q, 1, 20, 40, red);
+    assert_row(&q, 1, 60, 80, white);
     lf_quilt_finish(&q);
     read_folder(folder, (lf_photo){.position = RIGHT}, &q);
     assert_row(&q, 1, 0, 40, black);
