@@ -234,6 +234,13 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
     return status;
 }
 
+/* The picture of a folder that something is most true of, and of how many it is. */
+typedef struct most {
+    int n;
+    double by;
+    char name[64];
+} most;
+
 /* A folder that is being read. */
 typedef struct folder {
     const char *path;
@@ -241,10 +248,11 @@ typedef struct folder {
     name_list list;
     lf_photo photo; /* its frame: the first picture's where there is no other */
     lf_quilt_file *q;
-    int width, height; /* of the first picture as it is stored */
-    int n_odd;         /* pictures of another size */
-    char odd[200];     /* their names and sizes */
-    bool odd_is_full;  /* not all of them */
+    int width, height;  /* of the first picture as it is stored */
+    int n_odd;          /* pictures of another size */
+    char odd[200];      /* their names and sizes */
+    bool odd_is_full;   /* not all of them */
+    most cut, up, down; /* shares, and scales and their inverses beyond 2 */
 } folder;
 
 static lf_status begin_folder(folder *f, const lf_raster *first, double aspect, lf_error *err)
@@ -272,14 +280,22 @@ static const char *base_name(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Remembers a picture of another size, and notes where it loses. */
-static void note_odd(folder *f, const char *path, const lf_raster *p,
-                     const lf_photo_picture *turned, const lf_photo_place *place)
+static void count(most *m, const char *name, double by)
 {
-    const lf_layout *l = &f->q->layout;
+    m->n++;
+    if (by > m->by) {
+        m->by = by;
+        snprintf(m->name, sizeof m->name, "%s", name);
+    }
+}
+
+/* Remembers a picture of another size, and what it loses. */
+static void count_odd(folder *f, const char *path, const lf_raster *p,
+                      const lf_photo_picture *turned, const lf_photo_place *place)
+{
     const size_t used = strlen(f->odd);
     const char *name = base_name(path);
-    const double scale = place->height * l->view_height / turned->height;
+    const double scale = place->height * f->q->layout.view_height / turned->height;
     const int n = snprintf(f->odd + used, sizeof f->odd - used, "%s%.60s (%dx%d)", used ? ", " : "",
                            name, p->width, p->height);
     if (n < 0 || (size_t)n >= sizeof f->odd - used) {
@@ -288,24 +304,36 @@ static void note_odd(folder *f, const char *path, const lf_raster *p,
     }
     f->n_odd++;
     if (place->cut > 0)
-        lf_image_note(&f->q->notes,
-                      "%.60s: %.0f %% of the picture are cut (--photo fit shows it whole)", name,
-                      100 * place->cut);
-    if (scale > 2 || scale < 0.5)
-        lf_image_note(&f->q->notes, "%.60s: %dx%d pixels are scaled by %.3g", name, p->width,
-                      p->height, scale);
+        count(&f->cut, name, place->cut);
+    if (scale > 2)
+        count(&f->up, name, scale);
+    if (scale < 0.5)
+        count(&f->down, name, 1 / scale);
 }
 
+/* Before what the files say, of which there may be more than is kept. */
 static void note_folder(const folder *f)
 {
+    lf_image_notes *notes = &f->q->notes, said = *notes;
     if (f->n_odd == 0)
         return;
-    lf_image_note(&f->q->notes, "%d of %d pictures are not %dx%d as %.60s is: %s%s; %s", f->n_odd,
-                  f->list.n, f->width, f->height, base_name(f->list.names[0]), f->odd,
+    notes->length = 0;
+    lf_image_note(notes, "%d of %d pictures are not %dx%d as %.60s is: %s%s; they are scaled %s",
+                  f->n_odd, f->list.n, f->width, f->height, base_name(f->list.names[0]), f->odd,
                   f->odd_is_full ? " ..." : "",
                   f->photo.mode == LF_PHOTO_FIT
-                      ? "they are scaled whole, with black borders (--photo fill cuts them instead)"
-                      : "they are scaled and cut (--photo fit shows them whole)");
+                      ? "whole, with borders (--photo fill cuts them instead)"
+                      : "and cut (--photo fit shows them whole)");
+    if (f->cut.n > 0)
+        lf_image_note(notes, "%d of them cut, %s most: %.0f %% of it", f->cut.n, f->cut.name,
+                      100 * f->cut.by);
+    if (f->up.n > 0)
+        lf_image_note(notes, "%d of them scaled up by more than 2, %s most: by %.3g", f->up.n,
+                      f->up.name, f->up.by);
+    if (f->down.n > 0)
+        lf_image_note(notes, "%d of them scaled down by more than 2, %s most: by %.3g", f->down.n,
+                      f->down.name, f->down.by);
+    lf_image_note_lines(notes, said.text, said.length);
 }
 
 /* A picture of another size than the first; shape: as it is turned. */
@@ -328,10 +356,10 @@ static lf_status scale_picture(folder *f, int view, const lf_raster *p, const lf
                                       .data32 = p->data32 ? turned : NULL};
     const lf_photo_place place = lf_photo_lay(&f->photo, picture.aspect, l->aspect, 1,
                                               l->aspect / l->view_width, 1.0 / l->view_height);
-    note_odd(f, name, p, &picture, &place);
-    lf_status status =
-        lf_photo_draw(&picture, &place, l, f->q->is_float ? NULL : f->q->image8.data + to,
-                      f->q->is_float ? f->q->image32.data + to : NULL);
+    count_odd(f, name, p, &picture, &place);
+    lf_status status = lf_photo_draw(&picture, &place, l, f->photo.on_paper ? 1 : 0,
+                                     f->q->is_float ? NULL : f->q->image8.data + to,
+                                     f->q->is_float ? f->q->image32.data + to : NULL);
     lf_free(turned);
     return status == LF_OK ? status : lf_error_set(err, status, name, "no memory for the picture");
 }

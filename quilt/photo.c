@@ -153,21 +153,23 @@ static void add_row(const lf_photo_picture *p, int y, const float light[256], fl
 }
 
 static void draw_row(const lf_photo_picture *p, const lf_axis_filter *columns,
-                     const lf_axis_filter *rows, int y, const float light[256], float *line,
-                     float *out)
+                     const lf_axis_filter *rows, int y, const float light[256], float border,
+                     float *line, float *out)
 {
     const float *weight = rows->weight + (size_t)y * (size_t)rows->max_taps;
     memset(line, 0, 3 * (size_t)p->width * sizeof *line);
     for (int t = 0; t < rows->n_taps[y]; t++)
         add_row(p, rows->first[y] + t, light, weight[t], line);
     lf_axis_filter_line(columns, line, out);
-    for (int x = 0; x < columns->n_out; x++)
+    for (int x = 0; x < columns->n_out; x++) {
+        const float inside = columns->inside[x] * rows->inside[y];
         for (int c = 0; c < 3; c++)
-            out[3 * x + c] *= columns->inside[x] * rows->inside[y];
+            out[3 * x + c] = inside * out[3 * x + c] + (1 - inside) * border;
+    }
 }
 
 lf_status lf_photo_draw(const lf_photo_picture *p, const lf_photo_place *place,
-                        const lf_layout *view, uint8_t *out8, float *out32)
+                        const lf_layout *view, float border, uint8_t *out8, float *out32)
 {
     const size_t n = 3 * (size_t)view->view_width;
     float light[256];
@@ -184,7 +186,7 @@ lf_status lf_photo_draw(const lf_photo_picture *p, const lf_photo_place *place,
     lf_srgb_light(light);
     for (int y = 0; y < view->view_height && status == LF_OK; y++) {
         float *to = out32 ? out32 + (size_t)y * n : row;
-        draw_row(p, &columns, &rows, y, light, line, to);
+        draw_row(p, &columns, &rows, y, light, border, line, to);
         if (out8)
             lf_tone_map(tone, (size_t)view->view_width, to, out8 + (size_t)y * n);
     }

@@ -29,8 +29,10 @@ typedef struct lf_photo_picture {
 } lf_photo_picture;
 
 /* Scales a picture onto a view of the same kind, [height][width][3], by area where that makes it
- * smaller, else linearly, in linear light; black where it does not reach. LF_E_NOMEM. */
+ * smaller, else linearly, in linear light; border, black 0 to white 1, where it does not reach.
+ * LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_photo_draw(const lf_photo_picture *picture, const lf_photo_place *place,
-                                     const lf_layout *view, uint8_t *out8, float *out32);
+                                     const lf_layout *view, float border, uint8_t *out8,
+                                     float *out32);
 
 #endif

@@ -188,8 +188,9 @@ typedef struct lf_photo {
     lf_turn rotate; /* clockwise; auto: by 90 where frame is upright and the picture is not, or the
                        other way round */
     double aspect;  /* of a view as its file has it, width / height; 0: what the files say */
-    /* not set by people: width / height of the panel or print; 0: there is none */
-    double frame;
+    /* by what it is for, not set by people: */
+    double frame;  /* width / height of the panel or print; 0: there is none */
+    bool on_paper; /* borders within the views of a folder are white */
 } lf_photo;
 /* Names, ranges and defaults of what people set (base/param.h): mode and position, and what is of
  * pictures as they are read. */

@@ -99,6 +99,7 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
         photo.frame = (double)r->calibration.screen_width_px / r->calibration.screen_height_px;
     else if (a->kind->check_print)
         photo.frame = a->print.width_mm / a->print.height_mm;
+    photo.on_paper = a->kind->check_print;
     lf_status status =
         lf_quilt_read_photo(a->scene, NULL, o->columns, o->rows, &photo, &r->quilt, err);
     if (status != LF_OK)

@@ -130,7 +130,8 @@ static void what_has_the_shape_of_the_trimmed_sheet_covers_the_bleed(void **stat
 
 /* ----------------------------------------------------------------------------------- folders -- */
 
-static const uint8_t red[3] = {200, 10, 10}, blue[3] = {10, 10, 200}, black[3] = {0, 0, 0};
+static const uint8_t red[3] = {200, 10, 10}, blue[3] = {10, 10, 200}, black[3] = {0, 0, 0},
+                     white[3] = {255, 255, 255};
 
 /* Red left, blue right. */
 static void save_halves(const char *folder, const char *name, int width, int height)
@@ -190,8 +191,13 @@ static void pictures_of_other_sizes_are_laid_onto_the_first_s(void **state)
         assert_row(&q, view, 40, 80, blue);
     }
     assert_told(&q, "2 of 4 pictures are not 80x40 as a1.png is: a2.png (40x40), a3.png (240x120)");
-    assert_told(&q, "a3.png: 240x120 pixels are scaled by 0.333");
-    assert_null(strstr(q.notes.text, "cut (--photo fit"));
+    assert_told(&q, "1 of them scaled down by more than 2, a3.png most: by 3");
+    assert_null(strstr(q.notes.text, "of them cut"));
+    lf_quilt_finish(&q);
+    read_folder(folder, (lf_photo){.on_paper = true}, &q);
+    assert_row(&q, 1, 0, 20, white);
+    assert_row(&q, 1, 20, 40, red);
+    assert_row(&q, 1, 60, 80, white);
     lf_quilt_finish(&q);
     read_folder(folder, (lf_photo){.position = RIGHT}, &q);
     assert_row(&q, 1, 0, 40, black);
@@ -200,7 +206,27 @@ static void pictures_of_other_sizes_are_laid_onto_the_first_s(void **state)
     read_folder(folder, (lf_photo){.mode = LF_PHOTO_FILL}, &q);
     assert_row(&q, 1, 0, 39, red);
     assert_row(&q, 1, 41, 80, blue);
-    assert_told(&q, "a2.png: 50 % of the picture are cut (--photo fit shows it whole)");
+    assert_told(&q, "1 of them cut, a2.png most: 50 % of it");
+    lf_quilt_finish(&q);
+}
+
+/* However many they are, and whatever else files say. */
+static void what_many_pictures_lose_is_told_in_a_line(void **state)
+{
+    char folder[PATH_MAX];
+    lf_quilt_file q = {0};
+    snprintf(folder, sizeof folder, "%s", new_folder(*state, "many"));
+    save_halves(folder, "a.png", 80, 40);
+    for (int i = 0; i < 60; i++) {
+        char name[128];
+        snprintf(name, sizeof name, "b%02d_with_a_name_that_is_as_long_as_those_of_cameras.png", i);
+        save_halves(folder, name, 30 - i / 4, 10);
+    }
+    read_folder(folder, (lf_photo){0}, &q);
+    assert_told(&q, "60 of 61 pictures are not 80x40 as a.png is: b00_with_");
+    assert_told(&q, " ...; they are scaled whole, with borders (--photo fill cuts them instead)");
+    assert_told(&q, "60 of them scaled up by more than 2, b");
+    assert_told(&q, ".png most: by 4");
     lf_quilt_finish(&q);
 }
 
@@ -349,6 +375,7 @@ int main(void)
         cmocka_unit_test(a_print_shows_it_whole_or_cut_where_it_is_said),
         cmocka_unit_test(what_has_the_shape_of_the_trimmed_sheet_covers_the_bleed),
         cmocka_unit_test(pictures_of_other_sizes_are_laid_onto_the_first_s),
+        cmocka_unit_test(what_many_pictures_lose_is_told_in_a_line),
         cmocka_unit_test(one_that_cannot_be_read_is_named_once),
         cmocka_unit_test(pictures_are_turned_clockwise),
         cmocka_unit_test(auto_turns_what_differs_from_the_first),
