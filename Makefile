@@ -168,7 +168,7 @@ $(O)/tests/fuzz/fuzz_film: $(call objs,$(call room_files,render/film,*.c))
 
 $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 	@mkdir -p $(@D)
-	$(call say,HDR)printf '#include "%s"\nextern int lf_alone;\n' '$*.h' | $(CC) $(lf_cflags) $(CPPFLAGS) $(CFLAGS) -MMD -MP -MT $@ -MF $@.d -fsyntax-only -x c - && touch $@
+	$(call say,HDR)printf '#include "%s"\nextern int lf_header_alone;\n' '$*.h' | $(CC) $(lf_cflags) $(CPPFLAGS) $(CFLAGS) -MMD -MP -MT $@ -MF $@.d -fsyntax-only -x c - && touch $@
 
 # MAKE_AGAIN: this make, told the same, so that nothing is built anew
 run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
