@@ -63,7 +63,7 @@ unsigned lf_import_seconds(void);
 bool lf_import_is_stopped(void);
 
 #define LF_IMPORT_SOCKET 3
-#define LF_IMPORT_VERSION UINT32_C(8)
+#define LF_IMPORT_VERSION UINT32_C(9)
 #define LF_IMPORT_LEAST_MEMORY ((uint64_t)192 << 20) /* of a reader: OpenVDB starts with 128 MB */
 #define LF_IMPORT_MAX_NAME 256
 #define LF_IMPORT_MAX_FILES 64 /* that a reader has open at once */
@@ -72,7 +72,8 @@ typedef enum lf_import_kind {
     LF_IMPORT_MESH,
     LF_IMPORT_GRID,
     LF_IMPORT_PICTURE,
-    LF_IMPORT_PLACES /* where a mesh stands, of many places */
+    LF_IMPORT_PLACES, /* where a mesh stands, of many places */
+    LF_IMPORT_TEXTURE /* a picture for surfaces, with its alpha (base/image_rgba.h) */
 } lf_import_kind;
 
 typedef struct lf_import_request {
@@ -84,6 +85,7 @@ typedef struct lf_import_request {
     uint32_t normals;   /* lf_normals (render/render.h) */
     uint32_t materials; /* 1: the file's own are wanted */
     uint32_t shines;    /* 1: it is a light: nothing of it is told as places */
+    uint32_t wants_uvs, wants_tangents; /* lf_mesh_wants (render/load/scene_parse.h) */
     double transform[12];
     /* which of its animations, by name or ("") by number; whether it is not repeated; seconds since
      * its beginning */

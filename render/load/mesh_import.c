@@ -126,6 +126,7 @@ bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
     return strcmp(a->file, b->file) == 0 && a->normals == b->normals &&
            (a->material < 0) == (b->material < 0) && a->shines == b->shines &&
            memcmp(&a->transform, &b->transform, sizeof a->transform) == 0 &&
+           a->wants.uvs == b->wants.uvs && a->wants.tangents == b->wants.tangents &&
            strcmp(a->variant ? a->variant : "", b->variant ? b->variant : "") == 0 &&
            strcmp(c->name ? c->name : "", d->name ? d->name : "") == 0 && c->number == d->number &&
            c->chosen == d->chosen && c->once == d->once && c->seconds == d->seconds;
@@ -151,6 +152,8 @@ static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *st
     lf_import_request request = {.kind = LF_IMPORT_MESH,
                                  .normals = (uint32_t)desc->normals,
                                  .materials = desc->material < 0,
+                                 .wants_uvs = desc->wants.uvs,
+                                 .wants_tangents = desc->wants.tangents,
                                  .shines = desc->shines};
     int fd = -1;
     if (strlen(path) >= sizeof request.path)
@@ -283,6 +286,7 @@ void lf_mesh_data_finish(lf_mesh_data *data)
     lf_free(data->colours);
     lf_free(data->tangents);
     lf_free(data->materials);
+    lf_free(data->names);
     lf_free(data->textures);
     for (int i = 0; i < data->n_pictures; i++)
         lf_free(data->pictures[i].rgba);

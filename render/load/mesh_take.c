@@ -58,8 +58,8 @@ static bool looks_fit(const lf_parcel *parcel, size_t n_vertices, bool materials
            tangents = count_of(parcel, LF_PARCEL_TANGENTS),
            pictures = count_of(parcel, LF_PARCEL_PICTURES),
            texels = count_of(parcel, LF_PARCEL_TEXELS);
-    if (!materials)
-        return uvs + colours + tangents + pictures + texels == 0;
+    if (!materials && colours + pictures + texels > 0)
+        return false;
     return uvs % (2 * n_vertices) == 0 && uvs / (2 * n_vertices) <= LF_UV_SETS &&
            (colours == 0 || colours == 4 * n_vertices) &&
            (tangents == 0 || tangents == 4 * n_vertices) && pictures <= LF_MAX_PICTURES;
@@ -174,6 +174,7 @@ static bool has_texture(const lf_parcel_material *from, size_t n)
 /* Pictures are there already. */
 static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
 {
+    _Static_assert(sizeof((lf_parcel_material *)0)->name == LF_MATERIAL_NAME, "names fit");
     _Static_assert(LF_SLOTS == sizeof((lf_parcel_material *)0)->texture / sizeof(lf_parcel_texture),
                    "a texture for every slot");
     size_t n;
@@ -184,13 +185,18 @@ static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_e
     if (!out->materials)
         return no_memory(err);
     out->n_materials = (int)n;
+    out->names = lf_calloc(n, sizeof *out->names);
+    if (!out->names)
+        return no_memory(err);
     if (has_texture(from, n)) {
         out->textures = lf_calloc(n, sizeof *out->textures);
         if (!out->textures)
             return no_memory(err);
     }
     for (size_t i = 0; i < n; i++) {
-        bool fits = take_material(&from[i], &out->materials[i]);
+        bool fits = take_material(&from[i], &out->materials[i]) &&
+                    memchr(from[i].name, 0, sizeof from[i].name);
+        memcpy(out->names[i], from[i].name, sizeof out->names[i]);
         for (int s = 0; s < LF_SLOTS && fits && out->textures; s++)
             fits = take_texture(&from[i].texture[s], out, &out->textures[i].slot[s]);
         if (!fits)
@@ -215,7 +221,7 @@ static bool sizes_fit(const lf_parcel_picture *sizes, size_t n, size_t n_texels)
     return sum == n_texels;
 }
 
-static lf_status take_pictures(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
+lf_status lf_mesh_take_pictures(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
 {
     size_t n, n_texels;
     const lf_parcel_picture *sizes = lf_parcel_get(parcel, LF_PARCEL_PICTURES, &n);
@@ -477,7 +483,7 @@ lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *ou
         status = copy(parcel, LF_PARCEL_CHOICES, n_triangles, sizeof(uint16_t),
                       &out->triangle_material, err);
     if (status == LF_OK)
-        status = take_pictures(parcel, out, err);
+        status = lf_mesh_take_pictures(parcel, out, err);
     if (status == LF_OK)
         status = take_materials(parcel, out, err);
     if (status == LF_OK)

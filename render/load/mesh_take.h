@@ -11,4 +11,8 @@
 LF_NODISCARD lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *out,
                                     lf_error *err);
 
+/* The pictures alone, into out->pictures; errors as above. */
+LF_NODISCARD lf_status lf_mesh_take_pictures(const lf_parcel *parcel, lf_mesh_data *out,
+                                             lf_error *err);
+
 #endif

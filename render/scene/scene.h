@@ -193,6 +193,28 @@ typedef enum lf_cover { LF_COVER_OPAQUE, LF_COVER_MASK, LF_COVER_BLEND, LF_COVER
 
 #define LF_GLASS_NODES 32
 
+/* A picture that materials of the scene file name, ready to be looked up; shared between scenes
+ * while its files stay the same (render/load/scene_pictures.h). */
+typedef struct lf_picture {
+    atomic_int refs;
+    char *key;           /* of its files and of what was made of them */
+    lf_digest digest[2]; /* of the files of its two parts; "" = there is none */
+    lf_texels texels;
+    lf_pyramid pyramid;
+} lf_picture;
+
+/* Accepts NULL. */
+void lf_picture_unref(lf_picture *picture);
+
+/* Slots that materials of the scene file may fill: LF_SLOT_BASE to LF_SLOT_EMISSION. */
+#define LF_OWN_SLOTS 4
+
+/* What such a material looks at. */
+typedef struct lf_own_textures {
+    lf_textures textures;
+    lf_picture *picture[LF_OWN_SLOTS]; /* counted references; NULL: the slot has none */
+} lf_own_textures;
+
 /* What is behind a surface that light goes through, and how it goes. */
 typedef struct lf_glass {
     lf_vec3 absorption, scattering; /* inside of it, per scene unit */
@@ -246,7 +268,8 @@ typedef struct lf_material {
     lf_cover cover;              /* what becomes of `alpha` and of the alpha of its texture */
     float alpha;                 /* 0..1 */
     float cutoff;                /* LF_COVER_MASK: opaque from here on */
-    const lf_textures *textures; /* borrowed from the geometry; NULL: none */
+    bool uncoloured;             /* colours of vertices do not count */
+    const lf_textures *textures; /* borrowed from geometry or scene; NULL: none */
     float specular;              /* of what a dielectric reflects, 0..1 … */
     lf_vec3 specular_tint;       /* … and its colour, 0..1 */
     float coat, coat_roughness;  /* a clear coat of index 1.5 on top, 0..1 */
@@ -508,7 +531,9 @@ struct lf_scene {
     lf_volume *volumes;
     lf_flames flames; /* what they emit */
     lf_mesh *meshes;  /* indexed by Embree's geomID */
-    lf_material *materials;
+    lf_material *materials; /* the files' own, then the scene's, then those of lights with faces */
+    int n_own_textures;
+    lf_own_textures *own_textures; /* of the scene's */
     /* in the order of their kinds after lf_lights_commit: those at infinity first */
     lf_light *lights;
     int n_lights_infinite; /* set by lf_lights_commit */

@@ -93,7 +93,7 @@ float lf_hit_cover(const lf_hit *hit, float width)
         return 1.0f;
     if (m->textures && look_up(&at, m->textures, LF_SLOT_BASE, width, texel))
         share = texel[3];
-    if (hit->mesh->colours) {
+    if (lf_is_coloured(hit->mesh, m)) {
         interpolate(&at, hit->mesh->colours, 4, colour);
         alpha *= colour[3];
     }
@@ -264,7 +264,7 @@ void lf_hit_vary(lf_hit *hit, float width)
     hit->varies = true;
     hit->width = width;
     hit->own = *hit->material;
-    if (hit->mesh->colours) {
+    if (lf_is_coloured(hit->mesh, hit->material)) {
         lf_vec3 colour = colour_of(&at);
         hit->own.albedo = lf_mul(hit->own.albedo, colour);
         if (hit->own.glows_by_colours)
