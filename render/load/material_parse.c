@@ -23,11 +23,11 @@ static const lf_param common[COMMON] = {
     [NORMAL] = {.name = "normal", .type = LF_PARAM_NUMBER, .low = -MOST_SCALE, .high = MOST_SCALE},
 };
 
-const char *const lf_picture_keys[LF_OWN_SLOTS][2] = {[LF_SLOT_BASE] = {"albedo", "alpha"},
-                                                      [LF_SLOT_METAL_ROUGH] = {"roughness",
-                                                                               "metallic"},
-                                                      [LF_SLOT_NORMAL] = {"normal", NULL},
-                                                      [LF_SLOT_EMISSION] = {"emission", NULL}};
+const char *const lf_picture_keys[LF_OWN_SLOTS][2] = {
+    [LF_SLOT_BASE] = {"albedo", "alpha"},
+    [LF_SLOT_METAL_ROUGH] = {"roughness", "metallic"},
+    [LF_SLOT_NORMAL] = {"normal", NULL},
+    [LF_SLOT_EMISSION] = {"emission", NULL}};
 
 /* ---------------------------------------------------------------------------------- pictures -- */
 
@@ -52,8 +52,7 @@ static void parse_lay(lf_reader *reader, const lf_node *picture, float map[2][3]
         lf_read_numbers(reader, &node, "offset", 2, offset, -MOST_MOVE, MOST_MOVE);
         angle = lf_read_number(reader, &node, "rotate", 0, -3600, 3600);
         if (json_is_number(lf_node_child(&node, "scale").value))
-            scale[0] = scale[1] =
-                lf_read_number(reader, &node, "scale", 1, -MOST_MOVE, MOST_MOVE);
+            scale[0] = scale[1] = lf_read_number(reader, &node, "scale", 1, -MOST_MOVE, MOST_MOVE);
         else
             lf_read_numbers(reader, &node, "scale", 2, scale, -MOST_MOVE, MOST_MOVE);
     }
@@ -82,8 +81,7 @@ static void parse_picture(lf_reader *reader, const lf_node *node, lf_picture_des
 static void read_key(lf_reader *reader, const lf_node *node, const lf_param *key, lf_value *out,
                      lf_pictures_desc *pictures)
 {
-    static const char *const keys[] = {"file",          "scale",     "wrap",
-                                       "interpolation", "transform", NULL};
+    static const char *const keys[] = {"file", "scale", "wrap", "interpolation", "transform", NULL};
     lf_picture_desc *picture = place_of(key->name, pictures);
     const lf_node at = lf_node_child(node, key->name);
     if (!picture || !json_is_object(at.value)) {
@@ -112,9 +110,10 @@ static void check_parts(lf_reader *reader, const lf_node *node, const lf_picture
         const lf_picture_desc *part = pictures->slot[i];
         const lf_node at = lf_node_child(node, lf_picture_keys[i][1] ? lf_picture_keys[i][1] : "");
         if (part[0].file && part[1].file && !lies_alike(&part[0].texture, &part[1].texture))
-            lf_read_fail(reader, &at,
-                         "the pictures of %s and %s need the same transform, wrap and interpolation",
-                         lf_picture_keys[i][0], lf_picture_keys[i][1]);
+            lf_read_fail(
+                reader, &at,
+                "the pictures of %s and %s need the same transform, wrap and interpolation",
+                lf_picture_keys[i][0], lf_picture_keys[i][1]);
     }
 }
 
@@ -285,8 +284,9 @@ static void read_overrides(lf_reader *reader, const lf_node *mesh_node, const lf
     if (!all.value)
         return;
     if (!json_is_object(all.value))
-        lf_read_fail(reader, &all, "expected an object: names of the file's materials, and of the "
-                                   "scene's that replace them");
+        lf_read_fail(reader, &all,
+                     "expected an object: names of the file's materials, and of the "
+                     "scene's that replace them");
     else if (mesh->shape)
         lf_read_fail(reader, &all, "only a file has materials of its own; say \"material\"");
     else if (lf_node_child(mesh_node, "material").value)

@@ -108,7 +108,7 @@ static bool take_layers(const lf_parcel_material *from, lf_material *out)
     out->sheen_roughness = from->sheen_roughness;
     out->transmission = from->transmission;
     out->is_solid = from->is_solid == 1;
-    out->glows_by_colours = from->glows_by_colours == 1;
+    out->tint = from->glows_by_colours == 1 ? LF_TINT_ALL : LF_TINT_ALBEDO;
     const float c = from->brush_turn[0], s = from->brush_turn[1];
     const bool turns = within(c * c + s * s, 1.0f - UNIT_SLACK, 1.0f + UNIT_SLACK);
     out->brush.strength = from->brush;

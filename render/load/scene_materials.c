@@ -32,7 +32,7 @@ static void out_of_memory(const making *m)
 /* Of the scene's material number i, which is called name. */
 static void load_pictures(const making *m, int i, const char *name)
 {
-    lf_own_textures *own = &m->scene->own_textures[i];
+    lf_own_textures *own = &m->scene->looks.own_textures[i];
     const lf_pictures_desc *pictures = &m->desc->pictures[i];
     for (int slot = 0; slot < LF_OWN_SLOTS && m->reader->status == LF_OK; slot++) {
         const lf_picture_desc *parts = pictures->slot[slot];
@@ -60,17 +60,18 @@ static void load_all_pictures(const making *m)
     const char *name;
     json_t *value;
     int i = 0;
-    scene->own_textures = lf_calloc((size_t)m->desc->n_materials, sizeof *scene->own_textures);
-    if (!scene->own_textures) {
+    scene->looks.own_textures =
+        lf_calloc((size_t)m->desc->n_materials, sizeof *scene->looks.own_textures);
+    if (!scene->looks.own_textures) {
         out_of_memory(m);
         return;
     }
-    scene->n_own_textures = m->desc->n_materials;
+    scene->looks.n_own_textures = m->desc->n_materials;
     json_object_foreach(json_object_get(m->root->value, "materials"), name, value)
     {
         load_pictures(m, i, name);
         if (lf_has_pictures(&m->desc->pictures[i]))
-            scene->materials[m->n_own + i].textures = &scene->own_textures[i].textures;
+            scene->materials[m->n_own + i].textures = &scene->looks.own_textures[i].textures;
         i++;
     }
 }
@@ -115,8 +116,9 @@ static void refuse_name(const making *m, int mesh, const char *name)
     const char *meant = lf_nearest_name(name, names);
     list_names(names, n, list, sizeof list);
     if (n == 0)
-        lf_read_fail(m->reader, &at, "the file's materials have no names; say \"material\", which "
-                                     "is of the whole mesh");
+        lf_read_fail(m->reader, &at,
+                     "the file's materials have no names; say \"material\", which "
+                     "is of the whole mesh");
     else if (meant)
         lf_read_fail(m->reader, &at,
                      "no material \"%s\" in the file; did you mean \"%s\"? It has %s", name, meant,
@@ -135,7 +137,7 @@ static void override(const making *m, int mesh, const lf_override *o)
             continue;
         found = true;
         m->scene->materials[i] = m->scene->materials[m->n_own + o->material];
-        m->scene->materials[i].uncoloured = true;
+        m->scene->materials[i].tint = LF_TINT_NOTHING;
     }
     if (!found)
         refuse_name(m, mesh, o->name);
@@ -233,6 +235,6 @@ void lf_warn_of_unused_materials(const lf_node *root, const lf_scene_desc *desc,
     }
     list_names(unused, n, list, sizeof list);
     if (n > 0)
-        lf_warnings_add(&scene->warnings, scene->file.where, "%s %s %s not used by any mesh", n == 1 ? "material" : "materials", list,
-                        n == 1 ? "is" : "are");
+        lf_warnings_add(&scene->warnings, scene->file.where, "%s %s %s not used by any mesh",
+                        n == 1 ? "material" : "materials", list, n == 1 ? "is" : "are");
 }

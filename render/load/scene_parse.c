@@ -421,10 +421,9 @@ static const char *parse_variant(lf_reader *reader, const lf_node *node)
 
 static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file",      "shape",     "material", "normals",
-                                       "transform", "animation", "units",    "catcher",
-                                       "lights",    "instances", "variant",  "materials",
-                                       NULL};
+    static const char *const keys[] = {"file",      "shape",     "material", "normals", "transform",
+                                       "animation", "units",     "catcher",  "lights",  "instances",
+                                       "variant",   "materials", NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
     const char *shapes[LF_MAX_KINDS + 1] = {NULL};

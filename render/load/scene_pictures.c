@@ -46,10 +46,11 @@ static lf_status open_part(const lf_picture_desc *picture, const lf_roots *roots
 
 /* ---------------------------------------------------------------------------------- sharing -- */
 
-static lf_picture *find_in(const lf_scene *scene, const char *key)
+static lf_scene_picture *find_in(const lf_scene *scene, const char *key)
 {
-    for (int i = 0; scene && i < LF_OWN_SLOTS * scene->n_own_textures; i++) {
-        lf_picture *had = scene->own_textures[i / LF_OWN_SLOTS].picture[i % LF_OWN_SLOTS];
+    for (int i = 0; scene && i < LF_OWN_SLOTS * scene->looks.n_own_textures; i++) {
+        lf_scene_picture *had =
+            scene->looks.own_textures[i / LF_OWN_SLOTS].picture[i % LF_OWN_SLOTS];
         if (had && strcmp(had->key, key) == 0) {
             atomic_fetch_add_explicit(&had->refs, 1, memory_order_relaxed);
             return had;
@@ -61,7 +62,8 @@ static lf_picture *find_in(const lf_scene *scene, const char *key)
 /* Of both files and what is made of them. NULL = out of memory. */
 static char *key_of(const part parts[2], lf_slot slot, lf_texels_use use, float threshold)
 {
-    const char *first = parts[0].key ? parts[0].key : "", *second = parts[1].key ? parts[1].key : "";
+    const char *first = parts[0].key ? parts[0].key : "",
+               *second = parts[1].key ? parts[1].key : "";
     const size_t size = strlen(first) + strlen(second) + 64;
     char *key = lf_calloc(size, 1);
     if (key)
@@ -167,9 +169,9 @@ static lf_status put_together(lf_slot slot, part parts[2], lf_texels *out)
 }
 
 static lf_status make(lf_slot slot, part parts[2], lf_texels_use use, float threshold,
-                      lf_picture **out, int *out_part, lf_error *err)
+                      lf_scene_picture **out, int *out_part, lf_error *err)
 {
-    lf_picture *picture = lf_calloc(1, sizeof *picture);
+    lf_scene_picture *picture = lf_calloc(1, sizeof *picture);
     lf_status status = picture ? LF_OK : lf_error_set(err, LF_E_NOMEM, "picture", "out of memory");
     if (!picture)
         return status;
@@ -178,20 +180,20 @@ static lf_status make(lf_slot slot, part parts[2], lf_texels_use use, float thre
         *out_part = i;
         status = read_part(&parts[i], &picture->digest[i], err);
     }
-    if (status == LF_OK && (put_together(slot, parts, &picture->texels) != LF_OK ||
-                            lf_pyramid_make(&picture->texels, use, threshold, &picture->pyramid) !=
-                                LF_OK))
+    if (status == LF_OK &&
+        (put_together(slot, parts, &picture->texels) != LF_OK ||
+         lf_pyramid_make(&picture->texels, use, threshold, &picture->pyramid) != LF_OK))
         status = lf_error_set(err, LF_E_NOMEM, "picture", "out of memory");
     if (status == LF_OK)
         *out = picture;
     else
-        lf_picture_unref(picture);
+        lf_scene_picture_unref(picture);
     return status;
 }
 
 lf_status lf_scene_picture_load(const lf_picture_desc picture[2], const lf_material *material,
                                 lf_slot slot, const lf_roots *roots, const lf_scene *scene,
-                                const lf_scene *previous, lf_picture **out, int *out_part,
+                                const lf_scene *previous, lf_scene_picture **out, int *out_part,
                                 lf_error *err)
 {
     part parts[2] = {{.fd = -1}, {.fd = -1}};
@@ -203,7 +205,7 @@ lf_status lf_scene_picture_load(const lf_picture_desc picture[2], const lf_mater
         status = open_part(&picture[i], roots, scene->file.folder, &parts[i], err);
     }
     char *key = status == LF_OK ? key_of(parts, slot, use, threshold) : NULL;
-    lf_picture *shared = key ? find_in(scene, key) : NULL;
+    lf_scene_picture *shared = key ? find_in(scene, key) : NULL;
     if (key && !shared)
         shared = find_in(previous, key);
     if (status == LF_OK && !key)

@@ -13,7 +13,7 @@
 LF_NODISCARD lf_status lf_scene_picture_load(const lf_picture_desc picture[2],
                                              const lf_material *material, lf_slot slot,
                                              const lf_roots *roots, const lf_scene *scene,
-                                             const lf_scene *previous, lf_picture **out,
+                                             const lf_scene *previous, lf_scene_picture **out,
                                              int *out_part, lf_error *err);
 
 #endif

@@ -101,13 +101,13 @@ static bool put_pictures(json_t *doc, const lf_scene *scene, const lf_scene_desc
     json_object_foreach(json_object_get(doc, "materials"), name, said)
     {
         for (int part = 0; part < 2 * LF_OWN_SLOTS && done; part++) {
-            const lf_picture *had = scene->own_textures[i].picture[part / 2];
+            const lf_scene_picture *had = scene->looks.own_textures[i].picture[part / 2];
             const char *key = lf_picture_keys[part / 2][part % 2];
             if (!desc->pictures[i].slot[part / 2][part % 2].file)
                 continue;
             json_t *picture = json_copy(json_object_get(said, key));
-            done = json_object_set_new(picture, "file",
-                                       json_string(had->digest[part % 2].text)) == 0;
+            done =
+                json_object_set_new(picture, "file", json_string(had->digest[part % 2].text)) == 0;
             done = json_object_set_new(said, key, picture) == 0 && done;
         }
         i++;

@@ -5,10 +5,10 @@
 
 #include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/load/tangents.h"
 #include "render/reader/gltf_instances.h"
 #include "render/reader/gltf_share.h"
 #include "render/reader/gltf_skin.h"
-#include "render/load/tangents.h"
 
 uint32_t lf_gltf_build_material(const lf_gltf_build *build, const lf_gltf_primitive *primitive)
 {

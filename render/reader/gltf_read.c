@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/load/tangents.h"
 #include "render/reader/gltf_animation.h"
 #include "render/reader/gltf_build.h"
 #include "render/reader/gltf_camera.h"
@@ -12,7 +13,6 @@
 #include "render/reader/gltf_material.h"
 #include "render/reader/gltf_punctual.h"
 #include "render/reader/mesh_read.h"
-#include "render/load/tangents.h"
 
 typedef struct reading {
     lf_gltf gltf;

@@ -42,7 +42,7 @@ static void put_words(const lf_material *m, lf_parcel_material *out)
     out->brush = m->brush.strength;
     memcpy(out->brush_turn, m->brush.turn, sizeof out->brush_turn);
     out->is_solid = m->is_solid;
-    out->glows_by_colours = m->glows_by_colours;
+    out->glows_by_colours = m->tint == LF_TINT_ALL;
 }
 
 static void put_textures(const lf_texture_set *from, lf_parcel_material *out)

@@ -192,8 +192,8 @@ static lf_status take_uvs(ply *p, const uint32_t **out, lf_error *err)
 {
     lf_status status = LF_OK;
     *out = NULL;
-    if (!takes_uvs(p) || p->soup->uvs.are_own ||
-        p->n_indices == 0 || p->n_coordinates != 2 * p->n_indices)
+    if (!takes_uvs(p) || p->soup->uvs.are_own || p->n_indices == 0 ||
+        p->n_coordinates != 2 * p->n_indices)
         return LF_OK;
     if (!lf_grow(&p->uvs, &p->uvs_room, p->n_indices, sizeof *p->uvs))
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
@@ -334,8 +334,8 @@ static lf_status begin_element(ply *p, const lf_ply_element *element, lf_error *
         p->soup->has_own_normals = has_role(p, element, LF_PLY_NX) &&
                                    has_role(p, element, LF_PLY_NY) &&
                                    has_role(p, element, LF_PLY_NZ);
-        p->soup->uvs.are_own = takes_uvs(p) && has_role(p, element, LF_PLY_U) &&
-                               has_role(p, element, LF_PLY_V);
+        p->soup->uvs.are_own =
+            takes_uvs(p) && has_role(p, element, LF_PLY_U) && has_role(p, element, LF_PLY_V);
         if (p->desc->material < 0)
             begin_looks(p, element);
     }

@@ -157,7 +157,7 @@ static lf_material convert_said(const lf_said *said, cuts *c)
         convert_phong(said, &out, c);
     if (has_texture(said))
         lf_material_make_pictured(&out);
-    out.glows_by_colours = said->glows_by_colours;
+    out.tint = said->glows_by_colours ? LF_TINT_ALL : LF_TINT_ALBEDO;
     if (!(said->lost & 1u << LF_LOST_GLOW)) /* which is black nearly everywhere */
         out.emission = cut_colour(c, "emission", said->emission, (float)LF_MAX_RADIANCE);
     return out;

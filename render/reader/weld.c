@@ -8,10 +8,10 @@
 
 #include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/load/tangents.h"
 #include "render/reader/input.h"
 #include "render/reader/mesh_build.h"
 #include "render/reader/soup.h"
-#include "render/load/tangents.h"
 #include "render/scene/vec_double.h"
 
 #define NO_VERTEX UINT32_MAX
@@ -37,7 +37,7 @@ typedef struct welding {
     bool normals;             /* the file's are wanted, and there are some; or the faces' */
     bool faces;               /* the faces' */
     bool uvs, colours;
-    bool wants_uvs; /* of every triangle, for materials of the scene's own */
+    bool wants_uvs;          /* of every triangle, for materials of the scene's own */
     size_t key_size;         /* of vertex_key, what is kept */
     unsigned char *vertices; /* [n_vertices][key_size] */
     size_t n_vertices, vertices_room;
@@ -70,8 +70,8 @@ static void put_look(const welding *w, size_t triangle, int corner, vertex_key *
     if (w->colours)
         memcpy(key->colour, soup->colours.values + 4 * (size_t)soup->corners[at],
                sizeof key->colour);
-    if (w->uvs && (w->wants_uvs ||
-                   has_textures(w->mesh, soup->choices ? soup->choices[triangle] : 0)))
+    if (w->uvs &&
+        (w->wants_uvs || has_textures(w->mesh, soup->choices ? soup->choices[triangle] : 0)))
         uv = soup->uvs.are_own ? soup->corners[at] : soup->uvs.of ? soup->uvs.of[at] : LF_NO_UV;
     for (size_t i = 0; i < 2 && uv != LF_NO_UV; i++)
         key->uv[i] = soup->uvs.values[2 * (size_t)uv + i] + 0.0f;

@@ -1,5 +1,6 @@
 /* Pictures of materials of the scene's own, and materials of the scene in the place of a file's: in
- * closed form, as the same said another way, across patches, and refused where something is wrong. */
+ * closed form, as the same said another way, across patches, and refused where something is wrong.
+ */
 #include "tests/testing.h"
 
 #include "render/load/mesh_import.h"
@@ -75,11 +76,12 @@ static double light_of(int code)
     return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
 }
 
-/* ------------------------------------------------------------------------------- closed forms -- */
+/* ------------------------------------------------------------------------------- closed forms --
+ */
 
 static void a_texel_is_seen_as_its_albedo_times_the_light(void **state)
 {
-    static const uint8_t texels[16] = {255, 0,  0,  255, 0,   255, 0,   255,
+    static const uint8_t texels[16] = {255, 0, 0,   255, 0,   255, 0,   255,
                                        0,   0, 255, 255, 188, 188, 188, 255};
     const double want[4] = {0.5, 0.3, 0.2, light_of(188)};
     write_rgba(*state, "four.png", 2, 2, texels);
@@ -170,7 +172,8 @@ static void a_normal_map_leans_where_it_says(void **state)
 
 static void what_glows_by_a_picture_is_a_light(void **state)
 {
-    static const uint8_t texels[16] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 0, 0, 0, 255};
+    static const uint8_t texels[16] = {255, 0, 0,   255, 0, 255, 0, 255,
+                                       0,   0, 255, 255, 0, 0,   0, 255};
     const double want[4] = {0.5, 0.3, 0.2, 0};
     write_rgba(*state, "glow.png", 2, 2, texels);
     double *picture = seen(scene_of(*state,
@@ -199,13 +202,13 @@ static void roughness_and_metal_share_a_slot(void **state)
                              QUAD "," SKY ", 'materials': {'m': {'type': 'plastic', 'roughness': "
                                   "{'file': 'rough.png'}}}",
                              NULL);
-    const lf_texels *texels = &both->own_textures[0].picture[LF_SLOT_METAL_ROUGH]->texels;
+    const lf_texels *texels = &both->looks.own_textures[0].picture[LF_SLOT_METAL_ROUGH]->texels;
     assert_true(texels->width == 2 && texels->height == 1);
     assert_true(texels->rgba[1] == 100 && texels->rgba[5] == 200);
     assert_true(texels->rgba[2] == 7 && texels->rgba[6] == 7);
     assert_true(both->materials[0].roughness == LF_LEAST_ROUGHNESS);
     assert_true(both->materials[0].metallic == 0.5f);
-    assert_int_equal(one->own_textures[0].picture[LF_SLOT_METAL_ROUGH]->texels.rgba[2], 255);
+    assert_int_equal(one->looks.own_textures[0].picture[LF_SLOT_METAL_ROUGH]->texels.rgba[2], 255);
     assert_non_null(one->materials[0].kind->vary);
     lf_scene_unref(both);
     lf_scene_unref(one);
@@ -238,8 +241,7 @@ static void shapes_wear_pictures_the_right_way_round(void **state)
 
 /* ---------------------------------------------------------------- the same said another way -- */
 
-#define SQUARE                                                                                     \
-    "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 1 0\n"
+#define SQUARE "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 1 0\n"
 #define LEFT "usemtl left\nf 1/1/1 2/2/1 4/4/1\n"
 #define RIGHT "usemtl right\nf 2/2/1 3/3/1 4/4/1\n"
 
@@ -290,28 +292,28 @@ static void json_says_what_a_material_library_says(void **state)
     write_square(*state);
     lf_scene *own = scene_of(*state, FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'own.obj'}}",
                              NULL),
-             *by_name = scene_of(*state,
-                                 FROM_ABOVE "," SUN
-                                            ", 'meshes': {'q': {'file': 'own.obj', 'materials': "
-                                            "{'left': 'l'}}}, 'materials': {'l': " LIKE_LEFT "}",
-                                 NULL);
+             *by_name =
+                 scene_of(*state,
+                          FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'own.obj', 'materials': "
+                                     "{'left': 'l'}}}, 'materials': {'l': " LIKE_LEFT "}",
+                          NULL);
     assert_null(lf_scene_warning(by_name, 0));
     assert_same_picture(seen(by_name, 16), seen(own, 16), 1e-3);
 
     lf_test_write(*state, "one.obj", "mtllib x.mtl\n" SQUARE LEFT "f 2/2/1 3/3/1 4/4/1\n");
     lf_scene *one = scene_of(*state, FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'one.obj'}}",
                              NULL),
-             *whole = scene_of(*state,
-                               FROM_ABOVE "," SUN
-                                          ", 'meshes': {'q': {'file': 'bare.obj', 'material': "
-                                          "'l'}}, 'materials': {'l': " LIKE_LEFT "}",
-                               NULL),
-             *other = scene_of(*state,
-                               FROM_ABOVE "," SUN
-                                          ", 'meshes': {'q': {'file': 'bare.obj', 'material': "
-                                          "'l'}}, 'materials': {'l': {'albedo': {'file': "
-                                          "'c.png'}}}",
-                               NULL);
+             *whole =
+                 scene_of(*state,
+                          FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'bare.obj', 'material': "
+                                     "'l'}}, 'materials': {'l': " LIKE_LEFT "}",
+                          NULL),
+             *other =
+                 scene_of(*state,
+                          FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'bare.obj', 'material': "
+                                     "'l'}}, 'materials': {'l': {'albedo': {'file': "
+                                     "'c.png'}}}",
+                          NULL);
     double *got = seen(whole, 16), *want = seen(one, 16), *wrong = seen(other, 16);
     assert_true(fabs(quarter(wrong, 2) - quarter(want, 2)) > 0.01 * quarter(want, 2));
     free(wrong);
@@ -324,7 +326,7 @@ static void write_gltf(const char *folder, bool coloured)
 {
     static const float numbers[] = {-1, 0, 1, 1, 0, 1, 1, 0, -1, -1, 0, -1, /* positions */
                                     0,  1, 1, 1, 1, 0, 0, 0,                /* coordinates */
-                                    1,  0, 0, 1, 0, 0, 1, 0, 0,  1, 0,  0}; /* colours */
+                                    1,  0, 0, 1, 0, 0, 1, 0, 0,  1,  0, 0}; /* colours */
     static const uint32_t corners[] = {0, 1, 2, 0, 2, 3};
     char text[2048];
     FILE *file = fopen(lf_test_path(folder, "g.bin"), "wb");
@@ -379,9 +381,9 @@ static void colours_of_vertices_are_of_the_files_materials(void **state)
 {
     write_square(*state);
     write_gltf(*state, true);
-    double *own = seen(scene_of(*state, FROM_ABOVE "," SKY ", 'meshes': {'q': {'file': 'g.gltf'}}",
-                                NULL),
-                       8),
+    double *own = seen(
+               scene_of(*state, FROM_ABOVE "," SKY ", 'meshes': {'q': {'file': 'g.gltf'}}", NULL),
+               8),
            *clay = seen(scene_of(*state,
                                  FROM_ABOVE "," SKY ", 'meshes': {'q': {'file': 'g.gltf', "
                                             "'materials': {'Skin': 'clay'}}}, 'materials': "
@@ -394,7 +396,8 @@ static void colours_of_vertices_are_of_the_files_materials(void **state)
     free(clay);
 }
 
-/* ------------------------------------------------------------------------------------ patches -- */
+/* ------------------------------------------------------------------------------------ patches --
+ */
 
 static lf_scene *patched(const char *folder, const char *material, const lf_scene *previous)
 {
@@ -406,9 +409,9 @@ static lf_scene *patched(const char *folder, const char *material, const lf_scen
     return scene_of(folder, members, previous);
 }
 
-static const lf_picture *base_of(const lf_scene *scene)
+static const lf_scene_picture *base_of(const lf_scene *scene)
 {
-    return scene->own_textures[0].picture[LF_SLOT_BASE];
+    return scene->looks.own_textures[0].picture[LF_SLOT_BASE];
 }
 
 static void a_patch_reads_what_it_changes_and_nothing_else(void **state)
@@ -417,8 +420,9 @@ static void a_patch_reads_what_it_changes_and_nothing_else(void **state)
     lf_scene *plain = patched(*state, "{'albedo': 0.3}", NULL),
              *red = patched(*state, "{'albedo': [0.5, 0, 0]}", plain),
              *one = patched(*state, "{'albedo': {'file': 'c.png'}}", red),
-             *rough = patched(*state, "{'albedo': {'file': 'c.png', 'scale': 0.5}, 'type': "
-                                      "'plastic'}",
+             *rough = patched(*state,
+                              "{'albedo': {'file': 'c.png', 'scale': 0.5}, 'type': "
+                              "'plastic'}",
                               one),
              *other = patched(*state, "{'albedo': {'file': 'n.png'}}", rough),
              *bent = patched(*state, "{'albedo': {'file': 'n.png'}, 'normal': {'file': 'n.png'}}",
@@ -448,7 +452,7 @@ static void a_patch_reads_what_it_changes_and_nothing_else(void **state)
 static void a_picture_that_changes_is_read_again(void **state)
 {
     static const char members[] = SKY "," QUAD ", 'materials': {'m': {'albedo': {'file': "
-                                               "'p.png'}}}";
+                                      "'p.png'}}}";
     write_plain(*state, "p.png", 255, 0, 0, 255);
     lf_scene *red = scene_of(*state, members, NULL);
     write_plain(*state, "q.png", 0, 255, 0, 255);
@@ -463,7 +467,8 @@ static void a_picture_that_changes_is_read_again(void **state)
     lf_scene_unref(same);
 }
 
-/* ----------------------------------------------------------------------------------- refusals -- */
+/* ----------------------------------------------------------------------------------- refusals --
+ */
 
 /* By roots, at this pointer, in words that hold these. */
 static void assert_refused(const char *folder, const char *text, const char *pointer,
@@ -535,15 +540,13 @@ static void what_is_wrong_is_refused_in_words(void **state)
          "no material \"n\""},
         {"'file': 'own.obj', 'material': 'm', 'materials': {'left': 'm'}", "",
          "/meshes/q/materials", "replaces all"},
-        {"'shape': 'quad', 'materials': {'left': 'm'}", "", "/meshes/q/materials",
-         "only a file"},
+        {"'shape': 'quad', 'materials': {'left': 'm'}", "", "/meshes/q/materials", "only a file"},
         {"'file': 'own.obj', 'materials': ['m']", "", "/meshes/q/materials", "expected an object"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[1024];
-        snprintf(text, sizeof text,
-                 "{" SKY ", 'meshes': {'q': {%s}}, 'materials': {'m': {%s}}}", cases[i].mesh,
-                 cases[i].material);
+        snprintf(text, sizeof text, "{" SKY ", 'meshes': {'q': {%s}}, 'materials': {'m': {%s}}}",
+                 cases[i].mesh, cases[i].material);
         assert_refused(*state, text, cases[i].pointer, cases[i].words);
     }
 }
