@@ -181,8 +181,9 @@ static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *st
 static lf_status take_mesh(const lf_mesh_desc *desc, const char *path, const lf_parcel *parcel,
                            const asked *state, lf_mesh_data *out, lf_error *err)
 {
+    const lf_mesh_asked wanted = {.materials = desc->material < 0, .uvs = desc->wants.uvs};
     lf_error wrong;
-    lf_status status = lf_mesh_take(parcel, desc->material < 0, out, &wrong);
+    lf_status status = lf_mesh_take(parcel, wanted, out, &wrong);
     if (status != LF_OK)
         return lf_error_set(err, status, path, "%s", wrong.what);
     for (int i = 0; i < state->data->n_files && status == LF_OK; i++)

@@ -52,13 +52,13 @@ static size_t count_of(const lf_parcel *parcel, lf_parcel_tag tag)
 }
 
 /* What lies at vertices for materials to look at. */
-static bool looks_fit(const lf_parcel *parcel, size_t n_vertices, bool materials)
+static bool looks_fit(const lf_parcel *parcel, size_t n_vertices, lf_mesh_asked asked)
 {
     size_t uvs = count_of(parcel, LF_PARCEL_UVS), colours = count_of(parcel, LF_PARCEL_COLOURS),
            tangents = count_of(parcel, LF_PARCEL_TANGENTS),
            pictures = count_of(parcel, LF_PARCEL_PICTURES),
            texels = count_of(parcel, LF_PARCEL_TEXELS);
-    if (!materials && colours + pictures + texels > 0)
+    if (!asked.materials && colours + tangents + pictures + texels + (asked.uvs ? 0 : uvs) > 0)
         return false;
     return uvs % (2 * n_vertices) == 0 && uvs / (2 * n_vertices) <= LF_UV_SETS &&
            (colours == 0 || colours == 4 * n_vertices) &&
@@ -66,7 +66,7 @@ static bool looks_fit(const lf_parcel *parcel, size_t n_vertices, bool materials
 }
 
 /* Whether the sections fit together. */
-static bool counts_fit(const lf_parcel *parcel, bool materials)
+static bool counts_fit(const lf_parcel *parcel, lf_mesh_asked asked)
 {
     size_t positions = count_of(parcel, LF_PARCEL_POSITIONS),
            normals = count_of(parcel, LF_PARCEL_NORMALS),
@@ -76,9 +76,9 @@ static bool counts_fit(const lf_parcel *parcel, bool materials)
     return positions > 0 && positions % 3 == 0 && positions / 3 <= 3 * (size_t)LF_MAX_TRIANGLES &&
            triangles > 0 && triangles % 3 == 0 && triangles / 3 <= LF_MAX_TRIANGLES &&
            (normals == 0 || normals == positions) &&
-           (materials ? kinds > 0 && kinds <= LF_MAX_MATERIALS && choices == triangles / 3
-                      : kinds == 0 && choices == 0) &&
-           looks_fit(parcel, positions / 3, materials);
+           (asked.materials ? kinds > 0 && kinds <= LF_MAX_MATERIALS && choices == triangles / 3
+                            : kinds == 0 && choices == 0) &&
+           looks_fit(parcel, positions / 3, asked);
 }
 
 /* -------------------------------------------------------------------------------- materials -- */
@@ -466,9 +466,10 @@ static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error
                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
 }
 
-lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *out, lf_error *err)
+lf_status lf_mesh_take(const lf_parcel *parcel, lf_mesh_asked asked, lf_mesh_data *out,
+                       lf_error *err)
 {
-    if (!counts_fit(parcel, materials))
+    if (!counts_fit(parcel, asked))
         return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no mesh");
     size_t n_vertices = count_of(parcel, LF_PARCEL_POSITIONS) / 3,
            n_triangles = count_of(parcel, LF_PARCEL_TRIANGLES) / 3;
