@@ -42,7 +42,7 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
 # readers of meshes, which ask whoever links them for files
-meshes_srcs := $(patsubst %,render/reader/%.c,input words said soup polygon weld mesh_build mesh_same maps tangents ply_header ply_read stl_read obj_read mtl_read places_read) \
+meshes_srcs := $(patsubst %,render/reader/%.c,input words said soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read places_read) \
  $(call wild,render/reader/gltf_*.c) render/reader/draco_read.cc
 
 # a kernel with displays

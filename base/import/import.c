@@ -54,7 +54,8 @@ typedef struct child {
 static const char *const programs[] = {[LF_IMPORT_MESH] = "quiltimport",
                                        [LF_IMPORT_GRID] = "quiltimport-vdb",
                                        [LF_IMPORT_PICTURE] = "quiltimport-picture",
-                                       [LF_IMPORT_PLACES] = "quiltimport"};
+                                       [LF_IMPORT_PLACES] = "quiltimport",
+                                       [LF_IMPORT_TEXTURE] = "quiltimport"};
 
 /* The readers stand beside the program, or where they are installed to. */
 static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error *err)

@@ -72,7 +72,8 @@ typedef enum lf_import_kind {
     LF_IMPORT_MESH,
     LF_IMPORT_GRID,
     LF_IMPORT_PICTURE,
-    LF_IMPORT_PLACES /* where a mesh stands, of many places */
+    LF_IMPORT_PLACES, /* where a mesh stands, of many places */
+    LF_IMPORT_TEXTURE /* a picture for surfaces, with its alpha (base/image_rgba.h) */
 } lf_import_kind;
 
 typedef struct lf_import_request {
@@ -81,9 +82,10 @@ typedef struct lf_import_request {
     uint64_t memory;  /* bytes that the reader may have */
     uint32_t seconds; /* of CPU time: what is left, at least 1 */
     /* of a mesh */
-    uint32_t normals;   /* lf_normals (render/render.h) */
-    uint32_t materials; /* 1: the file's own are wanted */
-    uint32_t shines;    /* 1: it is a light: nothing of it is told as places */
+    uint32_t normals;                   /* lf_normals (render/render.h) */
+    uint32_t materials;                 /* 1: the file's own are wanted */
+    uint32_t shines;                    /* 1: it is a light: nothing of it is told as places */
+    uint32_t wants_uvs, wants_tangents; /* lf_mesh_wants (render/load/scene_parse.h) */
     double transform[12];
     /* which of its animations, by name or ("") by number; whether it is not repeated; seconds since
      * its beginning */

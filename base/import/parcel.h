@@ -17,7 +17,7 @@ extern "C" {
 
 #include "base/status.h"
 
-#define LF_PARCEL_MAGIC UINT64_C(0x366c637270746c71) /* "qltprcl6" */
+#define LF_PARCEL_MAGIC UINT64_C(0x376c637270746c71) /* "qltprcl7" */
 
 /* What a section holds, and what one of its elements is. */
 typedef enum lf_parcel_tag {
@@ -76,6 +76,7 @@ typedef struct lf_parcel_material {
     uint32_t is_solid;
     uint32_t glows_by_colours;
     lf_parcel_texture texture[13]; /* a slot each (render/scene/texture.h) */
+    char name[128];                /* with its end */
 } lf_parcel_material;
 
 typedef struct lf_parcel_picture {

@@ -6,6 +6,7 @@
 #include "base/alloc.h"
 #include "base/import/import_group.h"
 #include "render/load/geometry_textures.h"
+#include "render/load/scene_tangents.h"
 #include "render/scene/embree_commit.h"
 #include "render/scene/placed.h"
 #include "render/transport/surface.h"
@@ -50,7 +51,12 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
         /* which decides about copies, of what may stand in many places */
         bool shines = said->shines && (lf_places_are_given(&said->places) || is_gltf(said->file));
         if (json_object_get(mesh, "material"))
-            json_object_set_new(copy, "material", shines ? json_string("light") : json_true());
+            json_object_set_new(copy, "material", json_true());
+        json_object_del(copy, "materials");
+        if (shines)
+            json_object_set_new(copy, "shines", json_true());
+        if (said->wants.uvs)
+            json_object_set_new(copy, "wants", lf_scene_tangents_key(desc, said));
         json_object_del(copy, "animation");
         json_object_del(copy, "catcher");
         if (!said->stands)
@@ -277,13 +283,20 @@ static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
     }
     geometry->materials = lf_calloc((size_t)n_materials, sizeof *geometry->materials);
     geometry->files = lf_calloc((size_t)n_files, sizeof *geometry->files);
-    if (!geometry->materials || !geometry->files)
+    geometry->material_names = lf_calloc((size_t)n_materials, sizeof *geometry->material_names);
+    geometry->first_material = lf_calloc((size_t)n + 1, sizeof *geometry->first_material);
+    if (!geometry->materials || !geometry->files || !geometry->material_names ||
+        !geometry->first_material)
         return LF_E_NOMEM;
     for (int i = 0; i < n; i++) {
         lf_warnings_add_all(&geometry->warnings, &data[i].warnings);
         if (data[i].n_materials)
             memcpy(geometry->materials + geometry->n_materials, data[i].materials,
                    (size_t)data[i].n_materials * sizeof *data[i].materials);
+        if (data[i].names)
+            memcpy(geometry->material_names + geometry->n_materials, data[i].names,
+                   (size_t)data[i].n_materials * sizeof *data[i].names);
+        geometry->first_material[i + 1] = geometry->n_materials + data[i].n_materials;
         memcpy(geometry->files + geometry->n_files, data[i].files,
                (size_t)data[i].n_files * sizeof data[i].files[0]);
         for (int j = 0; j < data[i].n_files; j++)

@@ -6,8 +6,9 @@
 
 /* What decides about the meshes' shape, but for the moment of what moves: their order, names,
  * files, shapes, transforms, normals, and whether each has a material of its own (which one it is
- * does not matter), which animation (but not whether it is a catcher); and what the lights of desc
- * that are faces look like. A new reference; NULL = out of memory. */
+ * does not matter, but what it needs of vertices does), which animation (but not whether it is a
+ * catcher); and what the lights of desc that are faces look like. A new reference; NULL = out of
+ * memory. */
 json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char *folder);
 /* That of geometry which moves from one key to the other; uses up both, of which one may be NULL.
  * It is the first one where they are equal. */

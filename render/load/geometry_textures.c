@@ -41,13 +41,20 @@ static lf_texels_use use_of(const lf_material *m, int slot)
     }
 }
 
+lf_texels_use lf_slot_use(const lf_material *m, int slot, float *out_threshold)
+{
+    const lf_texels_use use = use_of(m, slot);
+    *out_threshold = use == LF_TEXELS_CUTS ? m->cutoff / lf_max(m->alpha, 1e-6f) : 0.0f;
+    return use;
+}
+
 /* One that another material has already, or a new one. */
 static lf_status give_slot(lf_geometry *geometry, int picture, const lf_material *m, int slot,
                            const lf_pyramid **out)
 {
     const lf_texels *texels = &geometry->pictures[picture];
-    lf_texels_use use = use_of(m, slot);
-    float threshold = use == LF_TEXELS_CUTS ? m->cutoff / lf_max(m->alpha, 1e-6f) : 0.0f;
+    float threshold;
+    const lf_texels_use use = lf_slot_use(m, slot, &threshold);
     for (int i = 0; i < geometry->n_pyramids; i++) {
         const lf_pyramid *had = &geometry->pyramids[i];
         *out = had;

@@ -9,4 +9,7 @@
  * taken over is then the geometry's all the same. */
 LF_NODISCARD lf_status lf_geometry_take_textures(lf_geometry *geometry, lf_mesh_data *data, int n);
 
+/* What a material's picture is looked up for; *out_threshold as lf_pyramid_make has it. */
+lf_texels_use lf_slot_use(const lf_material *m, int slot, float *out_threshold);
+
 #endif

@@ -11,5 +11,17 @@ static void corner(int patch, int i, int j, double out[3])
     out[v] = 2 * j - 1;
 }
 
+/* Upright on all sides; the top as seen by who looks down, -z above, the bottom as its mirror. */
+static void place(int patch, const double p[3], double out[2])
+{
+    const double sign = patch % 2 ? 1 : -1;
+    const double right = patch / 2 == 0   ? -sign * p[2]
+                         : patch / 2 == 1 ? p[0]
+                                          : sign * p[0],
+                 below = patch / 2 == 1 ? sign * p[2] : -p[1];
+    out[0] = 0.5 * (1 + right);
+    out[1] = 0.5 * (1 + below);
+}
+
 const lf_mesh_shape lf_mesh_cube = {
-    .name = "cube", .n_patches = 6, .across = 1, .down = 1, .corner = corner};
+    .name = "cube", .n_patches = 6, .across = 1, .down = 1, .corner = corner, .place = place};

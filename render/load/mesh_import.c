@@ -126,6 +126,7 @@ bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
     return strcmp(a->file, b->file) == 0 && a->normals == b->normals &&
            (a->material < 0) == (b->material < 0) && a->shines == b->shines &&
            memcmp(&a->transform, &b->transform, sizeof a->transform) == 0 &&
+           a->wants.uvs == b->wants.uvs && a->wants.tangents == b->wants.tangents &&
            strcmp(a->variant ? a->variant : "", b->variant ? b->variant : "") == 0 &&
            strcmp(c->name ? c->name : "", d->name ? d->name : "") == 0 && c->number == d->number &&
            c->chosen == d->chosen && c->once == d->once && c->seconds == d->seconds;
@@ -151,6 +152,8 @@ static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *st
     lf_import_request request = {.kind = LF_IMPORT_MESH,
                                  .normals = (uint32_t)desc->normals,
                                  .materials = desc->material < 0,
+                                 .wants_uvs = desc->wants.uvs,
+                                 .wants_tangents = desc->wants.tangents,
                                  .shines = desc->shines};
     int fd = -1;
     if (strlen(path) >= sizeof request.path)
@@ -178,8 +181,9 @@ static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *st
 static lf_status take_mesh(const lf_mesh_desc *desc, const char *path, const lf_parcel *parcel,
                            const asked *state, lf_mesh_data *out, lf_error *err)
 {
+    const lf_mesh_asked wanted = {.materials = desc->material < 0, .uvs = desc->wants.uvs};
     lf_error wrong;
-    lf_status status = lf_mesh_take(parcel, desc->material < 0, out, &wrong);
+    lf_status status = lf_mesh_take(parcel, wanted, out, &wrong);
     if (status != LF_OK)
         return lf_error_set(err, status, path, "%s", wrong.what);
     for (int i = 0; i < state->data->n_files && status == LF_OK; i++)
@@ -283,6 +287,7 @@ void lf_mesh_data_finish(lf_mesh_data *data)
     lf_free(data->colours);
     lf_free(data->tangents);
     lf_free(data->materials);
+    lf_free(data->names);
     lf_free(data->textures);
     for (int i = 0; i < data->n_pictures; i++)
         lf_free(data->pictures[i].rgba);

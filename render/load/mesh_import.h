@@ -38,6 +38,8 @@ typedef struct lf_mesh_data {
                         side, w cross(normal, tangent) */
     int n_materials; /* the file's own; 0 for shapes and when desc names a material */
     lf_material *materials;
+    /* [n_materials] what the file calls them, cut to size; NULL: they have no names */
+    char (*names)[LF_MATERIAL_NAME];
     lf_texture_set *textures; /* [n_materials], or NULL: none has any */
     int n_pictures;           /* at most LF_MAX_PICTURES */
     lf_texels *pictures;      /* [n_pictures], their pixels this struct's */

@@ -65,6 +65,25 @@ static lf_status set_normals(lf_mesh_data *out, const lf_mesh_shape *shape, lf_e
     return LF_OK;
 }
 
+/* Texture coordinates at the corners, which are as make_patches left them. */
+static lf_status set_uvs(lf_mesh_data *out, const lf_mesh_shape *shape, lf_error *err)
+{
+    const int across = shape->across, down = shape->down, each = (across + 1) * (down + 1);
+    out->uvs = lf_calloc((size_t)out->n_vertices, 2 * sizeof *out->uvs);
+    if (!out->uvs)
+        return lf_error_set(err, LF_E_NOMEM, "mesh", "out of memory");
+    out->n_uv_sets = 1;
+    for (int v = 0; v < out->n_vertices; v++) {
+        const int i = v % each % (across + 1), j = v % each / (across + 1);
+        double at[2] = {(double)i / across, 1.0 - (double)j / down};
+        if (shape->place)
+            shape->place(v / each, out->positions + 3 * (size_t)v, at);
+        for (int k = 0; k < 2; k++)
+            out->uvs[2 * (size_t)v + (size_t)k] = (float)at[k];
+    }
+    return LF_OK;
+}
+
 /* Moves a made shape into the world, as append_vertices does for files. */
 static void place(lf_mesh_data *out, const lf_affine *transform)
 {
@@ -155,6 +174,8 @@ lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out, lf_err
     make_patches(out, desc->shape);
     if (desc->shape->normal && desc->normals != LF_NORMALS_FLAT)
         status = set_normals(out, desc->shape, err);
+    if (status == LF_OK && desc->wants.uvs)
+        status = set_uvs(out, desc->shape, err);
     if (status == LF_OK && desc->material < 0)
         status = grey_material(out, err);
     if (status == LF_OK)

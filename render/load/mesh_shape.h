@@ -14,6 +14,9 @@ typedef struct lf_mesh_shape {
     void (*corner)(int patch, int i, int j, double out[3]);
     /* The unit normal at a corner, outwards; NULL: facets are flat. */
     void (*normal)(const double p[3], float out[3]);
+    /* Where it lies in a picture that covers the patch: (0, 0) is the upper left. NULL: a patch's
+     * lattice is evenly the picture. */
+    void (*place)(int patch, const double p[3], double out[2]);
 } lf_mesh_shape;
 
 /* All shapes, a line each. */

@@ -52,21 +52,21 @@ static size_t count_of(const lf_parcel *parcel, lf_parcel_tag tag)
 }
 
 /* What lies at vertices for materials to look at. */
-static bool looks_fit(const lf_parcel *parcel, size_t n_vertices, bool materials)
+static bool looks_fit(const lf_parcel *parcel, size_t n_vertices, lf_mesh_asked asked)
 {
     size_t uvs = count_of(parcel, LF_PARCEL_UVS), colours = count_of(parcel, LF_PARCEL_COLOURS),
            tangents = count_of(parcel, LF_PARCEL_TANGENTS),
            pictures = count_of(parcel, LF_PARCEL_PICTURES),
            texels = count_of(parcel, LF_PARCEL_TEXELS);
-    if (!materials)
-        return uvs + colours + tangents + pictures + texels == 0;
+    if (!asked.materials && colours + tangents + pictures + texels + (asked.uvs ? 0 : uvs) > 0)
+        return false;
     return uvs % (2 * n_vertices) == 0 && uvs / (2 * n_vertices) <= LF_UV_SETS &&
            (colours == 0 || colours == 4 * n_vertices) &&
            (tangents == 0 || tangents == 4 * n_vertices) && pictures <= LF_MAX_PICTURES;
 }
 
 /* Whether the sections fit together. */
-static bool counts_fit(const lf_parcel *parcel, bool materials)
+static bool counts_fit(const lf_parcel *parcel, lf_mesh_asked asked)
 {
     size_t positions = count_of(parcel, LF_PARCEL_POSITIONS),
            normals = count_of(parcel, LF_PARCEL_NORMALS),
@@ -76,9 +76,9 @@ static bool counts_fit(const lf_parcel *parcel, bool materials)
     return positions > 0 && positions % 3 == 0 && positions / 3 <= 3 * (size_t)LF_MAX_TRIANGLES &&
            triangles > 0 && triangles % 3 == 0 && triangles / 3 <= LF_MAX_TRIANGLES &&
            (normals == 0 || normals == positions) &&
-           (materials ? kinds > 0 && kinds <= LF_MAX_MATERIALS && choices == triangles / 3
-                      : kinds == 0 && choices == 0) &&
-           looks_fit(parcel, positions / 3, materials);
+           (asked.materials ? kinds > 0 && kinds <= LF_MAX_MATERIALS && choices == triangles / 3
+                            : kinds == 0 && choices == 0) &&
+           looks_fit(parcel, positions / 3, asked);
 }
 
 /* -------------------------------------------------------------------------------- materials -- */
@@ -108,7 +108,7 @@ static bool take_layers(const lf_parcel_material *from, lf_material *out)
     out->sheen_roughness = from->sheen_roughness;
     out->transmission = from->transmission;
     out->is_solid = from->is_solid == 1;
-    out->glows_by_colours = from->glows_by_colours == 1;
+    out->tint = from->glows_by_colours == 1 ? LF_TINT_ALL : LF_TINT_ALBEDO;
     const float c = from->brush_turn[0], s = from->brush_turn[1];
     const bool turns = within(c * c + s * s, 1.0f - UNIT_SLACK, 1.0f + UNIT_SLACK);
     out->brush.strength = from->brush;
@@ -174,6 +174,7 @@ static bool has_texture(const lf_parcel_material *from, size_t n)
 /* Pictures are there already. */
 static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
 {
+    _Static_assert(sizeof((lf_parcel_material *)0)->name == LF_MATERIAL_NAME, "names fit");
     _Static_assert(LF_SLOTS == sizeof((lf_parcel_material *)0)->texture / sizeof(lf_parcel_texture),
                    "a texture for every slot");
     size_t n;
@@ -184,13 +185,18 @@ static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_e
     if (!out->materials)
         return no_memory(err);
     out->n_materials = (int)n;
+    out->names = lf_calloc(n, sizeof *out->names);
+    if (!out->names)
+        return no_memory(err);
     if (has_texture(from, n)) {
         out->textures = lf_calloc(n, sizeof *out->textures);
         if (!out->textures)
             return no_memory(err);
     }
     for (size_t i = 0; i < n; i++) {
-        bool fits = take_material(&from[i], &out->materials[i]);
+        bool fits = take_material(&from[i], &out->materials[i]) &&
+                    memchr(from[i].name, 0, sizeof from[i].name);
+        memcpy(out->names[i], from[i].name, sizeof out->names[i]);
         for (int s = 0; s < LF_SLOTS && fits && out->textures; s++)
             fits = take_texture(&from[i].texture[s], out, &out->textures[i].slot[s]);
         if (!fits)
@@ -215,7 +221,7 @@ static bool sizes_fit(const lf_parcel_picture *sizes, size_t n, size_t n_texels)
     return sum == n_texels;
 }
 
-static lf_status take_pictures(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
+lf_status lf_mesh_take_pictures(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
 {
     size_t n, n_texels;
     const lf_parcel_picture *sizes = lf_parcel_get(parcel, LF_PARCEL_PICTURES, &n);
@@ -460,9 +466,10 @@ static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error
                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
 }
 
-lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *out, lf_error *err)
+lf_status lf_mesh_take(const lf_parcel *parcel, lf_mesh_asked asked, lf_mesh_data *out,
+                       lf_error *err)
 {
-    if (!counts_fit(parcel, materials))
+    if (!counts_fit(parcel, asked))
         return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no mesh");
     size_t n_vertices = count_of(parcel, LF_PARCEL_POSITIONS) / 3,
            n_triangles = count_of(parcel, LF_PARCEL_TRIANGLES) / 3;
@@ -477,7 +484,7 @@ lf_status lf_mesh_take(const lf_parcel *parcel, bool materials, lf_mesh_data *ou
         status = copy(parcel, LF_PARCEL_CHOICES, n_triangles, sizeof(uint16_t),
                       &out->triangle_material, err);
     if (status == LF_OK)
-        status = take_pictures(parcel, out, err);
+        status = lf_mesh_take_pictures(parcel, out, err);
     if (status == LF_OK)
         status = take_materials(parcel, out, err);
     if (status == LF_OK)

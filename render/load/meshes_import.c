@@ -7,6 +7,7 @@
 #include "base/import/import_group.h"
 #include "base/thread.h"
 #include "render/load/places_import.h"
+#include "render/load/scene_tangents.h"
 
 enum { MOST_READERS = 4 }; /* at once: together they have the memory that --import-memory says */
 
@@ -88,8 +89,14 @@ static lf_status read_meshes(importing *all, const reading *r, int *out_wrong, l
     *out_wrong = all->order[r->first];
     const lf_mesh_desc *desc = &all->desc->meshes[*out_wrong];
     lf_mesh_data *const *out = &all->out[r->first];
-    return desc->shape ? lf_mesh_shape_make(desc, out[0], err)
-                       : lf_mesh_import_alike(desc, all->folder, all->roots, out, r->n, err);
+    lf_status status = desc->shape
+                           ? lf_mesh_shape_make(desc, out[0], err)
+                           : lf_mesh_import_alike(desc, all->folder, all->roots, out, r->n, err);
+    for (int i = 0; i < r->n && status == LF_OK; i++) {
+        *out_wrong = all->order[r->first + i];
+        status = lf_scene_tangents(all->desc, &all->desc->meshes[*out_wrong], out[i], err);
+    }
+    return status;
 }
 
 static lf_status read_places(importing *all, const reading *r, int *out_wrong, lf_error *err)

@@ -17,6 +17,7 @@
 #include "render/load/open_flesh.h"
 #include "render/load/placing.h"
 #include "render/load/scene_looks.h"
+#include "render/load/scene_materials.h"
 #include "render/load/scene_subject.h"
 #include "render/load/unused_grids.h"
 #include "render/load/volume_grids.h"
@@ -390,33 +391,19 @@ done:
     json_decref(key);
 }
 
-/* Materials are the files' own, then the scene's: what the shared geometry numbers stays, whatever
- * the scene adds. */
 static void place_meshes(commit *c)
 {
     lf_scene *scene = c->scene;
     const lf_geometry *geometry = scene->geometry;
-    int n_own = geometry ? geometry->n_materials : 0, n = n_own + c->desc->n_materials;
-    if (n > LF_MAX_MATERIALS) {
-        lf_node node = lf_node_child(c->root, "meshes");
-        lf_read_fail(c->reader, &node, "%d materials in all files; at most %d are possible", n,
-                     LF_MAX_MATERIALS);
+    const int n_own = geometry ? geometry->n_materials : 0;
+    lf_scene_materials(c->reader, c->root, c->desc, c->roots, c->previous, scene);
+    if (c->reader->status != LF_OK)
         return;
-    }
-    scene->materials = lf_calloc((size_t)n, sizeof *scene->materials);
     scene->meshes = lf_calloc((size_t)c->desc->n_meshes, sizeof *scene->meshes);
-    if (!scene->materials || !scene->meshes) {
+    if (!scene->meshes) {
         out_of_memory(c);
         return;
     }
-    scene->n_materials = n;
-    if (n_own)
-        memcpy(scene->materials, geometry->materials, (size_t)n_own * sizeof *scene->materials);
-    if (c->desc->n_materials)
-        memcpy(scene->materials + n_own, c->desc->materials,
-               (size_t)c->desc->n_materials * sizeof *scene->materials);
-    for (int i = n_own; i < n; i++)
-        lf_material_prepare(&scene->materials[i]);
     for (int i = 0; geometry && i < geometry->n_meshes; i++) {
         scene->meshes[i] = geometry->meshes[i];
         scene->meshes[i].material =
@@ -596,6 +583,7 @@ static void collect_warnings(const commit *c)
     if (scene->geometry)
         lf_warnings_add_all(&scene->warnings, &scene->geometry->warnings);
     warn_of_dense_grids(c);
+    lf_warn_of_unused_materials(c->root, c->desc, scene);
     lf_file_lights_warn(c->desc, scene);
     lf_camera_frame_warn(c->desc, scene);
     lf_warn_of_open_flesh(scene, c->desc, &scene->warnings);
@@ -641,6 +629,8 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
     for (int i = 0; i < scene->flames.n; i++)
         place_flame(&c, i);
     place_meshes(&c);
+    if (!goes_on(&c))
+        return;
     set_bounds(&c);
     lf_camera_frame(reader, root, desc, shutter, scene);
     load_lights(&c);

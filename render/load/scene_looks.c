@@ -24,7 +24,7 @@ static void colour_panes(lf_scene *scene)
             continue;
         mark_used(&scene->meshes[i], used);
         for (int m = 0; m < scene->n_materials; m++)
-            if (used[m])
+            if (used[m] && scene->materials[m].tint != LF_TINT_NOTHING)
                 scene->materials[m].glass.is_pane = false;
     }
 }

@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "base/nearest.h"
 #include "render/load/camera_parse.h"
 #include "render/load/foreign_words.h"
 #include "render/load/frame_file.h"
+#include "render/load/material_parse.h"
 #include "render/load/member_read.h"
 #include "render/load/mesh_role.h"
 #include "render/load/transform_read.h"
@@ -356,123 +356,7 @@ static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *
     volume->transform = parse_placed(reader, node, desc->unit_mm);
 }
 
-/* ---------------------------------------------------------------------- materials and meshes -- */
-
-/* What all kinds of surfaces may say. */
-static const lf_param emission_key = {
-    .name = "emission", .type = LF_PARAM_COLOUR, .high = LF_MAX_RADIANCE};
-
-static bool has_key(const lf_surface_kind *kind, const char *name)
-{
-    int i = 0;
-    while (kind->keys[i].name && strcmp(kind->keys[i].name, name) != 0)
-        i++;
-    return kind->keys[i].name;
-}
-
-/* Whether a kind before the i-th has the key too. */
-static bool is_repeated(const lf_param *key, int i)
-{
-    bool found = false;
-    while (i-- > 0)
-        found = found || has_key(lf_surface_kinds[i], key->name);
-    return found;
-}
-
-/* Refuses keys that no kind of surface has. */
-static void check_material_keys(lf_reader *reader, const lf_node *node)
-{
-    const char *names[LF_MAX_KINDS * LF_MAX_KEYS + 3] = {"type"};
-    int n = 1;
-    for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++)
-            if (!is_repeated(key, i))
-                names[n++] = key->name;
-    names[n++] = emission_key.name;
-    names[n] = NULL;
-    lf_read_object(reader, node, names);
-}
-
-/* The kind of surfaces that alone has a key; NULL: several have. */
-static const lf_surface_kind *only_with(const char *key)
-{
-    const lf_surface_kind *found = NULL;
-    int n = 0;
-    for (int i = 0; lf_surface_kinds[i]; i++)
-        if (has_key(lf_surface_kinds[i], key)) {
-            found = lf_surface_kinds[i];
-            n++;
-        }
-    return n == 1 ? found : NULL;
-}
-
-/* Keys of other kinds of surfaces. A patch of the type alone leaves such words behind: most are no
- * errors. */
-static void check_others(lf_reader *reader, const lf_node *node, const lf_surface_kind *kind,
-                         lf_warnings *warnings)
-{
-    for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++) {
-            lf_node at = lf_node_child(node, key->name);
-            lf_value value;
-            if (!at.value || has_key(kind, key->name) || is_repeated(key, i))
-                continue;
-            if (key->exclusive)
-                lf_read_fail(reader, &at, "only %ss have %s", lf_surface_kinds[i]->name, key->name);
-            lf_read_value(reader, node, key, &value);
-            const lf_surface_kind *only = only_with(key->name);
-            lf_warnings_add(warnings, reader->where, "material \"%s\": %s has no effect, %s%s%s%s",
-                            node->key, key->name, kind->lacks, only ? ": only of type \"" : "",
-                            only ? only->name : "", only ? "\"" : "");
-        }
-}
-
-static void parse_material(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
-{
-    lf_material *material = &desc->materials[index];
-    const char *types[LF_MAX_KINDS + 1] = {NULL};
-    lf_value values[LF_MAX_KEYS], emission;
-    for (int i = 0; lf_surface_kinds[i]; i++)
-        types[i] = lf_surface_kinds[i]->name;
-    lf_refuse_foreign_material(reader, node);
-    check_material_keys(reader, node);
-    const lf_surface_kind *kind = lf_surface_kinds[lf_read_type(reader, node, types, 0)];
-    for (int i = 0; kind->keys[i].name; i++)
-        lf_read_value(reader, node, &kind->keys[i], &values[i]);
-    lf_read_value(reader, node, &emission_key, &emission);
-    check_others(reader, node, kind, &desc->warnings);
-    int wrong = 0;
-    const char *complaint = kind->check ? kind->check(values, &wrong) : NULL;
-    lf_node at = lf_node_child(node, kind->keys[wrong].name);
-    if (complaint)
-        lf_read_fail(reader, &at, "%s", complaint);
-    material->kind = kind;
-    material->emission = lf_to_vec3(emission.number);
-    kind->read(values, material);
-}
-
-/* The number of the material that a mesh names. */
-static int find_material(lf_reader *reader, const lf_node *node, const char *name)
-{
-    const lf_node *root = node->parent->parent;
-    const char *names[LF_MAX_MATERIALS + 1], *key;
-    json_t *value;
-    int n = 0, found = -1;
-    json_object_foreach(json_object_get(root->value, "materials"), key, value)
-    {
-        if (strcmp(key, name) == 0)
-            found = n;
-        names[n++] = key;
-    }
-    names[n] = NULL;
-    lf_node at = lf_node_child(node, "material");
-    const char *meant = lf_nearest_name(name, names);
-    if (found < 0 && meant)
-        lf_read_fail(reader, &at, "no material \"%s\"; did you mean \"%s\"?", name, meant);
-    else if (found < 0)
-        lf_read_fail(reader, &at, "no material \"%s\" in materials", name);
-    return found;
-}
+/* ------------------------------------------------------------------------------------ meshes -- */
 
 static bool is_gltf(const lf_node *mesh)
 {
@@ -527,10 +411,9 @@ static const char *parse_variant(lf_reader *reader, const lf_node *node)
 
 static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
-    static const char *const keys[] = {"file",      "shape",     "material", "normals",
-                                       "transform", "animation", "units",    "catcher",
-                                       "lights",    "instances", "variant",  "ground",
-                                       NULL};
+    static const char *const keys[] = {"file",      "shape",     "material", "normals", "transform",
+                                       "animation", "units",     "catcher",  "lights",  "instances",
+                                       "variant",   "materials", "ground",   NULL};
     static const char *const normals[] = {"file", "smooth", "flat", NULL};
     lf_mesh_desc *mesh = &desc->meshes[index];
     const char *shapes[LF_MAX_KINDS + 1] = {NULL};
@@ -553,10 +436,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     mesh->variant = parse_variant(reader, node);
     mesh->lights = parse_lights_of(reader, node);
     lf_read_places(reader, node, &mesh->places);
-    const char *material = lf_read_string(reader, node, "material", NULL, LF_MAX_NAME);
-    if (material)
-        mesh->material = find_material(reader, node, material);
-    mesh->shines = mesh->material >= 0 && lf_max3(desc->materials[mesh->material].emission) > 0.0f;
+    lf_mesh_materials_parse(reader, node, desc, mesh);
 }
 
 /* ------------------------------------------------------------------------------------ lights -- */
@@ -666,11 +546,14 @@ void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames
                                    sizeof *out->lights, &lights);
     out->materials = allocate_section(reader, root, "materials", LF_MAX_MATERIALS, lights,
                                       sizeof *out->materials, &out->n_materials);
+    out->pictures = lf_calloc((size_t)(out->n_materials + lights), sizeof *out->pictures);
+    if (!out->pictures && reader->status == LF_OK)
+        reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
     out->meshes = allocate_section(reader, root, "meshes", LF_MAX_MESHES, lights,
                                    sizeof *out->meshes, &out->n_meshes);
     parse_members(reader, root, "volumes", parse_volume, out);
     refuse_coloured_flames(reader, root, out);
-    parse_members(reader, root, "materials", parse_material, out);
+    parse_members(reader, root, "materials", lf_material_parse, out);
     parse_members(reader, root, "meshes", parse_mesh, out);
     parse_members(reader, root, "lights", parse_light, out);
 }
@@ -679,11 +562,14 @@ void lf_scene_desc_finish(lf_scene_desc *desc)
 {
     for (int i = 0; desc->volumes && i < desc->n_volumes; i++)
         lf_free(desc->volumes[i].file);
-    for (int i = 0; desc->meshes && i < desc->n_meshes; i++)
+    for (int i = 0; desc->meshes && i < desc->n_meshes; i++) {
         lf_free(desc->meshes[i].places.map);
+        lf_free(desc->meshes[i].overrides);
+    }
     lf_free(desc->views);
     lf_free(desc->volumes);
     lf_free(desc->materials);
+    lf_free(desc->pictures);
     lf_free(desc->meshes);
     lf_free(desc->lights);
     lf_warnings_finish(&desc->warnings);

@@ -71,6 +71,28 @@ static inline bool lf_places_are_given(const lf_places_desc *places)
     return places->file || places->n > 0;
 }
 
+/* A picture that a material names. */
+typedef struct lf_picture_desc {
+    const char *file;   /* NULL: none */
+    lf_texture texture; /* how it lies */
+} lf_picture_desc;
+
+/* Those of a material: of each slot two parts (lf_picture_keys). */
+typedef struct lf_pictures_desc {
+    lf_picture_desc slot[LF_OWN_SLOTS][2];
+} lf_pictures_desc;
+
+/* What the scene's own materials look at, besides what those of the mesh's file do. */
+typedef struct lf_mesh_wants {
+    bool uvs, tangents;
+} lf_mesh_wants;
+
+/* A material of the scene in place of one of a mesh's file. */
+typedef struct lf_override {
+    const char *name; /* in the file */
+    int material;     /* index into materials */
+} lf_override;
+
 typedef struct lf_mesh_desc {
     const char *name;
     const lf_mesh_shape *shape; /* NULL: file */
@@ -89,7 +111,10 @@ typedef struct lf_mesh_desc {
     bool reflects; /* a catcher of what it reflects, too */
     lf_ground_word ground;
     bool stands; /* a ground that the scene places (placing.h) */
-    bool shines; /* the material that it names does */
+    bool shines; /* some material of the scene that it has does */
+    int n_overrides;
+    lf_override *overrides; /* [n_overrides] released by lf_scene_desc_finish */
+    lf_mesh_wants wants;
     lf_places_desc places;
 } lf_mesh_desc;
 
@@ -124,6 +149,7 @@ typedef struct lf_scene_desc {
     /* each behind those of the file: one for every light that is faces, which is no light then */
     lf_mesh_desc *meshes;
     lf_material *materials;
+    lf_pictures_desc *pictures; /* [n_materials] theirs */
     lf_light_desc *lights;
     lf_warnings warnings; /* of what it says without effect */
 } lf_scene_desc;

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "render/load/material_parse.h"
 #include "render/load/volume_grids.h"
 #include "render/scene/geometry.h"
 #include "render/transport/light_kind.h"
@@ -90,6 +91,30 @@ static bool put_light(json_t *doc, const lf_light *light, const lf_light_desc *d
     return done;
 }
 
+/* Pictures by what they hold. */
+static bool put_pictures(json_t *doc, const lf_scene *scene, const lf_scene_desc *desc)
+{
+    json_t *said;
+    const char *name;
+    bool done = true;
+    int i = 0;
+    json_object_foreach(json_object_get(doc, "materials"), name, said)
+    {
+        for (int part = 0; part < 2 * LF_OWN_SLOTS && done; part++) {
+            const lf_scene_picture *had = scene->looks.own_textures[i].picture[part / 2];
+            const char *key = lf_picture_keys[part / 2][part % 2];
+            if (!desc->pictures[i].slot[part / 2][part % 2].file)
+                continue;
+            json_t *picture = json_copy(json_object_get(said, key));
+            done =
+                json_object_set_new(picture, "file", json_string(had->digest[part % 2].text)) == 0;
+            done = json_object_set_new(said, key, picture) == 0 && done;
+        }
+        i++;
+    }
+    return done;
+}
+
 static json_t *numbers_of(const lf_affine *map)
 {
     json_t *list = json_array();
@@ -150,7 +175,7 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
     for (int i = 0; i < desc->n_meshes && done; i++)
         done = (desc->meshes[i].shape && !desc->meshes[i].places.file) ||
                put_mesh(doc, scene->geometry, i, &desc->meshes[i]);
-    done = done && put_ways(doc, shutter);
+    done = done && put_pictures(doc, scene, desc) && put_ways(doc, shutter);
     for (int i = 0; i < desc->n_lights && done; i++)
         done = put_light(doc, &scene->lights[i], &desc->lights[i]) &&
                put_light_way(doc, shutter, desc->lights[i].name);

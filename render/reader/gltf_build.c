@@ -5,10 +5,10 @@
 
 #include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/load/tangents.h"
 #include "render/reader/gltf_instances.h"
 #include "render/reader/gltf_share.h"
 #include "render/reader/gltf_skin.h"
-#include "render/reader/tangents.h"
 
 uint32_t lf_gltf_build_material(const lf_gltf_build *build, const lf_gltf_primitive *primitive)
 {
@@ -70,10 +70,18 @@ static bool is_faceted(const lf_gltf_build *build, const lf_gltf_primitive *prim
            primitive->normal.count == 0;
 }
 
+/* Whether the scene's own materials look at coordinates that some part has. */
+static bool wants_uvs(const lf_gltf_build *build)
+{
+    return build->desc->wants.uvs && build->has_uvs;
+}
+
 /* Whether a picture of its material is laid out by coordinates that it does not have. */
 static bool lacks_coordinates(const lf_gltf_build *build, const lf_gltf_primitive *primitive)
 {
     const lf_mesh_data *data = build->data;
+    if (wants_uvs(build) && primitive->uv[0].count == 0)
+        return true;
     if (build->desc->material >= 0 || !data->textures)
         return false;
     const lf_texture_set *textures = &data->textures[lf_gltf_build_material(build, primitive)];
@@ -299,7 +307,7 @@ static lf_status allocate_more(lf_gltf_build *build, lf_error *err)
         if (texture->picture != 0 && texture->set >= data->n_uv_sets)
             data->n_uv_sets = texture->set + 1;
     }
-    if (tangents && data->n_uv_sets == 0)
+    if ((tangents || wants_uvs(build)) && data->n_uv_sets == 0)
         data->n_uv_sets = 1;
     if (data->n_uv_sets > 0)
         data->uvs = lf_calloc((size_t)data->n_uv_sets * n, 2 * sizeof *data->uvs);

@@ -21,7 +21,7 @@ typedef struct lf_gltf_build {
     int64_t n_unmapped; /* parts that lack the texture coordinates of a picture of theirs */
     int64_t n_astray;   /* triangles left out for an index without a vertex */
     int64_t n_odd; /* vertices with a number beside their position that is none, or out of range */
-    bool has_normals, has_colours; /* some that is shown has */
+    bool has_normals, has_colours, has_uvs; /* some that is shown has */
     uint32_t *same; /* lf_mesh_complete_twins, where desc wants smooth ones; lf_free */
 } lf_gltf_build;
 

@@ -5,6 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/load/tangents.h"
 #include "render/reader/gltf_animation.h"
 #include "render/reader/gltf_build.h"
 #include "render/reader/gltf_camera.h"
@@ -12,7 +13,6 @@
 #include "render/reader/gltf_material.h"
 #include "render/reader/gltf_punctual.h"
 #include "render/reader/mesh_read.h"
-#include "render/reader/tangents.h"
 
 typedef struct reading {
     lf_gltf gltf;
@@ -71,6 +71,7 @@ static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *co
         return LF_OK;
     build->has_normals = build->has_normals || primitive->normal.count > 0;
     build->has_colours = build->has_colours || primitive->colour.count > 0;
+    build->has_uvs = build->has_uvs || primitive->uv[0].count > 0;
     r->n_lacking += primitive->lacks_material;
     for (unsigned i = 0; i < LF_GLTF_LOST_KINDS; i++)
         r->n_lost[i] += primitive->lost >> i & 1;

@@ -31,17 +31,12 @@ static uint64_t image_of(const lf_gltf *gltf, const json_t *texture)
     return image < lf_gltf_count(gltf->json, "images") ? image : LF_GLTF_NONE;
 }
 
-/* Offset, rotation against the clock where v points down, scale, the last of them first. */
 static void take_transform(const json_t *transform, lf_texture *out)
 {
     double offset[2] = {0, 0}, scale[2] = {1, 1};
     (void)lf_gltf_numbers(transform, "offset", 2, offset);
     (void)lf_gltf_numbers(transform, "scale", 2, scale);
-    double angle = (double)lf_gltf_number(transform, "rotation", 0), c = cos(angle), s = sin(angle);
-    const double map[2][3] = {{c * scale[0], s * scale[1], offset[0]},
-                              {-s * scale[0], c * scale[1], offset[1]}};
-    for (int i = 0; i < 6; i++)
-        out->map[i / 3][i % 3] = (float)map[i / 3][i % 3];
+    lf_texture_lay(offset, (double)lf_gltf_number(transform, "rotation", 0), scale, out->map);
 }
 
 static bool is_sound(const lf_texture *t)

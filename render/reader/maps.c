@@ -84,21 +84,27 @@ static lf_status open_picture(const char *path, const char *beside, int *out_fd,
     return lf_error_set(err, LF_E_IO, LF_HERE, "not there, or not to be read");
 }
 
-/* Another picture of the mesh. LF_E_IO, LF_E_FORMAT: why it is none; LF_E_NOMEM. */
-static lf_status read_picture(const lf_map *map, lf_mesh_data *out, lf_error *err)
+lf_status lf_map_decode(int fd, lf_texels *out, lf_error *err)
 {
-    lf_texels *to = &out->pictures[out->n_pictures];
     uint8_t *data = NULL;
     size_t size = 0;
+    lf_status status = read_bytes(fd, &data, &size, err);
+    if (status == LF_OK)
+        status =
+            lf_image_rgba_decode(data, size, LF_HERE, &out->rgba, &out->width, &out->height, err);
+    lf_free(data);
+    return status;
+}
+
+/* Another picture of the mesh. */
+static lf_status read_picture(const lf_map *map, lf_mesh_data *out, lf_error *err)
+{
     int fd;
     lf_status status = open_picture(map->path, map->beside, &fd, err);
     if (status != LF_OK)
         return status;
-    status = read_bytes(fd, &data, &size, err);
+    status = lf_map_decode(fd, &out->pictures[out->n_pictures], err);
     close(fd);
-    if (status == LF_OK)
-        status = lf_image_rgba_decode(data, size, LF_HERE, &to->rgba, &to->width, &to->height, err);
-    lf_free(data);
     out->n_pictures += status == LF_OK;
     return status;
 }

@@ -28,6 +28,10 @@ LF_NODISCARD lf_status lf_map_begin(unsigned said, lf_map_use use, const char *f
 /* Accepts a zeroed one, and leaves it so. */
 void lf_map_finish(lf_map *map);
 
+/* The picture that a file holds, from its first byte on. LF_E_IO, LF_E_FORMAT: why it is none;
+ * LF_E_NOMEM. *out: the caller's to release. */
+LF_NODISCARD lf_status lf_map_decode(int fd, lf_texels *out, lf_error *err);
+
 /* Asks for the pictures of those materials that are used, and reads them into out->pictures, each
  * file once; what said[n] says changes with it: its textures, its cover, black that stands beside a
  * picture. Of what is not to be had, or no picture, there is a warning a material in out->warnings,

@@ -1,7 +1,9 @@
-/* quiltimport: meshes, and where they stand. */
+/* quiltimport: meshes, where they stand, and pictures for them. */
 #include <string.h>
 
+#include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/reader/maps.h"
 #include "render/reader/mesh_read.h"
 #include "render/reader/places_read.h"
 #include "render/transport/surface.h"
@@ -40,7 +42,7 @@ static void put_words(const lf_material *m, lf_parcel_material *out)
     out->brush = m->brush.strength;
     memcpy(out->brush_turn, m->brush.turn, sizeof out->brush_turn);
     out->is_solid = m->is_solid;
-    out->glows_by_colours = m->glows_by_colours;
+    out->glows_by_colours = m->tint == LF_TINT_ALL;
 }
 
 static void put_textures(const lf_texture_set *from, lf_parcel_material *out)
@@ -66,6 +68,7 @@ static lf_status put_materials(lf_parcel_writer *parcel, const lf_mesh_data *dat
         lf_parcel_material out = {
             .kind = place_of(m->kind), .roughness = m->roughness, .ior = m->ior};
         put_words(m, &out);
+        memcpy(out.name, data->names[i], sizeof out.name);
         if (data->textures)
             put_textures(&data->textures[i], &out);
         status = lf_parcel_append(parcel, LF_PARCEL_MATERIALS, &out, 1, err);
@@ -89,7 +92,7 @@ static lf_status put_pictures(lf_parcel_writer *parcel, const lf_mesh_data *data
     return status;
 }
 
-/* What only the file's own materials look at. */
+/* What materials look at. */
 static lf_status put_looks(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
 {
     size_t n = (size_t)data->n_vertices;
@@ -176,7 +179,7 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
         status = lf_parcel_put(parcel, LF_PARCEL_NORMALS, data->normals, v, err);
     if (status == LF_OK)
         status = lf_parcel_put(parcel, LF_PARCEL_TRIANGLES, data->triangles, 3 * t, err);
-    if (status == LF_OK && data->n_materials > 0)
+    if (status == LF_OK && (data->n_materials > 0 || data->uvs))
         status = put_looks(parcel, data, err);
     if (status == LF_OK && data->span > 0)
         status = lf_parcel_put(parcel, LF_PARCEL_SPAN, &data->span, 1, err);
@@ -200,15 +203,29 @@ static lf_status read_places(const lf_import_request *request, int fd, lf_parcel
     return status;
 }
 
+static lf_status read_texture(int fd, lf_parcel_writer *parcel, lf_error *err)
+{
+    lf_texels texels = {0};
+    const lf_mesh_data one = {.n_pictures = 1, .pictures = &texels};
+    lf_status status = lf_map_decode(fd, &texels, err);
+    if (status == LF_OK)
+        status = put_pictures(parcel, &one, err);
+    lf_free(texels.rgba);
+    return status;
+}
+
 static lf_status read_mesh(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
                            lf_error *err)
 {
     if (request->kind == LF_IMPORT_PLACES)
         return read_places(request, fd, parcel, err);
+    if (request->kind == LF_IMPORT_TEXTURE)
+        return read_texture(fd, parcel, err);
     lf_mesh_desc desc = {.file = request->path,
                          .material = request->materials ? -1 : 0,
                          .normals = (lf_normals)request->normals,
                          .shines = request->shines,
+                         .wants = {.uvs = request->wants_uvs, .tangents = request->wants_tangents},
                          .variant = request->variant[0] ? request->variant : NULL,
                          .clip = {.name = request->clip[0] ? request->clip : NULL,
                                   .number = (int)request->clip_number,

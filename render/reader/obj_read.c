@@ -138,6 +138,11 @@ static bool index_behind_slash(const char **at, bool *there, int64_t *out)
     return lf_integer(at, out);
 }
 
+static bool takes_uvs(const obj *o)
+{
+    return o->desc->material < 0 || o->desc->wants.uvs;
+}
+
 /* v, v/t, v//n, v/t/n */
 static lf_status take_corner(obj *o, const char **at, lf_error *err)
 {
@@ -158,7 +163,7 @@ static lf_status take_corner(obj *o, const char **at, lf_error *err)
         o->face_astray = true;
     *own = LF_NO_NORMAL;
     *uv = LF_NO_UV;
-    if (textured && o->desc->material < 0 && !to_number(texture, o->soup->uvs.n, uv)) {
+    if (textured && takes_uvs(o) && !to_number(texture, o->soup->uvs.n, uv)) {
         *uv = LF_NO_UV;
         o->n_no_uv++;
     }
@@ -333,7 +338,7 @@ static lf_status read_looks(obj *o, const char *key, size_t n, char *rest, lf_er
 {
     const bool wanted = o->desc->material < 0;
     if (lf_word_is(key, n, "vt"))
-        return wanted ? take_uv(o, rest, err) : LF_OK;
+        return takes_uvs(o) ? take_uv(o, rest, err) : LF_OK;
     if (lf_word_is(key, n, "mtllib"))
         return wanted ? take_libraries(o, lf_rest(rest), err) : LF_OK;
     if (lf_word_is(key, n, "usemtl"))

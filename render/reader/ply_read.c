@@ -182,13 +182,18 @@ static lf_status take_vertex(ply *p, lf_error *err)
     return status;
 }
 
+static bool takes_uvs(const ply *p)
+{
+    return (p->header.n_textures > 0 && p->desc->material < 0) || p->desc->wants.uvs;
+}
+
 /* Of a face that has two for each corner; *out: NULL where it has not, or points have their own. */
 static lf_status take_uvs(ply *p, const uint32_t **out, lf_error *err)
 {
     lf_status status = LF_OK;
     *out = NULL;
-    if (p->header.n_textures == 0 || p->desc->material >= 0 || p->soup->uvs.are_own ||
-        p->n_indices == 0 || p->n_coordinates != 2 * p->n_indices)
+    if (!takes_uvs(p) || p->soup->uvs.are_own || p->n_indices == 0 ||
+        p->n_coordinates != 2 * p->n_indices)
         return LF_OK;
     if (!lf_grow(&p->uvs, &p->uvs_room, p->n_indices, sizeof *p->uvs))
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
@@ -301,8 +306,6 @@ static void begin_looks(ply *p, const lf_ply_element *element)
     p->has_colours = has_role(p, element, LF_PLY_RED) && has_role(p, element, LF_PLY_GREEN) &&
                      has_role(p, element, LF_PLY_BLUE);
     p->soup->n_coloured = has_role(p, element, LF_PLY_RED);
-    p->soup->uvs.are_own = p->header.n_textures > 0 && has_role(p, element, LF_PLY_U) &&
-                           has_role(p, element, LF_PLY_V);
     for (int i = 0; i < element->n_properties; i++) {
         const lf_ply_property *property = &p->header.properties[element->first + i];
         if (property->role == LF_PLY_RED)
@@ -331,6 +334,8 @@ static lf_status begin_element(ply *p, const lf_ply_element *element, lf_error *
         p->soup->has_own_normals = has_role(p, element, LF_PLY_NX) &&
                                    has_role(p, element, LF_PLY_NY) &&
                                    has_role(p, element, LF_PLY_NZ);
+        p->soup->uvs.are_own =
+            takes_uvs(p) && has_role(p, element, LF_PLY_U) && has_role(p, element, LF_PLY_V);
         if (p->desc->material < 0)
             begin_looks(p, element);
     }

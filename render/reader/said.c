@@ -137,15 +137,6 @@ static bool has_texture(const lf_said *said)
     return any;
 }
 
-/* Of all kinds those that are ready for a picture's values: coats and metals by their layers. */
-static void make_pictured(lf_material *m)
-{
-    if (m->kind == &lf_surface_diffuse || m->kind == &lf_surface_principled)
-        return;
-    m->metallic = (float)(m->kind == &lf_surface_conductor);
-    m->kind = &lf_surface_principled;
-}
-
 static lf_material convert_said(const lf_said *said, cuts *c)
 {
     lf_material out = {.kind = &lf_surface_diffuse,
@@ -165,8 +156,8 @@ static lf_material convert_said(const lf_said *said, cuts *c)
     else
         convert_phong(said, &out, c);
     if (has_texture(said))
-        make_pictured(&out);
-    out.glows_by_colours = said->glows_by_colours;
+        lf_material_make_pictured(&out);
+    out.tint = said->glows_by_colours ? LF_TINT_ALL : LF_TINT_ALBEDO;
     if (!(said->lost & 1u << LF_LOST_GLOW)) /* which is black nearly everywhere */
         out.emission = cut_colour(c, "emission", said->emission, (float)LF_MAX_RADIANCE);
     return out;
@@ -253,6 +244,16 @@ static void warn_of_cuts(const lf_said *said, size_t number, const char *what,
                     what);
 }
 
+/* Cut between characters where it is too long. */
+static void copy_name(const char *name, char out[LF_MATERIAL_NAME])
+{
+    size_t n = strlen(name);
+    if (n >= LF_MATERIAL_NAME)
+        for (n = LF_MATERIAL_NAME - 1; n > 0 && ((unsigned char)name[n] & 0xc0u) == 0x80u;)
+            n--;
+    memcpy(out, name, n);
+}
+
 lf_status lf_said_convert(const lf_said *said, size_t n, const bool *used, lf_mesh_data *out,
                           lf_error *err)
 {
@@ -263,8 +264,12 @@ lf_status lf_said_convert(const lf_said *said, size_t n, const bool *used, lf_me
     if (!out->materials)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     out->n_materials = (int)n;
+    out->names = lf_calloc(n, sizeof *out->names);
+    if (!out->names)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     for (size_t i = 0; i < n; i++) {
         cuts c = {""};
+        copy_name(said[i].name, out->names[i]);
         out->materials[i] = convert_said(&said[i], &c);
         if (used[i] && c.text[0])
             warn_of_cuts(&said[i], i, c.text, &out->warnings);

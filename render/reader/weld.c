@@ -1,5 +1,6 @@
 /* Corners with one position, one normal and one look become one vertex, found again by a table of
  * hashes. */
+#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,10 +8,10 @@
 
 #include "base/alloc.h"
 #include "base/reader/reader.h"
+#include "render/load/tangents.h"
 #include "render/reader/input.h"
 #include "render/reader/mesh_build.h"
 #include "render/reader/soup.h"
-#include "render/reader/tangents.h"
 #include "render/scene/vec_double.h"
 
 #define NO_VERTEX UINT32_MAX
@@ -36,6 +37,7 @@ typedef struct welding {
     bool normals;             /* the file's are wanted, and there are some; or the faces' */
     bool faces;               /* the faces' */
     bool uvs, colours;
+    bool wants_uvs;          /* of every triangle, for materials of the scene's own */
     size_t key_size;         /* of vertex_key, what is kept */
     unsigned char *vertices; /* [n_vertices][key_size] */
     size_t n_vertices, vertices_room;
@@ -68,7 +70,8 @@ static void put_look(const welding *w, size_t triangle, int corner, vertex_key *
     if (w->colours)
         memcpy(key->colour, soup->colours.values + 4 * (size_t)soup->corners[at],
                sizeof key->colour);
-    if (w->uvs && has_textures(w->mesh, soup->choices ? soup->choices[triangle] : 0))
+    if (w->uvs &&
+        (w->wants_uvs || has_textures(w->mesh, soup->choices ? soup->choices[triangle] : 0)))
         uv = soup->uvs.are_own ? soup->corners[at] : soup->uvs.of ? soup->uvs.of[at] : LF_NO_UV;
     for (size_t i = 0; i < 2 && uv != LF_NO_UV; i++)
         key->uv[i] = soup->uvs.values[2 * (size_t)uv + i] + 0.0f;
@@ -273,6 +276,20 @@ static lf_status fill_looks(const welding *w, lf_mesh_data *out, lf_error *err)
     return LF_OK;
 }
 
+/* Coordinates of such files grow upwards, those of the scene's materials downwards, as glTF's; the
+ * file's own pictures stay where they are. */
+static void turn_uvs(lf_mesh_data *out)
+{
+    for (size_t v = 0; v < (size_t)out->n_vertices; v++)
+        out->uvs[2 * v + 1] = fminf(1.0f - out->uvs[2 * v + 1], LF_MAX_UV);
+    for (int i = 0; i < LF_SLOTS * out->n_materials && out->textures; i++)
+        for (int row = 0; row < 2; row++) {
+            float *map = out->textures[i / LF_SLOTS].slot[i % LF_SLOTS].map[row];
+            map[2] = fmaxf(-LF_MAX_UV, fminf(map[2] + map[1], LF_MAX_UV));
+            map[1] = -map[1];
+        }
+}
+
 static lf_status fill_mesh(const welding *w, const lf_soup *soup, const lf_mesh_desc *desc,
                            lf_mesh_data *out, lf_error *err)
 {
@@ -290,6 +307,8 @@ static lf_status fill_mesh(const welding *w, const lf_soup *soup, const lf_mesh_
         lf_mesh_put_triangle(out, &place, soup->corners + 3 * t,
                              soup->choices ? soup->choices[t] : 0);
     status = lf_mesh_complete_twins(out, desc, (int64_t)soup->n_triangles, w->twins, err);
+    if (status == LF_OK && w->wants_uvs && out->uvs)
+        turn_uvs(out);
     return status == LF_OK ? lf_mesh_tangents(out, err) : status;
 }
 
@@ -320,13 +339,14 @@ static welding begin_welding(const lf_soup *soup, const lf_mesh_desc *desc, bool
     /* a normal map on flat faces stands on their own normals */
     bool smooth = desc->normals == LF_NORMALS_SMOOTH,
          file = desc->normals == LF_NORMALS_FILE && soup->n_normals > 0,
-         faces = !smooth && !file && lf_mesh_wants_tangents(out);
+         faces = !smooth && !file && (desc->wants.tangents || lf_mesh_wants_tangents(out));
     welding w = {.soup = soup,
                  .mesh = out,
                  .normals = file || faces,
                  .faces = faces,
-                 .uvs = out->textures && soup->uvs.n > 0,
-                 .colours = colours};
+                 .uvs = (out->textures || desc->wants.uvs) && soup->uvs.n > 0,
+                 .colours = colours,
+                 .wants_uvs = desc->wants.uvs};
     w.key_size = w.colours ? sizeof(vertex_key) : w.uvs ? UV_SIZE : PLAIN_SIZE;
     w.wants_twins = smooth && (w.uvs || w.colours);
     return w;

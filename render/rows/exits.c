@@ -50,7 +50,7 @@ static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *mate
     lf_vec3 along;
     if (material->one_sided && meets_back(visit, k))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    if (!(material->textures || material->glows_by_colours) ||
+    if (!(material->textures || material->tint == LF_TINT_ALL) ||
         !(lf_max3(material->emission) > 0.0f))
         return material->emission;
     hit_of(visit, k, face_of(visit, visit->worker->met.segment[k]), &along, &hit);

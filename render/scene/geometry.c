@@ -56,6 +56,8 @@ void lf_geometry_unref(lf_geometry *geometry)
     lf_free(geometry->lights);
     lf_free(geometry->cameras);
     lf_free(geometry->materials);
+    lf_free(geometry->first_material);
+    lf_free(geometry->material_names);
     lf_free(geometry->textures);
     for (int i = 0; i < geometry->n_pyramids; i++)
         lf_pyramid_finish(&geometry->pyramids[i]);

@@ -27,6 +27,8 @@ typedef struct lf_mesh_motion {
     double span, moment, close;
 } lf_mesh_motion;
 
+#define LF_MATERIAL_NAME 128 /* bytes of a material's name in a file, with its end */
+
 typedef struct lf_geometry {
     atomic_int refs;
     RTCDevice device;
@@ -37,11 +39,13 @@ typedef struct lf_geometry {
     uint32_t n_places; /* of all meshes that stand in many (placed.h) */
     /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
     lf_mesh *meshes;
-    lf_mesh_motion *motions;  /* [n_meshes] */
-    lf_punctuals *lights;     /* [n_meshes] of their files */
-    lf_file_cameras *cameras; /* [n_meshes] */
-    lf_material *materials;   /* the files' own, which triangle_material numbers */
-    lf_textures *textures;    /* [n_materials] theirs; NULL: none has any */
+    lf_mesh_motion *motions;                  /* [n_meshes] */
+    lf_punctuals *lights;                     /* [n_meshes] of their files */
+    lf_file_cameras *cameras;                 /* [n_meshes] */
+    lf_material *materials;                   /* the files' own, which triangle_material numbers */
+    int *first_material;                      /* [n_meshes + 1] where those of a mesh begin */
+    char (*material_names)[LF_MATERIAL_NAME]; /* [n_materials] "": it has none */
+    lf_textures *textures;                    /* [n_materials] theirs; NULL: none has any */
     int n_pictures, n_pyramids;
     lf_texels *pictures;
     lf_pyramid *pyramids;

@@ -23,6 +23,16 @@ void lf_environment_unref(lf_environment *e)
     lf_free(e);
 }
 
+void lf_scene_picture_unref(lf_scene_picture *picture)
+{
+    if (!picture || atomic_fetch_sub_explicit(&picture->refs, 1, memory_order_acq_rel) != 1)
+        return;
+    lf_pyramid_finish(&picture->pyramid);
+    lf_free(picture->texels.rgba);
+    lf_free(picture->key);
+    lf_free(picture);
+}
+
 void lf_light_finish(lf_light *light)
 {
     lf_environment_unref(light->environment);
@@ -56,6 +66,10 @@ void lf_scene_unref(lf_scene *scene)
         release(&scene->flames.field[i]);
     for (int i = 0; i < scene->n_lights; i++)
         lf_light_finish(&scene->lights[i]);
+    for (int i = 0; i < LF_OWN_SLOTS * scene->looks.n_own_textures; i++)
+        lf_scene_picture_unref(
+            scene->looks.own_textures[i / LF_OWN_SLOTS].picture[i % LF_OWN_SLOTS]);
+    lf_free(scene->looks.own_textures);
     lf_geometry_unref(scene->geometry);
     lf_free(scene->file.views);
     lf_free(scene->volumes);

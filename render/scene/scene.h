@@ -193,6 +193,28 @@ typedef enum lf_cover { LF_COVER_OPAQUE, LF_COVER_MASK, LF_COVER_BLEND, LF_COVER
 
 #define LF_GLASS_NODES 32
 
+/* A picture that materials of the scene file name, ready to be looked up; shared between scenes
+ * while its files stay the same (render/load/scene_pictures.h). */
+typedef struct lf_scene_picture {
+    atomic_int refs;
+    char *key;           /* of its files and of what was made of them */
+    lf_digest digest[2]; /* of the files of its two parts; "" = there is none */
+    lf_texels texels;
+    lf_pyramid pyramid;
+} lf_scene_picture;
+
+/* Accepts NULL. */
+void lf_scene_picture_unref(lf_scene_picture *picture);
+
+/* Slots that materials of the scene file may fill: LF_SLOT_BASE to LF_SLOT_EMISSION. */
+#define LF_OWN_SLOTS 4
+
+/* What such a material looks at. */
+typedef struct lf_own_textures {
+    lf_textures textures;
+    lf_scene_picture *picture[LF_OWN_SLOTS]; /* counted references; NULL: the slot has none */
+} lf_own_textures;
+
 /* What is behind a surface that light goes through, and how it goes. */
 typedef struct lf_glass {
     lf_vec3 absorption, scattering; /* inside of it, per scene unit */
@@ -231,22 +253,28 @@ typedef struct lf_layer_energy {
         smooth_ior, smooth_scale;
 } lf_layer_energy;
 
+typedef enum lf_tint {
+    LF_TINT_ALBEDO,
+    LF_TINT_ALL,
+    LF_TINT_NOTHING
+} lf_tint; /* all: emission, too */
+
 typedef struct lf_material {
     const struct lf_surface_kind *kind; /* surface.h; says what it makes of the words below */
     lf_vec3 albedo;
     /* perceptual, 0..1; alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */
     float roughness;
-    float ior;             /* of a coat, 1..LF_MAX_INDEX */
-    lf_vec3 emission;      /* radiance leaving both sides; 0 = not a light */
-    bool glows_by_colours; /* of vertices, which multiply it as they do albedo */
-    bool one_sided;        /* it leaves the front alone, where corners run counter-clockwise */
+    float ior;        /* of a coat, 1..LF_MAX_INDEX */
+    lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
+    lf_tint tint;     /* what colours of vertices multiply */
+    bool one_sided;   /* it leaves the front alone, where corners run counter-clockwise */
     /* complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
     lf_vec3 eta, k;
     float metallic;              /* 0..1: how much of a layered surface is metal */
     lf_cover cover;              /* what becomes of `alpha` and of the alpha of its texture */
     float alpha;                 /* 0..1 */
     float cutoff;                /* LF_COVER_MASK: opaque from here on */
-    const lf_textures *textures; /* borrowed from the geometry; NULL: none */
+    const lf_textures *textures; /* borrowed from geometry or scene; NULL: none */
     float specular;              /* of what a dielectric reflects, 0..1 … */
     lf_vec3 specular_tint;       /* … and its colour, 0..1 */
     float coat, coat_roughness;  /* a clear coat of index 1.5 on top, 0..1 */
@@ -497,6 +525,9 @@ typedef struct lf_looks {
     /* [n_touching] owned: of its solids, by mesh and triangle; each pair both ways */
     lf_touching *touching;
     int n_touching;
+    /* owned: of the materials of the scene file, in its order */
+    int n_own_textures;
+    lf_own_textures *own_textures;
 } lf_looks;
 
 struct lf_scene {
@@ -511,9 +542,9 @@ struct lf_scene {
 
     int n_volumes, n_meshes, n_materials, n_lights;
     lf_volume *volumes;
-    lf_flames flames; /* what they emit */
-    lf_mesh *meshes;  /* indexed by Embree's geomID */
-    lf_material *materials;
+    lf_flames flames;       /* what they emit */
+    lf_mesh *meshes;        /* indexed by Embree's geomID */
+    lf_material *materials; /* the files' own, then the scene's, then those of lights with faces */
     /* in the order of their kinds after lf_lights_commit: those at infinity first */
     lf_light *lights;
     int n_lights_infinite; /* set by lf_lights_commit */

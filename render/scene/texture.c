@@ -8,6 +8,15 @@
 #include "base/image.h"
 #include "render/scene/vec.h"
 
+void lf_texture_lay(const double offset[2], double angle, const double scale[2], float map[2][3])
+{
+    const double c = cos(angle), s = sin(angle),
+                 laid[2][3] = {{c * scale[0], s * scale[1], offset[0]},
+                               {-s * scale[0], c * scale[1], offset[1]}};
+    for (int i = 0; i < 6; i++)
+        map[i / 3][i % 3] = (float)laid[i / 3][i % 3];
+}
+
 /* ----------------------------------------------------------------------------------- decoding --
  */
 

@@ -32,6 +32,10 @@ typedef struct lf_texture {
     float scale;            /* of a normal map: what its x and y are multiplied by */
 } lf_texture;
 
+/* The map of KHR_texture_transform: scale first, then a turn (radians) against the clock where v
+ * points down, then offset. */
+void lf_texture_lay(const double offset[2], double angle, const double scale[2], float map[2][3]);
+
 /* What a picture says of a surface; each is multiplied by the material's own word. */
 typedef enum lf_slot {
     LF_SLOT_BASE,          /* rgb: albedo, display encoded; a: coverage */

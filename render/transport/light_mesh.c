@@ -257,7 +257,7 @@ static lf_status append_one(lf_scene *scene, int mesh, uint16_t material, int n_
     lf_status status = mesh_light_init(light, &scene->meshes[mesh], n_triangles);
     const lf_textures *textures = scene->materials[material].textures;
     bool varies = (textures && textures->pyramid[LF_SLOT_EMISSION]) ||
-                  (scene->materials[material].glows_by_colours && scene->meshes[mesh].colours);
+                  (scene->materials[material].tint == LF_TINT_ALL && scene->meshes[mesh].colours);
     if (status == LF_OK && varies && light->area > 0.0f)
         weigh_by_picture(light, scene);
     return status;

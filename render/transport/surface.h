@@ -145,6 +145,11 @@ static inline void lf_shade(const lf_hit *hit, lf_vec3 wo, lf_shading *out)
         m->kind->deltas ? m->kind->deltas(m, hit->ng, hit->ns, wo, hit->front, out->delta) : 0;
 }
 
+/* Makes a kind that is not ready for a picture's values one that is: coats and metals become layers
+ * (whose specular and specular_tint are to be set), a metal's indices the colour that they have
+ * straight on. */
+void lf_material_make_pictured(lf_material *m);
+
 /* Works out what the lobes need beyond the material's own words; to be called once they are all
  * set. Half a millisecond for a rough metal or plastic. */
 void lf_material_prepare(lf_material *m);

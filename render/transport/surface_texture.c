@@ -79,7 +79,7 @@ lf_vec3 lf_hit_emission(const lf_hit *hit, float width)
     lf_vec3 out = m->emission;
     if (m->textures && look_up(&at, m->textures, LF_SLOT_EMISSION, width, texel))
         out = lf_mul(out, lf_v3(texel[0], texel[1], texel[2]));
-    return m->glows_by_colours && at.mesh->colours ? lf_mul(out, colour_of(&at)) : out;
+    return m->tint == LF_TINT_ALL && at.mesh->colours ? lf_mul(out, colour_of(&at)) : out;
 }
 
 /* A picture that is cut off says itself where it is (LF_TEXELS_CUTS), with the material's alpha in
@@ -93,7 +93,7 @@ float lf_hit_cover(const lf_hit *hit, float width)
         return 1.0f;
     if (m->textures && look_up(&at, m->textures, LF_SLOT_BASE, width, texel))
         share = texel[3];
-    if (hit->mesh->colours) {
+    if (lf_is_coloured(hit->mesh, m)) {
         interpolate(&at, hit->mesh->colours, 4, colour);
         alpha *= colour[3];
     }
@@ -264,10 +264,10 @@ void lf_hit_vary(lf_hit *hit, float width)
     hit->varies = true;
     hit->width = width;
     hit->own = *hit->material;
-    if (hit->mesh->colours) {
+    if (lf_is_coloured(hit->mesh, hit->material)) {
         lf_vec3 colour = colour_of(&at);
         hit->own.albedo = lf_mul(hit->own.albedo, colour);
-        if (hit->own.glows_by_colours)
+        if (hit->own.tint == LF_TINT_ALL)
             hit->own.emission = lf_mul(hit->own.emission, colour);
     }
     if (hit->material->textures)

@@ -4,10 +4,17 @@
 
 #include "render/transport/surface.h"
 
+/* Whether colours of vertices multiply the surface's. */
+static inline bool lf_is_coloured(const lf_mesh *mesh, const lf_material *material)
+{
+    return mesh->colours && material->tint != LF_TINT_NOTHING;
+}
+
 /* Whether anything of the surface varies along the mesh. */
 static inline bool lf_is_varied(const lf_mesh *mesh, const lf_material *material)
 {
-    return (mesh->colours || material->textures || material->brush.strength > 0.0f) &&
+    return (lf_is_coloured(mesh, material) || material->textures ||
+            material->brush.strength > 0.0f) &&
            material->kind->vary;
 }
 

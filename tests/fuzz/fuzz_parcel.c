@@ -98,6 +98,8 @@ static void check_mesh(const lf_mesh_data *mesh)
     for (int i = 0; mesh->textures && i < mesh->n_materials; i++)
         for (int s = 0; s < LF_SLOTS; s++)
             lf_fuzz_require(mesh->textures[i].slot[s].picture <= (uint32_t)mesh->n_pictures);
+    for (int i = 0; i < mesh->n_materials; i++)
+        lf_fuzz_require(memchr(mesh->names[i], 0, sizeof mesh->names[i]));
     for (int i = 0; i < mesh->lights.n; i++)
         for (int k = 0; k < 3; k++)
             lf_fuzz_require(mesh->lights.open[i].intensity[k] >= 0 &&

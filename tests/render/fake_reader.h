@@ -146,6 +146,8 @@ static inline void fake_lie_of_material(const char *lie, fake_mesh *m)
         one->brush_turn[1] = (float)NAN;
     if (strcmp(lie, "absorption") == 0)
         one->absorption[1] = (float)INFINITY;
+    if (strcmp(lie, "name") == 0)
+        memset(one->name, 'x', sizeof one->name);
     /* the n-th of those between 0 and 1, or at least not less */
     float *const words[] = {&one->metallic,        &one->alpha,        &one->cutoff,
                             &one->specular,        &one->coat,         &one->coat_roughness,
@@ -162,11 +164,11 @@ static inline void fake_lie_of_material(const char *lie, fake_mesh *m)
 }
 
 static const char *const fake_lies_of_looks[] = {
-    "uv nan",        "uv far",       "uv short",     "uv absent",   "uv one",     "colour",
-    "colour nan",    "colour short", "tangent long", "tangent nan", "tangent up", "tangent side",
-    "tangent short", "picture",      "wrap u",       "wrap v",      "set",        "set wide",
-    "nearest",       "map",          "scale",        "size none",   "size wide",  "size more",
-    "size less",     "texels",       "sizes"};
+    "name",         "uv nan",        "uv far",       "uv short",     "uv absent",   "uv one",
+    "colour",       "colour nan",    "colour short", "tangent long", "tangent nan", "tangent up",
+    "tangent side", "tangent short", "picture",      "wrap u",       "wrap v",      "set",
+    "set wide",     "nearest",       "map",          "scale",        "size none",   "size wide",
+    "size more",    "size less",     "texels",       "sizes"};
 
 static inline void fake_lie_of_looks(const char *lie, fake_mesh *m)
 {

@@ -253,7 +253,7 @@ static inline void say_material(FILE *to, const lf_material *m, const lf_texture
                            m->brush.strength,
                            m->brush.turn[0],
                            m->brush.turn[1],
-                           (float)m->glows_by_colours};
+                           (float)(m->tint == LF_TINT_ALL)};
     say_numbers(to, m->kind->name, words, sizeof words / sizeof *words);
     for (int s = 0; set && s < LF_SLOTS; s++) {
         const lf_texture *t = &set->slot[s];

@@ -333,7 +333,7 @@ static void what_is_unlit_emits_the_colours_of_its_vertices(void **state)
                "'materials':[{'extensions':{'KHR_materials_unlit':{}}}]," GLTF_ONE_NODE);
     assert_vec(data.materials[0].emission, 1, 1, 1);
     assert_vec(data.materials[0].albedo, 0, 0, 0);
-    assert_true(data.materials[0].glows_by_colours);
+    assert_true(data.materials[0].tint == LF_TINT_ALL);
     assert_memory_equal(data.colours, green, sizeof green);
     assert_int_equal(data.warnings.n, 0);
     lf_mesh_data_finish(&data);

@@ -133,7 +133,7 @@ static lf_status take_parts(const uint32_t part_of[3])
     lf_assert_ok(lf_parcel_seal(&writer, &fd, NULL), NULL);
     lf_assert_ok(lf_parcel_open(fd, &parcel, NULL), NULL);
     close(fd);
-    lf_status status = lf_mesh_take(&parcel, false, &data, NULL);
+    lf_status status = lf_mesh_take(&parcel, (lf_mesh_asked){0}, &data, NULL);
     lf_mesh_data_finish(&data);
     lf_parcel_close(&parcel);
     return status;

@@ -231,6 +231,17 @@ static const char *const good[] = {
     "0.2}}}",
     "{\"materials\": {\"a\": {\"type\": \"conductor\", \"eta\": [0.2, 0.9, 1.1], \"k\": 3}}}",
     "{\"materials\": {\"a\": {\"emission\": [1e9, 0, 0], \"roughness\": 1}}}",
+    "{\"materials\": {\"a\": {\"albedo\": {\"file\": \"a.PNG\", \"scale\": [1, 0.5, 0], \"wrap\": "
+    "\"mirror\", \"interpolation\": \"nearest\", \"transform\": {\"offset\": [0.5, -2], "
+    "\"rotate\": 30, \"scale\": 4}}, \"alpha\": 0.5, \"alpha_cutoff\": 0.25}}}",
+    "{\"materials\": {\"a\": {\"type\": \"principled\", \"roughness\": {\"file\": \"r.jpg\", "
+    "\"scale\": {\"keys\": [[1, 1]]}}, \"metallic\": {\"file\": \"m.jpeg\"}, \"emission\": "
+    "{\"file\": \"e.webp\", \"scale\": 1e9}, \"normal\": {\"file\": \"n.png\", \"scale\": -2, "
+    "\"transform\": {\"scale\": [1, -1]}}}}}",
+    "{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"gold\", \"roughness\": "
+    "{\"file\": \"r.png\"}}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"materials\": {\"Skin\": \"a\"}}}, "
+    "\"materials\": {\"a\": {}}}",
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"file\": \"a.exr\", \"scale\": [1, 2, 3], "
     "\"rotate\": -10}}}",
     "{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 0}}}",
@@ -282,6 +293,18 @@ static const char *const wrong[] = {
     "{\"materials\": {\"a\": {\"type\": \"conductor\", \"eta\": 1}}}",
     "{\"materials\": {\"a\": {\"type\": \"plastic\", \"metal\": \"silver\"}}}",
     "{\"materials\": {\"a\": {\"type\": \"conductor\", \"eta\": 1, \"k\": 21}}}",
+    "{\"materials\": {\"a\": {\"albedo\": {}}}}",
+    "{\"materials\": {\"a\": {\"albedo\": {\"file\": \"a.exr\"}}}}",
+    "{\"materials\": {\"a\": {\"albedo\": {\"file\": \"a.png\", \"scale\": 2}}}}",
+    "{\"materials\": {\"a\": {\"albedo\": {\"file\": \"a.png\", \"wrap\": \"border\"}}}}",
+    "{\"materials\": {\"a\": {\"albedo\": {\"file\": \"a.png\", \"transform\": {\"scale\": "
+    "[1]}}}}}",
+    "{\"materials\": {\"a\": {\"albedo\": {\"file\": \"a.png\", \"transform\": {\"rotate\": "
+    "[1, 2, 3]}}}}}",
+    "{\"materials\": {\"a\": {\"normal\": 1}}}",
+    "{\"materials\": {\"a\": {\"alpha\": 1.5}}}",
+    "{\"meshes\": {\"m\": {\"file\": \"a.glb\", \"materials\": {\"Skin\": 1}}}}",
+    "{\"meshes\": {\"m\": {\"shape\": \"quad\", \"materials\": {}}}}",
     "{\"camera\": {\"views\": 1.5}}",
     "{\"camera\": {\"fov\": 14}}",
     "{\"camera\": {\"fov_y\": 161}}",

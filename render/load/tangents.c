@@ -1,10 +1,9 @@
-#include "render/reader/tangents.h"
+#include "render/load/tangents.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
-#include "base/reader/reader.h"
 #include "render/scene/vec_double.h"
 
 /* Sums at a vertex. */
@@ -164,7 +163,7 @@ lf_status lf_mesh_tangents(lf_mesh_data *data, lf_error *err)
         data->tangents = lf_calloc(n, 4 * sizeof *data->tangents);
     if (!frames || !data->tangents) {
         lf_free(frames);
-        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
+        return lf_error_set(err, LF_E_NOMEM, "mesh", "out of memory");
     }
     for (int t = 0; t < data->n_triangles; t++)
         add_triangle(data, t, frames);
