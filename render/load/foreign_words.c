@@ -82,11 +82,17 @@ static const foreign_key light_keys[] = {
     {NULL, "colour", COLOUR},
 };
 
+#define ALBEDO_PICTURE "\"albedo\": {\"file\": ...}"
+#define NORMAL_MAP "\"normal\": {\"file\": ...}"
+
 static const foreign_key material_keys[] = {
     {NULL, "color", "\"albedo\""},       {NULL, "colour", "\"albedo\""},
     {NULL, "base_color", "\"albedo\""},  {NULL, "diffuse", "\"albedo\""},
     {NULL, "reflectance", "\"albedo\""}, {NULL, "metalness", "\"metallic\""},
     {NULL, "emissive", "\"emission\""},  {NULL, "clearcoat", "\"coat\""},
+    {NULL, "opacity", "\"alpha\""},      {NULL, "texture", ALBEDO_PICTURE},
+    {NULL, "map", ALBEDO_PICTURE},       {NULL, "textures", ALBEDO_PICTURE},
+    {NULL, "normal_map", NORMAL_MAP},    {NULL, "normalmap", NORMAL_MAP},
 };
 
 static void refuse_keys(lf_reader *reader, const lf_node *node, const foreign_key *keys, size_t n)

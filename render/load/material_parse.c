@@ -84,6 +84,9 @@ static void read_key(lf_reader *reader, const lf_node *node, const lf_param *key
     static const char *const keys[] = {"file", "scale", "wrap", "interpolation", "transform", NULL};
     lf_picture_desc *picture = place_of(key->name, pictures);
     const lf_node at = lf_node_child(node, key->name);
+    if (picture && json_is_string(at.value))
+        lf_read_fail(reader, &at, "a picture is an object: say {\"file\": \"%.200s\"}",
+                     json_string_value(at.value));
     if (!picture || !json_is_object(at.value)) {
         lf_read_value(reader, node, key, out);
         return;
