@@ -27,7 +27,7 @@ prepare() {
     cp "$src/scenes/cloud.json" "$src/scenes/cloud.vdb" .
     quiltrender helmet.glb -o photos/ --png --views 6 --view-size 60x80 --passes 1
 }
-report "the reader's files are there" "$(prepare 2>&1 > log || cat log)"
+report "the reader's files are there" "$(prepare > log 2>&1 || cat log)"
 
 # Run elsewhere: make check-distro (what installs packages, or is this test itself).
 elsewhere() {

@@ -138,7 +138,7 @@ static void a_foreign_file_is_refused_and_named(void **state)
         {"--spp 2 --view-size 24x31", "the views' height (32, now 31)"},
         {"--spp 2 --integrator vpt", "the integrator (\"mvpt\", now \"vpt\")"},
         {"--spp 2 --max-depth 2", "how it is rendered"},
-        {"--spp 2 --fit", "the camera"},
+        {"--spp 2 --fit=fog", "the camera"},
         {"--spp 1", "holds 2 spp, and this job is of 1"},
     };
     char path[PATH_MAX], kept[PATH_MAX], other[PATH_MAX];
