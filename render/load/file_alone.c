@@ -25,6 +25,7 @@
 #define LYING 0.08
 #define PITCH_LYING 45.0
 #define CONE 35.0
+#define FILL 0.96
 /* Of the window that a camera of the file is measured by: a Portrait's. */
 #define ASPECT 0.75
 
@@ -242,7 +243,7 @@ static json_t *make_turned_camera(const lf_scene *scene, double yaw, double pitc
 {
     const double y = LF_RADIANS(yaw), p = LF_RADIANS(pitch),
                  from[3] = {sin(y) * cos(p), sin(p), cos(y) * cos(p)};
-    return stand(scene, from, 1.0);
+    return stand(scene, from, FILL);
 }
 
 /* The part of the window's height or width that a box takes, the larger; 0: some of it is outside,
