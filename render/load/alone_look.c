@@ -3,7 +3,7 @@
 /* So much of the studio's light that white paint keeps its shapes. */
 #define WHITE_KEPT 0.82
 
-/* The studio's light and a sun stand where they do for a camera at +z, turned with it. */
+/* Its boxes stand about a camera at +z, and turn with it. */
 static json_t *light_studio(double yaw)
 {
     return json_pack("{s:{s:s, s:f, s:f, s:b}}", "studio", "type", "studio", "rotate", yaw, "scale",
