@@ -414,8 +414,9 @@ lf_status lf_quilt_read_photo(const char *path, const lf_roots *roots, int colum
     static const lf_photo plain = {0};
     const lf_photo *how = photo ? photo : &plain;
     lf_quilt_file q = {0};
-    lf_status status = is_folder(path, roots) ? read_folder(path, roots, how, &q, err)
-                                       : read_quilt(path, roots, columns, rows, how, &q, err);
+    lf_status status = is_folder(path, roots)
+                           ? read_folder(path, roots, how, &q, err)
+                           : read_quilt(path, roots, columns, rows, how, &q, err);
     if (status == LF_OK)
         *out = q;
     else

@@ -123,8 +123,8 @@ bool lf_find_grounds(const lf_scene *scene, bool *out)
         if (!lf_thing_box(scene, i, &box))
             continue;
         const lf_ground_word word = word_of(scene, i);
-        out[i] = word == LF_GROUND_SAID ||
-                 (word == LF_GROUND_GUESSED && is_guessed(scene, i, &box));
+        out[i] =
+            word == LF_GROUND_SAID || (word == LF_GROUND_GUESSED && is_guessed(scene, i, &box));
         n_there++;
         n_left += out[i];
     }

@@ -275,8 +275,7 @@ lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *setting
                             "camera.views is a track: its cameras see what they pass");
     if (!lf_scene_bounds(scene, name, bounds))
         return name ? refuse_name(scene, name, err)
-                    : lf_error_set(err, LF_E_ARG, "fit",
-                                   "nothing is there that could be framed");
+                    : lf_error_set(err, LF_E_ARG, "fit", "nothing is there that could be framed");
     const double(*box)[3] = (const double(*)[3])bounds;
     lf_status status = stand(scene, settings, box, fill, steps, target, position, err);
     if (status == LF_OK &&

@@ -72,19 +72,19 @@ typedef struct lf_options {
     int threads; /* 0 = all CPUs */
     uint64_t seed;
     int max_depth;                           /* 0 = the scene's */
+    bool has_exposure;                       /* it was given */
+    bool guides;                             /* what lies outside of the sharp depth is marked */
     bool has_skip;                           /* it was given */
     unsigned skip;                           /* bits of lf_skip */
     double target_error, target_shown_error; /* > 0 */
-    bool has_exposure;                       /* it was given */
     lf_fit_option fit;
     lf_file_options file;
-    bool guides;     /* what lies outside of the sharp depth is marked */
     double exposure; /* as in lf_exposed_film */
+    int import_time; /* seconds; 0 = LF_IMPORT_SECONDS */
     lf_reconstruct reconstruct;
     unsigned layers;         /* bits of lf_layer, beside the colours of EXR files */
     const char *calibration; /* a file */
     double import_memory;    /* GiB; 0 = half of the machine's */
-    int import_time;         /* seconds; 0 = LF_IMPORT_SECONDS */
     lf_photo photo;          /* of finished pictures: lf_photo_params */
     lf_alone alone;          /* of files without a scene: lf_alone_params */
 } lf_options;

@@ -18,7 +18,7 @@
 /* Everything the command line says. */
 typedef struct lf_render_arguments {
     lf_options options; /* reconstruct auto: on, unless the scene lists its cameras one by one */
-    const char *scene; /* NULL for a chart */
+    const char *scene;  /* NULL for a chart */
     const char *out, *stats;
     const char *state;      /* NULL: what is accumulated is not kept */
     const char *state_info; /* tell what is in this state, and nothing else */
