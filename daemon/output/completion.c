@@ -359,7 +359,9 @@ static const char *command_at(int index)
 
 static bool no_follower(int operand, int index, char *word, size_t size)
 {
-    (void)operand, (void)index, (void)word, (void)size;
+    (void)operand, (void)index;
+    if (size > 0)
+        word[0] = '\0';
     return false;
 }
 

@@ -279,7 +279,7 @@ static double share_of_window(const lf_file_camera *camera, const double bounds[
 static json_t *make_file_camera(const lf_scene *scene)
 {
     const lf_geometry *geometry = scene->geometry;
-    double bounds[2][3], depth;
+    double bounds[2][3], depth = 0.0;
     if (!geometry || geometry->n_meshes < 1 || !lf_scene_bounds(scene, "model", bounds))
         return NULL;
     const lf_file_cameras *cameras = &geometry->cameras[0];

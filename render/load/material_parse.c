@@ -297,6 +297,8 @@ static void read_overrides(lf_reader *reader, const lf_node *mesh_node, const lf
     mesh->overrides = lf_calloc(json_object_size(all.value), sizeof *mesh->overrides);
     if (!mesh->overrides && reader->status == LF_OK)
         reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
+    if (!mesh->overrides)
+        return;
     json_object_foreach(all.value, name, value)
     {
         const lf_node at = lf_node_child(&all, name);

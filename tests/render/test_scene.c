@@ -269,7 +269,7 @@ static const bad bad_scenes[] = {
      "out of range: 0 to 1"},
     {"{\"lights\": {\"l\": {\"radiance\": 1}}}", 1, "/lights/l", "\"type\" is missing"},
     {"{\"lights\": {\"l\": {\"type\": \"laser\"}}}", 1, "/lights/l/type",
-     "expected one of environment, sky, distant, point"},
+     "expected one of environment, sky, studio, distant, point"},
     {"{\"lights\": {\"l\": {\"type\": \"environment\"}}}", 1, "/lights/l",
      "one is missing: \"file\" or \"radiance\""},
     {"{\"lights\": {\"l\": {\"type\": \"environment\", \"radiance\": 1, \"rotate\": 3}}}", 1,
