@@ -138,7 +138,6 @@ static void a_foreign_file_is_refused_and_named(void **state)
         {"--spp 2 --view-size 24x31", "the views' height (32, now 31)"},
         {"--spp 2 --integrator vpt", "the integrator (\"mvpt\", now \"vpt\")"},
         {"--spp 2 --max-depth 2", "how it is rendered"},
-        {"--spp 2 --fit=fog", "the camera"},
         {"--spp 1", "holds 2 spp, and this job is of 1"},
     };
     char path[PATH_MAX], kept[PATH_MAX], other[PATH_MAX];
@@ -159,6 +158,10 @@ static void a_foreign_file_is_refused_and_named(void **state)
                path, cases[i].options);
         qr_assert_fails(&o, 1, cases[i].words);
     }
+    qr_run(&o, "%s -o %s/no.png --state %s --reconstruct off --spp 2 --fit=fog " SIZE, f->scene,
+           f->folder, path); /* a warning of its depth comes first */
+    assert_int_equal(o.code, 1);
+    assert_non_null(strstr(o.err, "differs in the camera"));
     qr_run(&o, "%s -o %s/no.png --state %s --reconstruct on --spp 2 " SIZE, f->scene, f->folder,
            path);
     qr_assert_fails(&o, 1, "--reconstruct (false, now true)");

@@ -218,6 +218,12 @@ static void a_failing_ffmpeg_is_one_line_and_leaves_the_file_that_was_there(void
         {"#!/bin/sh\nkill -9 $$\n", "ffmpeg: was ended by signal 9"},
         {"#!/bin/sh\nexit 0\n", "ffmpeg: ended before the last frame"},
     };
+    char scene[PATH_MAX]; /* of which there is nothing to warn */
+    snprintf(scene, sizeof scene, "%s",
+             lf_test_write(f->folder, "ball.json",
+                           "{\"camera\": {\"position\": [0,0,9], \"cone\": 2}, \"meshes\": "
+                           "{\"ball\": {\"shape\": \"sphere\"}}, \"lights\": {\"sky\": "
+                           "{\"type\": \"environment\", \"radiance\": 0.6}}}"));
     lf_test_write(f->folder, "v_qs2x2a0.75.mp4", "mine");
     pretend(f, cases[0].script);
     int before = qr_count_files(f->folder);
