@@ -232,8 +232,8 @@ static void a_failing_ffmpeg_is_one_line_and_leaves_the_file_that_was_there(void
         size_t n = 0;
         lf_test_write(f->folder, "ffmpeg", cases[i].script);
         /* more than a pipe holds: it is noticed while frames are handed over */
-        qr_run(&o, "%s -o %s/v.mp4 --turntable 3 --view-size 120x160 --views 4 --passes 1",
-               f->scene, f->folder);
+        qr_run(&o, "%s -o %s/v.mp4 --turntable 3 --view-size 120x160 --views 4 --passes 1", scene,
+               f->folder);
         qr_assert_fails(&o, 1, cases[i].words);
         char *text = read_text(f->folder, "v_qs2x2a0.75.mp4", &n);
         assert_string_equal(text, "mine");
