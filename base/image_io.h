@@ -72,11 +72,14 @@ typedef void (*lf_rows32_fn)(void *context, int y, float *row);
 LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
                                          void *context, int level, const lf_attribute *attributes,
                                          int n, lf_error *err);
-/* The same of pixels whose width / height is not 1, which a pHYs says: 0.01..100; 0: square. */
-LF_NODISCARD lf_status lf_png_write_oblong(lf_outfile *file, int width, int height,
-                                           double pixel_aspect, lf_rows8_fn rows, void *context,
-                                           int level, const lf_attribute *attributes, int n,
-                                           lf_error *err);
+/* The same of pixels whose width / height is not 1, which a pHYs says. */
+typedef struct lf_png_size {
+    int width, height;
+    double pixel_aspect; /* 0.01..100; 0: square */
+} lf_png_size;
+LF_NODISCARD lf_status lf_png_write_oblong(lf_outfile *file, lf_png_size size, lf_rows8_fn rows,
+                                           void *context, int level, const lf_attribute *attributes,
+                                           int n, lf_error *err);
 LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
                                     const lf_attribute *attributes, int n, lf_error *err);
 /* JPEG, sRGB, colours at full resolution (4:4:4); quality 1..100 is libjpeg's. No attributes. Else

@@ -258,10 +258,10 @@ static lf_status write_rows(png_session *s, const png_job *job)
     return LF_OK;
 }
 
-lf_status lf_png_write_oblong(lf_outfile *file, int width, int height, double pixel_aspect,
-                              lf_rows8_fn rows, void *context, int level,
-                              const lf_attribute *attributes, int n, lf_error *err)
+lf_status lf_png_write_oblong(lf_outfile *file, lf_png_size size, lf_rows8_fn rows, void *context,
+                              int level, const lf_attribute *attributes, int n, lf_error *err)
 {
+    const int width = size.width, height = size.height;
     if (width < 1 || width > 65536 || height < 1 || height > 65536 || level < 1 || level > 9)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file),
                             "%dx%d pixels at level %d cannot be a PNG", width, height, level);
@@ -269,7 +269,7 @@ lf_status lf_png_write_oblong(lf_outfile *file, int width, int height, double pi
     png_job job = {.width = width,
                    .height = height,
                    .level = level,
-                   .pixel_aspect = pixel_aspect,
+                   .pixel_aspect = size.pixel_aspect,
                    .rows = rows,
                    .context = context,
                    .attributes = attributes,
@@ -289,7 +289,8 @@ lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn
                             void *context, int level, const lf_attribute *attributes, int n,
                             lf_error *err)
 {
-    return lf_png_write_oblong(file, width, height, 0, rows, context, level, attributes, n, err);
+    return lf_png_write_oblong(file, (lf_png_size){width, height, 0}, rows, context, level,
+                               attributes, n, err);
 }
 
 static void copy_row(void *context, int y, uint8_t *row)

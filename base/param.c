@@ -665,8 +665,8 @@ static json_t *row_schema(const lf_param *row)
 static json_t *default_json(const lf_param *row)
 {
     const double value = row->initial;
-    if (row->required || is_text(row) || row->type == LF_PARAM_POINT || row->or_object ||
-        !is_allowed(row, value))
+    if (row->required || row->has || is_text(row) || row->type == LF_PARAM_POINT ||
+        row->or_object || !is_allowed(row, value))
         return NULL;
     if (has_words(row) && row->type != LF_PARAM_WHOLE)
         return json_string(word_of(row, (int)value));

@@ -77,7 +77,7 @@ bool lf_passed_name(const char *path, char *out)
         part += n;
     }
     if (out[0] == '\0')
-        strcpy(out, "/");
+        memcpy(out, "/", 2);
     return true;
 }
 

@@ -542,9 +542,9 @@ lf_status lf_quilt_write_png(lf_outfile *file, const lf_views8 *views, const lf_
     if (status != LF_OK)
         return status;
     quilt_rows8 rows = {views, layout};
-    return lf_png_write_oblong(file, layout->columns * views->width, layout->rows * views->height,
-                               pixel_aspect_of(layout), row8, &rows, PNG_LEVEL, attributes,
-                               n_attributes, err);
+    const lf_png_size size = {layout->columns * views->width, layout->rows * views->height,
+                              pixel_aspect_of(layout)};
+    return lf_png_write_oblong(file, size, row8, &rows, PNG_LEVEL, attributes, n_attributes, err);
 }
 
 lf_status lf_quilt_write_jpeg(lf_outfile *file, const lf_views8 *views, const lf_layout *layout,

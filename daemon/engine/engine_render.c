@@ -206,7 +206,7 @@ static void look_for_blank(lf_engine *engine, const lf_views8 *views)
                              ? lf_blank_of_views8(views)
                              : LF_BLANK_NOT;
     const char *words = lf_blank_words(engine->look.blank, true);
-    if (words && before == LF_BLANK_NOT)
+    if (words && before == LF_BLANK_NOT && !engine->content->is_frame)
         lf_log(LF_LOG_WARNING, "%s: %s", engine->content->file, words);
 }
 

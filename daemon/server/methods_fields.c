@@ -138,7 +138,7 @@ static const field fields[] = {
     {"scene.load", "warnings", "[string]", NULL, "what its files hold and the picture lacks"},
     {"scene.get", "file", "string", NULL, "file that the scene came from"},
     {"scene.get", "generation", "integer", COUNT, "number of the scene"},
-    {"scene.get", "bounds", "@bounds|null", NULL, "box around all that has a place"},
+    {"scene.get", "bounds", "@bounds|null", NULL, "box around the scene without its grounds"},
     {"scene.get", "scene", "object|null", NULL, "the scene's document; null: a picture is shown"},
     {"@bounds", "min", "[number]", "scene units", "least x, y and z"},
     {"@bounds", "max", "[number]", "scene units", "greatest x, y and z"},

@@ -106,6 +106,22 @@ static lf_status take_alone(const lf_call *call, lf_load *load, lf_error *err)
     return lf_param_from_json(lf_alone_params, call->params, &load->words.alone, "scene.load", err);
 }
 
+/* A scene says by itself how it looks. */
+static lf_status refuse_words(const lf_call *call, const char *file, lf_error *err)
+{
+    static const char *const words[] = {"yaw",   "pitch",          "up",           "bare",
+                                        "photo", "photo_position", "photo_rotate", "aspect"};
+    char pointer[32];
+    for (size_t i = 0; lf_path_has_ending(file, ".json") && i < sizeof words / sizeof *words; i++) {
+        if (!json_object_get(call->params, words[i]))
+            continue;
+        snprintf(pointer, sizeof pointer, "/%s", words[i]);
+        return lf_error_set_at(err, LF_E_ARG, call->method, 0, pointer,
+                               "only goes with files without a scene; a scene says it itself");
+    }
+    return LF_OK;
+}
+
 /* The words of a call that loads a file. */
 static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
 {
@@ -116,7 +132,9 @@ static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
         status = take_alone(call, load, err);
     if (status == LF_OK)
         status = take_tiles(call, load, err);
-    return status == LF_OK ? find_file(call, load->passed, &load->file, err) : status;
+    if (status == LF_OK)
+        status = find_file(call, load->passed, &load->file, err);
+    return status == LF_OK ? refuse_words(call, load->file, err) : status;
 }
 
 void lf_method_scene_load(lf_call *call)

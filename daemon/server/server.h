@@ -104,6 +104,7 @@ typedef struct lf_card {
     sd_event_source *timer;
     bool late;                /* it has been dark for long */
     char words[LF_CARD_TEXT]; /* as the engine has them */
+    bool waits;               /* for a picture */
 } lf_card;
 
 /* The daemon from its start to its end: server.c. */
@@ -115,7 +116,8 @@ typedef struct lf_life {
     bool ready_sent; /* systemd was told */
     int reloads;     /* for systemd that have not ended */
     lf_card card;
-    lf_task *held; /* loads that came before the scene of the command line */
+    lf_load_words words; /* of the file that is shown, for when it is read again */
+    lf_task *held;       /* loads that came before the scene of the command line */
     /* seconds of this thread's CPU time, of the longest turn of the event loop (turns.h) */
     double longest_turn;
 } lf_life;

@@ -47,11 +47,25 @@ static void find_words(const lf_server *server, char *out, size_t size)
     }
 }
 
+/* A wait begins anew where nothing was waited for. */
+static void begin_wait(lf_server *server)
+{
+    const bool waits =
+        server->content || server->life.held || lf_loader_pending(server->loader) > 0;
+    if (waits && !server->life.card.waits && server->life.card.timer) {
+        server->life.card.late = false;
+        (void)sd_event_source_set_time_relative(server->life.card.timer, LATE_USEC);
+        (void)sd_event_source_set_enabled(server->life.card.timer, SD_EVENT_ONESHOT);
+    }
+    server->life.card.waits = waits;
+}
+
 void lf_server_tell_card(lf_server *server)
 {
     char words[LF_CARD_TEXT];
     if (lf_server_is_stopping(server))
         return;
+    begin_wait(server);
     find_words(server, words, sizeof words);
     if (strcmp(words, server->life.card.words) == 0)
         return;

@@ -365,7 +365,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
                          json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file",
                                    lf_rpc_text(server->content->file)));
         if (load->kind == LF_LOAD_FILE) {
-            server->options.alone = load->options.alone; /* for when it is read again */
+            server->life.words = load->words;
             lf_server_file_shown(server, load->browsed);
             lf_server_play_file(server, same);
             server->error.status = LF_OK;
@@ -487,6 +487,7 @@ void lf_server_reload(lf_server *server)
     if (load) {
         load->file = lf_strdup(file);
         load->passed = lf_passed_ref(server->content ? server->content->passed : NULL);
+        load->words = server->life.words;
     }
     if (!load || !load->file) {
         if (load)

@@ -56,10 +56,10 @@ static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
     for (;;) {
         int fd = open(lock, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
         if (fd < 0) {
-            return lf_error_set(
-                err, LF_E_IO, path,
-                "cannot make the socket's lock beside it: %s (another place: --socket PATH)",
-                lf_errno_text(errno));
+            return lf_error_set(err, LF_E_IO, path,
+                                "cannot make the socket's lock beside it: %s (another place: "
+                                "--socket PATH, or QUILTD_SOCKET for quiltctl, too)",
+                                lf_errno_text(errno));
         }
         if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
             close(fd);

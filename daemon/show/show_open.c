@@ -186,6 +186,10 @@ static void try_later(lf_show *show, lf_status status)
 static void stays_missing(lf_show *show, const lf_opener_request *request)
 {
     bool wanted = strcmp(request->spec, show->opening.wanted) == 0;
+    if (show->kept.lost) { /* its folder was not to be made again */
+        show->kept.lost = false;
+        show->events.kept(show->context, &request->err);
+    }
     if (wanted) {
         show->problem = request->err;
         memcpy(show->spec, request->spec, sizeof show->spec);

@@ -50,7 +50,8 @@ static bool daemon_reads(const gathering *g, const char *path)
     json_t *folder;
     json_array_foreach((json_t *)(uintptr_t)g->folders, i, folder)
     {
-        reads = reads || (real && is_beneath(json_string_value(folder), real));
+        reads = reads || (real && json_string_length(folder) > 0 &&
+                          is_beneath(json_string_value(folder), real));
     }
     free(real);
     return reads;

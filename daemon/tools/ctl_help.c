@@ -65,7 +65,8 @@ static void name_value(const json_t *schema, char *buf, size_t size)
         return;
     json_array_foreach((json_t *)(uintptr_t)type, i, word)
     {
-        append(buf, size, "|", placeholder(json_string_value(word)));
+        if (json_is_string(word))
+            append(buf, size, "|", placeholder(json_string_value(word)));
     }
     if (json_integer_value(json_object_get(schema, "maxItems")) == 3)
         append(buf, size, "", "X,Y,Z");
@@ -139,7 +140,7 @@ static bool is_required(const json_t *schema, const char *key)
     json_t *name;
     json_array_foreach(json_object_get(schema, "required"), i, name)
     {
-        if (strcmp(json_string_value(name), key) == 0)
+        if (json_is_string(name) && strcmp(json_string_value(name), key) == 0)
             return true;
     }
     return false;

@@ -238,7 +238,9 @@ static lf_status call(lf_ctl *ctl, const arguments *a, const json_t *hello, json
 {
     if (strcmp(a->method, "export") == 0 && !is_detached(params))
         return lf_ctl_export(ctl, params, out_result, err);
-    if (strcmp(a->method, "scene.load") == 0 || strcmp(a->method, "scene.patch") == 0)
+    /* a daemon of before takes none */
+    if (json_is_array(json_object_get(hello, "folders")) &&
+        (strcmp(a->method, "scene.load") == 0 || strcmp(a->method, "scene.patch") == 0))
         return call_with_files(ctl, a, hello, params, out_result, err);
     return lf_ctl_call(ctl, a->method, params, NULL, 0, out_result, NULL, err);
 }

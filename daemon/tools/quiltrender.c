@@ -99,7 +99,7 @@ static int run(const lf_render_arguments *a)
     lf_progress_line_clear(&r.line);
     if (status != LF_OK) {
         lf_log_error(&err);
-        code = a->state && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
+        code = r.state.is_kept && status == LF_E_CANCELLED ? LF_EXIT_INTERRUPTED : LF_EXIT_FAILED;
     } else if (!a->plan) {
         tell_names(&r, lf_time_now() - begun);
     }

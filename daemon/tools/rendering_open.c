@@ -162,6 +162,28 @@ static lf_options options_of(const lf_rendering *r, const lf_camera *camera)
     return options;
 }
 
+static bool is_alone(const lf_rendering *r)
+{
+    return !lf_path_has_ending(r->arguments->scene, ".json");
+}
+
+/* A file without a scene says no cone: for a print it is as wide as lenses show sharply. */
+static void narrow_cone(lf_rendering *r)
+{
+    lf_camera *camera = &r->settings.camera;
+    const double before = camera->cone;
+    lf_depth depth;
+    for (int i = 0; i < 8 && lf_scene_depth(r->scene, &r->settings, &depth) &&
+                    lf_depth_exceeds(&depth, camera, LF_DEPTH_PRINT);
+         i++)
+        camera->cone *= 0.98 / lf_depth_shift(&depth);
+    if (camera->cone < before && !r->pool) /* while it opens, not for every frame */
+        lf_log(LF_LOG_INFO,
+               "%s: the views lie in a cone of %.1f degrees, not %.0f, so that lenses "
+               "show all of it sharply",
+               r->arguments->scene, camera->cone * 180 / M_PI, before * 180 / M_PI);
+}
+
 lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -193,6 +215,8 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
         status = prepare_print(r, LF_MAX_VIEWS, err);
         if (status == LF_OK)
             lf_output_print_view(&r->print, &r->settings);
+        if (status == LF_OK && is_alone(r))
+            narrow_cone(r);
         r->print.rolled = r->print.horizontal;
     }
     return status;
@@ -232,7 +256,7 @@ static lf_status whiten(lf_rendering *r, lf_error *err)
 {
     const lf_options *o = &r->arguments->options;
     const lf_film_settings *film = lf_scene_film_settings(r->scene);
-    const bool frames = o->fit.on || !lf_path_has_ending(r->arguments->scene, ".json");
+    const bool frames = o->fit.on || is_alone(r);
     const lf_film_settings exposed =
         lf_exposed_film(film, o->has_exposure ? o->exposure : -HUGE_VAL);
     json_t *patch = NULL;

@@ -29,7 +29,7 @@ static lf_status check_views(const lf_print *print, const char **out_warning, lf
             "%d views: a lens of %g lpi has %.4g pixels at %.10g dpi, expected 1 to %d",
             print->n_views, print->lpi, pixels_per_lens, lf_print_dpi_across(print), most);
     if (out_warning)
-        *out_warning = print->n_views > 1 && print->n_views > VIEWS_A_PIXEL * pixels_per_lens + 1e-9
+        *out_warning = print->n_views > 2 && print->n_views > VIEWS_A_PIXEL * pixels_per_lens + 1e-9
                            ? "more than 0.8 dpi/lpi views: neighbouring views ghost; fewer views "
                              "or a finer raster are cleaner"
                            : NULL;

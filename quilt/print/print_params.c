@@ -40,7 +40,7 @@ const lf_param lf_print_params[] = {
      .unit = "mm", .low = 1, .high = 5000, .required = true,
      .about = "trim height of the print"},
     {.name = "views", PLACE(n_views), .type = LF_PARAM_WHOLE, .low = 1, .high = 1920,
-     .about = "views under a lens (as many whole ones as dpi / lpi)"},
+     .about = "views under a lens (0.8 dpi / lpi, whole, and at least 2)"},
     {.name = "stripes", .option = "stripes", .argument = "NAME", PLACE(stripes),
      .type = LF_PARAM_WORD, .words = stripes,
      .about = "how stripes of views fall on the printer's dots"},

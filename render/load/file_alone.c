@@ -69,8 +69,7 @@ bool lf_is_file_alone(const char *path)
 
 #define MOST_FRAMES 10000
 
-/* -1: there is none, or the name has no place for a number. */
-static int largest_frame(const char *path)
+int lf_alone_frame(const char *path)
 {
     off_t most = 0;
     int best = -1;
@@ -86,9 +85,8 @@ static int largest_frame(const char *path)
     return best;
 }
 
-char *lf_alone_file(const char *path)
+char *lf_alone_file(const char *path, int frame)
 {
-    const int frame = largest_frame(path);
     return frame < 0 ? lf_strdup(path) : lf_frame_name(path, frame);
 }
 
@@ -149,11 +147,10 @@ static bool is_z_up(const char *path, const lf_alone *how)
            (how->up == LF_UP_OF_FILE && !how->bare && lf_path_has_ending(path, ".stl"));
 }
 
-json_t *lf_alone_document(const char *path, const lf_alone *how, const char *grids)
+json_t *lf_alone_document(const char *path, int frame, const lf_alone *how, const char *grids)
 {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     const bool is_volume = lf_is_file_of(path, lf_volume_endings);
-    const int frame = largest_frame(path);
     json_t *object =
         is_volume && !how->bare ? make_volume(name, grids) : json_pack("{s:s}", "file", name);
     json_t *document = json_pack("{s:i, s:{s:O}}", "quiltd", 1, is_volume ? "volumes" : "meshes",
@@ -275,8 +272,8 @@ static double share_of_window(const lf_file_camera *camera, const double bounds[
 }
 
 /* The file's first camera, where it has the whole object in its window, and large enough; else
- * NULL: there is none, or out of memory. */
-static json_t *make_file_camera(const lf_scene *scene)
+ * NULL: there is none, or out of memory. *yaw: degrees by which it is to the right of +z. */
+static json_t *make_file_camera(const lf_scene *scene, double *yaw)
 {
     const lf_geometry *geometry = scene->geometry;
     double bounds[2][3], depth = 0.0;
@@ -286,6 +283,8 @@ static json_t *make_file_camera(const lf_scene *scene)
     if (cameras->n < 1 || cameras->open[0].parallel ||
         share_of_window(&cameras->open[0], (const double(*)[3])bounds, &depth) < FILE_CAMERA_SHARE)
         return NULL;
+    const double *look = cameras->open[0].look;
+    *yaw = atan2(-look[0], -look[2]) * 180.0 / (double)LF_PI;
     return json_pack("{s:{s:s, s:i, s:f}, s:f}", "from", "mesh", "model", "camera",
                      cameras->open[0].number, "distance", depth, "cone", CONE);
 }
@@ -348,7 +347,7 @@ bool lf_alone_furnish(json_t *document, const lf_alone *how, const lf_scene *sce
     if (how->bare && !is_turned)
         camera = make_bare_camera(scene);
     else if (!is_turned)
-        camera = make_file_camera(scene);
+        camera = make_file_camera(scene, &yaw);
     if (!camera)
         camera = make_turned_camera(scene, yaw, pitch);
     if (!how->bare) /* placed already: in every frame the same */

@@ -122,6 +122,8 @@ json_t *lf_scene_placing(lf_reader *reader, const lf_scene *scene)
 {
     json_t *patch = scene->file.placing ? json_copy(scene->file.placing) : json_object();
     json_t *camera = has_fit(scene) ? fit_camera(reader, scene) : NULL;
+    if (has_fit(scene) && !camera && reader->status == LF_OK)
+        reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");
     bool done = patch && (!camera || json_object_set(patch, "camera", camera) == 0);
     json_decref(camera);
     if (reader->status == LF_OK && !done)

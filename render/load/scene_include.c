@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/image_io.h"
 #include "base/text.h"
+#include "render/load/file_alone.h"
 #include "render/scene/scene.h"
 
 #define MAX_PATH 4095
@@ -22,6 +23,10 @@ static lf_status refuse_text(const char *path, const char *text, const json_erro
         return lf_error_set(err, LF_E_FORMAT, path,
                             "not a picture, though its name ends as one of them (expected PNG, "
                             "JPEG, EXR or Radiance HDR)");
+    if (lf_is_file_alone(path))
+        return lf_error_set(err, LF_E_FORMAT, path,
+                            "a mesh or a volume, not a scene: name it in \"meshes\" or "
+                            "\"volumes\"; \"include\" takes scenes");
     if (text[strspn(text, " \t\r\n")] != '{')
         return lf_error_set_at(
             err, LF_E_FORMAT, path, problem->line, NULL,

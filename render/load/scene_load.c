@@ -211,10 +211,10 @@ static lf_status build_made(json_t *doc, const json_t *patch, const char *path, 
 
 /* The names of the grids of a volume's file, of a sequence in the frame that a document has; ""
  * where the file is none. */
-static lf_status list_grids(const char *path, const lf_roots *roots, char **out_names,
+static lf_status list_grids(const char *path, int frame, const lf_roots *roots, char **out_names,
                             lf_error *err)
 {
-    char *file = lf_alone_file(path);
+    char *file = lf_alone_file(path, frame);
     int fd = -1;
     if (!file)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
@@ -228,10 +228,10 @@ static lf_status list_grids(const char *path, const lf_roots *roots, char **out_
 }
 
 /* The document of the file, with what shows it once its scene is known (NULL: not yet). */
-static json_t *make_alone(const char *path, const lf_alone *how, const char *grids,
+static json_t *make_alone(const char *path, int frame, const lf_alone *how, const char *grids,
                           const lf_scene *scene)
 {
-    json_t *document = lf_alone_document(path, how, grids);
+    json_t *document = lf_alone_document(path, frame, how, grids);
     if (!document || !scene || lf_alone_furnish(document, how, scene))
         return document;
     json_decref(document);
@@ -245,18 +245,19 @@ static lf_status load_alone(const char *path, const lf_alone *how, const json_t 
 {
     char *folder = lf_path_folder(path), *allowed = NULL, *grids = NULL;
     lf_scene *alone = NULL;
+    const int frame = lf_alone_frame(path);
     lf_status status = folder ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     if (status == LF_OK && roots && roots->n_roots > 0 && !lf_passed_has(roots->passed, path))
         status = lf_roots_resolve(roots, folder, &allowed, err);
     if (status == LF_OK && !how->bare && lf_is_file_of(path, lf_volume_endings))
-        status = list_grids(path, roots, &grids, err);
+        status = list_grids(path, frame, roots, &grids, err);
     const char *names = grids ? grids : "";
     if (status == LF_OK)
-        status = build_made(make_alone(path, how, names, NULL), NULL, path, folder, roots, previous,
-                            &alone, err);
+        status = build_made(make_alone(path, frame, how, names, NULL), NULL, path, folder, roots,
+                            previous, &alone, err);
     if (status == LF_OK)
-        status = build_made(make_alone(path, how, names, alone), patch, path, folder, roots, alone,
-                            out_scene, err);
+        status = build_made(make_alone(path, frame, how, names, alone), patch, path, folder, roots,
+                            alone, out_scene, err);
     lf_scene_unref(alone);
     lf_free(grids);
     lf_free(allowed);

@@ -94,8 +94,8 @@ static void depths(void)
 /* Every float there is, one in 4099, NaN and denormals among them. */
 static void tones(void)
 {
-    const char *const maps[] = {"srgb", "filmic", "aces"};
-    for (int m = 0; m < 3; m++) {
+    const char *const maps[] = {"srgb", "filmic", "aces", "neutral"};
+    for (int m = 0; m < 4; m++) {
         lf_tone *tone = NULL;
         demand(lf_tone_create(0.37, maps[m], &tone, NULL) == LF_OK, "no tone map");
         uint64_t hash = start;
