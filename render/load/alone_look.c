@@ -50,7 +50,7 @@ static const struct {
     double top[3], bottom[3]; /* of the backdrop */
     const char *tonemap;
 } looks[] = {
-    [LF_ALONE_STUDIO] = {light_studio, {0.42, 0.435, 0.46}, {0.66, 0.65, 0.64}, "neutral"},
+    [LF_ALONE_STUDIO] = {light_studio, {0.27, 0.28, 0.3}, {0.58, 0.575, 0.565}, "neutral"},
     [LF_ALONE_DAY] = {light_day, {0.07, 0.16, 0.38}, {0.36, 0.47, 0.62}, "filmic"},
     [LF_ALONE_NIGHT] = {light_night, {0.012, 0.016, 0.028}, {0.07, 0.066, 0.062}, "aces"},
     [LF_ALONE_BARE_MESH] = {light_bare, {0.05, 0.06, 0.08}, {0.2, 0.2, 0.2}, "filmic"},
