@@ -175,7 +175,8 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
  MAKE_AGAIN='$(MAKE_COMMAND) --no-print-directory -C $(CURDIR) -f $(MAKEFILE) O=$(O) BUILD=$(BUILD)' $(SRCDIR)/tests/run
 
 .PHONY: tests fuzz-targets check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
-tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh readme.sh arm64.sh)
+# what renders for long is run once, as it is built for users
+tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh $(if $(filter release,$(BUILD)),readme.sh) arm64.sh)
 matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
 matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))

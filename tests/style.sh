@@ -151,7 +151,7 @@ wide_structs() {
 # make mutants changes lines that are there.
 stale_mutants() { SRCDIR=$1 O=$out "$src"/tests/mutants/run --stale; }
 # Links of Markdown to files, and to headings as GitHub names them.
-headings_of() { sed -nE 's/^#+ //p' "$1" 2> /dev/null | tr 'A-Z' 'a-z' | sed -E 's/[^a-z0-9 _-]//g; s/ /-/g'; }
+headings_of() { sed -nE 's/^#+ //p' "$1" 2> /dev/null | tr '[:upper:]' '[:lower:]' | sed -E 's/[^a-z0-9 _-]//g; s/ /-/g'; }
 pages() { (cd "$1" && find . -maxdepth 1 -name '*.md' && find ./docs -name '*.md' 2> /dev/null) | sort; }
 links_that_lead_nowhere() {
     local f link file
