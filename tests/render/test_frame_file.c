@@ -98,11 +98,11 @@ static void a_hole_holds_the_file_before_it_or_nothing(void **state)
     char there[PATH_MAX];
     double box[2][3];
     lf_error err = {0};
-    snprintf(there, sizeof there, "%s", lf_test_built("testdata/block.vdb"));
+    assert_non_null(realpath(lf_test_built("testdata/block.vdb"), there));
     for (int i = 1; i <= 4; i += 3) {
         char name[16];
         snprintf(name, sizeof name, "c_%d.vdb", i);
-        assert_int_equal(symlink(realpath(there, NULL), lf_test_path(*state, name)), 0);
+        assert_int_equal(symlink(there, lf_test_path(*state, name)), 0);
     }
     const char *held =
         lf_test_write(*state, "held.json", "{\"volumes\": {\"v\": {\"file\": \"c_%d.vdb\"}}}");
