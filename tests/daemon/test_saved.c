@@ -140,6 +140,32 @@ static void all_kinds_have_the_picture_of_the_quilt(void **state)
     assert_left_is(lf_test_path(d, "depth.png"), lf_test_path(d, "w_qs2x3a1.5.png"));
 }
 
+/* A cube as deep as wide fills the window: with the cone of panels it would shift by several lenses
+ * from view to view. A cone that a scene says stays. */
+static void a_print_of_a_file_alone_is_as_deep_as_lenses_show(void **state)
+{
+    const qr_files *f = *state;
+    char cube[PATH_MAX], scene[PATH_MAX];
+    qr_outcome o;
+    snprintf(
+        cube, sizeof cube, "%s",
+        lf_test_write(f->folder, "cube.obj",
+                      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
+                      "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"));
+    snprintf(scene, sizeof scene, "%s",
+             lf_test_write(f->folder, "cube.json",
+                           "{\"camera\": {\"fit\": true, \"cone\": 35}, \"meshes\": {\"m\": "
+                           "{\"file\": \"cube.obj\"}}, \"lights\": {\"l\": {\"type\": "
+                           "\"environment\", \"radiance\": 1}}}"));
+    qr_run(&o, "%s -o %s/c.tif --print 60@600 --print-size 20x20 --passes 1", cube, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "so that lenses show all of it sharply"));
+    assert_null(strstr(o.err, "deeper"));
+    qr_run(&o, "%s -o %s/s.tif --print 60@600 --print-size 20x20 --passes 1", scene, f->folder);
+    assert_int_equal(o.code, 0);
+    assert_non_null(strstr(o.err, "deeper than lenses show sharply"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -147,6 +173,7 @@ int main(void)
         cmocka_unit_test(what_cannot_be_reconstructed_is_not),
         cmocka_unit_test(off_is_the_answer_of_the_estimator),
         cmocka_unit_test(all_kinds_have_the_picture_of_the_quilt),
+        cmocka_unit_test(a_print_of_a_file_alone_is_as_deep_as_lenses_show),
     };
     return cmocka_run_group_tests(tests, qr_set_up, qr_tear_down);
 }
