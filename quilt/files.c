@@ -322,8 +322,8 @@ static void note_folder(const folder *f)
                   f->n_odd, f->list.n, f->width, f->height, base_name(f->list.names[0]), f->odd,
                   f->odd_is_full ? " ..." : "",
                   f->photo.mode == LF_PHOTO_FIT
-                      ? "whole, with borders (--photo fill cuts them instead)"
-                      : "and cut (--photo fit shows them whole)");
+                      ? "whole, with borders (photo fill cuts them instead)"
+                      : "and cut (photo fit shows them whole)");
     if (f->cut.n > 0)
         lf_image_note(notes, "%d of them cut, %s most: %.0f %% of it", f->cut.n, f->cut.name,
                       100 * f->cut.by);

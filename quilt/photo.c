@@ -106,13 +106,14 @@ void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt)
     const lf_photo_place place =
         lf_photo_lay(photo, l->aspect, photo->frame, 1, SLACK * photo->frame, SLACK);
     if (photo->position != 0 && (place.beside > 0 || place.above > 0))
-        lf_image_note(&quilt->notes, "--photo-position is not used: a panel shows a whole picture "
-                                     "in its middle (--photo fill)");
+        lf_image_note(&quilt->notes,
+                      "the position of a photo is not used: a panel shows a whole picture "
+                      "in its middle (photo fill)");
     if (!(place.cut > 0))
         return;
     lf_image_note(&quilt->notes,
                   "%.0f %% of the picture, whose aspect is %.4g, are cut for an aspect of %.4g "
-                  "(--photo fit shows it whole)",
+                  "(photo fit shows it whole)",
                   100 * place.cut, l->aspect, photo->frame);
     l->view_width =
         kept(l->view_width, photo->frame / place.width, positions[photo->position].left, &x);

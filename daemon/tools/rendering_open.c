@@ -1,7 +1,9 @@
 /* What a job reads, and what its name comes to, before anything is rendered. */
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -318,6 +320,35 @@ static lf_status check_not_input(const char *path, const char *input, lf_error *
     return LF_OK;
 }
 
+/* Whether two names are of one file, which need not be there. */
+static bool is_same_file(const char *a, const char *b)
+{
+    char *folders[2] = {lf_path_folder(a), lf_path_folder(b)};
+    char real[2][PATH_MAX];
+    const char *slash_a = strrchr(a, '/'), *slash_b = strrchr(b, '/');
+    const bool same = strcmp(slash_a ? slash_a + 1 : a, slash_b ? slash_b + 1 : b) == 0 &&
+                      folders[0] && folders[1] && realpath(folders[0], real[0]) &&
+                      realpath(folders[1], real[1]) && strcmp(real[0], real[1]) == 0;
+    lf_free(folders[0]);
+    lf_free(folders[1]);
+    return same;
+}
+
+/* What is kept of a job lies apart from what the job writes. */
+static lf_status check_state(const lf_rendering *r, lf_error *err)
+{
+    const lf_render_arguments *a = r->arguments;
+    char *manifest = a->kind->check_print ? lf_output_file_name(a->kind, r->path, 1) : NULL;
+    const char *const written[] = {r->path, a->stats, manifest};
+    lf_status status = check_not_input(a->state, a->scene, err);
+    for (size_t i = 0; i < sizeof written / sizeof *written && status == LF_OK; i++)
+        if (written[i] && is_same_file(a->state, written[i]))
+            status = lf_error_set(err, LF_E_ARG, "--state",
+                                  "is where something else is written: %s", written[i]);
+    lf_free(manifest);
+    return status;
+}
+
 /* The manifest of a print takes the place of another manifest, and of nothing else. */
 static lf_status check_manifest(const lf_output_kind *kind, const char *print, const char *input,
                                 lf_error *err)
@@ -345,9 +376,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     if (status == LF_OK && a->stats && strcmp(a->stats, "-") != 0)
         status = check_not_input(a->stats, a->scene, err);
     if (status == LF_OK && a->state)
-        status = check_not_input(a->state, a->scene, err);
-    if (status == LF_OK && a->state && strcmp(a->state, r->path) == 0)
-        status = lf_error_set(err, LF_E_ARG, "--state", "is where the picture goes: %s", r->path);
+        status = check_state(r, err);
     if (status == LF_OK && a->kind->check_print)
         status = check_manifest(a->kind, r->path, a->scene, err);
     return status;

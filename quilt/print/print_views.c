@@ -138,12 +138,12 @@ void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image
         lf_image_note(
             notes,
             "%.0f %% of the picture, whose aspect is %.4g, are cut for a print of %g x %g "
-            "mm (--photo fit shows it whole)",
+            "mm (photo fit shows it whole)",
             100 * place.cut, print->view_aspect, print->width_mm, print->height_mm);
     if (place.beside > 0 || place.above > 0)
         lf_image_note(notes,
                       "the picture, whose aspect is %.4g, is whole on a print of %g x %g mm: white "
-                      "borders of %.1f mm %s (--photo fill cuts it instead)",
+                      "borders of %.1f mm %s (photo fill cuts it instead)",
                       print->view_aspect, print->width_mm, print->height_mm,
                       place.beside + place.above,
                       place.beside > 0 ? "beside it" : "above and below");

@@ -51,7 +51,7 @@ static void a_print_tells_what_it_cut_and_scaled(void **state)
     qr_outcome o;
     qr_run(&o, "%s -o %s/whole.tif --print 60@300 --print-size 20x20", f->quilt, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "white borders of 6.7 mm above and below (--photo fill"));
+    assert_non_null(strstr(o.err, "white borders of 6.7 mm above and below (photo fill"));
     json_t *manifest = manifest_of(f, "whole.json");
     assert_warned(manifest, f->quilt, "white borders of 6.7 mm");
     assert_warned(manifest, f->quilt, "20x12 pixels are scaled by 13.1");

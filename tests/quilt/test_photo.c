@@ -224,7 +224,7 @@ static void what_many_pictures_lose_is_told_in_a_line(void **state)
     }
     read_folder(folder, (lf_photo){0}, &q);
     assert_told(&q, "60 of 61 pictures are not 80x40 as a.png is: b00_with_");
-    assert_told(&q, " ...; they are scaled whole, with borders (--photo fill cuts them instead)");
+    assert_told(&q, " ...; they are scaled whole, with borders (photo fill cuts them instead)");
     assert_told(&q, "60 of them scaled up by more than 2, b");
     assert_told(&q, ".png most: by 4");
     lf_quilt_finish(&q);
