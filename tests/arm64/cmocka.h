@@ -62,6 +62,8 @@ static inline void lf_test_check(int holds, const char *what, const char *file, 
     lf_test_check(strcmp((a), (b)) != 0, #a " != " #b, __FILE__, __LINE__)
 #define assert_memory_equal(a, b, n)                                                               \
     lf_test_check(memcmp((a), (b), (n)) == 0, #a " == " #b, __FILE__, __LINE__)
+#define assert_memory_not_equal(a, b, n)                                                           \
+    lf_test_check(memcmp(a, b, n) != 0, #a " is not " #b, __FILE__, __LINE__)
 #define assert_in_range(x, lo, hi)                                                                 \
     lf_test_check((uintmax_t)(x) >= (uintmax_t)(lo) && (uintmax_t)(x) <= (uintmax_t)(hi),          \
                   #x " in range", __FILE__, __LINE__)
