@@ -97,7 +97,8 @@ static lf_status create(lf_renderer *renderer)
                                       .height = rig.height,
                                       .shift = shift,
                                       .still = rig.still,
-                                      .depth = rig.distance / rig.dx};
+                                      .depth = rig.distance / rig.dx,
+                                      .albedo = renderer->film.layout.has_albedo};
     status = lf_reconstruct_create(&view, renderer->pool, &renderer->shown);
     if (status == LF_OK && renderer->before.past)
         follow(renderer, &rig);

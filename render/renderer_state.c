@@ -85,10 +85,11 @@ static json_t *describe_film(const lf_renderer *r)
     const float *sky = r->film.sky;
     for (int i = 0; i < LF_PICTURE_BYTES; i++)
         snprintf(picture + 2 * (size_t)i, 3, "%02x", r->film.picture[i]);
-    return json_pack("{s:i, s:s, s:I, s:[f,f,f], s:[b,b,b,b,b,b]}", "version", LF_FILM_VERSION,
+    return json_pack("{s:i, s:s, s:I, s:[f,f,f], s:[b,b,b,b,b,b,b]}", "version", LF_FILM_VERSION,
                      "picture", picture, "seed", (json_int_t)r->settings.seed, "sky",
                      (double)sky[0], (double)sky[1], (double)sky[2], "layout", l->has_w2,
-                     l->has_native, l->has_known, l->has_delta, l->has_signed, l->has_features);
+                     l->has_native, l->has_known, l->has_delta, l->has_signed, l->has_features,
+                     l->has_albedo);
 }
 
 lf_status lf_renderer_state_id(const lf_renderer *renderer, lf_state_id *out)

@@ -23,7 +23,8 @@ static size_t half_bytes(const lf_film_layout *layout)
 size_t lf_film_used_bytes(const lf_film_layout *layout)
 {
     return 2 * half_bytes(layout) +
-           (layout->has_known ? pixels_of(layout) * sizeof(lf_film_known) : 0);
+           (layout->has_known ? pixels_of(layout) * sizeof(lf_film_known) : 0) +
+           (layout->has_albedo ? pixels_of(layout) * sizeof(lf_packed_albedo) : 0);
 }
 
 /* Room for one stream more; rows of streams that are gone (lf_film_clear) are kept for others. */
@@ -131,7 +132,8 @@ bool lf_film_has_layout(const lf_film *film, const lf_film_layout *b)
     return film->data && a->n_views == b->n_views && a->width == b->width &&
            a->height == b->height && a->has_w2 == b->has_w2 && a->has_native == b->has_native &&
            a->has_known == b->has_known && a->has_delta == b->has_delta &&
-           a->has_signed == b->has_signed && a->has_features == b->has_features;
+           a->has_signed == b->has_signed && a->has_features == b->has_features &&
+           a->has_albedo == b->has_albedo;
 }
 
 bool lf_film_alike(const lf_film *film, const lf_film *b)
@@ -209,17 +211,25 @@ lf_film_known *lf_film_known_at(const lf_film *film, int row)
     return film->layout.has_known ? (lf_film_known *)(void *)p : NULL;
 }
 
+lf_packed_albedo *lf_film_albedo_at(const lf_film *film, int row)
+{
+    const lf_film_layout *l = &film->layout;
+    unsigned char *end = film->data + (size_t)row * film->row_bytes + lf_film_used_bytes(l);
+    return l->has_albedo ? (lf_packed_albedo *)(void *)end - pixels_of(l) : NULL;
+}
+
 /* ------------------------------------------------------------------------------------ visits -- */
 
 lf_status lf_film_sums_init(lf_film_sums *sums, const lf_film_layout *layout)
 {
     size_t pixels = pixels_of(layout), colours = 3 * pixels * sizeof(float);
     size_t native = layout->has_native ? colours : 0, known = layout->has_known ? colours : 0,
-           features = layout->has_features ? pixels * sizeof(lf_feature) : 0;
+           features = layout->has_features ? pixels * sizeof(lf_feature) : 0,
+           albedo = layout->has_albedo ? colours : 0;
     lf_film_layout summed = *layout;
     summed.has_features = false; /* a visit's own are not packed */
     size_t half_size = half_bytes(&summed);
-    *sums = (lf_film_sums){.data = lf_calloc(1, native + half_size + known + features)};
+    *sums = (lf_film_sums){.data = lf_calloc(1, native + half_size + known + features + albedo)};
     if (!sums->data)
         return LF_E_NOMEM;
     /* What is summed comes first and q behind it, so that one stretch of memory is zeroed. */
@@ -228,6 +238,7 @@ lf_status lf_film_sums_init(lf_film_sums *sums, const lf_film_layout *layout)
     sums->half = half_at(&summed, half);
     sums->known = known ? (float(*)[3])(void *)behind : NULL;
     sums->feature = features ? (lf_feature *)(void *)(behind + known) : NULL;
+    sums->albedo = albedo ? (float(*)[3])(void *)(behind + known + features) : NULL;
     sums->zeroed_bytes = native + half_size - pixels * sizeof(float);
     return LF_OK;
 }
@@ -327,12 +338,17 @@ static void drop_coarse(const lf_film *film, int row, int half)
 {
     const lf_film_row *state = &film->rows[row];
     lf_film_known *known = lf_film_known_at(film, row);
+    lf_packed_albedo *albedo = lf_film_albedo_at(film, row);
     if (!(state->coarse[0] + state->coarse[1] > 0.0))
         return;
     if (!(whole_visits(state, half) > 0.0))
         lf_film_clear_known(film, row, half);
-    if (known && !(whole_visits(state, 0) + whole_visits(state, 1) > 0.0))
+    if (whole_visits(state, 0) + whole_visits(state, 1) > 0.0)
+        return;
+    if (known)
         memset(known, 0, pixels_of(&film->layout) * sizeof *known);
+    if (albedo)
+        memset(albedo, 0, pixels_of(&film->layout) * sizeof *albedo);
 }
 
 /* A half that has none has the other's for the time being. */
@@ -397,10 +413,32 @@ static void merge_features(lf_packed_feature *restrict to, const float *restrict
 typedef struct lf_merge {
     lf_film_half to;
     const lf_film_sums *sums;
+    const float *other_q; /* of the other half */
     lf_film_known *known;
+    lf_packed_albedo *albedo;
     lf_merge_shares shares;
     bool features, q;
 } lf_merge;
+
+/* Of pixels [first, first + n), before q is merged: means weighted by q, of both halves. */
+static void merge_albedo(const lf_merge *merge, size_t first, size_t n,
+                         const uint32_t *restrict random)
+{
+    const float now = (float)merge->shares.both, other = (1.0f - now) * (float)merge->shares.other,
+                own = 1.0f - now - other;
+    for (size_t k = 0; k < n; k++) {
+        const size_t i = first + k;
+        float mixed[3], later = now * merge->sums->half.q[i],
+                        earlier = own * merge->to.q[i] + other * merge->other_q[i];
+        if (!(later > 0.0f))
+            continue;
+        lf_albedo_unpack(merge->albedo[i], mixed);
+        for (int c = 0; c < 3; c++)
+            mixed[c] += later / (later + (earlier > 0.0f ? earlier : 0.0f)) *
+                        (merge->sums->albedo[i][c] - mixed[c]);
+        merge->albedo[i] = lf_albedo_pack(mixed, random[k]);
+    }
+}
 
 /* n pixels from the first on. */
 static void merge_span(const lf_merge *merge, size_t first, size_t n, const uint32_t random[SPAN])
@@ -409,6 +447,8 @@ static void merge_span(const lf_merge *merge, size_t first, size_t n, const uint
     if (merge->features)
         merge_features(to->feature + first, to->q + first, merge->sums->feature + first,
                        from->q + first, (float)merge->shares.half, random, n);
+    if (merge->albedo)
+        merge_albedo(merge, first, n, random);
     for (size_t k = 0; k < n; k++) {
         size_t i = first + k;
         lf_film_scattered *a = &to->scattered[i];
@@ -434,13 +474,15 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
     if (!sums->coarse)
         drop_coarse(film, row, half);
     const bool known = !sums->coarse || !(whole_visits(state, 0) + whole_visits(state, 1) > 0.0);
-    const lf_merge merge = {lf_film_at(film, row, half),
-                            sums,
-                            known ? lf_film_known_at(film, row) : NULL,
-                            shares_of(state, half, weight, sums->coarse),
-                            known && film->layout.has_features &&
-                                state->visits[half] < LF_FEATURE_VISITS,
-                            known};
+    const lf_merge merge = {
+        lf_film_at(film, row, half),
+        sums,
+        lf_film_at(film, row, 1 - half).q,
+        known ? lf_film_known_at(film, row) : NULL,
+        known && lf_film_wants_albedo(film, row) ? lf_film_albedo_at(film, row) : NULL,
+        shares_of(state, half, weight, sums->coarse),
+        known && film->layout.has_features && state->visits[half] < LF_FEATURE_VISITS,
+        known};
     size_t width = (size_t)film->width, views = weight > 0.0 ? (size_t)film->n_views : 0;
     for (size_t column = 0; column < width; column += SPAN) {
         size_t n = width - column < SPAN ? width - column : SPAN;

@@ -15,7 +15,7 @@
  * estimate reads; and per row and half the count n, in native samples a view pixel (a real number:
  * expected, not tallied). Where every escaping ray finds the same light and nothing else is known,
  * B is sky (1 - q) and not stored. Bytes a view pixel: 40, 48 with W'; 56 and 64 with B; 16 more
- * with features (film_feature.h), which the reconstruction reads.
+ * with features, 20 with albedo as well (film_feature.h), which the reconstruction reads.
  *
  * A visit sums a row in its worker's memory (lf_film_sums) and is merged when it is whole: what the
  * film holds is rounded once a visit, up or down at random in proportion (stochastic rounding), so
@@ -53,6 +53,7 @@ typedef struct lf_film_sums {
     lf_film_half half;   /* N, W, W' are sums, q the value of this visit */
     float (*known)[3];   /* B, the value of this visit; NULL where it is not stored */
     lf_feature *feature; /* of this visit; NULL where the film has none */
+    float (*albedo)[3];  /* likewise, or this visit does not look for it */
     float (*native)[3];  /* M, a sum; NULL without delta lobes, lights in media, veils that glow */
     size_t zeroed_bytes;
     unsigned char *data;
@@ -69,6 +70,7 @@ typedef struct lf_film_layout {
     bool has_delta;  /* M is of delta lobes too */
     bool has_signed; /* N and W may cancel: correction weights of grids have both signs */
     bool has_features;
+    bool has_albedo; /* has_features, and the albedo of some surface varies */
 } lf_film_layout;
 
 typedef struct lf_film_row {
@@ -164,11 +166,20 @@ LF_NODISCARD lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error 
 /* The same of films of whatever pictures, if they are alike: what comes out is the picture that
  * lies between, each having its share of the samples. LF_E_STATE also where they are not. */
 LF_NODISCARD lf_status lf_film_mix(lf_film *film, const lf_film *from, lf_error *err);
-/* The memory of a row that holds something: half 0, half 1, known light, 32 bits a number. */
+/* The memory of a row that holds something: half 0, half 1, known light, albedo, 32 bits a number.
+ */
 size_t lf_film_used_bytes(const lf_film_layout *layout);
 lf_film_half lf_film_at(const lf_film *film, int row, int half);
 /* NULL where B is not stored. */
 lf_film_known *lf_film_known_at(const lf_film *film, int row);
+/* Whether a row's next visit is one of those that look for albedo. */
+static inline bool lf_film_wants_albedo(const lf_film *film, int row)
+{
+    const uint32_t *visits = film->rows[row].visits;
+    return film->layout.has_albedo && (uint64_t)visits[0] + visits[1] < LF_ALBEDO_VISITS;
+}
+/* [view][column], of both halves; NULL where no surface's albedo varies. */
+lf_packed_albedo *lf_film_albedo_at(const lf_film *film, int row);
 
 /* A worker's memory for visits of films of this layout. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_sums_init(lf_film_sums *sums, const lf_film_layout *layout);
@@ -226,6 +237,15 @@ static inline void lf_film_pivots(const lf_film_sums *sums, size_t pixel, float 
 static inline void lf_film_note(const lf_film_sums *sums, size_t pixel, lf_feature feature)
 {
     sums->feature[pixel] = feature;
+}
+/* … its albedo, likewise … */
+static inline void lf_film_note_albedo(const lf_film_sums *sums, size_t pixel, float r, float g,
+                                       float b)
+{
+    float *albedo = sums->albedo[pixel];
+    albedo[0] = r;
+    albedo[1] = g;
+    albedo[2] = b;
 }
 /* … and B, which must be there. */
 static inline void lf_film_known_light(const lf_film_sums *sums, size_t pixel, float r, float g,

@@ -1,4 +1,5 @@
 /* Two films of one picture become one. */
+#include <math.h>
 #include <string.h>
 
 #include "render/film/film.h"
@@ -24,6 +25,26 @@ static void add_feature(lf_packed_feature *to, double weight_to, lf_packed_featu
     const lf_feature a = lf_feature_unpack(*to), b = lf_feature_unpack(from),
                      mixed = lf_feature_mix(&a, weight_to, &b, weight_from);
     *to = lf_feature_pack(&mixed, random);
+}
+
+/* n q of both halves, as far as it is above 0. */
+static double pivots_of(const lf_film_half half[2], const double n[2], size_t i)
+{
+    return fmax(n[0] * (double)half[0].q[i] + n[1] * (double)half[1].q[i], 0.0);
+}
+
+static void add_albedo(lf_packed_albedo *to, double weight_to, lf_packed_albedo from,
+                       double weight_from, uint32_t random)
+{
+    float a[3], b[3];
+    if (!(weight_to + weight_from > 0.0))
+        return;
+    lf_albedo_unpack(*to, a);
+    lf_albedo_unpack(from, b);
+    for (int c = 0; c < 3; c++)
+        a[c] = (float)((weight_to * (double)a[c] + weight_from * (double)b[c]) /
+                       (weight_to + weight_from));
+    *to = lf_albedo_pack(a, random);
 }
 
 /* n is the known visits' (lf_film_row_known). */
@@ -115,9 +136,14 @@ static void add_row(lf_film *film, const lf_film *from, int row)
         if (film->rows[row].coarse[h] > 0.0 && a[h] == 0.0)
             lf_film_clear_known(film, row, h);
     const lf_film_known *more = lf_film_known_at(from, row);
+    lf_packed_albedo *albedo = lf_film_albedo_at(film, row);
+    const lf_packed_albedo *more_albedo = lf_film_albedo_at(from, row);
     /* As in a visit: what is the same, N and W or two views, stays the same. */
     for (size_t i = 0; i < pixels; i++) {
         uint32_t random = (uint32_t)(lf_hash64(key, i % width) >> 32);
+        if (albedo) /* before q is added up */
+            add_albedo(&albedo[i], pivots_of(to, a, i), more_albedo[i], pivots_of(other, b, i),
+                       random);
         for (int h = 0; h < 2; h++)
             add_half(&to[h], a[h], &other[h], b[h], i, random);
         if (known)

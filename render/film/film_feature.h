@@ -1,9 +1,10 @@
 /* Features of a view pixel: where the fan of B and q met what scatters there, without any noise of
- * paths; private to render/. docs/reconstruct.md, "Features".
+ * paths, and its albedo; private to render/. docs/reconstruct.md, "Features" and "Albedo".
  *
  * Each is a mean over the film points of a half, weighted by the pivot probability q. 8 bytes a
- * view pixel and half; what does not fit is rounded up or down at random, without bias. The errors
- * of that add up, so that what later visits would still tell is left alone. */
+ * view pixel and half; albedo 4 of both halves together. What does not fit is rounded up or down at
+ * random, without bias. The errors of that add up, so that what later visits would still tell is
+ * left alone. */
 #ifndef LF_RENDER_FILM_FEATURE_H
 #define LF_RENDER_FILM_FEATURE_H
 
@@ -16,6 +17,12 @@
 
 /* Visits of a half that features are taken from. */
 #define LF_FEATURE_VISITS 256
+/* Visits of a row that albedo is taken from: each costs a look at textures, and what these have is
+ * averaged over a pixel. */
+#define LF_ALBEDO_VISITS 8
+
+/* Smallest albedo that is kept: N is divided by it. */
+#define LF_LEAST_ALBEDO 0.02f
 
 typedef struct lf_feature {
     float nearness; /* mean of D/Z, 0..LF_NEARNESS_MAX */
@@ -58,6 +65,31 @@ static inline lf_packed_feature lf_feature_pack(const lf_feature *f, uint32_t ra
         lf_feature_whole(f->nearness * (65535.0f / LF_NEARNESS_MAX), u),
         lf_feature_whole(f->spread * (65535.0f / (0.5f * LF_NEARNESS_MAX)), u),
         lf_feature_whole(f->surface * 65535.0f, u), (uint16_t)((bits + (random >> 16)) >> 16)};
+}
+
+/* Three numbers in [0, 1] as square roots of 10 bits: errors of a step of a display's code, which
+ * dark colours need as much as light ones. */
+typedef uint32_t lf_packed_albedo;
+
+static inline void lf_albedo_unpack(lf_packed_albedo p, float out[3])
+{
+    const float unit = 1.0f / 1023.0f;
+    for (int c = 0; c < 3; c++) {
+        float root = (float)(int32_t)(p >> 10 * c & 1023u) * unit;
+        out[c] = root * root;
+    }
+}
+
+/* random: 32 bits. */
+static inline lf_packed_albedo lf_albedo_pack(const float albedo[3], uint32_t random)
+{
+    const float u = (float)(int32_t)(random >> 16) * 0x1p-16f;
+    lf_packed_albedo p = 0;
+    for (int c = 0; c < 3; c++) {
+        float root = sqrtf(albedo[c] > 0.0f ? albedo[c] : 0.0f) * 1023.0f + u;
+        p |= (uint32_t)(int32_t)(root < 1023.0f ? root : 1023.0f) << 10 * c;
+    }
+    return p;
 }
 
 /* Means over both, each with its weight, not both 0; the same to the bit with a and b exchanged. */

@@ -157,7 +157,7 @@ static void put_layout(const lf_film *film, cursor c)
     put_u32(&c, (uint32_t)l->height);
     put_u32(&c, (uint32_t)l->has_w2 | (uint32_t)l->has_native << 1 | (uint32_t)l->has_known << 2 |
                     (uint32_t)l->has_delta << 3 | (uint32_t)l->has_signed << 4 |
-                    (uint32_t)l->has_features << 5);
+                    (uint32_t)l->has_features << 5 | (uint32_t)l->has_albedo << 6);
     for (int i = 0; i < 3; i++) {
         uint32_t bits;
         memcpy(&bits, &film->sky[i], sizeof bits);
@@ -269,11 +269,12 @@ static bool get_layout(cursor c, lf_film_layout *out, float sky[3])
                             .has_known = flags & 4,
                             .has_delta = flags & 8,
                             .has_signed = flags & 16,
-                            .has_features = flags & 32};
+                            .has_features = flags & 32,
+                            .has_albedo = flags & 64};
     memcpy(sky, c.p, 3 * sizeof *sky);
     return size[0] - 1 < LF_MAX_VIEWS && size[1] - 1 < LF_MAX_VIEW_SIDE &&
-           size[2] - 1 < LF_MAX_VIEW_SIDE && flags < 64 && (out->has_known || !out->has_native) &&
-           (out->has_native || !out->has_delta);
+           size[2] - 1 < LF_MAX_VIEW_SIDE && flags < 128 && (out->has_known || !out->has_native) &&
+           (out->has_native || !out->has_delta) && (out->has_features || !out->has_albedo);
 }
 
 /* Picture, layout and sky, and nothing else of *out. */

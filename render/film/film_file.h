@@ -19,7 +19,7 @@
 
 #include "render/film/film.h"
 
-#define LF_FILM_VERSION 6
+#define LF_FILM_VERSION 7
 
 /* cancel (may be NULL) is looked at once a row: LF_E_CANCELLED, the file is to be abandoned. */
 LF_NODISCARD lf_status lf_film_write(const lf_film *film, lf_outfile *file, const lf_cancel *cancel,

@@ -29,6 +29,13 @@ static void colour_panes(lf_scene *scene)
     }
 }
 
+/* Whether a texture changes what of the light it sends on. */
+static bool has_tinting_texture(const lf_material *m)
+{
+    return m->textures && (m->textures->pyramid[LF_SLOT_BASE] ||
+                           (m->metallic > 0.0f && m->textures->pyramid[LF_SLOT_METAL_ROUGH]));
+}
+
 void lf_scene_look(lf_scene *scene)
 {
     bool used[LF_MAX_MATERIALS] = {false};
@@ -36,6 +43,7 @@ void lf_scene_look(lf_scene *scene)
     for (int i = 0; i < scene->n_meshes; i++) {
         mark_used(&scene->meshes[i], used);
         scene->looks.varied |= !!scene->meshes[i].colours;
+        scene->looks.tinted |= !!scene->meshes[i].colours;
         scene->looks.hidden |= scene->meshes[i].hidden;
         scene->looks.moving |= !!scene->meshes[i].close.vertices;
         scene->looks.placed |= !!scene->meshes[i].placed;
@@ -46,6 +54,7 @@ void lf_scene_look(lf_scene *scene)
         const lf_material *material = &scene->materials[m];
         scene->has_delta |= used[m] && material->has_delta;
         scene->looks.varied |= used[m] && (material->textures || material->brush.strength > 0.0f);
+        scene->looks.tinted |= used[m] && has_tinting_texture(material);
         scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
                                (lf_max3(material->glass.absorption) > 0.0f ||
                                 lf_max3(material->glass.scattering) > 0.0f);

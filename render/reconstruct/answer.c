@@ -76,6 +76,7 @@ static void predict(const lf_reconstruction *r, lf_reconstruct_scratch *scratch,
                     const lf_pixels *pixels, int n)
 {
     r->kernels->predict(&scratch->table, pixels, 0, n, scratch->predicted);
+    lf_pixels_reflect(pixels, 0, n, scratch->predicted);
 }
 
 lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row, float *out)
@@ -90,7 +91,9 @@ lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row,
     if (status == LF_OK && bounded)
         status = lf_table_make(&bounded->table, r->bounded, row, LF_BOTH);
     if (status == LF_OK && lf_pixels_read(&scratch->rows[0], r, film, row, LF_READ_ALL)) {
-        const lf_answered_row o = {film, scratch, bounded, lf_row_halves_of(film, row), row};
+        const lf_row_halves halves =
+            lf_row_halves_of(film, row, (const float(*)[3])scratch->rows[0].albedo);
+        const lf_answered_row o = {film, scratch, bounded, halves, row};
         predict(r, scratch, &scratch->rows[0], film->n_views * film->width);
         if (bounded)
             predict(r->bounded, bounded, &scratch->rows[0], film->n_views * film->width);

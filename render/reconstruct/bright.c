@@ -86,7 +86,7 @@ typedef void (*visit_fn)(lf_bright_cell *cell, const lf_fitted *x);
 static void visit_row(lf_reconstruction *r, const lf_film *film, const lf_pixels *pixels, int row,
                       int number, visit_fn visit)
 {
-    const lf_row_halves halves = lf_row_halves_of(film, row);
+    const lf_row_halves halves = lf_row_halves_of(film, row, (const float(*)[3])pixels->albedo);
     const lf_band *band = &r->level[1].bands[number];
     lf_fitted x;
     for (int k = 0; k < film->n_views; k++) {
@@ -286,8 +286,9 @@ void lf_bright_split(const lf_reconstruction *r, const lf_pixels *pixels, int ro
         float below = part_below(x, h, bound),
               shown = part_below(x, h, AGREED * fmaxf(bound, answer_of(x, 1 - h)));
         for (int c = 0; c < 3; c++) {
-            out->below[h][c] = below * x->found[h].n[c];
-            out->above[h][c] = (shown - below) * x->found[h].n[c];
+            float n = x->found[h].n[c] * (pixels->albedo ? pixels->albedo[i][c] : 1.0f);
+            out->below[h][c] = below * n;
+            out->above[h][c] = (shown - below) * n;
         }
     }
 }

@@ -40,7 +40,8 @@ void lf_bright_bound(const lf_reconstruction *r, const lf_pixels *pixels, int ro
                      lf_fitted *x);
 
 /* A pixel of the bounded fit: what each half has found below the bound, and above it as far as it
- * is shown. share: of the bounded fit; where it is 0 the rest is undefined. */
+ * is shown, times the albedo again. share: of the bounded fit; where it is 0 the rest is undefined.
+ */
 typedef struct lf_bright_pixel {
     float share, below[2][3], above[2][3];
 } lf_bright_pixel;

@@ -15,8 +15,9 @@ typedef struct lf_pixels {
     float *f[LF_VARIANTS][LF_FEATURES]; /* absolute coordinates; some variants share arrays */
     int *u, *z;                         /* of the cell of level 0 */
     bool *second;                       /* N/W' is less noisy than N/W */
-    float *
-        q; /* of both halves; where it is not above LF_LEAST_Q all else but `second` is undefined */
+    /* of both halves; where it is not above LF_LEAST_Q all else but `second` is undefined */
+    float *q;
+    float (*albedo)[3]; /* above 0; NULL where the film has none */
     float *data;
     int *cells;
 } lf_pixels;
@@ -34,7 +35,8 @@ static inline bool lf_pixel_is_fitted(const lf_pixels *pixels, size_t i)
 typedef struct lf_view_row {
     const float *q[2];
     const lf_packed_feature *feature[2];
-    float share[2]; /* of the samples; 0: q and features are not looked at */
+    const lf_packed_albedo *albedo; /* NULL: the film has none */
+    float share[2];                 /* of the samples; 0: q and features are not looked at */
     float row, view, shift, still;
     float deep;   /* finest cells in the depth of the plane Z = D */
     int first, n; /* its pixels in lf_pixels */

@@ -100,6 +100,7 @@ void lf_raw_add(lf_raw_sums *to, const lf_raw_sums *from, const float shift[3])
     for (int c = 0; c < 3; c++) {
         to->square[c] += from->square[c];
         to->known[c] += from->known[c];
+        to->albedo[c] += from->albedo[c];
         for (int h = 0; h < 2; h++) {
             const lf_plane *a = &from->product[h][c];
             lf_plane *b = &to->product[h][c];

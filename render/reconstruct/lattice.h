@@ -46,7 +46,7 @@ typedef struct lf_raw_sums {
     lf_plane product[2][3]; /* [h] of N_h/W_h W_g f, f of half h */
     float weight[2];        /* [h] of W_g where N_h/W_h is an answer */
     float square[3];        /* of N^2/W, both halves pooled */
-    float known[3], q, pixels;
+    float known[3], albedo[3], q, pixels;
 } lf_raw_sums;
 
 typedef struct lf_cell {

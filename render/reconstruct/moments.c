@@ -5,10 +5,10 @@
 
 #include "render/reconstruct/bright.h"
 
-lf_row_halves lf_row_halves_of(const lf_film *film, int row)
+lf_row_halves lf_row_halves_of(const lf_film *film, int row, const float (*albedo)[3])
 {
     const lf_film_row *state = &film->rows[row];
-    lf_row_halves out = {.n = {0}};
+    lf_row_halves out = {.albedo = albedo};
     bool alone = !(state->n[0] > 0.0 && state->n[1] > 0.0);
     for (int h = 0; h < 2; h++) {
         int as = alone ? (row + row / LF_CELL_SIDE) % 2 : h;
@@ -39,8 +39,11 @@ static void add_cross(lf_raw_sums *raw, int h, const float answer[3], const lf_p
     }
 }
 
-static void add_known(lf_raw_sums *raw, const lf_film *film, const lf_film_known *known, float q)
+static void add_known(lf_raw_sums *raw, const lf_film *film, const lf_film_known *known, float q,
+                      const float *albedo)
 {
+    for (int c = 0; c < 3; c++)
+        raw->albedo[c] += albedo ? albedo[c] : 1.0f;
     for (int c = 0; c < 3; c++)
         raw->known[c] += known ? known->b[c] : film->sky[c] * (1.0f - q);
     raw->q += q;
@@ -57,6 +60,8 @@ void lf_fitted_read(const lf_film *film, const lf_row_halves *halves, bool secon
         if (!halves->half[h].scattered)
             continue;
         lf_pixel_found_add(found, &halves->half[h], i);
+        for (int c = 0; c < 3 && halves->albedo; c++)
+            found->n[c] /= halves->albedo[i][c];
         out->w[h] = second ? found->w2 : found->w;
         float w = lf_pixel_found_weight(film, found, second, halves->n[h] * halves->half[h].q[i]);
         out->over[h] = w;
@@ -117,14 +122,15 @@ static void add_view(lf_band *band, const lf_reconstruction *r, const lf_film *f
         if (r->whole)
             lf_bright_bound(r->whole, pixels, row, i, &x);
         add_pixel(cell, r->kernels, film, halves, pixels->second[i], i, &x, f);
-        add_known(&cell->raw, film, known ? &known[i] : NULL, pixels->q[i]);
+        add_known(&cell->raw, film, known ? &known[i] : NULL, pixels->q[i],
+                  pixels->albedo ? pixels->albedo[i] : NULL);
     }
 }
 
 static void add_row(lf_band *band, const lf_reconstruction *r, const lf_film *film,
                     const lf_pixels *pixels, int row)
 {
-    const lf_row_halves halves = lf_row_halves_of(film, row);
+    const lf_row_halves halves = lf_row_halves_of(film, row, (const float(*)[3])pixels->albedo);
     const lf_film_known *known = lf_film_known_at(film, row);
     for (int view = 0; view < film->n_views; view++)
         if (lf_view_is_fitted(r, row, view))

@@ -32,16 +32,18 @@ static inline void lf_pixel_found_join(lf_pixel_found *to, const lf_pixel_found 
 typedef struct lf_row_halves {
     lf_film_half half[2]; /* zeros: nothing */
     float n[2];
+    const float (*albedo)[3]; /* of its pixels, which N is divided by; NULL: nothing */
 } lf_row_halves;
 
-lf_row_halves lf_row_halves_of(const lf_film *film, int row);
+/* albedo: borrowed, as lf_pixels_read found it. */
+lf_row_halves lf_row_halves_of(const lf_film *film, int row, const float (*albedo)[3]);
 
 /* One pixel's halves, as they are fitted to. */
 typedef struct lf_fitted {
-    lf_pixel_found found[2];
-    float w[2];         /* W or W': as a summand even where it is nothing to divide by */
-    float over[2];      /* what N is divided by, 0: that is no answer */
-    float answer[2][3]; /* N/W, where there is one */
+    lf_pixel_found found[2]; /* N over the albedo */
+    float w[2];              /* W or W': as a summand even where it is nothing to divide by */
+    float over[2];           /* what N is divided by, 0: that is no answer */
+    float answer[2][3];      /* N/W, where there is one */
 } lf_fitted;
 
 /* Of pixel i, by W' where that is the second and less noisy weight. */

@@ -15,6 +15,7 @@ typedef struct lf_past_band {
 
 struct lf_past {
     double deep; /* finest cells in the depth of the plane Z = D */
+    bool albedo; /* R is over the albedo */
     int n_bands;
     lf_past_band *bands;
 };
@@ -52,6 +53,7 @@ lf_past *lf_past_of(const lf_reconstruction *r)
     if (!past)
         return NULL;
     past->deep = deep_of(r);
+    past->albedo = r->view.albedo;
     past->n_bands = r->level[0].n_bands;
     past->bands = lf_calloc((size_t)past->n_bands, sizeof *past->bands);
     bool whole = past->bands;
@@ -77,8 +79,8 @@ void lf_past_destroy(lf_past *past)
 
 void lf_reconstruct_follow(lf_reconstruction *r, const lf_past *past, const lf_past_move *move)
 {
-    r->past = past;
-    if (!past)
+    r->past = past && past->albedo == r->view.albedo ? past : NULL;
+    if (!r->past)
         return;
     const double side = LF_CELL_SIDE, now[4] = {side, side, 1.0 / deep_of(r), 1.0},
                  then[4] = {side, side, 1.0 / past->deep, 1.0};

@@ -1,5 +1,6 @@
 #include "render/reconstruct/pixels.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -8,12 +9,13 @@
  * same. */
 enum { ARRAYS = LF_FEATURES + 2 * (LF_FEATURES - 2) + 1 };
 
-lf_status lf_pixels_init(size_t n, lf_pixels *out)
+lf_status lf_pixels_init(size_t n, bool albedo, lf_pixels *out)
 {
     out->data = lf_calloc(ARRAYS * n, sizeof *out->data);
     out->cells = lf_calloc(2 * n, sizeof *out->cells);
     out->second = lf_calloc(n, sizeof *out->second);
-    if (!out->data || !out->cells || !out->second)
+    out->albedo = albedo ? lf_calloc(n, sizeof *out->albedo) : NULL;
+    if (!out->data || !out->cells || !out->second || (albedo && !out->albedo))
         return LF_E_NOMEM;
     float *next = out->data;
     for (int v = LF_BOTH; v >= 0; v--) {
@@ -34,13 +36,36 @@ void lf_pixels_finish(lf_pixels *pixels)
     lf_free(pixels->data);
     lf_free(pixels->cells);
     lf_free(pixels->second);
+    lf_free(pixels->albedo);
     memset(pixels, 0, sizeof *pixels);
+}
+
+/* Reads albedo. R is then what is to be multiplied by it: so is sunlight, and what is not, gloss,
+ * is linear in 1/a, which the share of media tells beside what it tells. */
+static void read_albedo(const lf_view_row *in, bool halves, lf_pixels *out)
+{
+    const float of_gloss = 0.1f;
+    for (int k = 0; k < in->n; k++) {
+        const int i = in->first + k;
+        if (!lf_q_is_fitted(out->q[i]))
+            continue;
+        float *a = out->albedo[i];
+        lf_albedo_unpack(in->albedo[k], a);
+        for (int c = 0; c < 3; c++)
+            a[c] = fmaxf(a[c], LF_LEAST_ALBEDO);
+        float inverse = 3.0f / (a[0] + a[1] + a[2]);
+        for (int v = halves ? 0 : LF_BOTH; v < LF_VARIANTS; v++) {
+            out->f[v][LF_LIGHT][i] *= inverse;
+            out->f[v][LF_MEDIA][i] += of_gloss * (inverse - 1.0f);
+        }
+    }
 }
 
 bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film *film, int row,
                     lf_reading what)
 {
     const lf_film_row *state = &film->rows[row];
+    const lf_packed_albedo *albedo = lf_film_albedo_at(film, row);
     double n[2];
     lf_view_row in = {.row = ((float)row + 0.5f) / LF_CELL_SIDE,
                       .deep = r->view.depth / r->cell_depth,
@@ -64,9 +89,19 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
             in.feature[h] = half.feature + in.first;
             in.share[h] = (float)(n[h] / (n[0] + n[1]));
         }
+        in.albedo = albedo ? albedo + in.first : NULL;
         r->kernels->read(&in, what == LF_READ_HALVES && summed, pixels);
+        if (pixels->albedo)
+            read_albedo(&in, what == LF_READ_HALVES && summed, pixels);
     }
     return true;
+}
+
+void lf_pixels_reflect(const lf_pixels *pixels, int first, int n, float (*predicted)[4])
+{
+    for (int k = 0; k < n && pixels->albedo; k++)
+        for (int c = 0; c < 3 && lf_pixel_is_fitted(pixels, (size_t)(first + k)); c++)
+            predicted[k][c] *= pixels->albedo[first + k][c];
 }
 
 /* ------------------------------------------------------------------------------------- tables --

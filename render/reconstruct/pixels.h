@@ -4,8 +4,9 @@
 
 #include "render/reconstruct/kernel.h"
 
-/* Memory for rows of n pixels, all views. LF_E_NOMEM; *out may then be finished. */
-LF_NODISCARD lf_status lf_pixels_init(size_t n, lf_pixels *out);
+/* Memory for rows of n pixels, all views; albedo: of films that have it. LF_E_NOMEM; *out may then
+ * be finished. */
+LF_NODISCARD lf_status lf_pixels_init(size_t n, bool albedo, lf_pixels *out);
 /* Accepts what is all zero. */
 void lf_pixels_finish(lf_pixels *pixels);
 
@@ -17,6 +18,10 @@ typedef enum lf_reading { LF_READ_ALL, LF_READ_SUMMED, LF_READ_HALVES } lf_readi
 /* false: the row was never visited. */
 bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film *film, int row,
                     lf_reading what);
+
+/* R of n pixels from `first` on, as it is predicted, times their albedo; predicted [n]. Leaves
+ * alone what is not fitted. */
+void lf_pixels_reflect(const lf_pixels *pixels, int first, int n, float (*predicted)[4]);
 
 /* The table for a row from the last fit. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_table_make(lf_row_table *table, const lf_reconstruction *r, int row,

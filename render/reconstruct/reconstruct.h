@@ -2,12 +2,13 @@
  * lattice of cells in the world that all views share; private to render/. docs/reconstruct.md has
  * the formulas.
  *
- * The answer of a view pixel is B + q max(0, R), R the prediction of a linear function of eight
- * features (position along its epipolar line, row, nearness, share of media, q, view, spread of
- * nearness, sunlight) whose coefficients lie in nodes of the finest lattice, in between
- * interpolated. They are fitted in cells of several sizes to the sums N and W of each half and of
- * both, and taken from coarse to fine as far as the other half agrees, in the end towards N/W of
- * the pixel itself: so the answer converges to that of mwis with W.
+ * The answer of a view pixel is B + q max(0, a R), a its albedo (1 in films without), R the
+ * prediction of a linear function of eight features (position along its epipolar line, row,
+ * nearness, share of media, q, view, spread of nearness, sunlight) whose coefficients lie in nodes
+ * of the finest lattice, in between interpolated. They are fitted in cells of several sizes to the
+ * sums N and W of each half and of both, and taken from coarse to fine as far as the other half
+ * agrees, in the end towards N/W of the pixel itself: so the answer converges to that of mwis with
+ * W.
  *
  *     lf_reconstruction *r;
  *     lf_reconstruct_create(&view, pool, &r);             // once a rig and film
@@ -32,6 +33,7 @@ typedef struct lf_reconstruct_view {
     const float *shift; /* [n_views] camera position over the width of a pixel at Z = D; copied */
     float still;        /* nearness of what stays where it is from view to view: rig.h */
     float depth;        /* D over the width of a pixel at Z = D: nearness 1, in pixels */
+    bool albedo;        /* the films that it is fitted to have albedo */
 } lf_reconstruct_view;
 
 /* LF_E_NOMEM. pool is borrowed and must outlive it. */
@@ -62,8 +64,9 @@ typedef struct lf_past_move {
 } lf_past_move;
 
 /* Fits from now on have a past for a first guess, as far as what the film holds does not speak
- * against it. NULL, NULL: they have none. past is borrowed for as long; move is copied. Not while a
- * fit is made. */
+ * against it. NULL, NULL: they have none; nor have
+ * they one of films with albedo where theirs has none, or the other way round. past is borrowed for
+ * as long; move is copied. Not while a fit is made. */
 void lf_reconstruct_follow(lf_reconstruction *r, const lf_past *past, const lf_past_move *move);
 
 /* The answer of one row of all views from the last fit and what the film holds of the row now. out

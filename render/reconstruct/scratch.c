@@ -12,12 +12,12 @@ static void destroy(lf_reconstruct_scratch *s)
     lf_free(s);
 }
 
-static lf_reconstruct_scratch *create(size_t n)
+static lf_reconstruct_scratch *create(size_t n, bool albedo)
 {
     lf_reconstruct_scratch *s = lf_calloc(1, sizeof *s);
     bool whole = s;
     for (int i = 0; i < LF_CELL_SIDE && whole; i++)
-        whole = lf_pixels_init(n, &s->rows[i]) == LF_OK;
+        whole = lf_pixels_init(n, albedo, &s->rows[i]) == LF_OK;
     if (whole) {
         s->predicted = lf_calloc(n, sizeof *s->predicted);
         s->places = lf_calloc(LF_CELL_SIDE * n, sizeof *s->places);
@@ -34,7 +34,7 @@ lf_reconstruct_scratch *lf_scratch_take(lf_reconstruction *r)
     lf_reconstruct_scratch *s = r->scratch;
     r->scratch = s ? s->next : NULL;
     pthread_mutex_unlock(&r->lock);
-    return s ? s : create((size_t)r->view.n_views * (size_t)r->view.width);
+    return s ? s : create((size_t)r->view.n_views * (size_t)r->view.width, r->view.albedo);
 }
 
 void lf_scratch_give(lf_reconstruction *r, lf_reconstruct_scratch *s)

@@ -53,7 +53,7 @@ static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, const 
                       const lf_bright_pixel *bright, lf_half_pixel *out)
 {
     static const float none[4] = {0.0f, 0.0f, 0.0f, -1.0f};
-    const float *p = fitted ? o->predicted[h]->predicted[i] : none, *n = found->found[h].n;
+    const float *p = fitted ? o->predicted[h]->predicted[i] : none, *n = o->half[h].scattered[i].n;
     float q = o->half[h].q[i], w = q > 0.0f ? found->over[h] : 0.0f, shown[3];
     read_known(o, i, h, out->known);
     lf_pixel_show(n, w, p, shown);
@@ -115,10 +115,14 @@ static lf_status predict(const lf_reconstruction *r, int row, const lf_pixels *p
         lf_pixels own = *pixels;
         memcpy(own.f[LF_BOTH], pixels->f[h], sizeof own.f[LF_BOTH]);
         status = lf_table_make(&scratch[h]->table, r, row, h);
-        for (int k = 0; k < r->view.n_views && status == LF_OK; k++)
-            if (lf_view_is_fitted(r, row, k))
-                r->kernels->predict(&scratch[h]->table, &own, k * r->view.width, r->view.width,
-                                    scratch[h]->predicted + (size_t)k * (size_t)r->view.width);
+        for (int k = 0; k < r->view.n_views && status == LF_OK; k++) {
+            const int first = k * r->view.width;
+            if (!lf_view_is_fitted(r, row, k))
+                continue;
+            r->kernels->predict(&scratch[h]->table, &own, first, r->view.width,
+                                scratch[h]->predicted + first);
+            lf_pixels_reflect(pixels, first, r->view.width, scratch[h]->predicted + first);
+        }
     }
     return status;
 }
@@ -181,7 +185,7 @@ static lf_status error_of_row(const lf_reconstruction *r, const lf_film *film, i
                      .pixels = pixels,
                      .predicted = {s->whole[0], s->whole[1]},
                      .bounded = {s->bounded[0], s->bounded[1]},
-                     .halves = lf_row_halves_of(film, row),
+                     .halves = lf_row_halves_of(film, row, (const float(*)[3])pixels->albedo),
                      .row = row,
                      .known = lf_film_known_at(film, row)};
     for (int h = 0; h < 2; h++) {

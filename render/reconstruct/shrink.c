@@ -158,15 +158,17 @@ static lf_plane step_of(const lf_cell *cell, const lf_guess *guess, int variant,
 static double importance(const lf_cell *cell, const lf_plane *x, int c)
 {
     const lf_raw_sums *raw = &cell->raw;
-    double pixels = fmax((double)raw->pixels, 1.0), q = (double)raw->q / pixels, w = 0.0, sum = 0.0;
+    double pixels = fmax((double)raw->pixels, 1.0), q = (double)raw->q / pixels, w = 0.0, sum = 0.0,
+           albedo = (double)raw->albedo[c] / pixels;
     for (int h = 0; h < 2; h++) {
         lf_plane mean = {.constant = cell->half[h][h].w};
         memcpy(mean.slope, cell->half[h][h].wf, sizeof mean.slope);
         sum += dot(&mean, x);
         w += (double)cell->half[h][h].w;
     }
-    double radiance = (w > 0.0 ? fmax(sum / w, 0.0) * q : 0.0) + (double)raw->known[c] / pixels;
-    return q / (radiance * radiance + EPSILON);
+    double radiance =
+        (w > 0.0 ? fmax(sum / w, 0.0) * q * albedo : 0.0) + (double)raw->known[c] / pixels;
+    return albedo * albedo * q / (radiance * radiance + EPSILON);
 }
 
 /* Of steps away from x (of both halves): their sums with what a half has found beyond `against`,

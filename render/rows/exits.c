@@ -18,21 +18,27 @@ static const lf_fan_face *face_of(const lf_visit *visit, int segment)
         lf_section_face(&w->section, visit->triangles, visit->scene, segment, &face->face);
         if (visit->sunlight)
             lf_sunlight_face_init(&face->sunlight, visit->sunlight, face->face.n);
+        if (visit->sums.albedo)
+            lf_face_albedo_init(&face->albedo, &face->face);
     }
     return face;
 }
 
 /* Where ray k meets its surface. */
+static lf_vec3 met_at(const lf_visit *visit, int k, lf_vec3 along)
+{
+    const lf_scratch *w = visit->worker;
+    return lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), w->z_end[k], along);
+}
+
 static void hit_of(const lf_visit *visit, int k, const lf_fan_face *face, lf_vec3 *out_along,
                    lf_hit *out)
 {
     const lf_scratch *w = visit->worker;
-    float z = w->z_end[k];
     *out_along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
-    lf_vec3 p = lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), z, *out_along);
-    lf_face_hit(&face->face, p, *out_along, out);
+    lf_face_hit(&face->face, met_at(visit, k, *out_along), *out_along, out);
     if (visit->scene->looks.varied && lf_is_varied(out->mesh, out->material))
-        lf_hit_vary(out, lf_rig_spread(visit->rig) * z);
+        lf_hit_vary(out, lf_rig_spread(visit->rig) * w->z_end[k]);
 }
 
 /* Whether ray k sees the back of what it meets. */
@@ -127,6 +133,22 @@ static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k
                                  lf_scale(along, -1.0f / visit->worker->length[k]));
 }
 
+/* Of the surface that ray k meets, of which this share is not hidden by media, whose albedo is no
+ * matter: what they scatter is smooth. */
+static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surface)
+{
+    const lf_scratch *w = visit->worker;
+    lf_vec3 albedo = lf_v3(1.0f, 1.0f, 1.0f);
+    if (surface > 0.0f) {
+        const lf_fan_face *face = face_of(visit, w->met.segment[k]);
+        lf_vec3 along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f),
+                met = lf_face_albedo_at(&face->albedo, &face->face, met_at(visit, k, along),
+                                        lf_rig_spread(visit->rig) * w->z_end[k]);
+        albedo = lf_madd(albedo, surface, lf_sub(met, albedo));
+    }
+    lf_film_note_albedo(&visit->sums, pixel, albedo.x, albedo.y, albedo.z);
+}
+
 /* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
 static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size_t pixel, int k,
                           bool lobe)
@@ -146,6 +168,8 @@ static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size
             feature.light = feature.surface * sunlight_of(plan, visit, k);
     }
     lf_film_note(&visit->sums, pixel, feature);
+    if (visit->sums.albedo)
+        write_albedo(visit, pixel, k, feature.surface > least ? feature.surface : 0.0f);
 }
 
 /* Whether the camera sees another colour in another direction. */
@@ -470,6 +494,11 @@ static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b,
                  (lf_feature){between(x->nearness, y->nearness, s),
                               between(x->spread, y->spread, s), between(x->surface, y->surface, s),
                               between(x->light, y->light, s)});
+    if (!sums->albedo)
+        return;
+    const float *from = sums->albedo[a], *to = sums->albedo[b];
+    lf_film_note_albedo(sums, pixel, between(from[0], to[0], s), between(from[1], to[1], s),
+                        between(from[2], to[2], s));
 }
 
 /* The columns between two fans: followed, by groups of views, where one of these has an edge there.

@@ -132,7 +132,8 @@ static lf_film_layout film_layout(const lf_scene *scene, const lf_render_setting
                             .has_known = !uniform,
                             .has_delta = scene->has_delta,
                             .has_signed = grids,
-                            .has_features = settings->features};
+                            .has_features = settings->features,
+                            .has_albedo = settings->features && scene->looks.tinted};
 }
 
 /* Where surfaces have edges a picture needs many row offsets and film points of B and q, which all

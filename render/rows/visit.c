@@ -597,6 +597,8 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
     }
     lf_film_sums_begin(&worker->sums);
     worker->sums.coarse = plan->order.coarse;
+    if (!lf_film_wants_albedo(plan->film, row))
+        visit.sums.albedo = NULL;
     if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 8), index);
     lf_exits_row(plan, &visit, key, index);

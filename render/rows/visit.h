@@ -15,6 +15,7 @@
 #include "render/rows/section.h"
 #include "render/rows/shine.h"
 #include "render/rows/veil.h"
+#include "render/transport/face_albedo.h"
 #include "render/transport/path.h"
 #include "render/transport/sampler.h"
 #include "render/transport/suffix.h"
@@ -51,6 +52,7 @@ typedef struct lf_fan_face {
     int segment; /* -1: none */
     lf_face face;
     lf_sunlight_face sunlight;
+    lf_face_albedo albedo; /* where a visit looks for it */
 } lf_fan_face;
 
 /* What the fan's rays meet. */

@@ -507,6 +507,7 @@ typedef struct lf_touching {
 /* What some of its surfaces and volumes are, and most scenes lack. */
 typedef struct lf_looks {
     bool varied;    /* something varies along a mesh */
+    bool tinted;    /* ... and some surface's albedo does */
     bool veiled;    /* some surface may not be there whole, or is a pane */
     bool hidden;    /* some mesh is hidden from the camera */
     bool filled;    /* some glass absorbs or scatters, or there is flesh */

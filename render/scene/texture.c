@@ -237,3 +237,68 @@ void lf_texture_look_up(const lf_texture *texture, const lf_pyramid *pyramid, fl
     for (int c = 0; c < 4; c++)
         out[c] = lf_lerp(out[c], more[c], f);
 }
+
+/* The level at which a texel is nearest to the root of texels2: half of its binary logarithm,
+ * rounded. */
+static int nearest_level(const lf_pyramid *pyramid, float texels2)
+{
+    const float most = 0x1p40f;
+    float twice = 2.0f * lf_min(lf_max(texels2, 1.0f), most);
+    uint32_t bits;
+    memcpy(&bits, &twice, sizeof bits);
+    int level = (int)((bits >> 23) - 127) / 2;
+    return level < pyramid->n_levels ? level : pyramid->n_levels - 1;
+}
+
+/* Neighbouring texels and how far between them x in 0..n lies, of n along one side. */
+typedef struct glance_side {
+    int first, second;
+    float between;
+} glance_side;
+
+static inline glance_side side_of(float x, int n, uint8_t wrap)
+{
+    float at = x + 0.5f; /* at least 0: what is cut off is rounded down */
+    int i = (int)at;
+    return (glance_side){neighbour(i - 1, n, wrap), neighbour(i, n, wrap), at - (float)i};
+}
+
+/* Numbers of a texel that are their value times `scale`, or codes of light. */
+static inline void blend(const lf_pyramid *p, int level, const glance_side *x, const glance_side *y,
+                         float out[3])
+{
+    const size_t w = (size_t)p->width[level], above = (size_t)y->first * w,
+                 below = (size_t)y->second * w;
+    const size_t at[4] = {above + (size_t)x->first, above + (size_t)x->second,
+                          below + (size_t)x->first, below + (size_t)x->second};
+    const float s = 1.0f - x->between, t = x->between, up = 1.0f - y->between, down = y->between,
+                weight[4] = {s * up, t * up, s * down, t * down};
+    for (int c = 0; c < 3; c++)
+        out[c] = 0.0f;
+    for (int i = 0; i < 4; i++)
+        for (int c = 0; c < 3; c++)
+            out[c] +=
+                weight[i] * (level == 0 ? light[1][p->base[4 * at[i] + (size_t)c]]
+                                        : (float)p->upper[4 * (p->at[level] + at[i]) + (size_t)c] *
+                                              (1.0f / 65535.0f));
+}
+
+/* floorf is a call where a processor may lack the instruction */
+static inline float fraction(float x)
+{
+    if (x >= 0.0f && x < 1.0f)
+        return x;
+    return x - floorf(x);
+}
+
+void lf_texture_glance(const lf_texture *texture, const lf_pyramid *pyramid, float x, float y,
+                       float texels2, float out[3])
+{
+    const int level = texture->finest ? 0 : nearest_level(pyramid, texels2);
+    const int w = pyramid->width[level], h = pyramid->height[level];
+    x = texture->wrap_u == LF_WRAP_REPEAT ? fraction(x) : wrapped(x, texture->wrap_u);
+    y = texture->wrap_v == LF_WRAP_REPEAT ? fraction(y) : wrapped(y, texture->wrap_v);
+    const glance_side across = side_of(x * (float)w, w, texture->wrap_u),
+                      along = side_of(y * (float)h, h, texture->wrap_v);
+    blend(pyramid, level, &across, &along, out);
+}

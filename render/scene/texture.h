@@ -92,6 +92,12 @@ void lf_pyramid_finish(lf_pyramid *pyramid);
 void lf_texture_look_up(const lf_texture *texture, const lf_pyramid *pyramid, float u, float v,
                         float level, float out[4]);
 
+/* The same at (x, y) of the picture itself, texture->map applied, averaged over about texels2
+ * texels, by the one nearest level, bilinear: linear red, green and blue of a picture of colours.
+ */
+void lf_texture_glance(const lf_texture *texture, const lf_pyramid *pyramid, float x, float y,
+                       float texels2, float out[3]);
+
 /* The textures of a material, as surfaces see them. */
 typedef struct lf_textures {
     lf_texture_set set;

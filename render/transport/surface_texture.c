@@ -1,5 +1,4 @@
 #include "render/transport/surface_texture.h"
-
 #include "render/transport/placed_hit.h"
 
 /* The triangle's corners and where the point lies between them. */
