@@ -225,7 +225,7 @@ lf_status lf_film_sums_init(lf_film_sums *sums, const lf_film_layout *layout)
     size_t pixels = pixels_of(layout), colours = 3 * pixels * sizeof(float);
     size_t native = layout->has_native ? colours : 0, known = layout->has_known ? colours : 0,
            features = layout->has_features ? pixels * sizeof(lf_feature) : 0,
-           albedo = layout->has_albedo ? colours : 0;
+           albedo = layout->has_albedo ? LF_ALBEDO_NUMBERS * pixels * sizeof(float) : 0;
     lf_film_layout summed = *layout;
     summed.has_features = false; /* a visit's own are not packed */
     size_t half_size = half_bytes(&summed);
@@ -238,7 +238,7 @@ lf_status lf_film_sums_init(lf_film_sums *sums, const lf_film_layout *layout)
     sums->half = half_at(&summed, half);
     sums->known = known ? (float(*)[3])(void *)behind : NULL;
     sums->feature = features ? (lf_feature *)(void *)(behind + known) : NULL;
-    sums->albedo = albedo ? (float(*)[3])(void *)(behind + known + features) : NULL;
+    sums->albedo = albedo ? (float(*)[LF_ALBEDO_NUMBERS])(void *)(behind + known + features) : NULL;
     sums->zeroed_bytes = native + half_size - pixels * sizeof(float);
     return LF_OK;
 }
@@ -428,12 +428,12 @@ static void merge_albedo(const lf_merge *merge, size_t first, size_t n,
                 own = 1.0f - now - other;
     for (size_t k = 0; k < n; k++) {
         const size_t i = first + k;
-        float mixed[3], later = now * merge->sums->half.q[i],
-                        earlier = own * merge->to.q[i] + other * merge->other_q[i];
+        float mixed[LF_ALBEDO_NUMBERS], later = now * merge->sums->half.q[i],
+                                        earlier = own * merge->to.q[i] + other * merge->other_q[i];
         if (!(later > 0.0f))
             continue;
         lf_albedo_unpack(merge->albedo[i], mixed);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
             mixed[c] += later / (later + (earlier > 0.0f ? earlier : 0.0f)) *
                         (merge->sums->albedo[i][c] - mixed[c]);
         merge->albedo[i] = lf_albedo_pack(mixed, random[k]);

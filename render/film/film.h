@@ -53,8 +53,8 @@ typedef struct lf_film_sums {
     lf_film_half half;   /* N, W, W' are sums, q the value of this visit */
     float (*known)[3];   /* B, the value of this visit; NULL where it is not stored */
     lf_feature *feature; /* of this visit; NULL where the film has none */
-    float (*albedo)[3];  /* likewise, or this visit does not look for it */
-    float (*native)[3];  /* M, a sum; NULL without delta lobes, lights in media, veils that glow */
+    float (*albedo)[LF_ALBEDO_NUMBERS]; /* likewise, or this visit does not look for it */
+    float (*native)[3]; /* M, a sum; NULL without delta lobes, lights in media, veils that glow */
     size_t zeroed_bytes;
     unsigned char *data;
     /* q, B and features are interpolated: they are kept until a visit has found its own, and count
@@ -239,13 +239,10 @@ static inline void lf_film_note(const lf_film_sums *sums, size_t pixel, lf_featu
     sums->feature[pixel] = feature;
 }
 /* … its albedo, likewise … */
-static inline void lf_film_note_albedo(const lf_film_sums *sums, size_t pixel, float r, float g,
-                                       float b)
+static inline void lf_film_note_albedo(const lf_film_sums *sums, size_t pixel,
+                                       const float albedo[LF_ALBEDO_NUMBERS])
 {
-    float *albedo = sums->albedo[pixel];
-    albedo[0] = r;
-    albedo[1] = g;
-    albedo[2] = b;
+    memcpy(sums->albedo[pixel], albedo, LF_ALBEDO_NUMBERS * sizeof *albedo);
 }
 /* … and B, which must be there. */
 static inline void lf_film_known_light(const lf_film_sums *sums, size_t pixel, float r, float g,

@@ -36,12 +36,12 @@ static double pivots_of(const lf_film_half half[2], const double n[2], size_t i)
 static void add_albedo(lf_packed_albedo *to, double weight_to, lf_packed_albedo from,
                        double weight_from, uint32_t random)
 {
-    float a[3], b[3];
+    float a[LF_ALBEDO_NUMBERS], b[LF_ALBEDO_NUMBERS];
     if (!(weight_to + weight_from > 0.0))
         return;
     lf_albedo_unpack(*to, a);
     lf_albedo_unpack(from, b);
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
         a[c] = (float)((weight_to * (double)a[c] + weight_from * (double)b[c]) /
                        (weight_to + weight_from));
     *to = lf_albedo_pack(a, random);

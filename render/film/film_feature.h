@@ -67,27 +67,41 @@ static inline lf_packed_feature lf_feature_pack(const lf_feature *f, uint32_t ra
         lf_feature_whole(f->surface * 65535.0f, u), (uint16_t)((bits + (random >> 16)) >> 16)};
 }
 
-/* Three numbers in [0, 1] as square roots of 10 bits: errors of a step of a display's code, which
- * dark colours need as much as light ones. */
-typedef uint32_t lf_packed_albedo;
+/* What surfaces send on: red, green, blue, and how much of them is metal; all in [0, 1]. */
+enum { LF_ALBEDO_METAL = 3, LF_ALBEDO_NUMBERS };
 
-static inline void lf_albedo_unpack(lf_packed_albedo p, float out[3])
+/* Colours as square roots of 9 bits, since steps of dark ones are seen as well, metal of 5. */
+typedef uint32_t lf_packed_albedo;
+#define LF_ALBEDO_COLOUR_MAX 511.0f
+#define LF_ALBEDO_METAL_MAX 31.0f
+
+static inline void lf_albedo_unpack(lf_packed_albedo p, float out[LF_ALBEDO_NUMBERS])
 {
-    const float unit = 1.0f / 1023.0f;
     for (int c = 0; c < 3; c++) {
-        float root = (float)(int32_t)(p >> 10 * c & 1023u) * unit;
+        float root = (float)(int32_t)(p >> 9 * c & 511u) * (1.0f / LF_ALBEDO_COLOUR_MAX);
         out[c] = root * root;
     }
+    out[LF_ALBEDO_METAL] = (float)(int32_t)(p >> 27) * (1.0f / LF_ALBEDO_METAL_MAX);
+}
+
+/* x in 0..most; u in [0, 1) rounds. */
+static inline uint32_t lf_albedo_whole(float x, float u, float most)
+{
+    float whole = (x > 0.0f ? x : 0.0f) + u;
+    return (uint32_t)(int32_t)(whole < most ? whole : most);
 }
 
 /* random: 32 bits. */
-static inline lf_packed_albedo lf_albedo_pack(const float albedo[3], uint32_t random)
+static inline lf_packed_albedo lf_albedo_pack(const float albedo[LF_ALBEDO_NUMBERS],
+                                              uint32_t random)
 {
     const float u = (float)(int32_t)(random >> 16) * 0x1p-16f;
-    lf_packed_albedo p = 0;
+    lf_packed_albedo p =
+        lf_albedo_whole(albedo[LF_ALBEDO_METAL] * LF_ALBEDO_METAL_MAX, u, LF_ALBEDO_METAL_MAX)
+        << 27;
     for (int c = 0; c < 3; c++) {
-        float root = sqrtf(albedo[c] > 0.0f ? albedo[c] : 0.0f) * 1023.0f + u;
-        p |= (uint32_t)(int32_t)(root < 1023.0f ? root : 1023.0f) << 10 * c;
+        float root = sqrtf(albedo[c] > 0.0f ? albedo[c] : 0.0f);
+        p |= lf_albedo_whole(root * LF_ALBEDO_COLOUR_MAX, u, LF_ALBEDO_COLOUR_MAX) << 9 * c;
     }
     return p;
 }

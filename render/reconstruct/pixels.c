@@ -40,23 +40,25 @@ void lf_pixels_finish(lf_pixels *pixels)
     memset(pixels, 0, sizeof *pixels);
 }
 
-/* Reads albedo. R is then what is to be multiplied by it: so is sunlight, and what is not, gloss,
- * is linear in 1/a, which the share of media tells beside what it tells. */
+/* Reads albedo. R is what is to be multiplied by it: so is sunlight. What is not proportional to it
+ * is gloss: of a dielectric it is linear in 1/a, which the share of media tells beside what it
+ * tells, and of metal in how much there is, which q does. */
 static void read_albedo(const lf_view_row *in, bool halves, lf_pixels *out)
 {
-    const float of_gloss = 0.1f;
+    const float of_gloss = 0.1f, of_metal = 1.0f;
     for (int k = 0; k < in->n; k++) {
         const int i = in->first + k;
+        float all[LF_ALBEDO_NUMBERS], *a = out->albedo[i];
         if (!lf_q_is_fitted(out->q[i]))
             continue;
-        float *a = out->albedo[i];
-        lf_albedo_unpack(in->albedo[k], a);
+        lf_albedo_unpack(in->albedo[k], all);
         for (int c = 0; c < 3; c++)
-            a[c] = fmaxf(a[c], LF_LEAST_ALBEDO);
-        float inverse = 3.0f / (a[0] + a[1] + a[2]);
+            a[c] = fmaxf(all[c], LF_LEAST_ALBEDO);
+        float inverse = 3.0f / (a[0] + a[1] + a[2]), metal = all[LF_ALBEDO_METAL];
         for (int v = halves ? 0 : LF_BOTH; v < LF_VARIANTS; v++) {
             out->f[v][LF_LIGHT][i] *= inverse;
-            out->f[v][LF_MEDIA][i] += of_gloss * (inverse - 1.0f);
+            out->f[v][LF_MEDIA][i] += of_gloss * ((1.0f - metal) * inverse - 1.0f);
+            out->f[v][LF_PIVOTS][i] += of_metal * metal;
         }
     }
 }

@@ -138,15 +138,16 @@ static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k
 static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surface)
 {
     const lf_scratch *w = visit->worker;
-    lf_vec3 albedo = lf_v3(1.0f, 1.0f, 1.0f);
+    float albedo[LF_ALBEDO_NUMBERS] = {1.0f, 1.0f, 1.0f, 0.0f}, met[LF_ALBEDO_NUMBERS];
     if (surface > 0.0f) {
         const lf_fan_face *face = face_of(visit, w->met.segment[k]);
-        lf_vec3 along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f),
-                met = lf_face_albedo_at(&face->albedo, &face->face, met_at(visit, k, along),
-                                        lf_rig_spread(visit->rig) * w->z_end[k]);
-        albedo = lf_madd(albedo, surface, lf_sub(met, albedo));
+        lf_vec3 along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
+        lf_face_albedo_at(&face->albedo, &face->face, met_at(visit, k, along),
+                          lf_rig_spread(visit->rig) * w->z_end[k], met);
+        for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
+            albedo[c] += surface * (met[c] - albedo[c]);
     }
-    lf_film_note_albedo(&visit->sums, pixel, albedo.x, albedo.y, albedo.z);
+    lf_film_note_albedo(&visit->sums, pixel, albedo);
 }
 
 /* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
@@ -496,9 +497,10 @@ static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b,
                               between(x->light, y->light, s)});
     if (!sums->albedo)
         return;
-    const float *from = sums->albedo[a], *to = sums->albedo[b];
-    lf_film_note_albedo(sums, pixel, between(from[0], to[0], s), between(from[1], to[1], s),
-                        between(from[2], to[2], s));
+    float albedo[LF_ALBEDO_NUMBERS];
+    for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
+        albedo[c] = between(sums->albedo[a][c], sums->albedo[b][c], s);
+    lf_film_note_albedo(sums, pixel, albedo);
 }
 
 /* The columns between two fans: followed, by groups of views, where one of these has an edge there.

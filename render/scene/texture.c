@@ -263,7 +263,6 @@ static inline glance_side side_of(float x, int n, uint8_t wrap)
     return (glance_side){neighbour(i - 1, n, wrap), neighbour(i, n, wrap), at - (float)i};
 }
 
-/* Numbers of a texel that are their value times `scale`, or codes of light. */
 static inline void blend(const lf_pyramid *p, int level, const glance_side *x, const glance_side *y,
                          float out[3])
 {
@@ -271,14 +270,15 @@ static inline void blend(const lf_pyramid *p, int level, const glance_side *x, c
                  below = (size_t)y->second * w;
     const size_t at[4] = {above + (size_t)x->first, above + (size_t)x->second,
                           below + (size_t)x->first, below + (size_t)x->second};
-    const float s = 1.0f - x->between, t = x->between, up = 1.0f - y->between, down = y->between,
+    const float *code = light[is_colour(p->use)], s = 1.0f - x->between, t = x->between,
+                up = 1.0f - y->between, down = y->between,
                 weight[4] = {s * up, t * up, s * down, t * down};
     for (int c = 0; c < 3; c++)
         out[c] = 0.0f;
     for (int i = 0; i < 4; i++)
         for (int c = 0; c < 3; c++)
             out[c] +=
-                weight[i] * (level == 0 ? light[1][p->base[4 * at[i] + (size_t)c]]
+                weight[i] * (level == 0 ? code[p->base[4 * at[i] + (size_t)c]]
                                         : (float)p->upper[4 * (p->at[level] + at[i]) + (size_t)c] *
                                               (1.0f / 65535.0f));
 }

@@ -93,7 +93,7 @@ void lf_texture_look_up(const lf_texture *texture, const lf_pyramid *pyramid, fl
                         float level, float out[4]);
 
 /* The same at (x, y) of the picture itself, texture->map applied, averaged over about texels2
- * texels, by the one nearest level, bilinear: linear red, green and blue of a picture of colours.
+ * texels, by the one nearest level, bilinear: linear red, green and blue.
  */
 void lf_texture_glance(const lf_texture *texture, const lf_pyramid *pyramid, float x, float y,
                        float texels2, float out[3]);

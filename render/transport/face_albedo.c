@@ -2,15 +2,21 @@
 
 #include "render/transport/surface_texture.h"
 
-/* Of a dielectric, straight on. Where a texture says what is metal, half of it. */
+/* Of a dielectric, straight on. */
 static float reflected_straight(const lf_material *m)
 {
-    const bool mixed = m->textures && m->textures->pyramid[LF_SLOT_METAL_ROUGH];
-    float r = (m->ior - 1.0f) / (m->ior + 1.0f),
-          metal = m->metallic > 0.0f && mixed ? 0.5f : m->metallic;
+    float r = (m->ior - 1.0f) / (m->ior + 1.0f);
     if (m->kind == &lf_surface_plastic)
         return r * r;
-    return m->kind == &lf_surface_principled ? (1.0f - metal) * m->specular * r * r : 0.0f;
+    return m->kind == &lf_surface_principled ? m->specular * r * r : 0.0f;
+}
+
+/* How much of it is metal, but for a texture. */
+static float metal_of(const lf_material *m)
+{
+    if (m->kind == &lf_surface_conductor)
+        return 1.0f;
+    return m->kind == &lf_surface_principled ? m->metallic : 0.0f;
 }
 
 static lf_vec3 corner_colour(const lf_face *face, int corner)
@@ -23,52 +29,69 @@ static lf_vec3 corner_colour(const lf_face *face, int corner)
     return lf_mul(face->material->albedo, lf_v3(c[0], c[1], c[2]));
 }
 
-static void lay_texture(lf_face_albedo *a, const lf_face *face)
+static void lay_texture(lf_face_texture *out, const lf_face *face, lf_slot slot)
 {
     const lf_textures *textures = face->material->textures;
     const lf_mesh *mesh = face->mesh;
-    a->pyramid = textures && mesh->uvs ? textures->pyramid[LF_SLOT_BASE] : NULL;
-    if (!a->pyramid)
+    out->pyramid = textures && mesh->uvs ? textures->pyramid[slot] : NULL;
+    if (!out->pyramid)
         return;
-    a->texture = &textures->set.slot[LF_SLOT_BASE];
-    const float *uvs = mesh->uvs + 2 * (size_t)a->texture->set * (size_t)mesh->n_vertices;
+    out->texture = &textures->set.slot[slot];
+    const float *uvs = mesh->uvs + 2 * (size_t)out->texture->set * (size_t)mesh->n_vertices;
     for (int i = 0; i < 2; i++) {
-        const float *m = a->texture->map[i];
+        const float *m = out->texture->map[i];
         for (int corner = 0; corner < 3; corner++) {
             const float *uv =
                 uvs + 2 * (size_t)mesh->triangles[3 * (size_t)face->triangle + (size_t)corner];
             float x = m[0] * uv[0] + m[1] * uv[1] + m[2];
-            a->place[i][corner] = corner == 0 ? x : x - a->place[i][0];
+            out->place[i][corner] = corner == 0 ? x : x - out->place[i][0];
         }
     }
     /* gradients of barycentric coordinates span the inverse of twice the triangle's area */
-    float turned = a->place[0][1] * a->place[1][2] - a->place[0][2] * a->place[1][1];
-    a->texels2 = fabsf(turned) * (float)a->pyramid->width[0] * (float)a->pyramid->height[0] *
-                 lf_length(lf_cross(face->to_uv[0], face->to_uv[1]));
+    float turned = out->place[0][1] * out->place[1][2] - out->place[0][2] * out->place[1][1];
+    out->texels2 = fabsf(turned) * (float)out->pyramid->width[0] * (float)out->pyramid->height[0] *
+                   lf_length(lf_cross(face->to_uv[0], face->to_uv[1]));
 }
 
 void lf_face_albedo_init(lf_face_albedo *albedo, const lf_face *face)
 {
-    const float gloss = reflected_straight(face->material);
-    *albedo = (lf_face_albedo){.gloss = lf_v3(gloss, gloss, gloss)};
+    const lf_material *m = face->material;
+    *albedo = (lf_face_albedo){.gloss = reflected_straight(m), .metal = metal_of(m)};
     for (int i = 0; i < 3; i++) {
         lf_vec3 colour = corner_colour(face, i);
         albedo->colour[i] = i == 0 ? colour : lf_sub(colour, albedo->colour[0]);
     }
-    lay_texture(albedo, face);
+    lay_texture(&albedo->base, face, LF_SLOT_BASE);
+    if (albedo->metal > 0.0f)
+        lay_texture(&albedo->metals, face, LF_SLOT_METAL_ROUGH);
 }
 
-lf_vec3 lf_face_albedo_at(const lf_face_albedo *albedo, const lf_face *face, lf_vec3 p, float width)
+static void look_up(const lf_face_texture *t, float u, float v, float width, float out[3])
+{
+    const float *x = t->place[0], *y = t->place[1];
+    lf_texture_glance(t->texture, t->pyramid, x[0] + u * x[1] + v * x[2],
+                      y[0] + u * y[1] + v * y[2], t->texels2 * width * width, out);
+}
+
+void lf_face_albedo_at(const lf_face_albedo *albedo, const lf_face *face, lf_vec3 p, float width,
+                       float out[LF_ALBEDO_NUMBERS])
 {
     const lf_vec3 d = lf_sub(p, face->a), *c = albedo->colour;
-    float texel[3], u = lf_min(lf_max(lf_dot(face->to_uv[0], d), 0.0f), 1.0f),
+    float texel[3], metal = albedo->metal,
+                    u = lf_min(lf_max(lf_dot(face->to_uv[0], d), 0.0f), 1.0f),
                     v = lf_min(lf_max(lf_dot(face->to_uv[1], d), 0.0f), 1.0f - u);
-    lf_vec3 out = lf_madd(lf_madd(c[0], u, c[1]), v, c[2]);
-    if (albedo->pyramid) {
-        const float *x = albedo->place[0], *y = albedo->place[1];
-        lf_texture_glance(albedo->texture, albedo->pyramid, x[0] + u * x[1] + v * x[2],
-                          y[0] + u * y[1] + v * y[2], albedo->texels2 * width * width, texel);
-        out = lf_mul(out, lf_v3(texel[0], texel[1], texel[2]));
+    lf_vec3 colour = lf_madd(lf_madd(c[0], u, c[1]), v, c[2]);
+    if (albedo->base.texture) {
+        look_up(&albedo->base, u, v, width, texel);
+        colour = lf_mul(colour, lf_v3(texel[0], texel[1], texel[2]));
     }
-    return lf_add(out, albedo->gloss);
+    if (albedo->metals.texture) {
+        look_up(&albedo->metals, u, v, width, texel);
+        metal *= texel[2];
+    }
+    const float gloss = (1.0f - metal) * albedo->gloss;
+    out[0] = colour.x + gloss;
+    out[1] = colour.y + gloss;
+    out[2] = colour.z + gloss;
+    out[LF_ALBEDO_METAL] = metal;
 }

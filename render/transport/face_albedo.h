@@ -7,21 +7,27 @@
 #ifndef LF_RENDER_FACE_ALBEDO_H
 #define LF_RENDER_FACE_ALBEDO_H
 
+#include "render/film/film_feature.h"
 #include "render/transport/track.h"
 
-typedef struct lf_face_albedo {
-    lf_vec3
-        colour[3]; /* at the face's corner, and what it gains with each barycentric coordinate */
-    lf_vec3 gloss; /* what is added */
-    const lf_texture *texture; /* of the base; NULL: none */
+/* A texture on the triangle. */
+typedef struct lf_face_texture {
+    const lf_texture *texture; /* NULL: none */
     const lf_pyramid *pyramid;
-    float place[2][3]; /* x and y in the picture, as colour */
-    float texels2;     /* in a unit of the face's area */
+    float place[2][3]; /* x and y in the picture: at the face's corner, and what they gain with each
+                          barycentric coordinate */
+    float texels2;     /* in a square of a scene unit */
+} lf_face_texture;
+
+typedef struct lf_face_albedo {
+    lf_vec3 colour[3]; /* of the base, as place */
+    float gloss, metal;
+    lf_face_texture base, metals;
 } lf_face_albedo;
 
 void lf_face_albedo_init(lf_face_albedo *albedo, const lf_face *face);
 /* At the point p of the face, averaged over about `width`, scene units. */
-lf_vec3 lf_face_albedo_at(const lf_face_albedo *albedo, const lf_face *face, lf_vec3 p,
-                          float width);
+void lf_face_albedo_at(const lf_face_albedo *albedo, const lf_face *face, lf_vec3 p, float width,
+                       float out[LF_ALBEDO_NUMBERS]);
 
 #endif
