@@ -20,6 +20,9 @@
 /* Visits of a row that albedo is taken from: each costs a look at textures, and what these have is
  * averaged over a pixel. */
 #define LF_ALBEDO_VISITS 8
+/* Visits of a row that take so many film points in pixels where surfaces meet, not one. */
+#define LF_OUTLINE_VISITS 4
+#define LF_OUTLINE_POINTS 4
 
 /* Smallest albedo that is kept: N is divided by it. */
 #define LF_LEAST_ALBEDO 0.02f

@@ -366,7 +366,14 @@ typedef struct lf_exits {
     lf_vec3 sky;   /* where it is constant */
     float density; /* of the points of correction weights */
     bool constant, corrected, veiled;
+    float step; /* from a column's film point to the one that is followed, in pixels */
 } lf_exits;
+
+/* x in 0..2, one period back from 1 on. */
+static float wrapped(float x)
+{
+    return x < 1.0f ? x : x - 1.0f;
+}
 
 /* The rays [from, to) of a column's fan, up to what they meet and through all media before it. */
 static void follow(const lf_exits *e, int column, int from, int to)
@@ -374,11 +381,12 @@ static void follow(const lf_exits *e, int column, int from, int to)
     const lf_visit *visit = e->visit;
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    float xw = rig->x0 + ((float)column + lf_exits_film_point(e->key, column, e->index)) * rig->dx,
-          lx = 0.0f;
+    float point = wrapped(lf_exits_film_point(e->key, column, e->index) + e->step),
+          xw = rig->x0 + ((float)column + point) * rig->dx, lx = 0.0f;
     if (visit->plane.lens_chord > 0.0f)
-        lx = (2.0f *
-                  lf_sampler_radical(lf_hash64(lf_hash64(e->key, 10), (uint64_t)column), e->index) -
+        lx = (2.0f * wrapped(lf_sampler_radical(lf_hash64(lf_hash64(e->key, 10), (uint64_t)column),
+                                                e->index) +
+                             e->step) -
               1.0f) *
              visit->plane.lens_chord;
     aim(visit, xw, lx);
@@ -454,17 +462,23 @@ static void take_end(const lf_exits *e, int column, lf_fan_end *out)
     }
 }
 
+/* Whether view k meets other surfaces in two columns. */
+static bool is_torn(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b, int k)
+{
+    const float steepest = 3.0f;
+    const lf_rig *rig = e->visit->rig;
+    float apart = steepest * (float)(b->column - a->column) * rig->dx / rig->distance;
+    return a->material[k] != b->material[k] || fabsf(a->nearness[k] - b->nearness[k]) > apart;
+}
+
 /* Whether an edge runs between two columns of view k: what is seen there would be torn to a ramp.
  */
 static bool has_edge(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b, int k)
 {
-    const float most_q = 0.1f, steepest = 3.0f;
+    const float most_q = 0.1f;
     const lf_visit *visit = e->visit;
-    const lf_rig *rig = visit->rig;
-    const float *q = visit->sums.half.q + (size_t)k * (size_t)rig->width;
-    float apart = steepest * (float)(b->column - a->column) * rig->dx / rig->distance;
-    return a->material[k] != b->material[k] || fabsf(q[a->column] - q[b->column]) > most_q ||
-           fabsf(a->nearness[k] - b->nearness[k]) > apart;
+    const float *q = visit->sums.half.q + (size_t)k * (size_t)visit->rig->width;
+    return is_torn(e, a, b, k) || fabsf(q[a->column] - q[b->column]) > most_q;
 }
 
 static float between(float a, float b, float t)
@@ -545,6 +559,87 @@ static void coarse_row(const lf_exits *e)
     }
 }
 
+/* ---------------------------------------------------------------------------------- outlines --
+ */
+
+/* What a pixel's film points have said. */
+typedef struct lf_exits_pixel {
+    float q, known[3], albedo[LF_ALBEDO_NUMBERS];
+    lf_feature feature;
+    bool mirror;
+} lf_exits_pixel;
+
+static void take_pixel(const lf_visit *visit, size_t i, lf_exits_pixel *out)
+{
+    const lf_film_sums *sums = &visit->sums;
+    *out = (lf_exits_pixel){.q = sums->half.q[i], .feature = sums->feature[i]};
+    if (sums->known)
+        memcpy(out->known, sums->known[i], sizeof out->known);
+    if (sums->albedo)
+        memcpy(out->albedo, sums->albedo[i], sizeof out->albedo);
+    if (visit->worker->mirrors)
+        out->mirror = visit->worker->mirrors[i];
+}
+
+/* The mean of what a pixel has and of what it had, which counts n times as much. */
+static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had, float n)
+{
+    const lf_film_sums *sums = &visit->sums;
+    const float share = 1.0f / (n + 1.0f), now = lf_max(share * sums->half.q[i], 0.0f),
+                before = lf_max((1.0f - share) * had->q, 0.0f);
+    if (now + before > 0.0f) {
+        sums->feature[i] =
+            lf_feature_mix(&sums->feature[i], (double)now, &had->feature, (double)before);
+        for (int c = 0; c < LF_ALBEDO_NUMBERS && sums->albedo; c++)
+            sums->albedo[i][c] = between(had->albedo[c], sums->albedo[i][c], now / (now + before));
+    }
+    sums->half.q[i] = between(had->q, sums->half.q[i], share);
+    for (int c = 0; c < 3 && sums->known; c++)
+        sums->known[i][c] = between(had->known[c], sums->known[i][c], share);
+    if (visit->worker->mirrors)
+        visit->worker->mirrors[i] |= had->mirror;
+}
+
+/* More film points of the views [first, end) of a column, spread over the pixel. */
+static void refine(lf_exits *e, int column, int first, int end)
+{
+    const lf_visit *visit = e->visit;
+    lf_exits_pixel had[LF_LANES];
+    for (int n = 1; n < LF_OUTLINE_POINTS; n++) {
+        const size_t width = (size_t)visit->rig->width;
+        for (int k = first; k < end; k++)
+            take_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first]);
+        e->step = (float)n / LF_OUTLINE_POINTS;
+        fan(e, column, first, end);
+        for (int k = first; k < end; k++)
+            mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
+    }
+    e->step = 0.0f;
+}
+
+/* A row whose pixels get more film points where an outline runs through them or beside them, by
+ * groups of views. */
+static void row_with_outlines(lf_exits *e)
+{
+    const lf_rig *rig = e->visit->rig;
+    bool edge[2][LF_MAX_LANES / LF_LANES] = {{false}};
+    lf_fan_end ends[2];
+    for (int column = 0; column <= rig->width; column++) {
+        const lf_fan_end *before = &ends[(column + 1) % 2], *here = &ends[column % 2];
+        bool *now = edge[column % 2], *last = edge[(column + 1) % 2];
+        memset(now, 0, sizeof edge[0]);
+        if (column < rig->width)
+            take_end(e, column, &ends[column % 2]);
+        for (int k = 0; k < rig->n_views && column > 0 && column < rig->width; k++)
+            now[k / LF_LANES] |= is_torn(e, before, here, k);
+        for (int first = 0; first < rig->n_views && column > 0; first += LF_LANES) {
+            int end = first + LF_LANES < rig->n_views ? first + LF_LANES : rig->n_views;
+            if (now[first / LF_LANES] || last[first / LF_LANES])
+                refine(e, column - 1, first, end);
+        }
+    }
+}
+
 /* Contributions that this visit gives a view pixel, on average where a map has other numbers. */
 static float contributions(const lf_visit_plan *plan)
 {
@@ -567,9 +662,13 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         w->met.segment[k] = -1; /* and so it stays without meshes */
     for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->looks.varied); i++)
         w->met.face[i].segment = -1;
+    const bool outlines = !plan->order.coarse && visit->triangles && visit->sums.feature &&
+                          lf_film_wants_outlines(plan->film, visit->row);
     if (plan->order.coarse)
         coarse_row(&e);
-    for (int column = 0; column < rig->width && !plan->order.coarse; column++)
+    else if (outlines)
+        row_with_outlines(&e);
+    for (int column = 0; column < rig->width && !plan->order.coarse && !outlines; column++)
         fan(&e, column, 0, LF_MAX_LANES);
     if (w->mirrors)
         widen(w->mirrors, rig->n_views, rig->width);
