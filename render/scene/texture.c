@@ -298,6 +298,12 @@ void lf_texture_glance(const lf_texture *texture, const lf_pyramid *pyramid, flo
     const int w = pyramid->width[level], h = pyramid->height[level];
     x = texture->wrap_u == LF_WRAP_REPEAT ? fraction(x) : wrapped(x, texture->wrap_u);
     y = texture->wrap_v == LF_WRAP_REPEAT ? fraction(y) : wrapped(y, texture->wrap_v);
+    if (texture->nearest && level == 0) {
+        float texel[4];
+        nearest(pyramid, x, y, texel);
+        memcpy(out, texel, 3 * sizeof *out);
+        return;
+    }
     const glance_side across = side_of(x * (float)w, w, texture->wrap_u),
                       along = side_of(y * (float)h, h, texture->wrap_v);
     blend(pyramid, level, &across, &along, out);

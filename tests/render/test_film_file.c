@@ -319,7 +319,7 @@ static void layouts_that_no_scene_needs_are_refused(void **state)
     (void)state;
     fixture f = begin();
     int accepted = 0;
-    for (int i = 0; i < 64; i++) {
+    for (int i = 0; i < 128; i++) {
         const lf_film_layout layout = {.n_views = 2,
                                        .width = 3,
                                        .height = 4,
@@ -328,9 +328,11 @@ static void layouts_that_no_scene_needs_are_refused(void **state)
                                        .has_known = i & 4,
                                        .has_delta = i & 8,
                                        .has_signed = i & 16,
-                                       .has_features = i & 32};
-        bool possible =
-            (layout.has_known || !layout.has_native) && (layout.has_native || !layout.has_delta);
+                                       .has_features = i & 32,
+                                       .has_albedo = i & 64};
+        bool possible = (layout.has_known || !layout.has_native) &&
+                        (layout.has_native || !layout.has_delta) &&
+                        (layout.has_features || !layout.has_albedo);
         lf_film film = {0};
         lf_error err;
         lf_assert_ok(lf_film_init(&film, &layout), NULL);
@@ -338,7 +340,7 @@ static void layouts_that_no_scene_needs_are_refused(void **state)
         lf_film_finish(&film);
         accepted += possible;
     }
-    assert_int_equal(accepted, 2 * 4 * 4);
+    assert_int_equal(accepted, 2 * 4 * 6);
     end(&f);
 }
 
