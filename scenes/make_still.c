@@ -1,6 +1,7 @@
 /* make_still FILE.glb: writes what the scene still-life.json is made of: a tiled floor, a plant
  * whose leaves are cut out of cards by alpha, and a veil that is there in part; with their pictures
- * in the file. */
+ * in the file.
+ * make_still FILE.png checker: writes the picture of bench/checker.json and bench/turning.json. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -155,6 +156,20 @@ static void veil(double u, double v, double rgba[4])
     rgba[1] = 0.75 - 0.1 * fold;
     rgba[2] = 0.6 - 0.1 * fold;
     rgba[3] = 0.15 + 0.5 * fold * fold;
+}
+
+/* Seven checkers, each with cells half as large as the one before (64 pixels to 1), in colours of
+ * their own. */
+static void checker(double u, double v, double rgba[4])
+{
+    for (int i = 0; i < 3; i++)
+        rgba[i] = 0.5;
+    for (int octave = 0; octave < 7; octave++) {
+        int cells = 2 << octave, odd = ((int)(u * cells) + (int)(v * cells)) & 1;
+        for (int i = 0; i < 3; i++)
+            rgba[i] += (odd ? 1 : -1) * (0.04 + 0.07 * cos(2.1 * octave + 2 * PI / 3 * i));
+    }
+    rgba[3] = 1;
 }
 
 /* ------------------------------------------------------------------------------------ meshes -- */
@@ -369,16 +384,22 @@ static bytes make_glb(void)
 
 int main(int argc, char **argv)
 {
-    FILE *file = argc == 2 ? fopen(argv[1], "wb") : NULL;
+    int is_checker = argc == 3 && strcmp(argv[2], "checker") == 0;
+    FILE *file = argc == 2 || is_checker ? fopen(argv[1], "wb") : NULL;
     if (!file) {
         fprintf(stderr,
-                argc == 2 ? "make_still: cannot write %s\n" : "usage: make_still FILE.glb\n",
+                argc == 2 || is_checker ? "make_still: cannot write %s\n"
+                                        : "usage: make_still FILE.glb | FILE.png checker\n",
                 argv[1]);
         return 2;
     }
-    bytes glb = make_glb();
-    size_t written = fwrite(glb.data, 1, glb.size, file);
-    int failed = fclose(file) != 0 || written != glb.size;
-    free(glb.data);
+    bytes out = {0};
+    if (is_checker)
+        put_png(&out, checker);
+    else
+        out = make_glb();
+    size_t written = fwrite(out.data, 1, out.size, file);
+    int failed = fclose(file) != 0 || written != out.size;
+    free(out.data);
     return failed;
 }

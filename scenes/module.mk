@@ -1,7 +1,8 @@
 # The shipped scenes: their data is made here, by generators that do not depend on the variant being built, and the scene files
-# are copied beside it, so that relative paths hold. scenes/bench holds those of `quiltbench table`; tests/bench/test_scenes.c knows
+# are copied beside it, so that relative paths hold. scenes/bench holds those of `quiltbench table` and of
+# `quiltbench shown`; tests/bench/test_scenes.c knows
 # the hashes of all that they are made of.
-scene_generated := scenes/cloud.vdb scenes/fire.vdb scenes/knot.obj scenes/sky.hdr scenes/still.glb scenes/tree.ply scenes/forest.npy
+scene_generated := scenes/cloud.vdb scenes/fire.vdb scenes/knot.obj scenes/sky.hdr scenes/still.glb scenes/bench/checker.png scenes/tree.ply scenes/forest.npy
 scene_data += $(scene_generated) $(call wild,scenes/*.json) $(call wild,scenes/bench/*.json)
 
 $(BUILDROOT)/tools/%: $(SRCDIR)/scenes/%.c
@@ -24,6 +25,7 @@ $(eval $(call scene_file,fire.vdb,make_vdb,fire))
 $(eval $(call scene_file,knot.obj,make_mesh))
 $(eval $(call scene_file,sky.hdr,make_sky))
 $(eval $(call scene_file,still.glb,make_still))
+$(eval $(call scene_file,bench/checker.png,make_still,checker))
 $(eval $(call scene_file,tree.ply,make_forest,tree))
 $(eval $(call scene_file,forest.npy,make_forest,places 100000))
 

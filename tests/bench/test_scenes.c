@@ -14,6 +14,8 @@
 static const struct {
     const char *name, *sha256;
 } files[] = {
+    {"bench/checker.json", "d1c3439155befb8bca1931313b8caceb6d45be5fe09c69adb94fec7e35a5119e"},
+    {"bench/checker.png", "f2b3e276ab0e8b04f53641501eb3032d40cbad508fe55fb312c8ccaaa1dd3f3e"},
     {"bench/cloud-dense.json", "712a2fc2b490e798900d70545f5ed5292758b66922fcaae3121266fdf24fcbc6"},
     {"bench/cloud-g060.json", "5364f70b750aa13b40cdbe27f084ac12830df709be99b86b9d5a26dae9c1a1e8"},
     {"bench/cloud-g085.json", "c362a8f3126ae679abcc819d6ace1d004176ccbabb2208e7d2273beda254870e"},
@@ -33,6 +35,7 @@ static const struct {
     {"bench/meshes-mirror.json",
      "8eee579a78160c5776c425e0b5f4d07f494029f7d14616da7d3de61b1c7c8b8d"},
     {"bench/mixed-cubes.json", "5b7656255fb4033af0aa0be456a8b34b26751b76e22594eff0120bfb9702dd5e"},
+    {"bench/turning.json", "97bc7f20d96645c1e49e7b852d27f8273e7adb23009a648325bd8267b7b9072c"},
     {"cloud.json", "ab33be9b975ba3be6a611615c5d5afbdb8f24430c6109120dc41ef87a1858942"},
     {"cloud.vdb", "7171f8d1f6b5174c02a4314223f9ad852514e6f75c948dff386a72736e5e0a45"},
     {"knot.obj", "ffdb70025bfa3b984d985ede28f137367750adee10f20645aaeb3f9c8f989009"},

@@ -518,6 +518,7 @@ static void every_shipped_scene_follows_the_schema(void **state)
     assert_true(check_folder("scenes") >= 4);
     assert_true(check_folder("scenes/bench") >= 11);
     assert_true(check_folder("bench/reference") >= 2);
+    assert_true(check_folder("bench/textured") >= 5);
 }
 
 /* As some editors write it. */
