@@ -1,6 +1,6 @@
 quiltbench_srcs := $(call wild,bench/*.c)
 # what the tests of its parts link
-bench_srcs := bench/statistics.c
+bench_srcs := bench/statistics.c bench/eyes.c
 
 # beside other renderers: ARGS as bench/peers/peers.py --help has them. The scene lies as far from scenes/ here as in the sources.
 peers_out := $(BUILDROOT)/bench/peers

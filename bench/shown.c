@@ -1,6 +1,7 @@
 /* quiltbench shown SCENE: what the reconstruction is worth. The picture that people see against the
- * unfiltered one after the same CPU time: errors, the worst tile, the change from view to view, and
- * whether what it says of its own error is true (docs/reconstruct.md). */
+ * unfiltered one after the same CPU time or passes: errors, the worst tile, the change from view to
+ * view, whether what it says of its own error is true (docs/reconstruct.md), and what an eye sees
+ * of both through a panel's lenses. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,27 +9,44 @@
 
 #include "base/alloc.h"
 #include "bench/bench.h"
+#include "bench/eyes.h"
 #include "bench/trial.h"
 
 enum { UNFILTERED, SHOWN, N_CONTENDERS };
+
+/* What eyes see of one run. */
+typedef struct seen {
+    double rel_mse[N_CONTENDERS], flicker[N_CONTENDERS];
+    double frame_change; /* of the reconstructed picture, when its rendering goes on */
+} seen;
 
 typedef struct arguments {
     lf_trial_options options;
     double budgets[LF_MAX_BUDGETS];
     int n_budgets;
+    bool by_passes; /* budgets are passes, not CPU seconds */
+    bool eye;       /* --eye */
     lf_trial trial;
     lf_measure *measures; /* [budget][seed][contender] */
     double *tiles;        /* one set of tiles a contender */
     double *tile_ratios;  /* [budget][seed][worst, mean] */
+    lf_eyes *eyes;        /* NULL without --eye */
+    seen *seen;           /* [budget][seed], with --eye */
+    seen *seen_now;       /* the run's */
+    int who;              /* of the picture that comes next */
 } arguments;
 
 /* --------------------------------------------------------------------------------- arguments -- */
 
-enum { OPTION_BUDGETS = LF_TRIAL_OPTION_OWN };
+enum { OPTION_BUDGETS = LF_TRIAL_OPTION_OWN, OPTION_PASSES, OPTION_EYE };
+/* A pass of each half more: the next picture that a display would show. */
+enum { LATER_PASSES = 2 };
 
 static const struct option table[] = {
     LF_TRIAL_OPTIONS_LONG,
     {"budgets", required_argument, NULL, OPTION_BUDGETS},
+    {"passes", required_argument, NULL, OPTION_PASSES},
+    {"eye", no_argument, NULL, OPTION_EYE},
     {NULL, 0, NULL, 0},
 };
 
@@ -39,32 +57,47 @@ static void print_help(void)
            "answers included; medians over the seeds (least .. greatest).\n\n"
            "  --budgets LIST            CPU seconds, rising (0.6,2,5,15: in 210x280 what two cores "
            "do in 1.2, 4, 10 and 30 s of 420x560)\n"
+           "  --passes LIST             instead of CPU seconds: after as many passes, rising\n"
+           "  --eye                     also what eyes see through the lenses of a panel "
+           "(--calibration, a nominal Portrait)\n"
            "  --seeds N                 runs of each (4)\n");
     lf_trial_print_help();
 }
 
-static lf_status take(void *context, int code, const char *text, lf_error *err)
+static lf_status take_budgets(arguments *a, const char *option, const char *text, lf_error *err)
 {
-    arguments *a = context;
-    (void)code;
+    const double least = a->by_passes ? 1 : 1e-2;
     a->n_budgets = 0;
     for (const char *at = text; at;) {
         char number[32];
         const size_t n = strcspn(at, ",");
         double *out = &a->budgets[a->n_budgets];
         if (a->n_budgets == LF_MAX_BUDGETS)
-            return lf_error_set(err, LF_E_ARG, "--budgets", "more than %d", LF_MAX_BUDGETS);
+            return lf_error_set(err, LF_E_ARG, option, "more than %d", LF_MAX_BUDGETS);
         snprintf(number, sizeof number, "%.*s", (int)(n < sizeof number ? n : sizeof number - 1),
                  at);
-        lf_status status = lf_parse_double("--budgets", number, 1e-2, 1e6, out, err);
+        lf_status status = lf_parse_double(option, number, least, 1e6, out, err);
         if (status != LF_OK)
             return status;
+        if (a->by_passes && *out != floor(*out))
+            return lf_error_set(err, LF_E_ARG, option, "must be whole numbers");
         if (a->n_budgets > 0 && *out <= out[-1])
-            return lf_error_set(err, LF_E_ARG, "--budgets", "must be rising");
+            return lf_error_set(err, LF_E_ARG, option, "must be rising");
         a->n_budgets++;
         at = at[n] ? at + n + 1 : NULL;
     }
     return LF_OK;
+}
+
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    arguments *a = context;
+    if (code == OPTION_EYE) {
+        a->eye = true;
+        return LF_OK;
+    }
+    a->by_passes = code == OPTION_PASSES;
+    return take_budgets(a, a->by_passes ? "--passes" : "--budgets", text, err);
 }
 
 /* ---------------------------------------------------------------------------------- measuring --
@@ -112,24 +145,44 @@ static void judge_tiles(const arguments *a, const lf_measure *m, double *out_wor
     *out_mean = n > 0 ? sum / n : (double)NAN;
 }
 
-/* The fit is made when the passes' time is over, so it is taken off beforehand as it was before;
- * the unfiltered picture gets what was then spent. *fit_seconds is renewed. */
+/* The reconstructed picture comes first, then the later one, then the unfiltered one. */
+static void look(void *context, const float *picture, bool is_later)
+{
+    arguments *a = context;
+    if (is_later)
+        a->seen_now->frame_change = lf_eyes_change(a->eyes, picture);
+    else
+        lf_eyes_look(a->eyes, picture, &a->seen_now->rel_mse[a->who],
+                     &a->seen_now->flicker[a->who]);
+}
+
+/* By CPU time: the fit is made when the passes' time is over, so it is taken off beforehand as it
+ * was before; the unfiltered picture gets what was then spent. *fit_seconds is renewed. */
 static lf_status run_pair(arguments *a, int budget, int seed, double *fit_seconds, lf_error *err)
 {
     const lf_contender who = {"mvpt", LF_ESTIMATOR_MWIS};
-    const uint64_t number = a->options.common.seed + (uint64_t)(budget * a->options.n_seeds + seed);
+    const int run = budget * a->options.n_seeds + seed;
+    const uint64_t number = a->options.common.seed + (uint64_t)run;
     lf_measure *m = measure_of(a, budget, seed, 0);
-    lf_budget left = {.cpu_seconds = fmax(1e-2, a->budgets[budget] - *fit_seconds),
-                      .reconstructed = true};
+    lf_budget left = {.reconstructed = true};
+    if (a->by_passes)
+        left.passes = (int64_t)a->budgets[budget];
+    else
+        left.cpu_seconds = fmax(1e-2, a->budgets[budget] - *fit_seconds);
     m[UNFILTERED].tiles = a->tiles;
     m[SHOWN].tiles = a->tiles + n_tiles(&a->trial);
+    a->seen_now = a->eyes ? &a->seen[run] : NULL;
+    a->who = SHOWN;
     lf_status status = lf_trial_run(&a->trial, &who, number, &left, &m[SHOWN], err);
     if (status != LF_OK)
         return status;
     *fit_seconds = m[SHOWN].answer_cpu_seconds;
-    left = (lf_budget){.cpu_seconds = m[SHOWN].cpu_seconds};
+    left.reconstructed = false;
+    if (!a->by_passes)
+        left.cpu_seconds = m[SHOWN].cpu_seconds;
+    a->who = UNFILTERED;
     status = lf_trial_run(&a->trial, &who, number, &left, &m[UNFILTERED], err);
-    double *ratios = a->tile_ratios + (budget * a->options.n_seeds + seed) * 2;
+    double *ratios = a->tile_ratios + run * 2;
     judge_tiles(a, m, &ratios[0], &ratios[1]);
     return status;
 }
@@ -199,7 +252,32 @@ static double flicker_noise_of(const arguments *a, int budget, int seed)
     return m->flicker / m->reference_flicker;
 }
 
-/* What is told of a budget: one line here is one column and one key. */
+static const seen *seen_of(const arguments *a, int budget, int seed)
+{
+    return &a->seen[budget * a->options.n_seeds + seed];
+}
+static double eye_unfiltered_of(const arguments *a, int budget, int seed)
+{
+    return seen_of(a, budget, seed)->rel_mse[UNFILTERED];
+}
+static double eye_shown_of(const arguments *a, int budget, int seed)
+{
+    return seen_of(a, budget, seed)->rel_mse[SHOWN];
+}
+static double eye_flicker_unfiltered_of(const arguments *a, int budget, int seed)
+{
+    return seen_of(a, budget, seed)->flicker[UNFILTERED];
+}
+static double eye_flicker_of(const arguments *a, int budget, int seed)
+{
+    return seen_of(a, budget, seed)->flicker[SHOWN];
+}
+static double eye_frame_of(const arguments *a, int budget, int seed)
+{
+    return seen_of(a, budget, seed)->frame_change;
+}
+
+/* What is told of a budget: one line here is one column and one key. The last ones are of --eye. */
 static const struct column {
     const char *name, *key;
     number_fn number;
@@ -214,8 +292,18 @@ static const struct column {
     {"stated/true", "stated", stated_of},
     {"less flicker", "flicker_gain", flicker_of},
     {"flicker/reference", "flicker_noise", flicker_noise_of},
+    {"eye unfiltered", "eye_unfiltered", eye_unfiltered_of},
+    {"eye shown", "eye_shown", eye_shown_of},
+    {"eye flicker unfiltered", "eye_flicker_unfiltered", eye_flicker_unfiltered_of},
+    {"eye flicker shown", "eye_flicker", eye_flicker_of},
+    {"eye frame change", "eye_frame_change", eye_frame_of},
 };
-enum { N_COLUMNS = sizeof columns / sizeof columns[0] };
+enum { N_EYE_COLUMNS = 5, N_COLUMNS = sizeof columns / sizeof columns[0] };
+
+static int n_columns(const arguments *a)
+{
+    return a->eye ? N_COLUMNS : N_COLUMNS - N_EYE_COLUMNS;
+}
 
 static lf_spread spread_of(const arguments *a, int column, int budget)
 {
@@ -238,15 +326,15 @@ static void print_table(const arguments *a)
 {
     lf_trial_print(&a->trial, &a->options);
     putchar('|');
-    for (int c = 0; c < N_COLUMNS; c++)
+    for (int c = 0; c < n_columns(a); c++)
         printf(" %s |", columns[c].name);
     puts(" bound holds |");
-    for (int c = 0; c <= N_COLUMNS; c++)
+    for (int c = 0; c <= n_columns(a); c++)
         printf("|---");
     puts("|");
     for (int b = 0; b < a->n_budgets; b++) {
         putchar('|');
-        for (int c = 0; c < N_COLUMNS; c++) {
+        for (int c = 0; c < n_columns(a); c++) {
             const lf_spread spread = spread_of(a, c, b);
             const double numbers[] = {spread.median, spread.low, spread.high};
             static const char *const between[] = {" ", " (", " .. "};
@@ -264,7 +352,7 @@ static json_t *budget_json(const arguments *a, int budget)
 {
     json_t *object = json_pack("{s:f, s:i}", "budget", a->budgets[budget], "bound_holds",
                                count_bounds(a, budget));
-    for (int c = 0; c < N_COLUMNS; c++) {
+    for (int c = 0; c < n_columns(a); c++) {
         json_t *list = json_array();
         for (int s = 0; s < a->options.n_seeds; s++)
             json_array_append_new(list, lf_bench_number(columns[c].number(a, budget, s)));
@@ -280,7 +368,7 @@ static json_t *all_runs(const arguments *a)
     for (int i = 0; i < a->n_budgets * a->options.n_seeds; i++) {
         const int budget = i / a->options.n_seeds, seed = i % a->options.n_seeds;
         json_t *run = json_pack("{s:f, s:i}", "budget", a->budgets[budget], "run", seed + 1);
-        for (int c = 0; c < N_COLUMNS; c++)
+        for (int c = 0; c < n_columns(a); c++)
             json_object_set_new(run, columns[c].key,
                                 lf_bench_number(columns[c].number(a, budget, seed)));
         json_array_append_new(list, run);
@@ -299,6 +387,7 @@ static lf_status report(const arguments *a, lf_error *err)
     json_t *object = lf_trial_json(&a->trial, &a->options), *list = json_array();
     for (int b = 0; b < a->n_budgets; b++)
         json_array_append_new(list, budget_json(a, b));
+    json_object_set_new(object, "budgets_of", json_string(a->by_passes ? "passes" : "cpu_seconds"));
     json_object_set_new(object, "budgets", list);
     return lf_bench_write_json(a->options.json, object, err);
 }
@@ -315,6 +404,43 @@ static lf_status prepare(arguments *a, lf_error *err)
                : lf_error_set(err, LF_E_NOMEM, a->options.operand, "out of memory");
 }
 
+/* The two renderings of the reference are its mean and what that is off by. */
+static lf_status open_eyes(arguments *a, lf_error *err)
+{
+    lf_trial *trial = &a->trial;
+    const char *panel = a->options.common.calibration;
+    const size_t n_runs = (size_t)a->n_budgets * (size_t)a->options.n_seeds;
+    lf_calibration calibration;
+    lf_status status = LF_OK;
+    lf_calibration_portrait(&calibration);
+    if (panel)
+        status = lf_calibration_load(panel, &calibration, err);
+    if (status == LF_OK)
+        status =
+            lf_eyes_create(&calibration, &trial->settings, lf_scene_film_settings(trial->scene),
+                           trial->epsilon, trial->pool, &a->eyes, err);
+    if (status != LF_OK)
+        return status;
+    float *halves[2] = {lf_calloc(trial->n, sizeof(float)), lf_calloc(trial->n, sizeof(float))};
+    a->seen = lf_calloc(n_runs, sizeof *a->seen);
+    if (!halves[0] || !halves[1] || !a->seen)
+        status = lf_error_set(err, LF_E_NOMEM, a->options.operand, "out of memory");
+    for (size_t i = 0; i < trial->n && status == LF_OK; i++) {
+        const float r = trial->reference[i],
+                    off = trial->noise[i] * sqrtf(r * r + (float)trial->epsilon);
+        halves[0][i] = r + off;
+        halves[1][i] = r - off;
+    }
+    if (status == LF_OK)
+        lf_eyes_set_reference(a->eyes, halves[0], halves[1]);
+    lf_free(halves[0]);
+    lf_free(halves[1]);
+    trial->look = look;
+    trial->look_context = a;
+    trial->later_passes = LATER_PASSES;
+    return status;
+}
+
 static lf_status run(arguments *a, lf_pool *pool, lf_error *err)
 {
     lf_status status = lf_trial_open(&a->trial, a->options.operand, &a->options, pool, err);
@@ -322,6 +448,8 @@ static lf_status run(arguments *a, lf_pool *pool, lf_error *err)
         status = prepare(a, err);
     if (status == LF_OK)
         status = lf_trial_reference(&a->trial, &a->options, err);
+    if (status == LF_OK && a->eye)
+        status = open_eyes(a, err);
     if (status == LF_OK)
         status = run_all(a, err);
     if (status == LF_OK)
@@ -329,6 +457,8 @@ static lf_status run(arguments *a, lf_pool *pool, lf_error *err)
     lf_free(a->measures);
     lf_free(a->tile_ratios);
     lf_free(a->tiles);
+    lf_free(a->seen);
+    lf_eyes_destroy(a->eyes);
     lf_trial_close(&a->trial);
     return status;
 }

@@ -196,6 +196,26 @@ static lf_status find_steps(const lf_trial *trial, const lf_renderer *renderer,
     return status;
 }
 
+/* Tells whoever looks of the picture, and of the one after later_passes; the picture stays. */
+static lf_status tell(lf_trial *trial, lf_renderer *renderer, bool reconstructed)
+{
+    lf_status status = LF_OK;
+    if (trial->look)
+        trial->look(trial->look_context, trial->picture, false);
+    if (!trial->look || !reconstructed || trial->later_passes <= 0)
+        return LF_OK;
+    float *later = lf_calloc(trial->n, sizeof *later);
+    if (!later)
+        return LF_E_NOMEM;
+    status = lf_renderer_passes(renderer, NULL, trial->later_passes, false, NULL, NULL, NULL);
+    if (status == LF_OK)
+        status = lf_renderer_show(renderer, later, NULL);
+    if (status == LF_OK)
+        trial->look(trial->look_context, later, true);
+    lf_free(later);
+    return status;
+}
+
 /* Renders into trial->picture; with_steps: into trial->steps as well. */
 static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
                         const lf_budget *budget, bool with_steps, lf_measure *out, lf_error *err)
@@ -228,6 +248,8 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
         status = find_steps(trial, renderer, who->estimator);
     out->shown_bound = lf_renderer_shown_error(renderer, LF_ERROR_ALPHA, &out->shown_error, NULL);
     lf_renderer_stats(renderer, &out->stats);
+    if (status == LF_OK)
+        status = tell(trial, renderer, budget->reconstructed);
     lf_renderer_destroy(renderer);
     return status == LF_OK ? LF_OK : lf_error_set(err, status, trial->name, "rendering failed");
 }

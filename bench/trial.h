@@ -121,6 +121,12 @@ typedef struct lf_trial {
      * reference's rendering fills in how far what is seen there moves from a view to the next, in
      * pixels. NaN: nothing is seen. Freed with the trial. */
     float *steps;
+    /* NULL, or called with every picture before its errors are taken; set behind
+     * lf_trial_reference. later_passes > 0: a reconstructed picture is answered again after so many
+     * more passes, which are not timed, and that picture comes next, with is_later. */
+    void (*look)(void *context, const float *picture, bool is_later);
+    void *look_context;
+    int64_t later_passes;
 } lf_trial;
 
 /* What one run came to. */

@@ -6,7 +6,7 @@ test_libs_quilt := optics pictures quilt base
 test_libs_device := kms model device base
 test_libs_render := $(if $(PORTABLE),,meshes spoiled pictures) stat render base
 test_libs_stat := stat render base
-test_libs_bench := bench stat render base
+test_libs_bench := bench stat render quilt device base
 test_libs_daemon := faulty spoiled pictures $(libraries)
 
 fuzz_libs_scene := render base

@@ -2,6 +2,7 @@
  * codes. */
 #include "tests/daemon/quiltbench.h"
 
+#include "base/calibration.h"
 #include "base/image_io.h"
 
 #define WIDTH 21
@@ -142,6 +143,8 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"shown", "expects one SCENE"},
         {"shown s.json --budgets 1,,2", "--budgets"},
         {"shown s.json --budgets 2,1", "rising"},
+        {"shown s.json --passes 4,2", "rising"},
+        {"shown s.json --passes 2.5", "whole numbers"},
         {"views", "expects one SCENE"},
         {"views s.json --counts 4,2", "rising"},
         {"views s.json --counts 0", "--counts"},
@@ -210,6 +213,48 @@ static void what_is_shown_is_nearer_after_the_same_time(void **state)
         assert_true(number_in(first, "worst_tile", seed) >= number_in(first, "mean_tile", seed));
         assert_true(number_in(first, "flicker_gain", seed) > 2);
         assert_true(number_in(first, "passes", seed) >= 2);
+        assert_null(json_object_get(first, "eye_shown"));
+    }
+    json_decref(s);
+}
+
+/* A Portrait of as few pixels as its lenses let it have for such views. */
+static void write_panel(const char *folder, const char *name)
+{
+    lf_calibration panel;
+    lf_calibration_portrait(&panel);
+    panel.screen_width_px = 192;
+    panel.screen_height_px = 256;
+    json_t *object = lf_calibration_json(&panel);
+    assert_non_null(object);
+    assert_int_equal(json_dump_file(object, lf_test_path(folder, name), 0), 0);
+    json_decref(object);
+}
+
+/* What is seen through lenses is a mean over pixels, so its errors are smaller than those of the
+ * views; and a rendering that goes on changes less the longer it has been going on. */
+static void eyes_see_less_error_and_less_change_after_more_passes(void **state)
+{
+    const char *d = *state;
+    bench_write_ball(d);
+    write_panel(d, "panel.json");
+    assert_int_equal(bench_run(d,
+                               "shown fog.json --view-size 24x32 --passes 4,64 --seeds 2 "
+                               "--reference-spp 64 --eye --calibration panel.json --json s.json"),
+                     0);
+    json_t *s = bench_load(d, "s.json");
+    const json_t *budgets = json_object_get(s, "budgets"), *few = json_array_get(budgets, 0),
+                 *many = json_array_get(budgets, 1);
+    assert_string_equal(json_string_value(json_object_get(s, "budgets_of")), "passes");
+    for (size_t seed = 0; seed < 2; seed++) {
+        assert_true(number_in(few, "passes", seed) == 4 && number_in(many, "passes", seed) == 64);
+        const double unfiltered = number_in(few, "eye_unfiltered", seed);
+        assert_true(number_in(few, "eye_shown", seed) < unfiltered);
+        assert_true(number_in(many, "eye_unfiltered", seed) < unfiltered);
+        assert_true(number_in(few, "eye_flicker", seed) <
+                    number_in(few, "eye_flicker_unfiltered", seed));
+        const double change = number_in(few, "eye_frame_change", seed);
+        assert_true(change > 0 && number_in(many, "eye_frame_change", seed) < 0.5 * change);
     }
     json_decref(s);
 }
@@ -584,6 +629,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(one_view_is_picked_out_of_many, set_up, tear_down),
         cmocka_unit_test_setup_teardown(wrong_usage_is_one_line_and_exit_2, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_comparison_says_what_it_compared, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(eyes_see_less_error_and_less_change_after_more_passes,
+                                        set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_shown_is_nearer_after_the_same_time, set_up,
                                         tear_down),
         cmocka_unit_test_setup_teardown(a_curve_falls_and_says_where_the_time_goes, set_up,
