@@ -53,8 +53,8 @@ static const struct option table[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench shown SCENE [options]\n"
-           "The reconstructed picture beside the unfiltered one after equal CPU time, fits and "
-           "answers included; medians over the seeds (least .. greatest).\n\n"
+           "The reconstructed picture beside the unfiltered one after equal CPU time (or passes), "
+           "fits and answers included; medians over the seeds (least .. greatest).\n\n"
            "  --budgets LIST            CPU seconds, rising (0.6,2,5,15: in 210x280 what two cores "
            "do in 1.2, 4, 10 and 30 s of 420x560)\n"
            "  --passes LIST             instead of CPU seconds: after as many passes, rising\n"
