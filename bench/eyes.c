@@ -7,6 +7,7 @@
 #include "quilt/quilt.h"
 
 #define PLACE_STEP 0.25 /* of the cone, between two places */
+#define CONE_DEG 40.0   /* of a calibration that does not say, as the optics take it */
 
 struct lf_eyes {
     lf_pool *pool; /* borrowed */
@@ -28,7 +29,7 @@ static lf_status create_eyes(lf_eyes *eyes, const lf_calibration *c, lf_error *e
 {
     lf_calibration said = *c;
     if (!(said.view_cone_deg > 0))
-        said.view_cone_deg = 40;
+        said.view_cone_deg = CONE_DEG;
     const double a_view = said.view_cone_deg / eyes->n_views;
     int width = 0, height = 0;
     lf_status status = lf_image8_init(&eyes->panel, c->screen_width_px, c->screen_height_px, 3);
