@@ -448,6 +448,7 @@ static lf_status run(arguments *a, lf_pool *pool, lf_error *err)
         status = prepare(a, err);
     if (status == LF_OK)
         status = lf_trial_reference(&a->trial, &a->options, err);
+    a->trial.same_films = a->by_passes;
     if (status == LF_OK && a->eye)
         status = open_eyes(a, err);
     if (status == LF_OK)

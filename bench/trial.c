@@ -199,15 +199,16 @@ static lf_status find_steps(const lf_trial *trial, const lf_renderer *renderer,
 /* Tells whoever looks of the picture, and of the one after later_passes; the picture stays. */
 static lf_status tell(lf_trial *trial, lf_renderer *renderer, bool reconstructed)
 {
-    lf_status status = LF_OK;
-    if (trial->look)
-        trial->look(trial->look_context, trial->picture, false);
-    if (!trial->look || !reconstructed || trial->later_passes <= 0)
+    if (!trial->look)
+        return LF_OK;
+    trial->look(trial->look_context, trial->picture, false);
+    if (!reconstructed || trial->later_passes <= 0)
         return LF_OK;
     float *later = lf_calloc(trial->n, sizeof *later);
     if (!later)
         return LF_E_NOMEM;
-    status = lf_renderer_passes(renderer, NULL, trial->later_passes, false, NULL, NULL, NULL);
+    lf_status status =
+        lf_renderer_passes(renderer, NULL, trial->later_passes, false, NULL, NULL, NULL);
     if (status == LF_OK)
         status = lf_renderer_show(renderer, later, NULL);
     if (status == LF_OK)
@@ -232,7 +233,7 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
     if (!lf_integrator_named(who->integrator)->reuses)
         settings.reuse = settings.weights = 0;
     settings.seed = seed;
-    settings.features = budget->reconstructed || with_steps;
+    settings.features = budget->reconstructed || with_steps || trial->same_films;
     lf_status status = lf_renderer_create(trial->scene, &settings, trial->pool, &renderer, err);
     if (status != LF_OK)
         return status;

@@ -127,6 +127,9 @@ typedef struct lf_trial {
     void (*look)(void *context, const float *picture, bool is_later);
     void *look_context;
     int64_t later_passes;
+    /* Unfiltered pictures, too, are of films that could be reconstructed: with one seed both are of
+     * the same film after the same passes. Else their visits are as long as suits them. */
+    bool same_films;
 } lf_trial;
 
 /* What one run came to. */

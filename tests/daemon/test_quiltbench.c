@@ -218,6 +218,27 @@ static void what_is_shown_is_nearer_after_the_same_time(void **state)
     json_decref(s);
 }
 
+/* Where nothing scatters there is nothing to filter: both pictures of one film are the same. */
+static void equal_passes_are_of_the_same_film(void **state)
+{
+    const char *d = *state;
+    lf_test_write(d, "glow.json",
+                  "{\"quiltd\": 1, \"camera\": {\"target\": [0, 0, 0], \"position\": [0, 0, 6], "
+                  "\"fov_y\": 26, \"views\": 6}, \"meshes\": {\"ball\": {\"shape\": \"sphere\", "
+                  "\"material\": \"glow\"}}, \"materials\": {\"glow\": {\"albedo\": 0, "
+                  "\"emission\": 1}}}");
+    assert_int_equal(bench_run(d, "shown glow.json --view-size 24x32 --passes 2 --seeds 2 "
+                                  "--reference-spp 64 --json s.json"),
+                     0);
+    json_t *s = bench_load(d, "s.json");
+    const json_t *first = json_array_get(json_object_get(s, "budgets"), 0);
+    for (size_t seed = 0; seed < 2; seed++) {
+        assert_true(number_in(first, "shown", seed) > 0);
+        lf_assert_close(number_in(first, "gain", seed), 1, 0, 1e-6);
+    }
+    json_decref(s);
+}
+
 /* A Portrait of as few pixels as its lenses let it have for such views. */
 static void write_panel(const char *folder, const char *name)
 {
@@ -629,6 +650,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(one_view_is_picked_out_of_many, set_up, tear_down),
         cmocka_unit_test_setup_teardown(wrong_usage_is_one_line_and_exit_2, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_comparison_says_what_it_compared, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(equal_passes_are_of_the_same_film, set_up, tear_down),
         cmocka_unit_test_setup_teardown(eyes_see_less_error_and_less_change_after_more_passes,
                                         set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_is_shown_is_nearer_after_the_same_time, set_up,
