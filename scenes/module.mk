@@ -1,7 +1,6 @@
 # The shipped scenes: their data is made here, by generators that do not depend on the variant being built, and the scene files
-# are copied beside it, so that relative paths hold. scenes/bench holds those of `quiltbench table` and of
-# `quiltbench shown`; tests/bench/test_scenes.c knows
-# the hashes of all that they are made of.
+# are copied beside it, so that relative paths hold. scenes/bench holds those of `quiltbench table` and
+# two of `quiltbench shown`; tests/bench/test_scenes.c knows the hashes of all that they are made of.
 scene_generated := scenes/cloud.vdb scenes/fire.vdb scenes/knot.obj scenes/sky.hdr scenes/still.glb scenes/bench/checker.png scenes/tree.ply scenes/forest.npy
 scene_data += $(scene_generated) $(call wild,scenes/*.json) $(call wild,scenes/bench/*.json)
 
