@@ -218,7 +218,9 @@ static void what_is_shown_is_nearer_after_the_same_time(void **state)
     json_decref(s);
 }
 
-/* Where nothing scatters there is nothing to filter: both pictures of one film are the same. */
+/* Where nothing scatters there is nothing to filter: both pictures of one film are the same. After
+ * twelve passes the unfiltered one alone would have had fewer visits, with three times the error.
+ */
 static void equal_passes_are_of_the_same_film(void **state)
 {
     const char *d = *state;
@@ -227,7 +229,7 @@ static void equal_passes_are_of_the_same_film(void **state)
                   "\"fov_y\": 26, \"views\": 6}, \"meshes\": {\"ball\": {\"shape\": \"sphere\", "
                   "\"material\": \"glow\"}}, \"materials\": {\"glow\": {\"albedo\": 0, "
                   "\"emission\": 1}}}");
-    assert_int_equal(bench_run(d, "shown glow.json --view-size 24x32 --passes 2 --seeds 2 "
+    assert_int_equal(bench_run(d, "shown glow.json --view-size 24x32 --passes 12 --seeds 2 "
                                   "--reference-spp 64 --json s.json"),
                      0);
     json_t *s = bench_load(d, "s.json");
