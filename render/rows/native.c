@@ -42,12 +42,12 @@ static lf_vec3 weight_of(const lf_visit *visit, int view, size_t pixel, const lf
 }
 
 /* Whether what surfaces scatter behind the delta lobes of a first surface stands in N, with a
- * weight, a q and features of its own: where the pixel has nothing else in them and pictures are
- * reconstructed from them. */
+ * weight, a q and features of its own: where that has no lobe of its own in them, and pictures are
+ * reconstructed. */
 static bool stands_apart(const lf_visit *visit, const lf_pivot *pivot)
 {
     return visit->sums.feature && visit->mirror_rounds > 0 &&
-           !lf_hit_material(&pivot->event.hit)->has_lobe && visit->worker->media.n_here == 0;
+           !lf_hit_material(&pivot->event.hit)->has_lobe;
 }
 
 static void chain_begin(const lf_visit *visit, int view, const lf_pivot *pivot, bool apart,
@@ -75,7 +75,9 @@ static void note_chain(const lf_visit *visit, size_t pixel, float q, const lf_de
                           .spread = sqrtf(lf_max(variance, 0.0f)),
                           .surface = 1.0f,
                           .light = chain->light * inverse};
-    if (before > 0.0f)
+    if (q < 0.0f)
+        feature = visit->sums.feature[pixel];
+    else if (before > 0.0f)
         feature = lf_feature_mix(&visit->sums.feature[pixel], (double)before, &feature, (double)q);
     lf_film_note(&visit->sums, pixel, feature);
     lf_film_pivots(&visit->sums, pixel, before + q);
@@ -88,11 +90,11 @@ static void chain_end(lf_visit *visit, int view, int column, const lf_pivot *piv
 {
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
     const lf_vec3 weight = weight_of(visit, view, pixel, pivot);
+    const lf_vec3 scattered = lf_mul(chain->scattered, weight);
+    const float w = lf_mean3(weight) * chain->weight;
     lf_visit_add_native(visit, pixel, lf_mul(chain->known, weight));
-    if (!chain->apart || !(chain->weight > 0.0f))
+    if (!chain->apart || w == 0.0f)
         return;
-    lf_vec3 scattered = lf_mul(chain->scattered, weight);
-    const float w = weight.x * chain->weight;
     if (!isfinite(scattered.x + scattered.y + scattered.z)) {
         visit->worker->tracer.nonfinite++;
         return;
@@ -112,9 +114,8 @@ static void add_glow_of_veil(lf_visit *visit, int view, int column, const lf_piv
     if (hit->material->cover == LF_COVER_OPAQUE || !(lf_max3(hit->material->emission) > 0.0f))
         return;
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
-    lf_visit_add_native(visit, pixel,
-                        lf_mul(lf_hit_material(hit)->emission,
-                               weight_of(visit, view, pixel, pivot)));
+    lf_visit_add_native(
+        visit, pixel, lf_mul(lf_hit_material(hit)->emission, weight_of(visit, view, pixel, pivot)));
 }
 
 void lf_natives_of_panes(lf_visit *visit, int view, int column, const lf_pivot *ray, lf_vec3 eye,
