@@ -43,10 +43,11 @@ static lf_vec3 weight_of(const lf_visit *visit, int view, size_t pixel, const lf
 
 /* Whether what surfaces scatter behind the delta lobes of a first surface stands in N, with a
  * weight, a q and features of its own: where that has no lobe of its own in them, and pictures are
- * reconstructed. */
+ * reconstructed. Not among volumes: whether a branch comes to a surface is a matter of chance there,
+ * and so would these be. */
 static bool stands_apart(const lf_visit *visit, const lf_pivot *pivot)
 {
-    return visit->sums.feature && visit->mirror_rounds > 0 &&
+    return visit->sums.feature && visit->mirror_rounds > 0 && visit->scene->n_volumes == 0 &&
            !lf_hit_material(&pivot->event.hit)->has_lobe;
 }
 

@@ -152,6 +152,13 @@ static void mirror_images_lie_behind_mirrors(void **state)
             assert_true(f.spread < 2e-3f && f.surface > 0.999f);
         }
     }
+    /* which is no matter of the layer of depth: that is of what stands there */
+    float *depth = malloc(pixels * sizeof *depth);
+    assert_non_null(depth);
+    lf_assert_ok(lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_DEPTH, depth, NULL), NULL);
+    for (size_t i = 0; i < pixels; i++)
+        lf_assert_close(depth[i], 3.0, 1e-3, 0.0);
+    free(depth);
     lf_renderer_destroy(r);
 }
 
