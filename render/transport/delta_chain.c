@@ -34,13 +34,11 @@ static void branch(lf_delta_chain *c, const lf_event *event, const lf_delta *lob
     c->tracer->spread = spread;
 }
 
-/* Roughly what a surface reflects, of the channel that it reflects most of. */
+/* Roughly what a surface sends on, through it as well, of the channel that it sends on most of. */
 static float albedo_of(const lf_material *m)
 {
     const float root = m->ior > 1.0f ? (m->ior - 1.0f) / (m->ior + 1.0f) : 0.0f,
-                base = m->metallic + (1.0f - m->metallic) * (1.0f - m->transmission),
-                albedo =
-                    lf_max3(m->albedo) * base + (1.0f - m->metallic) * m->specular * root * root;
+                albedo = lf_max3(m->albedo) + (1.0f - m->metallic) * m->specular * root * root;
     return m->eta.x > 0.0f ? 1.0f : lf_min(lf_max(albedo, LEAST_ALBEDO), 1.0f);
 }
 
