@@ -41,13 +41,12 @@ static lf_vec3 weight_of(const lf_visit *visit, int view, size_t pixel, const lf
     return lf_scale(channels, weight);
 }
 
-/* Whether what surfaces scatter behind the delta lobes of a first surface stands in N, with a
- * weight, a q and features of its own: where that has no lobe of its own in them, and pictures are
- * reconstructed. Not among volumes: whether a branch comes to a surface is a matter of chance there,
- * and so would these be. */
+/* Whether what is scattered behind the delta lobes of a first surface stands in N, with a weight, a
+ * q and features of its own: where that surface has no lobe of its own in them, and pictures are
+ * reconstructed. */
 static bool stands_apart(const lf_visit *visit, const lf_pivot *pivot)
 {
-    return visit->sums.feature && visit->mirror_rounds > 0 && visit->scene->n_volumes == 0 &&
+    return visit->sums.feature && visit->mirror_rounds > 0 &&
            !lf_hit_material(&pivot->event.hit)->has_lobe;
 }
 
@@ -74,7 +73,7 @@ static void note_chain(const lf_visit *visit, size_t pixel, float q, const lf_de
                 before = visit->sums.half.q[pixel];
     lf_feature feature = {.nearness = lf_min(nearness, LF_NEARNESS_MAX),
                           .spread = sqrtf(lf_max(variance, 0.0f)),
-                          .surface = 1.0f,
+                          .surface = chain->surface * inverse,
                           .light = chain->light * inverse};
     if (q < 0.0f)
         feature = visit->sums.feature[pixel];

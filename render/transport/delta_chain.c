@@ -7,7 +7,7 @@
 #define PATHS_A_SHARE 4.0f
 /* Vertices behind the first that branch; what lies farther is followed along one branch. */
 #define DEEPEST_SPLIT 8
-/* Of a surface, what light that it scatters is divided by. */
+/* What light that something scatters is divided by, at least. */
 #define LEAST_ALBEDO 0.02f
 
 static void arrive(lf_delta_chain *c, const lf_event *from, lf_vec3 wi, lf_vec3 beta, float way,
@@ -42,15 +42,33 @@ static float albedo_of(const lf_material *m)
     return m->eta.x > 0.0f ? 1.0f : lf_min(lf_max(albedo, LEAST_ALBEDO), 1.0f);
 }
 
-/* What is known of the surface at the end of a branch. */
+/* Whether anything scatters at an event, so that what is known of it can be told. */
+static bool scatters(const lf_event *event)
+{
+    return event->kind == LF_EVENT_MEDIUM || lf_hit_material(&event->hit)->has_lobe;
+}
+
+static float albedo_at(const lf_scene *scene, const lf_event *end)
+{
+    if (end->kind == LF_EVENT_SURFACE)
+        return albedo_of(lf_hit_material(&end->hit));
+    return end->volume == LF_INTERIOR
+               ? 1.0f
+               : lf_max(lf_max3(lf_volume_albedo(&scene->volumes[end->volume], end->p)),
+                        LEAST_ALBEDO);
+}
+
+/* What is known of the end of a branch. */
 static void note_end(lf_delta_chain *c, const lf_event *end, lf_vec3 beta, float way)
 {
-    const float share = lf_mean3(beta), weight = share * albedo_of(lf_hit_material(&end->hit)),
+    const bool surface = end->kind == LF_EVENT_SURFACE;
+    const float share = lf_mean3(beta), weight = share * albedo_at(c->tracer->scene, end),
                 nearness = c->distance / (c->z + way * c->forward);
     c->weight += weight;
+    c->surface += surface ? weight : 0.0f;
     c->nearness += weight * nearness;
     c->nearness2 += weight * nearness * nearness;
-    if (c->sunlight) {
+    if (surface && c->sunlight) {
         lf_sunlight_face face;
         lf_sunlight_face_init(&face, c->sunlight, end->hit.ng);
         c->light +=
@@ -61,8 +79,7 @@ static void note_end(lf_delta_chain *c, const lf_event *end, lf_vec3 beta, float
 /* What is scattered at the end of a branch. */
 static void scatter(lf_delta_chain *c, const lf_event *end, lf_vec3 beta, float way, int depth)
 {
-    const bool apart =
-        c->apart && end->kind == LF_EVENT_SURFACE && lf_hit_material(&end->hit)->has_lobe;
+    const bool apart = c->apart && scatters(end);
     const double cut = c->tracer->suffixes_cut;
     if (apart)
         note_end(c, end, beta, way);

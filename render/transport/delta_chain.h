@@ -16,16 +16,16 @@ typedef struct lf_delta_chain {
     lf_tracer *tracer;
     int max_depth;               /* of vertices, as in lf_path_scattered */
     const lf_sunlight *sunlight; /* NULL: none is looked up */
-    bool apart;                  /* what surfaces scatter is to be told from the rest */
+    bool apart;                  /* what is scattered is to be told from the rest */
     /* of the first surface: D, Z, and how much Z a unit of length along the camera's ray is */
     float distance, z, forward;
     /* Summed up, to begin with zeros. Radiance at the first surface: */
-    lf_vec3 known;     /* of lamps and skies, of media, and all of it but where it stands apart */
-    lf_vec3 scattered; /* at the surfaces that branches end at */
+    lf_vec3 known;     /* of lamps and skies, and all of it but what stands apart */
+    lf_vec3 scattered; /* at the ends of branches */
     /* What there is to scatter there, known without any path: over the branches the sums of what
-     * comes through times a rough albedo, 0..1; and of that times D/Z of the unfolded chain, its
-     * square, and the reflected sunlight per albedo (sunlight.h). */
-    float weight, nearness, nearness2, light;
+     * comes through times a rough albedo, 0..1; and of that the part of surfaces, that times D/Z of
+     * the unfolded chain, times its square, and the reflected sunlight per albedo (sunlight.h). */
+    float weight, surface, nearness, nearness2, light;
 } lf_delta_chain;
 
 /* Adds what one delta lobe of the camera's first surface brings, times `share`. */
