@@ -34,11 +34,11 @@ static void branch(lf_delta_chain *c, const lf_event *event, const lf_delta *lob
     c->tracer->spread = spread;
 }
 
-/* Roughly what a surface sends on, through it as well, of the channel that it sends on most of. */
+/* Roughly what a surface sends on, through it as well, mean of the channels. */
 static float albedo_of(const lf_material *m)
 {
     const float root = m->ior > 1.0f ? (m->ior - 1.0f) / (m->ior + 1.0f) : 0.0f,
-                albedo = lf_max3(m->albedo) + (1.0f - m->metallic) * m->specular * root * root;
+                albedo = lf_mean3(m->albedo) + (1.0f - m->metallic) * m->specular * root * root;
     return m->eta.x > 0.0f ? 1.0f : lf_min(lf_max(albedo, LEAST_ALBEDO), 1.0f);
 }
 
@@ -54,7 +54,7 @@ static float albedo_at(const lf_scene *scene, const lf_event *end)
         return albedo_of(lf_hit_material(&end->hit));
     return end->volume == LF_INTERIOR
                ? 1.0f
-               : lf_max(lf_max3(lf_volume_albedo(&scene->volumes[end->volume], end->p)),
+               : lf_max(lf_mean3(lf_volume_albedo(&scene->volumes[end->volume], end->p)),
                         LEAST_ALBEDO);
 }
 
