@@ -130,5 +130,9 @@ static void arrive(lf_delta_chain *c, const lf_event *from, lf_vec3 wi, lf_vec3 
 void lf_delta_chain_follow(lf_delta_chain *chain, const lf_event *first, const lf_delta *lobe,
                            float share)
 {
+    lf_tracer *tracer = chain->tracer;
+    const double cut = tracer->suffixes_cut, all = (double)(share * lf_max3(lobe->f));
     branch(chain, first, lobe, lf_v3(share, share, share), 0.0f, 1);
+    tracer->suffixes++;
+    tracer->suffixes_cut = cut + (all > 0.0 ? (tracer->suffixes_cut - cut) / all : 0.0);
 }

@@ -431,7 +431,6 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
 lf_vec3 lf_path_along(lf_tracer *tracer, const lf_event *next, bool scatters)
 {
     lf_vec3 radiance = scatters ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
-    tracer->suffixes++;
     if (tracer->scene->flames.n > 0)
         radiance = lf_add(radiance, emitted(tracer, next, lf_v3(1.0f, 1.0f, 1.0f)));
     return radiance;
@@ -440,6 +439,7 @@ lf_vec3 lf_path_along(lf_tracer *tracer, const lf_event *next, bool scatters)
 lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth)
 {
     const lf_vec3 radiance = lf_path_along(tracer, next, depth <= max_depth);
+    tracer->suffixes++;
     if (next->kind == LF_EVENT_ESCAPE)
         return radiance;
     const lf_vec3 left = lf_path_absorbed(tracer->scene, next);
