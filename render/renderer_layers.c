@@ -72,7 +72,7 @@ static bool trace_middle(const layer_job *job, int row, size_t pixel, lf_hit *ou
 static double nearness_behind(const layer_job *job, int row, size_t pixel, double q)
 {
     lf_hit hit;
-    if (!job->has_bare || q >= 0.999 || !trace_middle(job, row, pixel, &hit) ||
+    if (!job->has_bare || !trace_middle(job, row, pixel, &hit) ||
         (hit.material->has_lobe && q > 0.0))
         return -1.0;
     return (double)lf_nearness(job->rig.distance,
@@ -85,15 +85,18 @@ static void depth(const layer_job *job, int row, const row_of_film *film, size_t
     /* What is farther than packed features tell apart from infinity is as far as they do. */
     const double least = 0.5 * (double)LF_NEARNESS_MAX / 65535.0;
     for (size_t i = 0; i < pixels; i++) {
-        double sum = 0.0, q = 0.0;
+        double sum = 0.0, q = 0.0, media = 0.0;
         for (int h = 0; h < 2; h++) {
+            const lf_feature feature = lf_feature_unpack(film->half[h].feature[i]);
             double weight = fmax(pivots_of(film, h, i), 0.0) / film->total;
-            sum += weight * (double)lf_feature_unpack(film->half[h].feature[i]).nearness;
+            sum += weight * (double)feature.nearness;
+            media += weight * (1.0 - (double)feature.surface);
             q += weight;
         }
         const double behind = nearness_behind(job, row, i, q);
         if (behind >= 0.0) {
-            sum += (1.0 - q) * behind;
+            /* what is seen in the mirror is a surface in q and the features */
+            sum = (q > 0.0 ? media * sum / q : 0.0) + (1.0 - media) * behind;
             q = 1.0;
         }
         if (q > 0.0)

@@ -10,6 +10,7 @@
  *     W'  directional weights, E = n q
  *     q   pivot probability, mean
  *
+ * (where mirrors and smooth glass are all that a pixel meets, of what is scattered behind them) and
  * per view pixel, of both halves together: B + M/n, known light and native delta lobes, mean
  * (neither needs cross-fitting), with the halves' difference in few bits, which only the error
  * estimate reads; and per row and half the count n, in native samples a view pixel (a real number:

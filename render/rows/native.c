@@ -1,6 +1,7 @@
 #include "render/rows/native.h"
 
 #include "render/rows/adaptive.h"
+#include "render/transport/delta_chain.h"
 #include "render/transport/surface_glass.h"
 #include "render/transport/surface_texture.h"
 
@@ -31,27 +32,78 @@ void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance)
     lf_film_add_native(&visit->sums, pixel, radiance.x, radiance.y, radiance.z);
 }
 
-/* What one delta lobe of the first surface brings: native, into M. */
-static void follow_delta(lf_visit *visit, int view, int column, const lf_pivot *pivot,
-                         const lf_delta *lobe, float probability)
+/* Of a visit's sample of a pixel: native, times what it weighs in M and N. */
+static lf_vec3 weight_of(const lf_visit *visit, int view, size_t pixel, const lf_pivot *pivot)
 {
-    const lf_event *event = &pivot->event;
-    lf_tracer *tracer = &visit->worker->tracer;
-    if (lf_rng(tracer) >= probability)
-        return;
-    lf_event next;
-    lf_path_next(tracer, event, lobe->wi, &next);
-    float light_pdf;
-    lf_vec3 radiance = lf_path_light_found(visit->scene, event, &next, &light_pdf);
-    radiance = lf_mul(radiance, lf_path_absorbed(visit->scene, &next));
-    radiance = lf_add(radiance, lf_path_arriving(tracer, &next, 2, visit->max_depth));
-    size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
     lf_vec3 channels;
     float weight = visit->weight * native_weight(visit, pixel) *
                    lf_visit_correction(visit, view, pivot, &channels);
-    radiance = lf_mul(radiance, channels);
-    radiance = lf_scale(lf_mul(radiance, lobe->f), weight / probability);
-    lf_visit_add_native(visit, pixel, radiance);
+    return lf_scale(channels, weight);
+}
+
+/* Whether what is scattered behind the delta lobes of a first surface stands in N, with a weight, a
+ * q and features of its own: where that surface has no lobe of its own in them, and pictures are
+ * reconstructed. */
+static bool stands_apart(const lf_visit *visit, const lf_pivot *pivot)
+{
+    return visit->sums.feature && visit->mirror_rounds > 0 &&
+           !lf_hit_material(&pivot->event.hit)->has_lobe;
+}
+
+static void chain_begin(const lf_visit *visit, int view, const lf_pivot *pivot, bool apart,
+                        lf_delta_chain *out)
+{
+    const float slope = (pivot->x - visit->rig->b[view] - pivot->lx) / pivot->z,
+                my = visit->plane.my;
+    *out = (lf_delta_chain){.tracer = &visit->worker->tracer,
+                            .max_depth = visit->max_depth,
+                            .sunlight = visit->sunlight,
+                            .apart = apart,
+                            .distance = visit->rig->distance,
+                            .z = pivot->z,
+                            .forward = 1.0f / sqrtf(1.0f + slope * slope + my * my)};
+}
+
+/* q and features of a visit's pixel, that has others already: of what it meets itself, if not all
+ * of it is smooth. */
+static void note_chain(const lf_visit *visit, size_t pixel, float q, const lf_delta_chain *chain)
+{
+    const float inverse = 1.0f / chain->weight, nearness = chain->nearness * inverse,
+                variance = chain->nearness2 * inverse - nearness * nearness,
+                before = visit->sums.half.q[pixel];
+    lf_feature feature = {.nearness = lf_min(nearness, LF_NEARNESS_MAX),
+                          .spread = sqrtf(lf_max(variance, 0.0f)),
+                          .surface = chain->surface * inverse,
+                          .light = chain->light * inverse};
+    if (q < 0.0f)
+        feature = visit->sums.feature[pixel];
+    else if (before > 0.0f)
+        feature = lf_feature_mix(&visit->sums.feature[pixel], (double)before, &feature, (double)q);
+    lf_film_note(&visit->sums, pixel, feature);
+    lf_film_pivots(&visit->sums, pixel, before + q);
+}
+
+/* What was found goes to M and, apart from it, to N. What N has there to be divided by is known of
+ * each sample, and so is q: the mean of it. */
+static void chain_end(lf_visit *visit, int view, int column, const lf_pivot *pivot,
+                      const lf_delta_chain *chain)
+{
+    size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
+    const lf_vec3 weight = weight_of(visit, view, pixel, pivot);
+    const lf_vec3 scattered = lf_mul(chain->scattered, weight);
+    const float w = lf_mean3(weight) * chain->weight;
+    lf_visit_add_native(visit, pixel, lf_mul(chain->known, weight));
+    if (!chain->apart || w == 0.0f)
+        return;
+    if (!isfinite(scattered.x + scattered.y + scattered.z)) {
+        visit->worker->tracer.nonfinite++;
+        return;
+    }
+    lf_film_scatter(&visit->sums, pixel, scattered.x, scattered.y, scattered.z);
+    lf_film_weigh(&visit->sums, pixel, w);
+    if (visit->sums.half.w2)
+        lf_film_weigh_direction(&visit->sums, pixel, w);
+    note_chain(visit, pixel, w * (float)visit->rig->n_views / (float)visit->subsets, chain);
 }
 
 /* What a veil sends out by itself: native, as how much of it is there is a matter of chance for a
@@ -62,11 +114,8 @@ static void add_glow_of_veil(lf_visit *visit, int view, int column, const lf_piv
     if (hit->material->cover == LF_COVER_OPAQUE || !(lf_max3(hit->material->emission) > 0.0f))
         return;
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
-    lf_vec3 channels;
-    float weight = visit->weight * native_weight(visit, pixel) *
-                   lf_visit_correction(visit, view, pivot, &channels);
-    lf_visit_add_native(visit, pixel,
-                        lf_scale(lf_mul(lf_hit_material(hit)->emission, channels), weight));
+    lf_visit_add_native(
+        visit, pixel, lf_mul(lf_hit_material(hit)->emission, weight_of(visit, view, pixel, pivot)));
 }
 
 void lf_natives_of_panes(lf_visit *visit, int view, int column, const lf_pivot *ray, lf_vec3 eye,
@@ -80,6 +129,7 @@ void lf_natives_of_panes(lf_visit *visit, int view, int column, const lf_pivot *
     while (lf_trace_pane(tracer, eye, event->w, t, t_end, &event->hit)) {
         lf_vec3 d = lf_sub(event->hit.p, visit->rig->eye);
         lf_delta lobe[LF_MAX_DELTAS];
+        lf_delta_chain chain;
         const lf_material *m = event->hit.material;
         float cosine = -lf_dot(event->hit.ns, event->w);
         t = lf_behind(event->hit.t);
@@ -89,8 +139,9 @@ void lf_natives_of_panes(lf_visit *visit, int view, int column, const lf_pivot *
         if (m->kind->deltas(m, event->hit.ng, event->hit.ns, lf_scale(event->w, -1.0f),
                             event->hit.front, lobe) == 0)
             continue;
-        lobe->f = lf_scale(lobe->f, 1.0f - lf_pane_passes(m, cosine));
-        follow_delta(visit, view, column, &pivot, lobe, 1.0f);
+        chain_begin(visit, view, &pivot, false, &chain);
+        lf_delta_chain_follow(&chain, event, lobe, 1.0f - lf_pane_passes(m, cosine));
+        chain_end(visit, view, column, &pivot, &chain);
     }
 }
 
@@ -104,6 +155,7 @@ bool lf_natives_by_base(const lf_visit *visit, int view, int column)
 void lf_natives_of_surface(lf_visit *visit, int view, int column, const lf_pivot *pivot)
 {
     lf_shading shading;
+    lf_delta_chain chain;
     if (!visit->sums.native)
         return;
     if (visit->scene->looks.veiled)
@@ -111,7 +163,9 @@ void lf_natives_of_surface(lf_visit *visit, int view, int column, const lf_pivot
     lf_shade(&pivot->event.hit, lf_scale(pivot->event.w, -1.0f), &shading);
     if (visit->pilot && shading.n_deltas > 0)
         lf_counts_mark_delta(visit->pilot, visit->row, view, column);
+    chain_begin(visit, view, pivot, stands_apart(visit, pivot), &chain);
     for (int i = 0; i < shading.n_deltas; i++)
-        follow_delta(visit, view, column, pivot, &shading.delta[i],
-                     lf_min(1.0f, 4.0f * lf_max3(shading.delta[i].f)));
+        lf_delta_chain_follow(&chain, &pivot->event, &shading.delta[i], 1.0f);
+    if (shading.n_deltas > 0)
+        chain_end(visit, view, column, pivot, &chain);
 }

@@ -428,12 +428,18 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
     return radiance;
 }
 
-lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth)
+lf_vec3 lf_path_along(lf_tracer *tracer, const lf_event *next, bool scatters)
 {
-    lf_vec3 radiance = depth <= max_depth ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
-    tracer->suffixes++;
+    lf_vec3 radiance = scatters ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
     if (tracer->scene->flames.n > 0)
         radiance = lf_add(radiance, emitted(tracer, next, lf_v3(1.0f, 1.0f, 1.0f)));
+    return radiance;
+}
+
+lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth)
+{
+    const lf_vec3 radiance = lf_path_along(tracer, next, depth <= max_depth);
+    tracer->suffixes++;
     if (next->kind == LF_EVENT_ESCAPE)
         return radiance;
     const lf_vec3 left = lf_path_absorbed(tracer->scene, next);

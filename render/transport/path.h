@@ -101,6 +101,10 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
  * for it. 0 where the scene has none. */
 lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next);
 
+/* What comes from the segment that ends at `next` itself: lf_path_glow, if it scatters, and what
+ * volumes emit along it. `next` comes from lf_path_next. */
+lf_vec3 lf_path_along(lf_tracer *tracer, const lf_event *next, bool scatters);
+
 /* All that is scattered along the segment that ends at `next`, at it and behind it, and what
  * volumes emit along it, times its channels and what glass or flesh leaves of it; arguments as in
  * lf_path_scattered. `next` comes from lf_path_next. */
