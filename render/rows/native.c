@@ -59,9 +59,25 @@ static void chain_begin(const lf_visit *visit, int view, const lf_pivot *pivot, 
                             .max_depth = visit->max_depth,
                             .sunlight = visit->sunlight,
                             .apart = apart,
+                            .tinted = visit->worker->sums.albedo,
                             .distance = visit->rig->distance,
                             .z = pivot->z,
                             .forward = 1.0f / sqrtf(1.0f + slope * slope + my * my)};
+}
+
+/* The albedo of a visit's pixel, that has one already, likewise. Colour that the chain itself has,
+ * such as tinted glass, may be more than 1 beside the mean: what is above stays in R. */
+static void note_chain_albedo(const lf_visit *visit, size_t pixel, float q,
+                              const lf_delta_chain *chain)
+{
+    const float before = lf_max(visit->sums.half.q[pixel], 0.0f);
+    float albedo[LF_ALBEDO_NUMBERS];
+    for (int i = 0; i < LF_ALBEDO_NUMBERS && q > 0.0f; i++) {
+        float of_chain = lf_min(chain->albedo[i] / chain->weight, 1.0f);
+        albedo[i] = (before * visit->sums.albedo[pixel][i] + q * of_chain) / (before + q);
+    }
+    if (q > 0.0f)
+        lf_film_note_albedo(&visit->sums, pixel, albedo);
 }
 
 /* q and features of a visit's pixel, that has others already: of what it meets itself, if not all
@@ -79,6 +95,8 @@ static void note_chain(const lf_visit *visit, size_t pixel, float q, const lf_de
         feature = visit->sums.feature[pixel];
     else if (before > 0.0f)
         feature = lf_feature_mix(&visit->sums.feature[pixel], (double)before, &feature, (double)q);
+    if (visit->sums.albedo)
+        note_chain_albedo(visit, pixel, q, chain);
     lf_film_note(&visit->sums, pixel, feature);
     lf_film_pivots(&visit->sums, pixel, before + q);
 }

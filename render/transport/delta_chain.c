@@ -7,9 +7,6 @@
 #define PATHS_A_SHARE 4.0f
 /* Vertices behind the first that branch; what lies farther is followed along one branch. */
 #define DEEPEST_SPLIT 8
-/* What light that something scatters is divided by, at least. */
-#define LEAST_ALBEDO 0.02f
-
 static void arrive(lf_delta_chain *c, const lf_event *from, lf_vec3 wi, lf_vec3 beta, float way,
                    int depth);
 
@@ -34,36 +31,41 @@ static void branch(lf_delta_chain *c, const lf_event *event, const lf_delta *lob
     c->tracer->spread = spread;
 }
 
-/* Roughly what a surface sends on, through it as well, mean of the channels. */
-static float albedo_of(const lf_material *m)
-{
-    const float root = m->ior > 1.0f ? (m->ior - 1.0f) / (m->ior + 1.0f) : 0.0f,
-                albedo = lf_mean3(m->albedo) + (1.0f - m->metallic) * m->specular * root * root;
-    return m->eta.x > 0.0f ? 1.0f : lf_min(lf_max(albedo, LEAST_ALBEDO), 1.0f);
-}
-
 /* Whether anything scatters at an event, so that what is known of it can be told. */
 static bool scatters(const lf_event *event)
 {
     return event->kind == LF_EVENT_MEDIUM || lf_hit_material(&event->hit)->has_lobe;
 }
 
-static float albedo_at(const lf_scene *scene, const lf_event *end)
+/* Roughly what is sent on there, through it as well. */
+static void albedo_at(const lf_scene *scene, const lf_event *end, float out[LF_ALBEDO_NUMBERS])
 {
-    if (end->kind == LF_EVENT_SURFACE)
-        return albedo_of(lf_hit_material(&end->hit));
-    return end->volume == LF_INTERIOR
-               ? 1.0f
-               : lf_max(lf_mean3(lf_volume_albedo(&scene->volumes[end->volume], end->p)),
-                        LEAST_ALBEDO);
+    lf_vec3 a = lf_v3(1.0f, 1.0f, 1.0f);
+    if (end->kind == LF_EVENT_SURFACE) {
+        const lf_material *m = lf_hit_material(&end->hit);
+        lf_material_albedo(m, m->albedo, m->metallic, out);
+        return;
+    }
+    if (end->volume != LF_INTERIOR)
+        a = lf_volume_albedo(&scene->volumes[end->volume], end->p);
+    out[0] = lf_max(a.x, LF_LEAST_ALBEDO);
+    out[1] = lf_max(a.y, LF_LEAST_ALBEDO);
+    out[2] = lf_max(a.z, LF_LEAST_ALBEDO);
+    out[LF_ALBEDO_METAL] = 0.0f;
 }
 
 /* What is known of the end of a branch. */
 static void note_end(lf_delta_chain *c, const lf_event *end, lf_vec3 beta, float way)
 {
     const bool surface = end->kind == LF_EVENT_SURFACE;
-    const float share = lf_mean3(beta), weight = share * albedo_at(c->tracer->scene, end),
+    float albedo[LF_ALBEDO_NUMBERS];
+    albedo_at(c->tracer->scene, end, albedo);
+    const float share = lf_mean3(beta), mean = (albedo[0] + albedo[1] + albedo[2]) * (1.0f / 3.0f),
+                weight = share * (c->tinted ? 1.0f : mean),
                 nearness = c->distance / (c->z + way * c->forward);
+    const float tint[LF_ALBEDO_NUMBERS] = {beta.x, beta.y, beta.z, share};
+    for (int i = 0; i < LF_ALBEDO_NUMBERS; i++)
+        c->albedo[i] += tint[i] * albedo[i];
     c->weight += weight;
     c->surface += surface ? weight : 0.0f;
     c->nearness += weight * nearness;

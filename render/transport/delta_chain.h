@@ -8,6 +8,7 @@
 #ifndef LF_RENDER_DELTA_CHAIN_H
 #define LF_RENDER_DELTA_CHAIN_H
 
+#include "render/transport/face_albedo.h"
 #include "render/transport/path.h"
 #include "render/transport/sunlight.h"
 
@@ -17,6 +18,7 @@ typedef struct lf_delta_chain {
     int max_depth;               /* of vertices, as in lf_path_scattered */
     const lf_sunlight *sunlight; /* NULL: none is looked up */
     bool apart;                  /* what is scattered is to be told from the rest */
+    bool tinted;                 /* the film keeps albedo: it is summed up, not a part of weight */
     /* of the first surface: D, Z, and how much Z a unit of length along the camera's ray is */
     float distance, z, forward;
     /* Summed up, to begin with zeros. Radiance at the first surface: */
@@ -24,8 +26,9 @@ typedef struct lf_delta_chain {
     lf_vec3 scattered; /* at the ends of branches */
     /* What there is to scatter there, known without any path: over the branches the sums of what
      * comes through times a rough albedo, 0..1; and of that the part of surfaces, that times D/Z of
-     * the unfolded chain, times its square, and the reflected sunlight per albedo (sunlight.h). */
-    float weight, surface, nearness, nearness2, light;
+     * the unfolded chain, times its square, and the reflected sunlight per albedo (sunlight.h).
+     * tinted: the albedo counts as 1 in them, and is summed up over the branches by itself. */
+    float weight, surface, nearness, nearness2, light, albedo[LF_ALBEDO_NUMBERS];
 } lf_delta_chain;
 
 /* Adds what one delta lobe of the camera's first surface brings, times `share`. */

@@ -2,13 +2,21 @@
 
 #include "render/transport/surface_texture.h"
 
-/* Of a dielectric, straight on. */
-static float reflected_straight(const lf_material *m)
+void lf_material_albedo(const lf_material *m, lf_vec3 colour, float metal,
+                        float out[LF_ALBEDO_NUMBERS])
 {
-    float r = (m->ior - 1.0f) / (m->ior + 1.0f);
-    if (m->kind == &lf_surface_plastic)
-        return r * r;
-    return m->kind == &lf_surface_principled ? m->specular * r * r : 0.0f;
+    const float r = (m->ior - 1.0f) / (m->ior + 1.0f);
+    float gloss = 0.0f;
+    if (m->eta.x > 0.0f)
+        colour = lf_v3(1.0f, 1.0f, 1.0f);
+    else if (m->kind == &lf_surface_plastic)
+        gloss = r * r;
+    else if (m->kind == &lf_surface_principled)
+        gloss = (1.0f - metal) * m->specular * r * r;
+    const float channels[3] = {colour.x, colour.y, colour.z};
+    for (int c = 0; c < 3; c++)
+        out[c] = lf_min(lf_max(channels[c] + gloss, LF_LEAST_ALBEDO), 1.0f);
+    out[LF_ALBEDO_METAL] = metal;
 }
 
 /* How much of it is metal, but for a texture. */
@@ -56,7 +64,7 @@ static void lay_texture(lf_face_texture *out, const lf_face *face, lf_slot slot)
 void lf_face_albedo_init(lf_face_albedo *albedo, const lf_face *face)
 {
     const lf_material *m = face->material;
-    *albedo = (lf_face_albedo){.gloss = reflected_straight(m), .metal = metal_of(m)};
+    *albedo = (lf_face_albedo){.metal = metal_of(m)};
     for (int i = 0; i < 3; i++) {
         lf_vec3 colour = corner_colour(face, i);
         albedo->colour[i] = i == 0 ? colour : lf_sub(colour, albedo->colour[0]);
@@ -89,9 +97,5 @@ void lf_face_albedo_at(const lf_face_albedo *albedo, const lf_face *face, lf_vec
         look_up(&albedo->metals, u, v, width, texel);
         metal *= texel[2];
     }
-    const float gloss = (1.0f - metal) * albedo->gloss;
-    out[0] = colour.x + gloss;
-    out[1] = colour.y + gloss;
-    out[2] = colour.z + gloss;
-    out[LF_ALBEDO_METAL] = metal;
+    lf_material_albedo(face->material, colour, metal, out);
 }

@@ -10,6 +10,10 @@
 #include "render/film/film_feature.h"
 #include "render/transport/track.h"
 
+/* Of a material whose base has this colour, so much of it metal. */
+void lf_material_albedo(const lf_material *m, lf_vec3 colour, float metal,
+                        float out[LF_ALBEDO_NUMBERS]);
+
 /* A texture on the triangle. */
 typedef struct lf_face_texture {
     const lf_texture *texture; /* NULL: none */
@@ -21,7 +25,7 @@ typedef struct lf_face_texture {
 
 typedef struct lf_face_albedo {
     lf_vec3 colour[3]; /* of the base, as place */
-    float gloss, metal;
+    float metal;
     lf_face_texture base, metals;
 } lf_face_albedo;
 

@@ -188,6 +188,14 @@ static bool is_between(float x, float a, float b)
     return x >= fminf(a, b) - 1e-6f && x <= fmaxf(a, b) + 1e-6f;
 }
 
+/* Whether a pixel is one of the film points of another: the same, or at an outline one of four. */
+static bool is_part_of(const seen *x, const seen *y)
+{
+    float others = LF_OUTLINE_POINTS * y->q - x->q;
+    return memcmp(x, y, sizeof *x) == 0 ||
+           (others > -1e-5f && others < LF_OUTLINE_POINTS - 1 + 1e-5f);
+}
+
 typedef struct tally {
     int same, apart, changes; /* pixels between two fans; those where these are far apart */
 } tally;
@@ -204,18 +212,18 @@ static tally compare(const char *text)
         seen x = seen_at(coarse, row, view, column), y = seen_at(whole, row, view, column);
         int a = column / 4 * 4, b = a + 4 < WIDTH - 1 ? a + 4 : WIDTH - 1;
         if (column == a || column == b) {
-            assert_memory_equal(&x, &y, sizeof x);
+            assert_true(is_part_of(&x, &y));
             continue;
         }
-        seen from = seen_at(whole, row, view, a), to = seen_at(whole, row, view, b);
+        seen from = seen_at(coarse, row, view, a), to = seen_at(coarse, row, view, b);
         bool same = memcmp(&x, &y, sizeof x) == 0, far = fabsf(from.q - to.q) > 0.1f;
         t.same += same;
         t.apart += !same;
         t.changes += far;
-        assert_true(same || !far);
-        assert_true(same || is_between(x.q, from.q, to.q));
+        assert_true(is_part_of(&x, &y) || !far);
+        assert_true(far || is_between(x.q, from.q, to.q));
         for (int c = 0; c < 3; c++)
-            assert_true(same || is_between(x.b[c], from.b[c], to.b[c]));
+            assert_true(far || is_between(x.b[c], from.b[c], to.b[c]));
     }
     assert_true(coarse->film.rows[5].coarse[0] > 0.0 && whole->film.rows[5].coarse[0] == 0.0);
     lf_renderer_destroy(coarse);

@@ -374,13 +374,15 @@ static void a_surface_behind_a_medium_counts_for_what_comes_through(void **state
     lf_scene_unref(scene);
 }
 
-/* What the film holds besides is the same, and as large as ever without them. */
-static void features_change_nothing_else(void **state)
+/* What paths find is the same. So are q and B, but for outlines, where more film points are taken.
+ */
+static void features_change_nothing_but_outlines(void **state)
 {
     (void)state;
     lf_scene *scene = lf_test_scene(LF_TEST_MIXED("5", ""));
     lf_renderer *with = render(scene, true, NULL, 12), *without = render(scene, false, NULL, 12);
-    size_t pixels = 5 * (size_t)WIDTH;
+    size_t pixels = 5 * (size_t)WIDTH, others = 0;
+    double sum = 0.0;
     assert_int_equal(lf_film_used_bytes(&with->film.layout),
                      lf_film_used_bytes(&without->film.layout) + 16 * pixels);
     for (int row = 0; row < HEIGHT; row++) {
@@ -389,13 +391,17 @@ static void features_change_nothing_else(void **state)
                                b = lf_film_at(&without->film, row, half);
             assert_true(a.feature && !b.feature);
             assert_memory_equal(a.scattered, b.scattered, pixels * sizeof *a.scattered);
-            assert_memory_equal(a.q, b.q, pixels * sizeof *a.q);
+            for (size_t i = 0; i < pixels; i++) {
+                others += a.q[i] != b.q[i];
+                sum += (double)(a.q[i] - b.q[i]) / (double)(2 * HEIGHT * pixels);
+            }
             if (a.w2)
                 assert_memory_equal(a.w2, b.w2, pixels * sizeof *a.w2);
         }
-        assert_memory_equal(lf_film_known_at(&with->film, row),
-                            lf_film_known_at(&without->film, row), pixels * sizeof(lf_film_known));
     }
+    print_message("q of %.2g of the pixels, by %.2g on average\n",
+                  (double)others / (double)(2 * HEIGHT * pixels), sum);
+    assert_true(others > 0 && others < 2 * HEIGHT * pixels / 5 && fabs(sum) < 2e-3);
     lf_renderer_destroy(with);
     lf_renderer_destroy(without);
     lf_scene_unref(scene);
@@ -428,7 +434,7 @@ int main(void)
         cmocka_unit_test(voxels_are_met_where_a_walk_of_small_steps_says),
         cmocka_unit_test(a_surface_is_exactly_where_it_is),
         cmocka_unit_test(a_surface_behind_a_medium_counts_for_what_comes_through),
-        cmocka_unit_test(features_change_nothing_else),
+        cmocka_unit_test(features_change_nothing_but_outlines),
         cmocka_unit_test(features_do_not_depend_on_the_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
