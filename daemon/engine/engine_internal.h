@@ -90,7 +90,6 @@ typedef struct engine_look {
  * in all of them, and what that took. */
 typedef struct engine_fit {
     double passes, at, cost;
-    bool may_begin; /* the first frame of the content has been made */
 } engine_fit;
 
 /* The thread's life; all but thread and started under lock. status: how it began. */

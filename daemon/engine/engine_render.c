@@ -150,15 +150,15 @@ static const lf_interlacer *interlacer_now(lf_engine *engine)
     return engine->interlacer;
 }
 
-/* Whether fits have the last one for a first guess: the camera has moved. */
+/* Whether fits have the last one for a first guess. */
 static bool fit_follows(const lf_engine *engine)
 {
     return engine->picture.reconstructs && lf_renderer_follows(engine->renderer);
 }
 
-/* Whether there is to be another fit before the next frame. The first frame of a scene waits for
- * none: it is unfiltered, and the next follows at once; but where one frame of many follows
- * another, noise would flicker between them. A first guess is for an incomplete picture. */
+/* Whether there is to be another fit before the next frame. The first frame waits for one: noise
+ * before it would flicker between what was shown and what comes. A first guess is for an incomplete
+ * picture. */
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
@@ -166,8 +166,8 @@ static bool fit_is_due(const lf_engine *engine, bool final)
         lf_picture_missing(&engine->picture) > 0 ? FIT_GROWTH_INCOMPLETE : FIT_GROWTH;
     if (!engine->renderer || !engine->picture.reconstructs || fit->passes == engine->spent.passes)
         return false;
-    bool follows = fit_follows(engine), first = fit->passes <= 0 && (fit->may_begin || follows),
-         last = follows && lf_picture_missing(&engine->picture) == 0;
+    const bool first = fit->passes <= 0,
+               last = fit_follows(engine) && lf_picture_missing(&engine->picture) == 0;
     return final || first || last ||
            (fit->passes > 0 && engine->spent.passes >= growth * fit->passes &&
             (lf_time_now() - fit->at) * FIT_SHARE >= fit->cost);
@@ -216,7 +216,6 @@ static void post_frame(lf_engine *engine, bool final)
     engine->frames.again_ns = 0;
     if (fit_is_due(engine, final) && fit(engine, final) != LF_OK)
         return;
-    engine->fit.may_begin = true;
     engine->frames.at = lf_time_now();
     int64_t blank;
     lf_views8 views = views_now(engine, &blank);
@@ -267,9 +266,9 @@ static int hole_reach(const lf_engine *engine, const lf_batch *batch)
 {
     if (engine->level >= LF_LEVEL_COMPLETE)
         return -1;
-    if (batch->coarse)
-        return fit_follows(engine) ? -1 : LF_COARSE_REACH;
-    return engine->picture.reconstructs ? -1 : 0;
+    if (engine->picture.reconstructs)
+        return -1;
+    return batch->coarse ? LF_COARSE_REACH : 0;
 }
 
 static lf_status render(lf_engine *engine, const lf_batch *batch)
@@ -278,7 +277,8 @@ static lf_status render(lf_engine *engine, const lf_batch *batch)
     const int reach = hole_reach(engine, batch);
     if (batch->coarse)
         return lf_renderer_pass_coarse(engine->renderer, &part, reach,
-                                       fit_follows(engine) ? lf_picture_row_later : lf_picture_row,
+                                       engine->picture.reconstructs ? lf_picture_row_later
+                                                                    : lf_picture_row,
                                        &engine->picture, &engine->cancel);
     return lf_renderer_pass_filling(engine->renderer, &part, batch->subsets, reach, lf_picture_row,
                                     &engine->picture, &engine->cancel);
@@ -303,13 +303,11 @@ void engine_batch(lf_engine *engine)
     engine->spent.passes += (double)batch.n_rows * batch.subsets / engine->schedule.height;
     engine->owed = true;
     bool swept = lf_schedule_done(&engine->schedule, &batch, seconds);
-    if (!batch.coarse || !fit_follows(engine)) /* of which nobody can know the error */
+    if (!batch.coarse || !engine->picture.reconstructs) /* of which nobody can know the error */
         update_stats(engine, swept && engine->schedule.sweep <= 4);
     check_converged(engine);
     if (engine->converged || (lf_schedule_covers(&engine->schedule) && !frame_can_wait(engine)))
         post_frame(engine, engine->converged);
-    if (engine->fit.may_begin && engine->fit.passes <= 0 && fit_is_due(engine, false))
-        post_frame(engine, false);
 }
 
 void engine_settle(lf_engine *engine)
@@ -507,7 +505,7 @@ static void start_over(lf_engine *engine)
     engine->look.error_bound = engine->look.shown_error = engine->look.shown_bound = -1;
     engine->look.bound_passes = 0;
     engine->look.at = 0;
-    engine->fit = (engine_fit){.may_begin = engine->content && engine->content->is_frame};
+    engine->fit = (engine_fit){0};
     engine->frames.n_before = engine->frames.n;
 }
 
