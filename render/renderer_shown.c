@@ -104,14 +104,6 @@ static lf_status create(lf_renderer *renderer)
     return status;
 }
 
-static bool is_whole(const lf_film *film)
-{
-    for (int row = 0; row < film->height; row++)
-        if (!lf_film_visited(film->rows[row].visits))
-            return false;
-    return true;
-}
-
 bool lf_renderer_follows(const lf_renderer *renderer)
 {
     return renderer->before.past;
@@ -124,7 +116,7 @@ lf_status lf_renderer_fit(lf_renderer *renderer, const lf_cancel *cancel)
     lf_status status = renderer->shown ? LF_OK : create(renderer);
     if (status != LF_OK)
         return status;
-    const bool whole = is_whole(&renderer->film);
+    const bool whole = lf_renderer_is_whole(renderer);
     if (whole)
         lf_reconstruct_follow(renderer->shown, NULL, NULL);
     if (cancel)
@@ -144,13 +136,18 @@ lf_status lf_renderer_show_row(const lf_renderer *renderer, int row, float *out)
                            : LF_E_STATE;
 }
 
+bool lf_renderer_shows_row(const lf_renderer *renderer, int row)
+{
+    return lf_film_is_known(&renderer->film.rows[row]);
+}
+
 typedef struct lf_show_job {
     const lf_renderer *renderer;
     float *out;
     atomic_int failed;
 } lf_show_job;
 
-/* Rows that nothing has visited are none to show. */
+/* Rows of which nothing is known are none to show. */
 static void show_item(void *context, int row, int worker)
 {
     lf_show_job *job = context;

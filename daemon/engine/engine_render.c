@@ -90,6 +90,13 @@ static void check_converged(lf_engine *engine)
 
 /* ------------------------------------------------------------------------------------ frames -- */
 
+/* Whether every row has been visited, and has no hole. */
+static bool is_complete(const lf_engine *engine)
+{
+    return lf_picture_missing(&engine->picture) == 0 &&
+           (!engine->renderer || lf_renderer_is_whole(engine->renderer));
+}
+
 /* What to show, and how good it is. *out_blank: view pixels that there is nothing for anywhere
  * near. */
 static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
@@ -110,8 +117,7 @@ static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
     } else if (final) {
         engine->level = LF_LEVEL_CONVERGED;
     } else {
-        engine->level =
-            lf_picture_missing(&engine->picture) > 0 ? LF_LEVEL_COARSE : LF_LEVEL_COMPLETE;
+        engine->level = is_complete(engine) ? LF_LEVEL_COMPLETE : LF_LEVEL_COARSE;
     }
     return views;
 }
@@ -162,12 +168,10 @@ static bool fit_follows(const lf_engine *engine)
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
-    const double growth =
-        lf_picture_missing(&engine->picture) > 0 ? FIT_GROWTH_INCOMPLETE : FIT_GROWTH;
+    const double growth = is_complete(engine) ? FIT_GROWTH : FIT_GROWTH_INCOMPLETE;
     if (!engine->renderer || !engine->picture.reconstructs || fit->passes == engine->spent.passes)
         return false;
-    const bool first = fit->passes <= 0,
-               last = fit_follows(engine) && lf_picture_missing(&engine->picture) == 0;
+    const bool first = fit->passes <= 0, last = fit_follows(engine) && is_complete(engine);
     return final || first || last ||
            (fit->passes > 0 && engine->spent.passes >= growth * fit->passes &&
             (lf_time_now() - fit->at) * FIT_SHARE >= fit->cost);
@@ -177,7 +181,9 @@ static bool fit_is_due(const lf_engine *engine, bool final)
 static lf_status fit(lf_engine *engine, bool final)
 {
     double start = lf_time_now(), cpu = lf_time_cpu();
-    lf_status status = lf_renderer_fit(engine->renderer, &engine->cancel);
+    lf_status status = lf_renderer_pass_fans(engine->renderer, &engine->cancel);
+    if (status == LF_OK)
+        status = lf_renderer_fit(engine->renderer, &engine->cancel);
     double fitted = lf_time_cpu();
     engine->fit.passes = status == LF_OK ? engine->spent.passes : 0;
     if (status != LF_OK && status != LF_E_CANCELLED) {
@@ -243,7 +249,7 @@ static void post_frame(lf_engine *engine, bool final)
 static bool frame_can_wait(lf_engine *engine)
 {
     lf_mailbox *mailbox = &engine->mailbox;
-    bool complete = lf_picture_missing(&engine->picture) == 0;
+    bool complete = is_complete(engine);
     bool news = (engine->level < LF_LEVEL_COMPLETE && complete) ||
                 engine->frames.n == engine->frames.n_before;
     double apart = engine->level < LF_LEVEL_COMPLETE ? FRAME_SECONDS : FRAME_SECONDS_COMPLETE;

@@ -361,13 +361,14 @@ lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfi
 /* Where the picture has what the film lacks, it was there before, and is no hole. */
 static void mark_missing(const lf_picture *picture, bool reconstructed, uint8_t *flags)
 {
-    const size_t n = row_pixels(picture) * (size_t)picture->height;
-    const uint8_t absent = reconstructed ? LF_PIXEL_UNSEEN : not_there(picture);
+    const size_t row = row_pixels(picture), n = row * (size_t)picture->height;
     if (!reconstructed && !picture->reconstructs)
         memcpy(flags, picture->missing, n);
-    else
-        for (size_t i = 0; i < n; i++)
-            flags[i] &= absent;
+    for (int i = 0; i < picture->height && reconstructed; i++)
+        memset(flags + (size_t)i * row,
+               lf_renderer_shows_row(picture->renderer, i) ? 0 : LF_PIXEL_UNSEEN, row);
+    for (size_t i = 0; i < n && !reconstructed && picture->reconstructs; i++)
+        flags[i] &= not_there(picture);
 }
 
 typedef struct taking {

@@ -174,6 +174,8 @@ void lf_film_row_known(const lf_film_row *row, double out[2])
     bool any = whole[0] + whole[1] > 0.0;
     for (int h = 0; h < 2; h++)
         out[h] = any ? whole[h] : row->n[h];
+    if (row->provisional)
+        out[0] = 1.0;
 }
 
 void lf_film_clear(lf_film *film)
@@ -355,6 +357,7 @@ static void count(lf_film *film, int stream, int row, int half, double passes)
 {
     lf_film_row *state = &film->rows[row];
     lf_film_counts *own = &film->streams[stream].rows[row];
+    state->provisional = false;
     state->visits[half]++;
     state->n[half] += passes / film->n_views;
     state->passes += passes;
@@ -422,6 +425,24 @@ static void merge_span(const lf_merge *merge, size_t first, size_t n, const uint
             to->q[i] = mean(to->q[i], merge->shares.half, (double)from->q[i], random[k]);
         if (merge->known)
             merge_known(&merge->known[i], merge->sums, i, &merge->shares, random[k]);
+    }
+}
+
+void lf_film_put_provisional(lf_film *film, int row, const lf_film_sums *sums, double passes)
+{
+    const uint32_t to_nearest = UINT32_C(1) << 31;
+    const float inverse_weight = (float)(film->n_views / passes);
+    const lf_film_half to = lf_film_at(film, row, 0);
+    lf_film_known *known = lf_film_known_at(film, row);
+    memset(film->data + (size_t)row * film->row_bytes, 0, film->row_bytes);
+    film->rows[row].provisional = true;
+    for (size_t i = 0; i < pixels_of(&film->layout) && sums; i++) {
+        to.q[i] = sums->half.q[i];
+        if (to.feature)
+            to.feature[i] = lf_feature_pack(&sums->feature[i], to_nearest);
+        for (int c = 0; c < 3 && known; c++)
+            known[i].b[c] =
+                sums->known[i][c] + (sums->native ? sums->native[i][c] * inverse_weight : 0.0f);
     }
 }
 

@@ -80,7 +80,7 @@ static void predict(const lf_reconstruction *r, lf_reconstruct_scratch *scratch,
 
 lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row, float *out)
 {
-    if (!r->ready || !lf_film_visited(film->rows[row].visits))
+    if (!r->ready || !lf_film_is_known(&film->rows[row]))
         return LF_E_STATE;
     lf_reconstruct_scratch *scratch = lf_scratch_take(r),
                            *bounded = r->is_bright ? lf_scratch_take(r->bounded) : NULL;

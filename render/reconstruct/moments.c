@@ -189,7 +189,8 @@ lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int numbe
     lf_status status =
         make_band(band, scratch->places, list_places(scratch->rows, n_rows, n, scratch->places));
     for (int j = 0; j < n_rows && status == LF_OK && band->n > 0; j++)
-        add_row(band, r, film, &scratch->rows[j], row[j]);
+        if (lf_film_visited(film->rows[row[j]].visits))
+            add_row(band, r, film, &scratch->rows[j], row[j]);
     return status;
 }
 
