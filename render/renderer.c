@@ -318,12 +318,9 @@ lf_status lf_renderer_pass_fans(lf_renderer *renderer, const lf_cancel *cancel)
     return layout->has_native && !layout->has_delta ? LF_OK : run(&job);
 }
 
-bool lf_renderer_is_whole(const lf_renderer *renderer)
+bool lf_renderer_visited(const lf_renderer *renderer, int row)
 {
-    for (int row = 0; row < renderer->film.height; row++)
-        if (!lf_film_visited(renderer->film.rows[row].visits))
-            return false;
-    return true;
+    return lf_film_visited(renderer->film.rows[row].visits);
 }
 
 lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_part *part,

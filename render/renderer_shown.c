@@ -104,6 +104,14 @@ static lf_status create(lf_renderer *renderer)
     return status;
 }
 
+static bool is_whole(const lf_film *film)
+{
+    for (int row = 0; row < film->height; row++)
+        if (!lf_film_visited(film->rows[row].visits))
+            return false;
+    return true;
+}
+
 bool lf_renderer_follows(const lf_renderer *renderer)
 {
     return renderer->before.past;
@@ -116,7 +124,7 @@ lf_status lf_renderer_fit(lf_renderer *renderer, const lf_cancel *cancel)
     lf_status status = renderer->shown ? LF_OK : create(renderer);
     if (status != LF_OK)
         return status;
-    const bool whole = lf_renderer_is_whole(renderer);
+    const bool whole = is_whole(&renderer->film);
     if (whole)
         lf_reconstruct_follow(renderer->shown, NULL, NULL);
     if (cancel)
@@ -136,9 +144,14 @@ lf_status lf_renderer_show_row(const lf_renderer *renderer, int row, float *out)
                            : LF_E_STATE;
 }
 
-bool lf_renderer_shows_row(const lf_renderer *renderer, int row)
+void lf_renderer_show_flags(const lf_renderer *renderer, int row, uint8_t *flags)
 {
-    return lf_film_is_known(&renderer->film.rows[row]);
+    const lf_film *film = &renderer->film;
+    const size_t n = (size_t)film->n_views * (size_t)film->width;
+    memset(flags, lf_film_is_known(&film->rows[row]) ? 0 : LF_PIXEL_UNSEEN, n);
+    const float *q = lf_film_at(film, row, 0).q;
+    for (size_t i = 0; i < n && film->rows[row].provisional; i++)
+        flags[i] = q[i] < 0.0f ? LF_PIXEL_UNSEEN : 0;
 }
 
 typedef struct lf_show_job {

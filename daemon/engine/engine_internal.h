@@ -71,7 +71,7 @@ typedef struct engine_frames {
 
 /* What rendering took so far; passes: mean over rows. */
 typedef struct engine_spent {
-    double passes, seconds, cpu_seconds;
+    double passes, seconds;
 } engine_spent;
 
 /* Counters and error bounds (< 0 = none), when they were last looked at, what that took. */
@@ -85,6 +85,13 @@ typedef struct engine_look {
     bool told_of_cut;                 /* lf_render_warn_of_cut, for this file */
     lf_blank blank;                   /* the last frame, of a scene that is seen */
 } engine_look;
+
+/* What the picture took so far, and what the last ones took to be coarse and complete; this one has
+ * been. */
+typedef struct engine_budget {
+    lf_frame_cost now, coarse, complete;
+    bool was_coarse, was_complete;
+} engine_budget;
 
 /* The last fit that rows are shown by: after how many passes (0 = there is none), when it was shown
  * in all of them, and what that took. */
@@ -130,6 +137,7 @@ struct lf_engine {
     bool converged;
     bool owed; /* the picture changed since the last frame */
     engine_spent spent;
+    engine_budget budget;
     engine_frames frames;
     engine_look look;
     engine_fit fit;

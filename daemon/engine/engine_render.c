@@ -90,13 +90,6 @@ static void check_converged(lf_engine *engine)
 
 /* ------------------------------------------------------------------------------------ frames -- */
 
-/* Whether every row has been visited, and has no hole. */
-static bool is_complete(const lf_engine *engine)
-{
-    return lf_picture_missing(&engine->picture) == 0 &&
-           (!engine->renderer || lf_renderer_is_whole(engine->renderer));
-}
-
 /* What to show, and how good it is. *out_blank: view pixels that there is nothing for anywhere
  * near. */
 static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
@@ -117,7 +110,8 @@ static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
     } else if (final) {
         engine->level = LF_LEVEL_CONVERGED;
     } else {
-        engine->level = is_complete(engine) ? LF_LEVEL_COMPLETE : LF_LEVEL_COARSE;
+        engine->level =
+            lf_picture_missing(&engine->picture) > 0 ? LF_LEVEL_COARSE : LF_LEVEL_COMPLETE;
     }
     return views;
 }
@@ -162,16 +156,26 @@ static bool fit_follows(const lf_engine *engine)
     return engine->picture.reconstructs && lf_renderer_follows(engine->renderer);
 }
 
+/* Adds the CPU time since *from, which becomes now. */
+static void take_time(double *sum, double *from)
+{
+    const double now = lf_time_cpu();
+    *sum += now - *from;
+    *from = now;
+}
+
 /* Whether there is to be another fit before the next frame. The first frame waits for one: noise
  * before it would flicker between what was shown and what comes. A first guess is for an incomplete
  * picture. */
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
-    const double growth = is_complete(engine) ? FIT_GROWTH : FIT_GROWTH_INCOMPLETE;
+    const double growth =
+        lf_picture_missing(&engine->picture) > 0 ? FIT_GROWTH_INCOMPLETE : FIT_GROWTH;
     if (!engine->renderer || !engine->picture.reconstructs || fit->passes == engine->spent.passes)
         return false;
-    const bool first = fit->passes <= 0, last = fit_follows(engine) && is_complete(engine);
+    const bool first = fit->passes <= 0,
+               last = fit_follows(engine) && lf_picture_missing(&engine->picture) == 0;
     return final || first || last ||
            (fit->passes > 0 && engine->spent.passes >= growth * fit->passes &&
             (lf_time_now() - fit->at) * FIT_SHARE >= fit->cost);
@@ -180,11 +184,13 @@ static bool fit_is_due(const lf_engine *engine, bool final)
 /* A fit to what there is now, and all rows by it. */
 static lf_status fit(lf_engine *engine, bool final)
 {
+    lf_frame_cost *cost = &engine->budget.now;
     double start = lf_time_now(), cpu = lf_time_cpu();
     lf_status status = lf_renderer_pass_fans(engine->renderer, &engine->cancel);
+    take_time(&cost->fans, &cpu);
     if (status == LF_OK)
         status = lf_renderer_fit(engine->renderer, &engine->cancel);
-    double fitted = lf_time_cpu();
+    take_time(&cost->fit, &cpu);
     engine->fit.passes = status == LF_OK ? engine->spent.passes : 0;
     if (status != LF_OK && status != LF_E_CANCELLED) {
         lf_log(LF_LOG_ERROR, "out of memory for the reconstruction: the picture is unfiltered");
@@ -194,12 +200,13 @@ static lf_status fit(lf_engine *engine, bool final)
     }
     if (status == LF_OK)
         status = lf_picture_fitted(&engine->picture, engine->pool, &engine->cancel);
+    take_time(&cost->answer, &cpu);
     if (status == LF_OK && final)
         look_at_shown(engine);
     engine->fit.at = lf_time_now();
     engine->fit.cost = engine->fit.at - start;
-    lf_log(LF_LOG_DEBUG, "%.2f passes: fitted and shown in %.3f + %.3f CPU seconds, %.3f s",
-           engine->spent.passes, fitted - cpu, lf_time_cpu() - fitted, engine->fit.cost);
+    lf_log(LF_LOG_DEBUG, "%.2f passes: fitted and shown in %.3f s", engine->spent.passes,
+           engine->fit.cost);
     return status;
 }
 
@@ -216,6 +223,20 @@ static void look_for_blank(lf_engine *engine, const lf_views8 *views)
         lf_log(LF_LOG_WARNING, "%s: %s", engine->content->file, words);
 }
 
+/* What it took to come so far, once a picture; one from a saved state tells of nothing. */
+static void note_cost(lf_engine *engine)
+{
+    engine_budget *budget = &engine->budget;
+    if (!engine->renderer || !(budget->now.paths > 0))
+        return;
+    if (!budget->was_coarse && engine->level >= LF_LEVEL_COARSE)
+        budget->coarse = budget->now;
+    if (!budget->was_complete && engine->level >= LF_LEVEL_COMPLETE)
+        budget->complete = budget->now;
+    budget->was_coarse |= engine->level >= LF_LEVEL_COARSE;
+    budget->was_complete |= engine->level >= LF_LEVEL_COMPLETE;
+}
+
 static void post_frame(lf_engine *engine, bool final)
 {
     engine->owed = false;
@@ -223,6 +244,7 @@ static void post_frame(lf_engine *engine, bool final)
     if (fit_is_due(engine, final) && fit(engine, final) != LF_OK)
         return;
     engine->frames.at = lf_time_now();
+    double cpu = lf_time_cpu();
     int64_t blank;
     lf_views8 views = views_now(engine, &blank);
     if (blank > 0)
@@ -241,6 +263,8 @@ static void post_frame(lf_engine *engine, bool final)
     if (interlacer)
         lf_interlace(interlacer, &views, &frame->image, engine->pool);
     engine->frames.has_picture = true;
+    take_time(&engine->budget.now.compose, &cpu);
+    note_cost(engine);
     engine_end_frame(engine, frame, &views, final);
 }
 
@@ -249,7 +273,7 @@ static void post_frame(lf_engine *engine, bool final)
 static bool frame_can_wait(lf_engine *engine)
 {
     lf_mailbox *mailbox = &engine->mailbox;
-    bool complete = is_complete(engine);
+    bool complete = lf_picture_missing(&engine->picture) == 0;
     bool news = (engine->level < LF_LEVEL_COMPLETE && complete) ||
                 engine->frames.n == engine->frames.n_before;
     double apart = engine->level < LF_LEVEL_COMPLETE ? FRAME_SECONDS : FRAME_SECONDS_COMPLETE;
@@ -305,7 +329,7 @@ void engine_batch(lf_engine *engine)
     }
     double seconds = lf_time_now() - start;
     engine->spent.seconds += seconds;
-    engine->spent.cpu_seconds += lf_time_cpu() - cpu;
+    take_time(&engine->budget.now.paths, &cpu);
     engine->spent.passes += (double)batch.n_rows * batch.subsets / engine->schedule.height;
     engine->owed = true;
     bool swept = lf_schedule_done(&engine->schedule, &batch, seconds);
@@ -506,13 +530,15 @@ static void start_over(lf_engine *engine)
     engine->spoiled = engine->converged = false;
     engine->owed = engine->content && !engine->content->scene;
     engine->level = LF_LEVEL_NONE;
-    engine->spent.passes = engine->spent.seconds = engine->spent.cpu_seconds = 0;
+    engine->spent.passes = engine->spent.seconds = 0;
     engine->look.stats = (lf_render_stats){.rel_mse_estimate = -1};
     engine->look.error_bound = engine->look.shown_error = engine->look.shown_bound = -1;
     engine->look.bound_passes = 0;
     engine->look.at = 0;
     engine->fit = (engine_fit){0};
     engine->frames.n_before = engine->frames.n;
+    engine->budget.now = (lf_frame_cost){0};
+    engine->budget.was_coarse = engine->budget.was_complete = false;
 }
 
 static void start_schedule(lf_engine *engine)

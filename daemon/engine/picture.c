@@ -168,7 +168,8 @@ static void tone_row(lf_picture *picture, int row, bool fitted, int worker)
         lf_tone_dither(picture->tone, (int)view, row, width, linear + at, rgb + at);
 }
 
-/* A fit has an answer for every pixel of a row that was visited. */
+/* A fit has an answer for every pixel of a row of which something is known; without paths it is
+ * missing all the same. */
 static bool show_row(lf_picture *picture, int row, int worker)
 {
     size_t n = row_pixels(picture);
@@ -176,8 +177,8 @@ static bool show_row(lf_picture *picture, int row, int worker)
     if (lf_renderer_show_row(picture->renderer, row, linear) != LF_OK)
         return false;
     tone_row(picture, row, true, worker);
-    memset(picture->missing + (size_t)row * n, 0, n);
-    picture->row_missing[row] = 0;
+    lf_renderer_show_flags(picture->renderer, row, picture->missing + (size_t)row * n);
+    picture->row_missing[row] = lf_renderer_visited(picture->renderer, row) ? 0 : (int64_t)n;
     return true;
 }
 
@@ -365,8 +366,7 @@ static void mark_missing(const lf_picture *picture, bool reconstructed, uint8_t 
     if (!reconstructed && !picture->reconstructs)
         memcpy(flags, picture->missing, n);
     for (int i = 0; i < picture->height && reconstructed; i++)
-        memset(flags + (size_t)i * row,
-               lf_renderer_shows_row(picture->renderer, i) ? 0 : LF_PIXEL_UNSEEN, row);
+        lf_renderer_show_flags(picture->renderer, i, flags + (size_t)i * row);
     for (size_t i = 0; i < n && !reconstructed && picture->reconstructs; i++)
         flags[i] &= not_there(picture);
 }

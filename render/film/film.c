@@ -434,10 +434,16 @@ void lf_film_put_provisional(lf_film *film, int row, const lf_film_sums *sums, d
     const float inverse_weight = (float)(film->n_views / passes);
     const lf_film_half to = lf_film_at(film, row, 0);
     lf_film_known *known = lf_film_known_at(film, row);
-    memset(film->data + (size_t)row * film->row_bytes, 0, film->row_bytes);
+    const size_t n = pixels_of(&film->layout);
     film->rows[row].provisional = true;
-    for (size_t i = 0; i < pixels_of(&film->layout) && sums; i++) {
-        to.q[i] = sums->half.q[i];
+    if (!sums) {
+        lf_film_clear_known(film, row, 0);
+        return;
+    }
+    memcpy(to.q, sums->half.q, n * sizeof *to.q);
+    for (size_t i = 0; i < n; i++) {
+        if (to.q[i] < 0.0f)
+            continue;
         if (to.feature)
             to.feature[i] = lf_feature_pack(&sums->feature[i], to_nearest);
         for (int c = 0; c < 3 && known; c++)

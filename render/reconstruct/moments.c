@@ -184,7 +184,8 @@ lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int numbe
     size_t n = (size_t)film->n_views * (size_t)film->width;
     int first = number * LF_CELL_SIDE, n_rows = 0, row[LF_CELL_SIDE];
     for (int i = first; i < first + LF_CELL_SIDE && i < film->height; i++)
-        if (lf_pixels_read(&scratch->rows[n_rows], r, film, i, LF_READ_HALVES))
+        if (lf_pixels_read(&scratch->rows[n_rows], r, film, i,
+                           lf_film_visited(film->rows[i].visits) ? LF_READ_HALVES : LF_READ_SUMMED))
             row[n_rows++] = i;
     lf_status status =
         make_band(band, scratch->places, list_places(scratch->rows, n_rows, n, scratch->places));

@@ -341,6 +341,7 @@ typedef struct lf_exits {
     lf_vec3 sky;   /* where it is constant */
     float density; /* of the points of correction weights */
     bool constant, corrected, veiled;
+    bool between; /* the row lies between others where worker->smooth says so */
 } lf_exits;
 
 /* The rays [from, to) of a column's fan, up to what they meet and through all media before it. */
@@ -417,11 +418,29 @@ typedef struct lf_fan_end {
     float nearness[LF_MAX_LANES];
 } lf_fan_end;
 
-static void take_end(const lf_exits *e, int column, lf_fan_end *out)
+/* The first group of views of `left` and what follows it without a gap: [*first, *end); false:
+ * there is none. They are taken out of *left. */
+static bool next_groups(uint32_t *left, int n_views, int *first, int *end)
+{
+    const uint32_t all = ~UINT32_C(0) >> (32 - (n_views + LF_LANES - 1) / LF_LANES);
+    *left &= all;
+    if (*left == 0)
+        return false;
+    const int from = __builtin_ctz(*left);
+    const uint32_t behind = ~(*left >> from);
+    const int n = behind ? __builtin_ctz(behind) : 32;
+    *first = from * LF_LANES;
+    *end = (from + n) * LF_LANES;
+    *left &= n < 32 ? ~(((UINT32_C(1) << n) - 1) << from) : 0;
+    return true;
+}
+
+static void take_end(const lf_exits *e, int column, uint32_t groups, lf_fan_end *out)
 {
     const lf_visit *visit = e->visit;
     const lf_scratch *w = visit->worker;
-    fan(e, column, 0, LF_MAX_LANES);
+    for (int first, end; next_groups(&groups, visit->rig->n_views, &first, &end);)
+        fan(e, column, first, end);
     out->column = column;
     for (int k = 0; k < visit->rig->n_views; k++) {
         out->material[k] = w->met.material[k];
@@ -472,45 +491,63 @@ static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b,
                               between(x->light, y->light, s)});
 }
 
-/* The columns between two fans: followed, by groups of views, where one of these has an edge there.
+/* The columns between two fans of these groups of views: followed where a group has an edge there.
  */
-static void fill_between(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b)
+static void fill_between(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b,
+                         uint32_t groups)
 {
     const lf_visit *visit = e->visit;
     const int views = visit->rig->n_views;
     const size_t width = (size_t)visit->rig->width;
     float from = (float)a->column + lf_exits_film_point(e->key, a->column, e->index),
           to = (float)b->column + lf_exits_film_point(e->key, b->column, e->index);
-    bool edge[LF_MAX_LANES / LF_LANES] = {false};
+    uint32_t edges = 0;
     for (int k = 0; k < views && b->column > a->column + 1; k++)
-        edge[k / LF_LANES] = edge[k / LF_LANES] || has_edge(e, a, b, k);
+        if (groups >> (k / LF_LANES) & 1 && has_edge(e, a, b, k))
+            edges |= UINT32_C(1) << (k / LF_LANES);
     for (int column = a->column + 1; column < b->column; column++) {
         float t =
             ((float)column + lf_exits_film_point(e->key, column, e->index) - from) / (to - from);
-        for (int first = 0, end; first < views; first = end) {
-            bool here = edge[first / LF_LANES];
-            for (end = first; end < views && edge[end / LF_LANES] == here;)
-                end += LF_LANES;
-            if (here)
-                fan(e, column, first, end);
-            for (int k = first; k < end && k < views && !here; k++) {
+        uint32_t followed = edges, others = groups & ~edges;
+        for (int first, end; next_groups(&followed, views, &first, &end);)
+            fan(e, column, first, end);
+        for (int first, end; next_groups(&others, views, &first, &end);)
+            for (int k = first; k < end && k < views; k++) {
                 size_t row = (size_t)k * width;
                 interpolate(visit, row + (size_t)column, row + (size_t)a->column,
                             row + (size_t)b->column, t);
             }
-        }
+    }
+}
+
+/* Nothing is looked for in what lies between other rows; fans follow. */
+static void leave_smooth(const lf_exits *e)
+{
+    const lf_rig *rig = e->visit->rig;
+    const uint32_t *smooth = e->visit->worker->smooth;
+    for (int k = 0; k < rig->n_views; k++) {
+        float *q = e->visit->sums.half.q + (size_t)k * (size_t)rig->width;
+        for (int column = 0; column < rig->width; column++)
+            q[column] = smooth[column / LF_EXITS_COARSE] >> (k / LF_LANES) & 1 ? -1.0f : 0.0f;
     }
 }
 
 static void coarse_row(const lf_exits *e)
 {
     const int last = e->visit->rig->width - 1;
+    const uint32_t *smooth = e->between ? e->visit->worker->smooth : NULL;
+    uint32_t groups = smooth ? ~smooth[0] : ~UINT32_C(0);
     lf_fan_end ends[2];
-    take_end(e, 0, &ends[0]);
-    for (int i = 0, column = 0; column < last; i = 1 - i) {
+    if (smooth)
+        leave_smooth(e);
+    take_end(e, 0, groups, &ends[0]);
+    for (int i = 0, column = 0; column < last; i++) {
+        const uint32_t before = groups;
         column = column + LF_EXITS_COARSE < last ? column + LF_EXITS_COARSE : last;
-        take_end(e, column, &ends[1 - i]);
-        fill_between(e, &ends[i], &ends[1 - i]);
+        if (smooth)
+            groups = column < last ? ~smooth[i + 1] : 0;
+        take_end(e, column, before | groups, &ends[(i + 1) % 2]);
+        fill_between(e, &ends[i % 2], &ends[(i + 1) % 2], before);
     }
 }
 
@@ -521,11 +558,12 @@ static float contributions(const lf_visit_plan *plan)
     return plan->sharing->entry.shares ? paths : paths / (float)plan->rig->n_views;
 }
 
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
+                  bool between)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    lf_exits e = {.plan = plan, .visit = visit, .key = key, .index = index};
+    lf_exits e = {.plan = plan, .visit = visit, .key = key, .index = index, .between = between};
     e.constant = sky_of_row(plan, visit, &e.sky);
     e.corrected = !plan->order.coarse && lf_correction_needed(&w->media) &&
                   !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
