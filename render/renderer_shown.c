@@ -38,6 +38,30 @@ static bool looks_the_same(const lf_camera *a, const lf_camera *b)
            a->first_view == b->first_view && a->all_views == b->all_views && wider <= 1e-9;
 }
 
+/* Whether two subjects (scene_subject.h) are of the same objects: meshes of the same names and
+ * files, volumes of the same names. Where these stand, what they are made of, what lights them and
+ * which moment it is may differ: what is known of one is a first guess of the other. */
+static bool same_objects(const json_t *a, const json_t *b)
+{
+    static const char *const sections[] = {"meshes", "volumes"};
+    for (int i = 0; i < 2; i++) {
+        json_t *of_a = json_object_get(a, sections[i]), *of_b = json_object_get(b, sections[i]),
+               *object;
+        const char *name;
+        if (json_object_size(of_a) != json_object_size(of_b))
+            return false;
+        json_object_foreach(of_a, name, object)
+        {
+            json_t *other = json_object_get(of_b, name);
+            const json_t *file = json_object_get(object, "file"),
+                         *other_file = json_object_get(other, "file");
+            if (!other || (i == 0 && file != other_file && !json_equal(file, other_file)))
+                return false;
+        }
+    }
+    return true;
+}
+
 static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
                            const lf_render_settings *settings)
 {
@@ -46,7 +70,7 @@ static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
            lf_max_depth(scene, settings->max_depth) ==
                lf_max_depth(r->scene, r->settings.max_depth) &&
            memcmp(scene->origin, r->scene->origin, sizeof scene->origin) == 0 &&
-           json_equal(scene->subject, r->scene->subject);
+           same_objects(scene->subject, r->scene->subject);
 }
 
 /* What there is to know of the film, if there is more than of the one before it. */
