@@ -38,28 +38,52 @@ static bool looks_the_same(const lf_camera *a, const lf_camera *b)
            a->first_view == b->first_view && a->all_views == b->all_views && wider <= 1e-9;
 }
 
-/* Whether two subjects (scene_subject.h) are of the same objects: meshes of the same names and
- * files, volumes of the same names. Where these stand, what they are made of, what lights them and
- * which moment it is may differ: what is known of one is a first guess of the other. */
-static bool same_objects(const json_t *a, const json_t *b)
+/* Whether two objects say the same but for where they stand, and at which moment; volumes: also but
+ * for what files hold, which are those of a sequence. */
+static bool same_object(json_t *a, json_t *b, bool is_volume)
 {
-    static const char *const sections[] = {"meshes", "volumes"};
-    for (int i = 0; i < 2; i++) {
-        json_t *of_a = json_object_get(a, sections[i]), *of_b = json_object_get(b, sections[i]),
-               *object;
-        const char *name;
-        if (json_object_size(of_a) != json_object_size(of_b))
-            return false;
-        json_object_foreach(of_a, name, object)
-        {
-            json_t *other = json_object_get(of_b, name);
-            const json_t *file = json_object_get(object, "file"),
-                         *other_file = json_object_get(other, "file");
-            if (!other || (i == 0 && file != other_file && !json_equal(file, other_file)))
-                return false;
-        }
+    static const char *const moves[] = {"transform", "animation", "shutter", "flows", "file"};
+    const int n = is_volume ? 5 : 4;
+    json_t *rest[2] = {json_copy(a), json_copy(b)};
+    for (int i = 0; i < 2 * n; i++)
+        json_object_del(rest[i / n], moves[i % n]);
+    const bool same = rest[0] && rest[1] && json_equal(rest[0], rest[1]);
+    json_decref(rest[0]);
+    json_decref(rest[1]);
+    return same;
+}
+
+/* The same of all objects of a section. */
+static bool same_objects(json_t *a, json_t *b, bool are_volumes)
+{
+    json_t *object;
+    const char *name;
+    bool same = json_object_size(a) == json_object_size(b);
+    json_object_foreach(a, name, object)
+    {
+        json_t *other = json_object_get(b, name);
+        same = same && other && same_object(object, other, are_volumes);
     }
-    return true;
+    return same;
+}
+
+/* Whether two subjects (scene_subject.h) are of the same objects, lit and made alike: what is known
+ * of one is then a first guess of the other. Other lights or materials change all of it. */
+static bool same_subject(json_t *a, json_t *b)
+{
+    static const char *const moving[] = {"meshes", "volumes"};
+    json_t *rest[2] = {json_copy(a), json_copy(b)};
+    bool same = rest[0] && rest[1];
+    for (int i = 0; i < 2; i++) {
+        same = same &&
+               same_objects(json_object_get(a, moving[i]), json_object_get(b, moving[i]), i == 1);
+        for (int k = 0; k < 2; k++)
+            json_object_del(rest[k], moving[i]);
+    }
+    same = same && json_equal(rest[0], rest[1]);
+    json_decref(rest[0]);
+    json_decref(rest[1]);
+    return same;
 }
 
 static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
@@ -70,7 +94,7 @@ static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
            lf_max_depth(scene, settings->max_depth) ==
                lf_max_depth(r->scene, r->settings.max_depth) &&
            memcmp(scene->origin, r->scene->origin, sizeof scene->origin) == 0 &&
-           same_objects(scene->subject, r->scene->subject);
+           same_subject(scene->subject, r->scene->subject);
 }
 
 /* What there is to know of the film, if there is more than of the one before it. */
