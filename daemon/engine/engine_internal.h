@@ -69,11 +69,6 @@ typedef struct engine_frames {
     uint64_t again_ns;
 } engine_frames;
 
-/* What rendering took so far; passes: mean over rows. */
-typedef struct engine_spent {
-    double passes, seconds;
-} engine_spent;
-
 /* Counters and error bounds (< 0 = none), when they were last looked at, what that took. */
 typedef struct engine_look {
     lf_render_stats stats;
@@ -92,6 +87,12 @@ typedef struct engine_budget {
     lf_frame_cost now, coarse, complete;
     bool was_coarse, was_complete;
 } engine_budget;
+
+/* What rendering took so far; passes: mean over rows. */
+typedef struct engine_spent {
+    double passes, seconds;
+    engine_budget budget;
+} engine_spent;
 
 /* The last fit that rows are shown by: after how many passes (0 = there is none), when it was shown
  * in all of them, and what that took. */
@@ -137,7 +138,6 @@ struct lf_engine {
     bool converged;
     bool owed; /* the picture changed since the last frame */
     engine_spent spent;
-    engine_budget budget;
     engine_frames frames;
     engine_look look;
     engine_fit fit;

@@ -184,7 +184,7 @@ static bool fit_is_due(const lf_engine *engine, bool final)
 /* A fit to what there is now, and all rows by it. */
 static lf_status fit(lf_engine *engine, bool final)
 {
-    lf_frame_cost *cost = &engine->budget.now;
+    lf_frame_cost *cost = &engine->spent.budget.now;
     double start = lf_time_now(), cpu = lf_time_cpu();
     lf_status status = lf_renderer_pass_fans(engine->renderer, &engine->cancel);
     take_time(&cost->fans, &cpu);
@@ -226,7 +226,7 @@ static void look_for_blank(lf_engine *engine, const lf_views8 *views)
 /* What it took to come so far, once a picture; one from a saved state tells of nothing. */
 static void note_cost(lf_engine *engine)
 {
-    engine_budget *budget = &engine->budget;
+    engine_budget *budget = &engine->spent.budget;
     if (!engine->renderer || !(budget->now.paths > 0))
         return;
     if (!budget->was_coarse && engine->level >= LF_LEVEL_COARSE)
@@ -263,7 +263,7 @@ static void post_frame(lf_engine *engine, bool final)
     if (interlacer)
         lf_interlace(interlacer, &views, &frame->image, engine->pool);
     engine->frames.has_picture = true;
-    take_time(&engine->budget.now.compose, &cpu);
+    take_time(&engine->spent.budget.now.compose, &cpu);
     note_cost(engine);
     engine_end_frame(engine, frame, &views, final);
 }
@@ -329,7 +329,7 @@ void engine_batch(lf_engine *engine)
     }
     double seconds = lf_time_now() - start;
     engine->spent.seconds += seconds;
-    take_time(&engine->budget.now.paths, &cpu);
+    take_time(&engine->spent.budget.now.paths, &cpu);
     engine->spent.passes += (double)batch.n_rows * batch.subsets / engine->schedule.height;
     engine->owed = true;
     bool swept = lf_schedule_done(&engine->schedule, &batch, seconds);
@@ -537,8 +537,8 @@ static void start_over(lf_engine *engine)
     engine->look.at = 0;
     engine->fit = (engine_fit){0};
     engine->frames.n_before = engine->frames.n;
-    engine->budget.now = (lf_frame_cost){0};
-    engine->budget.was_coarse = engine->budget.was_complete = false;
+    engine->spent.budget.now = (lf_frame_cost){0};
+    engine->spent.budget.was_coarse = engine->spent.budget.was_complete = false;
 }
 
 static void start_schedule(lf_engine *engine)

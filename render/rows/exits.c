@@ -341,7 +341,7 @@ typedef struct lf_exits {
     lf_vec3 sky;   /* where it is constant */
     float density; /* of the points of correction weights */
     bool constant, corrected, veiled;
-    bool between; /* the row lies between others where worker->smooth says so */
+    bool between; /* the row lies between others where worker->met.smooth says so */
 } lf_exits;
 
 /* The rays [from, to) of a column's fan, up to what they meet and through all media before it. */
@@ -524,7 +524,7 @@ static void fill_between(const lf_exits *e, const lf_fan_end *a, const lf_fan_en
 static void leave_smooth(const lf_exits *e)
 {
     const lf_rig *rig = e->visit->rig;
-    const uint32_t *smooth = e->visit->worker->smooth;
+    const uint32_t *smooth = e->visit->worker->met.smooth;
     for (int k = 0; k < rig->n_views; k++) {
         float *q = e->visit->sums.half.q + (size_t)k * (size_t)rig->width;
         for (int column = 0; column < rig->width; column++)
@@ -535,7 +535,7 @@ static void leave_smooth(const lf_exits *e)
 static void coarse_row(const lf_exits *e)
 {
     const int last = e->visit->rig->width - 1;
-    const uint32_t *smooth = e->between ? e->visit->worker->smooth : NULL;
+    const uint32_t *smooth = e->between ? e->visit->worker->met.smooth : NULL;
     uint32_t groups = smooth ? ~smooth[0] : ~UINT32_C(0);
     lf_fan_end ends[2];
     if (smooth)

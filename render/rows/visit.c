@@ -567,7 +567,7 @@ static bool put_provisional(const lf_visit_plan *plan, lf_visit *visit, uint64_t
     lf_scratch *w = visit->worker;
     lf_between rows;
     const bool between = !w->mirrors && lf_between_find(plan->film, visit->row, &rows);
-    if (between && lf_between_mark(&rows, visit->rig, w->smooth))
+    if (between && lf_between_mark(&rows, visit->rig, w->met.smooth))
         return true; /* all of it: it is as good as missing */
     cut(plan, visit, key, lf_hash64(key, 0), index);
     const bool known = w->reach.any || plan->film->layout.has_known;

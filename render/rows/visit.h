@@ -59,7 +59,8 @@ typedef struct lf_fan_met {
     int segment[LF_MAX_LANES];  /* of the section, -1: no surface */
     int material[LF_MAX_LANES]; /* its, -1: no surface */
     lf_fan_face face[LF_FAN_FACES];
-    lf_media_moments moments; /* of its collisions, where features are wanted */
+    lf_media_moments moments;       /* of its collisions, where features are wanted */
+    uint32_t smooth[LF_MAX_CHUNKS]; /* of a row between two others: lf_between_mark */
 } lf_fan_met;
 
 /* The channels of a fan where media are chromatic: prefix densities are those of a base ray that
@@ -110,7 +111,6 @@ typedef struct lf_scratch {
     float *expected;
     /* [view][column]: B and q have found a delta lobe here or beside it; NULL without M */
     bool *mirrors;
-    uint32_t smooth[LF_MAX_CHUNKS]; /* of a row between two others: lf_between_mark */
 } lf_scratch;
 
 /* A shared pivot: where a base ray found something that scatters. */
@@ -281,7 +281,7 @@ float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 /* B and q of one row for this visit (exits.c), into the visit's sums; index is its number in its
  * half. What a coarse visit finds is that of slices, which nothing corrects; between two fans
  * (LF_EXITS_COARSE) it is interpolated in views without an edge there, between the film points that
- * columns would have had. between: of a coarse visit, that q is -1 where worker->smooth says so
+ * columns would have had. between: of a coarse visit, that q is -1 where worker->met.smooth says so
  * (between.h), and nothing else looked for. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
                   bool between);
