@@ -15,7 +15,8 @@
 
 typedef struct fill_job {
     int n_views, width, height, reach, near;
-    size_t pixel; /* bytes of one */
+    size_t pixel;  /* bytes of one */
+    bool is_float; /* three numbers of this kind are a pixel */
     const uint8_t *pixels, *missing;
     uint8_t *filled;
     atomic_int_least64_t n_unfilled, n_far;
@@ -111,14 +112,20 @@ static inline int smaller(int a, int b)
     return a < b ? a : b;
 }
 
+static int nearest_of(const block *b, int i)
+{
+    int found = nearest_of_row(b, i, 0);
+    for (int away = 1; away <= b->job->reach && away * away <= found >> 12; away++)
+        found = smaller(found, smaller(nearest_of_row(b, i, -away), nearest_of_row(b, i, away)));
+    return found;
+}
+
 /* Only pixels that are there are read and only missing ones written: in place is safe, on any
  * thread. */
 static void fill_pixel(block *b, int row, int i)
 {
     const fill_job *job = b->job;
-    int found = nearest_of_row(b, i, 0);
-    for (int away = 1; away <= job->reach && away * away <= found >> 12; away++)
-        found = smaller(found, smaller(nearest_of_row(b, i, -away), nearest_of_row(b, i, away)));
+    const int found = nearest_of(b, i);
     b->n_far += found >> 12 > job->near * job->near;
     if (found >> 12 > job->reach * job->reach) {
         b->n_unfilled++;
@@ -164,8 +171,53 @@ static void copy_runs(const block *b, int row, int x, uint64_t mask, int dx, int
     }
 }
 
+/* Where a hole lies between a pixel straight above and one straight below, these numbers of rows
+ * away, the nearest first. */
+static const struct {
+    int up, down;
+} between[] = {{1, 1}, {1, 2}, {2, 1}, {1, 3}, {3, 1}, {2, 2}};
+
+/* The pixels of a mask from x0 + x on become a straight line between those above and below. */
+static void mix_rows(const block *b, int row, int x, uint64_t mask, int up, int down)
+{
+    const fill_job *job = b->job;
+    const size_t to = 3 * (start_of(job, row, b->view) + (size_t)(b->x0 + x)),
+                 above = 3 * (start_of(job, row - up, b->view) + (size_t)(b->x0 + x)),
+                 below = 3 * (start_of(job, row + down, b->view) + (size_t)(b->x0 + x));
+    for (; mask; mask &= mask - 1) {
+        const size_t first = 3 * (size_t)__builtin_ctzll(mask);
+        for (size_t i = first; i < first + 3; i++) {
+            if (job->is_float) {
+                const float *in = (const float *)(const void *)job->pixels;
+                ((float *)(void *)job->filled)[to + i] =
+                    ((float)down * in[above + i] + (float)up * in[below + i]) / (float)(up + down);
+            } else {
+                const int sum = down * job->pixels[above + i] + up * job->pixels[below + i];
+                job->filled[to + i] = (uint8_t)((2 * sum + up + down) / (2 * (up + down)));
+            }
+        }
+    }
+}
+
+/* Holes between two rows, 64 at a time; returns those that are left. A coarse frame, of which three
+ * rows in four are missing, is nearly filled by this alone. */
+static uint64_t fill_between(block *b, int row, int x, uint64_t holes)
+{
+    for (size_t i = 0; i < sizeof between / sizeof *between && holes; i++) {
+        const int up = between[i].up, down = between[i].down, near = up < down ? up : down;
+        if (up > b->job->reach || down > b->job->reach)
+            continue;
+        const uint64_t mask = holes & there_from(b, x, 0, -up) & there_from(b, x, 0, down);
+        mix_rows(b, row, x, mask, up, down);
+        holes &= ~mask;
+        for (uint64_t far = near > b->job->near ? mask : 0; far; far &= far - 1)
+            b->n_far += nearest_of(b, x + __builtin_ctzll(far)) >> 12 > b->job->near * b->job->near;
+    }
+    return holes;
+}
+
 /* Holes that have a neighbour among the nearest places, 64 at a time; returns those that are left.
- * A coarse frame, of which three rows in four are missing, is filled by this alone. */
+ */
 static uint64_t fill_word(block *b, int row, int x, uint64_t holes)
 {
     for (size_t i = 0; i < sizeof nearest / sizeof *nearest && holes; i++) {
@@ -192,6 +244,7 @@ static void fill_row(block *b, int row)
     for (int x = 0; x < b->n; x += WORD_PX) {
         uint64_t all = b->n - x < WORD_PX ? (UINT64_C(1) << (b->n - x)) - 1 : ~UINT64_C(0);
         uint64_t holes = ~there_from(b, x, 0, 0) & all;
+        holes = fill_between(b, row, x, holes);
         for (holes = fill_word(b, row, x, holes); holes; holes &= holes - 1)
             fill_pixel(b, row, x + __builtin_ctzll(holes));
     }
@@ -238,8 +291,10 @@ lf_fill_counts lf_fill(int n_views, int width, int height, const uint8_t *rgb,
 void lf_fill_film(int n_views, int width, int height, float *film, const uint8_t *missing,
                   int reach, lf_pool *pool)
 {
-    fill_job job = {.n_views = n_views, .width = width, .height = height, .missing = missing};
+    fill_job job = {
+        .n_views = n_views, .width = width, .height = height, .near = reach, .missing = missing};
     job.pixel = 3 * sizeof *film;
+    job.is_float = true;
     job.pixels = job.filled = (uint8_t *)film;
     (void)fill(&job, reach, pool);
 }

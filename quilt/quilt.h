@@ -90,13 +90,15 @@ typedef struct lf_fill_counts {
     int64_t unfilled; /* pixels that stayed as they were */
     int64_t far;      /* missing pixels that have none at most `near` pixels away */
 } lf_fill_counts;
-/* Fills what is missing in 8-bit views laid out [row][view][column], for the eye: every pixel whose
- * flag is nonzero in `missing` takes the nearest pixel of its own view (Euclidean, ties by lower
- * row then column) with flag 0, at most `reach` (0..16) pixels away. filled is rgb itself or apart
- * from it. pool may be NULL. Allocates nothing. */
+/* Fills what is missing in 8-bit views laid out [row][view][column], for the eye. A pixel whose
+ * flag is nonzero in `missing` is filled from pixels of its own view with flag 0, at most `reach`
+ * (0..16) pixels away: linearly between the nearest one straight above and the nearest straight
+ * below, where these are at most four rows apart; elsewhere it is the nearest (Euclidean, ties by
+ * lower row then column). filled is rgb itself or apart from it. pool may be NULL. Allocates
+ * nothing. */
 lf_fill_counts lf_fill(int n_views, int width, int height, const uint8_t *rgb,
                        const uint8_t *missing, int near, int reach, uint8_t *filled, lf_pool *pool);
-/* The same for a film [row][view][column][3], in place. */
+/* The same for a film [row][view][column][3], in place; bytes are rounded, floats are not. */
 void lf_fill_film(int n_views, int width, int height, float *film, const uint8_t *missing,
                   int reach, lf_pool *pool);
 

@@ -51,7 +51,9 @@ float lf_catch_open(const lf_scene *scene, double met)
 
 double lf_catch_met(const lf_film *film, int row, size_t pixel)
 {
-    const double *n = film->rows[row].n;
+    double n[2] = {film->rows[row].n[0], film->rows[row].n[1]};
+    if (film->rows[row].provisional)
+        lf_film_row_known(&film->rows[row], n);
     double met = 0.0;
     for (int h = 0; h < 2; h++)
         met += n[h] > 0.0 ? n[h] * (double)lf_film_at(film, row, h).q[pixel] : 0.0;

@@ -218,7 +218,8 @@ static int steps_wanted(const lf_caught *caught, int row)
 {
     const lf_film *film = &caught->renderer->film;
     const int steps = caught->steps[row];
-    const double native = film->rows[row].n[0] + film->rows[row].n[1];
+    const double native = film->rows[row].provisional ? 1.0 / caught->n_views
+                                                      : film->rows[row].n[0] + film->rows[row].n[1];
     if (!(native > 0.0))
         return 0;
     /* shadows know enough with as many samples as a pixel has alone; reflections are its own */

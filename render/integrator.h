@@ -39,6 +39,8 @@ typedef struct lf_visit_order {
     int column_step; /* 1, or 2: only every other column (a pass split between the halves) */
     bool cover;      /* what is thin is to be found at once: the live picture */
     bool coarse;     /* B and q for a coarse frame: as in lf_renderer_pass_coarse */
+    /* B, q and features alone, of rows that nothing has visited: lf_renderer_pass_fans */
+    bool fans;
     int hole_reach;  /* as in lf_renderer_pass_filling; < 0: holes are left */
     int stream;      /* where its counts are: of film->streams */
     uint64_t random; /* its random numbers */

@@ -406,6 +406,15 @@ LF_NODISCARD lf_status lf_renderer_pass_coarse(lf_renderer *renderer, const lf_p
                                                int hole_reach, lf_row_fn row_done, void *context,
                                                const lf_cancel *cancel);
 
+/* Gives rows that nothing has visited B, q and features for the time being, those of a coarse pass
+ * and no paths: so a fit of the rows that were visited has an answer for these, too, but for pixels
+ * that lie between two rows which change little: these are best filled (lf_fill). They are no
+ * visits: nothing else knows of them, none is saved, and nothing of them is left behind the first
+ * visit. Scenes with lights in media or veils that glow, which paths alone find, have none. On the
+ * pool, the thread of passes. LF_E_STATE: no features; LF_E_CANCELLED: some rows have theirs. */
+LF_NODISCARD lf_status lf_renderer_pass_fans(lf_renderer *renderer, const lf_cancel *cancel);
+bool lf_renderer_visited(const lf_renderer *renderer, int row);
+
 /* Native samples for all holes that are left in a part's rows, on planes of its stream's visits,
  * and nothing else: what a consistent answer (mwis) of a small budget lacks. Not for mis and cv,
  * whose answer in a hole, B + N/n, is the unbiased one.
@@ -477,6 +486,8 @@ bool lf_renderer_follows(const lf_renderer *renderer);
 /* A row of it, as lf_renderer_resolve_row; LF_E_STATE also where there is no fit: out is untouched.
  */
 lf_status lf_renderer_show_row(const lf_renderer *renderer, int row, float *out);
+/* Of the pixels of a row [view][column]: LF_PIXEL_UNSEEN where that has no answer, else 0. */
+void lf_renderer_show_flags(const lf_renderer *renderer, int row, uint8_t *flags);
 /* All rows, by a fit made now. */
 LF_NODISCARD lf_status lf_renderer_show(lf_renderer *renderer, float *out, const lf_cancel *cancel);
 

@@ -199,6 +199,8 @@ static void run_row(void *context, int item, int worker)
     lf_pass_job *job = context;
     lf_renderer *r = job->renderer;
     int row = job->part.first_row + item * job->part.row_step;
+    if (job->order.fans && lf_film_is_known(&r->film.rows[row]))
+        return;
     const lf_film_counts *given = &r->film.streams[job->order.stream].rows[row];
     int half = job->half >= 0 ? job->half : given->visits[0] > given->visits[1];
     const bool has_had_it = job->at && given->visits[half] > job->at->visits[half];
@@ -295,6 +297,30 @@ lf_status lf_renderer_pass_coarse(lf_renderer *renderer, const lf_part *part, in
                        .context = context,
                        .cancel = cancel};
     return run(&job);
+}
+
+lf_status lf_renderer_pass_fans(lf_renderer *renderer, const lf_cancel *cancel)
+{
+    const lf_film_layout *layout = &renderer->film.layout;
+    lf_pass_job job = {.renderer = renderer,
+                       .order = {.subsets = 1,
+                                 .column_step = 1,
+                                 .cover = renderer->film.n_views > 1,
+                                 .coarse = true,
+                                 .fans = true,
+                                 .hole_reach = -1},
+                       .part = whole_part(renderer, NULL),
+                       .half = 0,
+                       .cancel = cancel};
+    if (!layout->has_features)
+        return LF_E_STATE;
+    /* what media and veils send out natively is no fan's to find */
+    return layout->has_native && !layout->has_delta ? LF_OK : run(&job);
+}
+
+bool lf_renderer_visited(const lf_renderer *renderer, int row)
+{
+    return lf_film_visited(renderer->film.rows[row].visits);
 }
 
 lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_part *part,

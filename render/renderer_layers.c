@@ -14,12 +14,14 @@
 typedef struct row_of_film {
     lf_film_half half[2];
     double n[2];
-    double total; /* 0: never visited */
+    double total; /* 0: nothing is known of it */
 } row_of_film;
 
 static row_of_film open_row(const lf_film *film, int row)
 {
     row_of_film r = {.n = {film->rows[row].n[0], film->rows[row].n[1]}};
+    if (film->rows[row].provisional)
+        lf_film_row_known(&film->rows[row], r.n);
     r.total = r.n[0] + r.n[1];
     for (int h = 0; h < 2; h++)
         r.half[h] = lf_film_at(film, row, h);
@@ -263,18 +265,19 @@ int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNE
     return n;
 }
 
-static bool was_visited(const lf_film *film, int row)
+static bool is_known(const lf_film *film, int row)
 {
-    return row >= 0 && row < film->height && film->rows[row].n[0] + film->rows[row].n[1] > 0.0;
+    return row >= 0 && row < film->height && lf_film_is_known(&film->rows[row]);
 }
 
-/* The nearest row that was visited, above rather than below; the row itself where none was. */
-static int nearest_visited(const lf_film *film, int row)
+/* The nearest row of which something is known, above rather than below; the row itself where there
+ * is none. */
+static int nearest_known(const lf_film *film, int row)
 {
     for (int apart = 0; apart < film->height; apart++) {
-        if (was_visited(film, row - apart))
+        if (is_known(film, row - apart))
             return row - apart;
-        if (was_visited(film, row + apart))
+        if (is_known(film, row + apart))
             return row + apart;
     }
     return row;
@@ -283,9 +286,10 @@ static int nearest_visited(const lf_film *film, int row)
 static void fill_row(void *context, int row, int worker)
 {
     const layer_job *job = context;
-    const int nearest = nearest_visited(&job->renderer->film, row);
+    const int nearest = nearest_known(&job->renderer->film, row);
     const row_of_film film = open_row(&job->renderer->film, nearest);
-    const unsigned left_out = nearest == row ? 0 : LF_LAYER_VARIANCE | LF_LAYER_SAMPLES;
+    const bool own = nearest == row && !job->renderer->film.rows[row].provisional;
+    const unsigned left_out = own ? 0 : LF_LAYER_VARIANCE | LF_LAYER_SAMPLES;
     size_t pixels = (size_t)job->rig.n_views * (size_t)job->rig.width,
            stride = (size_t)job->n_channels;
     float *out = job->out + (size_t)(row - job->first_row) * pixels * stride;

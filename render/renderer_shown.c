@@ -38,6 +38,54 @@ static bool looks_the_same(const lf_camera *a, const lf_camera *b)
            a->first_view == b->first_view && a->all_views == b->all_views && wider <= 1e-9;
 }
 
+/* Whether two objects say the same but for where they stand, and at which moment; volumes: also but
+ * for what files hold, which are those of a sequence. */
+static bool same_object(json_t *a, json_t *b, bool is_volume)
+{
+    static const char *const moves[] = {"transform", "animation", "shutter", "flows", "file"};
+    const int n = is_volume ? 5 : 4;
+    json_t *rest[2] = {json_copy(a), json_copy(b)};
+    for (int i = 0; i < 2 * n; i++)
+        json_object_del(rest[i / n], moves[i % n]);
+    const bool same = rest[0] && rest[1] && json_equal(rest[0], rest[1]);
+    json_decref(rest[0]);
+    json_decref(rest[1]);
+    return same;
+}
+
+/* The same of all objects of a section. */
+static bool same_objects(json_t *a, json_t *b, bool are_volumes)
+{
+    json_t *object;
+    const char *name;
+    bool same = json_object_size(a) == json_object_size(b);
+    json_object_foreach(a, name, object)
+    {
+        json_t *other = json_object_get(b, name);
+        same = same && other && same_object(object, other, are_volumes);
+    }
+    return same;
+}
+
+/* Whether two subjects (scene_subject.h) are of the same objects, lit and made alike: what is known
+ * of one is then a first guess of the other. Other lights or materials change all of it. */
+static bool same_subject(json_t *a, json_t *b)
+{
+    static const char *const moving[] = {"meshes", "volumes"};
+    json_t *rest[2] = {json_copy(a), json_copy(b)};
+    bool same = rest[0] && rest[1];
+    for (int i = 0; i < 2; i++) {
+        same = same &&
+               same_objects(json_object_get(a, moving[i]), json_object_get(b, moving[i]), i == 1);
+        for (int k = 0; k < 2; k++)
+            json_object_del(rest[k], moving[i]);
+    }
+    same = same && json_equal(rest[0], rest[1]);
+    json_decref(rest[0]);
+    json_decref(rest[1]);
+    return same;
+}
+
 static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
                            const lf_render_settings *settings)
 {
@@ -46,7 +94,7 @@ static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
            lf_max_depth(scene, settings->max_depth) ==
                lf_max_depth(r->scene, r->settings.max_depth) &&
            memcmp(scene->origin, r->scene->origin, sizeof scene->origin) == 0 &&
-           json_equal(scene->subject, r->scene->subject);
+           same_subject(scene->subject, r->scene->subject);
 }
 
 /* What there is to know of the film, if there is more than of the one before it. */
@@ -145,13 +193,23 @@ lf_status lf_renderer_show_row(const lf_renderer *renderer, int row, float *out)
                            : LF_E_STATE;
 }
 
+void lf_renderer_show_flags(const lf_renderer *renderer, int row, uint8_t *flags)
+{
+    const lf_film *film = &renderer->film;
+    const size_t n = (size_t)film->n_views * (size_t)film->width;
+    memset(flags, lf_film_is_known(&film->rows[row]) ? 0 : LF_PIXEL_UNSEEN, n);
+    const float *q = lf_film_at(film, row, 0).q;
+    for (size_t i = 0; i < n && film->rows[row].provisional; i++)
+        flags[i] = q[i] < 0.0f ? LF_PIXEL_UNSEEN : 0;
+}
+
 typedef struct lf_show_job {
     const lf_renderer *renderer;
     float *out;
     atomic_int failed;
 } lf_show_job;
 
-/* Rows that nothing has visited are none to show. */
+/* Rows of which nothing is known are none to show. */
 static void show_item(void *context, int row, int worker)
 {
     lf_show_job *job = context;

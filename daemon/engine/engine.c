@@ -150,7 +150,7 @@ void engine_publish(lf_engine *engine)
         .level = engine->level,
         .passes = engine->spent.passes,
         .seconds = engine->spent.seconds,
-        .cpu_seconds = engine->spent.cpu_seconds,
+        .cpu_seconds = engine->spent.budget.now.paths,
         .spp = engine->content && engine->renderer
                    ? engine->spent.passes / engine->content->layout.n_views
                    : -1,
@@ -160,6 +160,8 @@ void engine_publish(lf_engine *engine)
         .shown_error_bound = engine->look.shown_bound,
         .missing = engine->renderer ? lf_picture_missing(&engine->picture) : 0,
         .threads = lf_pool_threads(engine->pool),
+        .coarse_cost = engine->spent.budget.coarse,
+        .complete_cost = engine->spent.budget.complete,
         .frames = engine->frames.n,
         .reconstructed = engine->renderer && engine->fit.passes > 0,
         .blank = engine->look.blank,
@@ -206,6 +208,7 @@ lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_
     engine->wanted.controls = engine->now.controls = *controls;
     engine->look.stats = (lf_render_stats){.rel_mse_estimate = -1};
     engine->look.error_bound = engine->look.shown_error = engine->look.shown_bound = -1;
+    engine->spent.budget.coarse.paths = engine->spent.budget.complete.paths = -1;
     pthread_mutex_init(&engine->lock, NULL);
     pthread_cond_init(&engine->answered, NULL);
     lf_status status = lf_cond_init(&engine->wake);

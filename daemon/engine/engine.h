@@ -38,6 +38,15 @@ typedef enum lf_engine_state {
     LF_STATE_PAUSED
 } lf_engine_state;
 
+/* CPU seconds of all threads. */
+typedef struct lf_frame_cost {
+    double paths;   /* visits of rows, with their B and q, and rows shown as they come */
+    double fans;    /* rows without paths (lf_renderer_pass_fans) */
+    double fit;     /* of the reconstruction */
+    double answer;  /* rows shown by it */
+    double compose; /* filling, interlacing */
+} lf_frame_cost;
+
 typedef struct lf_engine_status {
     lf_engine_state state;
     int64_t generation;
@@ -49,6 +58,9 @@ typedef struct lf_engine_status {
     double shown_error, shown_error_bound; /* the same of what is shown, when it is reconstructed */
     int64_t missing;                       /* view pixels not found yet */
     int threads;
+    /* what the last pictures took from their start to their first coarse and their first complete
+     * frame; paths < 0: there was none */
+    lf_frame_cost coarse_cost, complete_cost;
     uint64_t frames;       /* composed so far */
     bool reconstructed;    /* what they are made of; else the unfiltered answer */
     lf_film_settings film; /* exposure: the one in use */

@@ -69,11 +69,6 @@ typedef struct engine_frames {
     uint64_t again_ns;
 } engine_frames;
 
-/* What rendering took so far; passes: mean over rows. */
-typedef struct engine_spent {
-    double passes, seconds, cpu_seconds;
-} engine_spent;
-
 /* Counters and error bounds (< 0 = none), when they were last looked at, what that took. */
 typedef struct engine_look {
     lf_render_stats stats;
@@ -86,11 +81,23 @@ typedef struct engine_look {
     lf_blank blank;                   /* the last frame, of a scene that is seen */
 } engine_look;
 
+/* What the picture took so far, and what the last ones took to be coarse and complete; this one has
+ * been. */
+typedef struct engine_budget {
+    lf_frame_cost now, coarse, complete;
+    bool was_coarse, was_complete;
+} engine_budget;
+
+/* What rendering took so far; passes: mean over rows. */
+typedef struct engine_spent {
+    double passes, seconds;
+    engine_budget budget;
+} engine_spent;
+
 /* The last fit that rows are shown by: after how many passes (0 = there is none), when it was shown
  * in all of them, and what that took. */
 typedef struct engine_fit {
     double passes, at, cost;
-    bool may_begin; /* the first frame of the content has been made */
 } engine_fit;
 
 /* The thread's life; all but thread and started under lock. status: how it began. */

@@ -150,15 +150,23 @@ static const lf_interlacer *interlacer_now(lf_engine *engine)
     return engine->interlacer;
 }
 
-/* Whether fits have the last one for a first guess: the camera has moved. */
+/* Whether fits have the last one for a first guess. */
 static bool fit_follows(const lf_engine *engine)
 {
     return engine->picture.reconstructs && lf_renderer_follows(engine->renderer);
 }
 
-/* Whether there is to be another fit before the next frame. The first frame of a scene waits for
- * none: it is unfiltered, and the next follows at once; but where one frame of many follows
- * another, noise would flicker between them. A first guess is for an incomplete picture. */
+/* Adds the CPU time since *from, which becomes now. */
+static void take_time(double *sum, double *from)
+{
+    const double now = lf_time_cpu();
+    *sum += now - *from;
+    *from = now;
+}
+
+/* Whether there is to be another fit before the next frame. The first frame waits for one: noise
+ * before it would flicker between what was shown and what comes. A first guess is for an incomplete
+ * picture. */
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
@@ -166,8 +174,8 @@ static bool fit_is_due(const lf_engine *engine, bool final)
         lf_picture_missing(&engine->picture) > 0 ? FIT_GROWTH_INCOMPLETE : FIT_GROWTH;
     if (!engine->renderer || !engine->picture.reconstructs || fit->passes == engine->spent.passes)
         return false;
-    bool follows = fit_follows(engine), first = fit->passes <= 0 && (fit->may_begin || follows),
-         last = follows && lf_picture_missing(&engine->picture) == 0;
+    const bool first = fit->passes <= 0,
+               last = fit_follows(engine) && lf_picture_missing(&engine->picture) == 0;
     return final || first || last ||
            (fit->passes > 0 && engine->spent.passes >= growth * fit->passes &&
             (lf_time_now() - fit->at) * FIT_SHARE >= fit->cost);
@@ -176,9 +184,13 @@ static bool fit_is_due(const lf_engine *engine, bool final)
 /* A fit to what there is now, and all rows by it. */
 static lf_status fit(lf_engine *engine, bool final)
 {
+    lf_frame_cost *cost = &engine->spent.budget.now;
     double start = lf_time_now(), cpu = lf_time_cpu();
-    lf_status status = lf_renderer_fit(engine->renderer, &engine->cancel);
-    double fitted = lf_time_cpu();
+    lf_status status = lf_renderer_pass_fans(engine->renderer, &engine->cancel);
+    take_time(&cost->fans, &cpu);
+    if (status == LF_OK)
+        status = lf_renderer_fit(engine->renderer, &engine->cancel);
+    take_time(&cost->fit, &cpu);
     engine->fit.passes = status == LF_OK ? engine->spent.passes : 0;
     if (status != LF_OK && status != LF_E_CANCELLED) {
         lf_log(LF_LOG_ERROR, "out of memory for the reconstruction: the picture is unfiltered");
@@ -188,12 +200,13 @@ static lf_status fit(lf_engine *engine, bool final)
     }
     if (status == LF_OK)
         status = lf_picture_fitted(&engine->picture, engine->pool, &engine->cancel);
+    take_time(&cost->answer, &cpu);
     if (status == LF_OK && final)
         look_at_shown(engine);
     engine->fit.at = lf_time_now();
     engine->fit.cost = engine->fit.at - start;
-    lf_log(LF_LOG_DEBUG, "%.2f passes: fitted and shown in %.3f + %.3f CPU seconds, %.3f s",
-           engine->spent.passes, fitted - cpu, lf_time_cpu() - fitted, engine->fit.cost);
+    lf_log(LF_LOG_DEBUG, "%.2f passes: fitted and shown in %.3f s", engine->spent.passes,
+           engine->fit.cost);
     return status;
 }
 
@@ -210,14 +223,28 @@ static void look_for_blank(lf_engine *engine, const lf_views8 *views)
         lf_log(LF_LOG_WARNING, "%s: %s", engine->content->file, words);
 }
 
+/* What it took to come so far, once a picture; one from a saved state tells of nothing. */
+static void note_cost(lf_engine *engine)
+{
+    engine_budget *budget = &engine->spent.budget;
+    if (!engine->renderer || !(budget->now.paths > 0))
+        return;
+    if (!budget->was_coarse && engine->level >= LF_LEVEL_COARSE)
+        budget->coarse = budget->now;
+    if (!budget->was_complete && engine->level >= LF_LEVEL_COMPLETE)
+        budget->complete = budget->now;
+    budget->was_coarse |= engine->level >= LF_LEVEL_COARSE;
+    budget->was_complete |= engine->level >= LF_LEVEL_COMPLETE;
+}
+
 static void post_frame(lf_engine *engine, bool final)
 {
     engine->owed = false;
     engine->frames.again_ns = 0;
     if (fit_is_due(engine, final) && fit(engine, final) != LF_OK)
         return;
-    engine->fit.may_begin = true;
     engine->frames.at = lf_time_now();
+    double cpu = lf_time_cpu();
     int64_t blank;
     lf_views8 views = views_now(engine, &blank);
     if (blank > 0)
@@ -236,6 +263,8 @@ static void post_frame(lf_engine *engine, bool final)
     if (interlacer)
         lf_interlace(interlacer, &views, &frame->image, engine->pool);
     engine->frames.has_picture = true;
+    take_time(&engine->spent.budget.now.compose, &cpu);
+    note_cost(engine);
     engine_end_frame(engine, frame, &views, final);
 }
 
@@ -267,9 +296,9 @@ static int hole_reach(const lf_engine *engine, const lf_batch *batch)
 {
     if (engine->level >= LF_LEVEL_COMPLETE)
         return -1;
-    if (batch->coarse)
-        return fit_follows(engine) ? -1 : LF_COARSE_REACH;
-    return engine->picture.reconstructs ? -1 : 0;
+    if (engine->picture.reconstructs)
+        return -1;
+    return batch->coarse ? LF_COARSE_REACH : 0;
 }
 
 static lf_status render(lf_engine *engine, const lf_batch *batch)
@@ -278,7 +307,8 @@ static lf_status render(lf_engine *engine, const lf_batch *batch)
     const int reach = hole_reach(engine, batch);
     if (batch->coarse)
         return lf_renderer_pass_coarse(engine->renderer, &part, reach,
-                                       fit_follows(engine) ? lf_picture_row_later : lf_picture_row,
+                                       engine->picture.reconstructs ? lf_picture_row_later
+                                                                    : lf_picture_row,
                                        &engine->picture, &engine->cancel);
     return lf_renderer_pass_filling(engine->renderer, &part, batch->subsets, reach, lf_picture_row,
                                     &engine->picture, &engine->cancel);
@@ -299,17 +329,15 @@ void engine_batch(lf_engine *engine)
     }
     double seconds = lf_time_now() - start;
     engine->spent.seconds += seconds;
-    engine->spent.cpu_seconds += lf_time_cpu() - cpu;
+    take_time(&engine->spent.budget.now.paths, &cpu);
     engine->spent.passes += (double)batch.n_rows * batch.subsets / engine->schedule.height;
     engine->owed = true;
     bool swept = lf_schedule_done(&engine->schedule, &batch, seconds);
-    if (!batch.coarse || !fit_follows(engine)) /* of which nobody can know the error */
+    if (!batch.coarse || !engine->picture.reconstructs) /* of which nobody can know the error */
         update_stats(engine, swept && engine->schedule.sweep <= 4);
     check_converged(engine);
     if (engine->converged || (lf_schedule_covers(&engine->schedule) && !frame_can_wait(engine)))
         post_frame(engine, engine->converged);
-    if (engine->fit.may_begin && engine->fit.passes <= 0 && fit_is_due(engine, false))
-        post_frame(engine, false);
 }
 
 void engine_settle(lf_engine *engine)
@@ -502,13 +530,15 @@ static void start_over(lf_engine *engine)
     engine->spoiled = engine->converged = false;
     engine->owed = engine->content && !engine->content->scene;
     engine->level = LF_LEVEL_NONE;
-    engine->spent.passes = engine->spent.seconds = engine->spent.cpu_seconds = 0;
+    engine->spent.passes = engine->spent.seconds = 0;
     engine->look.stats = (lf_render_stats){.rel_mse_estimate = -1};
     engine->look.error_bound = engine->look.shown_error = engine->look.shown_bound = -1;
     engine->look.bound_passes = 0;
     engine->look.at = 0;
-    engine->fit = (engine_fit){.may_begin = engine->content && engine->content->is_frame};
+    engine->fit = (engine_fit){0};
     engine->frames.n_before = engine->frames.n;
+    engine->spent.budget.now = (lf_frame_cost){0};
+    engine->spent.budget.was_coarse = engine->spent.budget.was_complete = false;
 }
 
 static void start_schedule(lf_engine *engine)

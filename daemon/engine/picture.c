@@ -168,7 +168,8 @@ static void tone_row(lf_picture *picture, int row, bool fitted, int worker)
         lf_tone_dither(picture->tone, (int)view, row, width, linear + at, rgb + at);
 }
 
-/* A fit has an answer for every pixel of a row that was visited. */
+/* A fit has an answer for every pixel of a row of which something is known; without paths it is
+ * missing all the same. */
 static bool show_row(lf_picture *picture, int row, int worker)
 {
     size_t n = row_pixels(picture);
@@ -176,8 +177,8 @@ static bool show_row(lf_picture *picture, int row, int worker)
     if (lf_renderer_show_row(picture->renderer, row, linear) != LF_OK)
         return false;
     tone_row(picture, row, true, worker);
-    memset(picture->missing + (size_t)row * n, 0, n);
-    picture->row_missing[row] = 0;
+    lf_renderer_show_flags(picture->renderer, row, picture->missing + (size_t)row * n);
+    picture->row_missing[row] = lf_renderer_visited(picture->renderer, row) ? 0 : (int64_t)n;
     return true;
 }
 
@@ -361,13 +362,13 @@ lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfi
 /* Where the picture has what the film lacks, it was there before, and is no hole. */
 static void mark_missing(const lf_picture *picture, bool reconstructed, uint8_t *flags)
 {
-    const size_t n = row_pixels(picture) * (size_t)picture->height;
-    const uint8_t absent = reconstructed ? LF_PIXEL_UNSEEN : not_there(picture);
+    const size_t row = row_pixels(picture), n = row * (size_t)picture->height;
     if (!reconstructed && !picture->reconstructs)
         memcpy(flags, picture->missing, n);
-    else
-        for (size_t i = 0; i < n; i++)
-            flags[i] &= absent;
+    for (int i = 0; i < picture->height && reconstructed; i++)
+        lf_renderer_show_flags(picture->renderer, i, flags + (size_t)i * row);
+    for (size_t i = 0; i < n && !reconstructed && picture->reconstructs; i++)
+        flags[i] &= not_there(picture);
 }
 
 typedef struct taking {

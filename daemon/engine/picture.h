@@ -19,7 +19,7 @@ typedef struct lf_picture {
     int n_views, width, height, n_threads;
     uint8_t *rgb;         /* [row][view][column][3]; what is missing is filled when it is shown */
     uint8_t *missing;     /* [row][view][column]: nonzero = hole or never visited */
-    int64_t *row_missing; /* [row]: how many of them */
+    int64_t *row_missing; /* [row]: how many of them; all of a row that is shown without paths */
     float *scratch;       /* [thread][view][column][3] */
     float *beside;        /* [thread][view][column][2], LF_GUIDE_LAYERS; NULL: no guides */
     uint8_t *flags;       /* [thread][view][column] */

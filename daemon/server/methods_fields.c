@@ -55,6 +55,10 @@ static const field fields[] = {
     {"status", "error_bound", "number|null", "relMSE", "95 % bound of this error"},
     {"status", "shown_error", "number|null", "relMSE", "error of the reconstructed picture"},
     {"status", "shown_error_bound", "number|null", "relMSE", "95 % bound of this error"},
+    {"status", "coarse_cost", "@cost|null", NULL,
+     "what the last picture took to its first coarse frame; null: there was none yet"},
+    {"status", "complete_cost", "@cost|null", NULL,
+     "what the last one took to its first complete frame, the coarse one included"},
     {"status", "missing", "integer", "pixels", "view pixels that no path has reached"},
     {"status", "threads", "integer", COUNT, "threads that render"},
     {"status", "estimator", "string", NULL, "name of the estimator"},
@@ -80,6 +84,12 @@ static const field fields[] = {
     {"status", "uptime", "number", "seconds", "time since the daemon was started"},
     {"status", "longest_turn", "number", "seconds",
      "most CPU time that the event thread has spent on one thing"},
+
+    {"@cost", "paths", "number", "CPU seconds", "of all threads, for rows with paths"},
+    {"@cost", "fans", "number", "CPU seconds", "for rows that have no paths yet"},
+    {"@cost", "fit", "number", "CPU seconds", "for fits of the reconstruction"},
+    {"@cost", "answer", "number", "CPU seconds", "for rows shown by them"},
+    {"@cost", "compose", "number", "CPU seconds", "for interlacing, and what it shows"},
 
     {"@error", "code", "integer", COUNT, "code of the error, as in an answer"},
     {"@error", "message", "string", NULL, "what is wrong, in one line"},

@@ -93,6 +93,15 @@ static void add_content(const lf_server *server, json_t *status)
     }
 }
 
+/* null: there was no such frame yet. */
+static json_t *cost_json(const lf_frame_cost *cost)
+{
+    return cost->paths >= 0
+               ? json_pack("{s:f, s:f, s:f, s:f, s:f}", "paths", cost->paths, "fans", cost->fans,
+                           "fit", cost->fit, "answer", cost->answer, "compose", cost->compose)
+               : json_null();
+}
+
 static void add_engine(lf_server *server, json_t *status)
 {
     lf_engine_status now;
@@ -113,6 +122,8 @@ static void add_engine(lf_server *server, json_t *status)
     json_decref(more);
     json_object_set_new(status, "shown_error", known_or_null(now.shown_error));
     json_object_set_new(status, "shown_error_bound", known_or_null(now.shown_error_bound));
+    json_object_set_new(status, "coarse_cost", cost_json(&now.coarse_cost));
+    json_object_set_new(status, "complete_cost", cost_json(&now.complete_cost));
     json_t *warnings = lf_server_warnings_json(server);
     if (lf_blank_words(now.blank, true))
         json_array_append_new(warnings, json_string(lf_blank_words(now.blank, true)));

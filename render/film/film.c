@@ -176,6 +176,8 @@ void lf_film_row_known(const lf_film_row *row, double out[2])
     bool any = whole[0] + whole[1] > 0.0;
     for (int h = 0; h < 2; h++)
         out[h] = any ? whole[h] : row->n[h];
+    if (row->provisional)
+        out[0] = 1.0;
 }
 
 void lf_film_clear(lf_film *film)
@@ -371,6 +373,7 @@ static void count(lf_film *film, int stream, int row, int half, double passes)
 {
     lf_film_row *state = &film->rows[row];
     lf_film_counts *own = &film->streams[stream].rows[row];
+    state->provisional = false;
     state->visits[half]++;
     state->n[half] += passes / film->n_views;
     state->passes += passes;
@@ -462,6 +465,33 @@ static void merge_span(const lf_merge *merge, size_t first, size_t n, const uint
             to->q[i] = mean(to->q[i], merge->shares.half, (double)from->q[i], random[k]);
         if (merge->known)
             merge_known(&merge->known[i], merge->sums, i, &merge->shares, random[k]);
+    }
+}
+
+void lf_film_put_provisional(lf_film *film, int row, const lf_film_sums *sums, double passes)
+{
+    const uint32_t to_nearest = UINT32_C(1) << 31;
+    const float inverse_weight = (float)(film->n_views / passes);
+    const lf_film_half to = lf_film_at(film, row, 0);
+    lf_film_known *known = lf_film_known_at(film, row);
+    lf_packed_albedo *albedo = lf_film_albedo_at(film, row);
+    const size_t n = pixels_of(&film->layout);
+    film->rows[row].provisional = true;
+    if (!sums) {
+        lf_film_clear_known(film, row, 0);
+        return;
+    }
+    memcpy(to.q, sums->half.q, n * sizeof *to.q);
+    for (size_t i = 0; i < n; i++) {
+        if (to.q[i] < 0.0f)
+            continue;
+        if (to.feature)
+            to.feature[i] = lf_feature_pack(&sums->feature[i], to_nearest);
+        if (albedo)
+            albedo[i] = lf_albedo_pack(sums->albedo[i], to_nearest);
+        for (int c = 0; c < 3 && known; c++)
+            known[i].b[c] =
+                sums->known[i][c] + (sums->native ? sums->native[i][c] * inverse_weight : 0.0f);
     }
 }
 

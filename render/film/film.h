@@ -80,6 +80,10 @@ typedef struct lf_film_row {
     double passes;    /* n times views, both halves */
     uint32_t visits[2];
     uint32_t met; /* nonzero: some visit's plane held something to be met (reach.h) */
+    /* never visited: B, and q and features of half 0, are those of a fan without paths, and all
+     * else is undefined; they are gone with the first visit. q < 0: the pixel lies between those
+     * above and below it, nothing else is known of it */
+    bool provisional;
     /* Left by the last resolve: */
     double relative_error; /* sum over view pixels of var / (I^2 + epsilon), < 0 = not known */
     int64_t holes;
@@ -99,13 +103,19 @@ bool lf_film_counts_possible(const lf_film_counts *counts);
 bool lf_film_row_possible(const lf_film_row *row);
 /* What the halves' q, B and features are means over: n of all visits but coarse ones, or of these
  * where there were no others. Where one half had others and one had not, its q and features are
- * those of the other. */
+ * those of the other. A provisional row: 1 and 0. */
 void lf_film_row_known(const lf_film_row *row, double out[2]);
 
 /* Whether there was any of the halves' visits. */
 static inline bool lf_film_visited(const uint32_t visits[2])
 {
     return visits[0] || visits[1];
+}
+
+/* Whether a row holds B, q and features. */
+static inline bool lf_film_is_known(const lf_film_row *row)
+{
+    return row->provisional || lf_film_visited(row->visits);
 }
 
 /* Of one film. */
@@ -288,6 +298,10 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
                    double passes, uint64_t key);
 /* The same for a visit that could meet nothing (lf_film_meet): it only counts. */
 void lf_film_count(lf_film *film, int stream, int row, int half, double passes);
+/* A row that was never visited becomes provisional: with B, q (< 0: as above) and features of sums
+ * (NULL: a fan that could meet nothing, where B is not stored), whose delta lobes stand for so many
+ * passes. */
+void lf_film_put_provisional(lf_film *film, int row, const lf_film_sums *sums, double passes);
 /* Where one half of a row has had other visits than coarse ones and one has not: gives this what
  * lf_film_row_known says. A merge does. */
 void lf_film_lend_known(const lf_film *film, int row);

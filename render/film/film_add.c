@@ -159,6 +159,7 @@ static void add_counts(lf_film_row *to, const lf_film_row *from)
         to->visits[h] += from->visits[h];
     }
     to->passes += from->passes;
+    to->provisional = false;
     to->met |= from->met;
     to->relative_error = -1.0;
     to->holes = 0;

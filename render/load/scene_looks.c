@@ -43,6 +43,7 @@ void lf_scene_look(lf_scene *scene)
     for (int i = 0; i < scene->n_meshes; i++) {
         mark_used(&scene->meshes[i], used);
         scene->looks.varied |= !!scene->meshes[i].colours;
+        scene->looks.coloured |= !!scene->meshes[i].colours;
         scene->looks.tinted |= !!scene->meshes[i].colours;
         scene->looks.hidden |= scene->meshes[i].hidden;
         scene->looks.moving |= !!scene->meshes[i].close.vertices;

@@ -1,6 +1,7 @@
 /* The answer of one row: what the nodes around its pixels predict, and N/W of the pixel itself by
  * its share. */
 #include <math.h>
+#include <string.h>
 
 #include "render/reconstruct/bright.h"
 #include "render/reconstruct/scratch.h"
@@ -66,6 +67,10 @@ static void answer_row(const lf_reconstruction *r, const lf_answered_row *o, flo
         if (lf_pixel_is_fitted(pixels, i))
             mix_bounded(r, o, i, out[i]);
     for (size_t i = 0; i < n; i++) {
+        if (pixels->q[i] < 0.0f && film->rows[o->row].provisional) {
+            memset(out[i], 0, sizeof out[i]);
+            continue;
+        }
         const float found = pixels->q[i], q = known ? found : fminf(1.0f, fmaxf(0.0f, found));
         for (int c = 0; c < 3; c++)
             out[i][c] = (known ? known[i].b[c] : film->sky[c] * (1.0f - q)) + q * out[i][c];
@@ -81,7 +86,7 @@ static void predict(const lf_reconstruction *r, lf_reconstruct_scratch *scratch,
 
 lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row, float *out)
 {
-    if (!r->ready || !lf_film_visited(film->rows[row].visits))
+    if (!r->ready || !lf_film_is_known(&film->rows[row]))
         return LF_E_STATE;
     lf_reconstruct_scratch *scratch = lf_scratch_take(r),
                            *bounded = r->is_bright ? lf_scratch_take(r->bounded) : NULL;

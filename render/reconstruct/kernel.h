@@ -81,7 +81,7 @@ static inline void lf_pixel_show(const float n[3], float w, const float predicte
 
 /* What pixels are shown from. */
 typedef struct lf_to_show {
-    const lf_film_scattered *scattered[2]; /* of the halves; [1] NULL: one has something */
+    const lf_film_scattered *scattered[2]; /* of the halves; NULL: it has nothing; [0] before [1] */
     const float *w2[2];                    /* NULL: W stands for W' */
     float n;                               /* samples of both */
     float least;                           /* W is an answer from this share of n q on */

@@ -286,7 +286,8 @@ static inline void show_lanes(const lf_to_show *in, const lf_pixels *pixels, flo
     const bool *second = pixels->second + k;
     float w[READ_LANES], share[READ_LANES], shown[3][READ_LANES], x[3][READ_LANES];
     lane_found found = {.w = {0.0f}};
-    add_half(in, 0, k, n, &found);
+    if (in->scattered[0])
+        add_half(in, 0, k, n, &found);
     if (in->scattered[1])
         add_half(in, 1, k, n, &found);
     for (int j = 0; j < n; j++) {

@@ -190,12 +190,14 @@ lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int numbe
     size_t n = (size_t)film->n_views * (size_t)film->width;
     int first = number * LF_CELL_SIDE, n_rows = 0, row[LF_CELL_SIDE];
     for (int i = first; i < first + LF_CELL_SIDE && i < film->height; i++)
-        if (lf_pixels_read(&scratch->rows[n_rows], r, film, i, LF_READ_HALVES))
+        if (lf_pixels_read(&scratch->rows[n_rows], r, film, i,
+                           lf_film_visited(film->rows[i].visits) ? LF_READ_HALVES : LF_READ_SUMMED))
             row[n_rows++] = i;
     lf_status status =
         make_band(band, scratch->places, list_places(scratch->rows, n_rows, n, scratch->places));
     for (int j = 0; j < n_rows && status == LF_OK && band->n > 0; j++)
-        add_row(band, r, film, &scratch->rows[j], row[j]);
+        if (lf_film_visited(film->rows[row[j]].visits))
+            add_row(band, r, film, &scratch->rows[j], row[j]);
     return status;
 }
 

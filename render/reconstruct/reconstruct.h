@@ -70,8 +70,9 @@ typedef struct lf_past_move {
 void lf_reconstruct_follow(lf_reconstruction *r, const lf_past *past, const lf_past_move *move);
 
 /* The answer of one row of all views from the last fit and what the film holds of the row now. out
- * [view][column][3]. LF_E_STATE, and out untouched: there is no fit, or the row was never visited.
- * LF_E_NOMEM. Thread: any, for different rows at once. */
+ * [view][column][3]. LF_E_STATE, and out untouched: there is no fit, or nothing is known of the row
+ * (lf_film_is_known). Pixels of a provisional row that lie between others are 0. LF_E_NOMEM.
+ * Thread: any, for different rows at once. */
 lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row, float *out);
 
 #endif

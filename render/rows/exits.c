@@ -3,7 +3,7 @@
  * transmittances of all views' pixels in that column at once (docs/estimators.md, "B and q"). */
 #include <string.h>
 
-#include "render/rows/visit.h"
+#include "render/rows/exits.h"
 #include "render/transport/light_kind.h"
 #include "render/transport/sunlight.h"
 #include "render/transport/surface_texture.h"
@@ -198,8 +198,7 @@ bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
     return true;
 }
 
-/* The sky of a row's rays where it is one; false: each looks for its own. */
-static bool sky_of_row(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out)
+bool lf_exits_sky(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out)
 {
     const lf_scene *scene = plan->scene;
     float sky[3];
@@ -260,20 +259,6 @@ static void aim(const lf_visit *visit, float xw, float lx)
         worker->length[k] =
             sqrtf(1.0f + worker->slope[k] * worker->slope[k] + visit->plane.my * visit->plane.my);
         worker->met.moments.met[k] = 0.0f;
-    }
-}
-
-/* Marks the neighbours too: rays of a row lie in one plane, so where a delta lobe begins or ends
- * one of its pixels has found it. */
-static void widen(bool *mirrors, int n_views, int width)
-{
-    for (int view = 0; view < n_views; view++, mirrors += width) {
-        bool before = false;
-        for (int column = 0; column < width; column++) {
-            bool here = mirrors[column];
-            mirrors[column] = before || here || (column + 1 < width && mirrors[column + 1]);
-            before = here;
-        }
     }
 }
 
@@ -357,18 +342,6 @@ static void shine(const lf_visit *visit, float s0, int from, int to, float u)
     lf_shine_fan(&sources, u, &w->tracer, &w->shine, w->shine.light + from);
 }
 
-/* What the fans of a row share. */
-typedef struct lf_exits {
-    const lf_visit_plan *plan;
-    const lf_visit *visit;
-    uint64_t key;
-    uint32_t index;
-    lf_vec3 sky;   /* where it is constant */
-    float density; /* of the points of correction weights */
-    bool constant, corrected, veiled;
-    float step; /* from a column's film point to the one that is followed, in pixels */
-} lf_exits;
-
 /* x in 0..2, one period back from 1 on. */
 static float wrapped(float x)
 {
@@ -406,8 +379,7 @@ static void follow(const lf_exits *e, int column, int from, int to)
               lf_sampler_radical(lf_hash64(lf_hash64(e->key, 16), (uint64_t)column), e->index));
 }
 
-/* B and q of the views [first, end) in a column. */
-static void fan(const lf_exits *e, int column, int first, int end)
+void lf_exits_fan(const lf_exits *e, int column, int first, int end)
 {
     const lf_visit *visit = e->visit;
     const lf_rig *rig = visit->rig;
@@ -438,238 +410,4 @@ static void fan(const lf_exits *e, int column, int first, int end)
         if (visit->sums.feature)
             write_feature(e->plan, visit, pixel, k, m && m->has_lobe);
     }
-}
-
-/* ------------------------------------------------------------------------------ coarse frames --
- */
-
-/* What a fan has met, for the columns between it and the next. */
-typedef struct lf_fan_end {
-    int column;
-    int material[LF_MAX_LANES];
-    float nearness[LF_MAX_LANES];
-} lf_fan_end;
-
-static void take_end(const lf_exits *e, int column, lf_fan_end *out)
-{
-    const lf_visit *visit = e->visit;
-    const lf_scratch *w = visit->worker;
-    fan(e, column, 0, LF_MAX_LANES);
-    out->column = column;
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        out->material[k] = w->met.material[k];
-        out->nearness[k] = lf_nearness(visit->rig->distance, w->z_end[k]);
-    }
-}
-
-/* Whether view k meets other surfaces in two columns. */
-static bool is_torn(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b, int k)
-{
-    const float steepest = 3.0f;
-    const lf_rig *rig = e->visit->rig;
-    float apart = steepest * (float)(b->column - a->column) * rig->dx / rig->distance;
-    return a->material[k] != b->material[k] || fabsf(a->nearness[k] - b->nearness[k]) > apart;
-}
-
-/* Whether an edge runs between two columns of view k: what is seen there would be torn to a ramp.
- */
-static bool has_edge(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b, int k)
-{
-    const float most_q = 0.1f;
-    const lf_visit *visit = e->visit;
-    const float *q = visit->sums.half.q + (size_t)k * (size_t)visit->rig->width;
-    return is_torn(e, a, b, k) || fabsf(q[a->column] - q[b->column]) > most_q;
-}
-
-static float between(float a, float b, float t)
-{
-    return a + t * (b - a);
-}
-
-/* What a column between two others gets, t of the way from a to b; what has more of the pivots
- * counts for more in what they are like. */
-static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b, float t)
-{
-    const lf_film_sums *sums = &visit->sums;
-    const float *q = sums->half.q;
-    float weight[2] = {(1.0f - t) * lf_max(q[a], 0.0f), t * lf_max(q[b], 0.0f)},
-          sum = weight[0] + weight[1];
-    lf_film_pivots(sums, pixel, between(q[a], q[b], t));
-    if (sums->known)
-        lf_film_known_light(sums, pixel, between(sums->known[a][0], sums->known[b][0], t),
-                            between(sums->known[a][1], sums->known[b][1], t),
-                            between(sums->known[a][2], sums->known[b][2], t));
-    if (visit->worker->mirrors)
-        visit->worker->mirrors[pixel] = visit->worker->mirrors[a] || visit->worker->mirrors[b];
-    if (!sums->feature)
-        return;
-    const lf_feature *x = &sums->feature[a], *y = &sums->feature[b];
-    float s = sum > 0.0f ? weight[1] / sum : t;
-    lf_film_note(sums, pixel,
-                 (lf_feature){between(x->nearness, y->nearness, s),
-                              between(x->spread, y->spread, s), between(x->surface, y->surface, s),
-                              between(x->light, y->light, s)});
-    if (!sums->albedo)
-        return;
-    float albedo[LF_ALBEDO_NUMBERS];
-    for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
-        albedo[c] = between(sums->albedo[a][c], sums->albedo[b][c], s);
-    lf_film_note_albedo(sums, pixel, albedo);
-}
-
-/* The columns between two fans: followed, by groups of views, where one of these has an edge there.
- */
-static void fill_between(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b)
-{
-    const lf_visit *visit = e->visit;
-    const int views = visit->rig->n_views;
-    const size_t width = (size_t)visit->rig->width;
-    float from = (float)a->column + lf_exits_film_point(e->key, a->column, e->index),
-          to = (float)b->column + lf_exits_film_point(e->key, b->column, e->index);
-    bool edge[LF_MAX_LANES / LF_LANES] = {false};
-    for (int k = 0; k < views && b->column > a->column + 1; k++)
-        edge[k / LF_LANES] = edge[k / LF_LANES] || has_edge(e, a, b, k);
-    for (int column = a->column + 1; column < b->column; column++) {
-        float t =
-            ((float)column + lf_exits_film_point(e->key, column, e->index) - from) / (to - from);
-        for (int first = 0, end; first < views; first = end) {
-            bool here = edge[first / LF_LANES];
-            for (end = first; end < views && edge[end / LF_LANES] == here;)
-                end += LF_LANES;
-            if (here)
-                fan(e, column, first, end);
-            for (int k = first; k < end && k < views && !here; k++) {
-                size_t row = (size_t)k * width;
-                interpolate(visit, row + (size_t)column, row + (size_t)a->column,
-                            row + (size_t)b->column, t);
-            }
-        }
-    }
-}
-
-static void coarse_row(const lf_exits *e)
-{
-    const int last = e->visit->rig->width - 1;
-    lf_fan_end ends[2];
-    take_end(e, 0, &ends[0]);
-    for (int i = 0, column = 0; column < last; i = 1 - i) {
-        column = column + LF_EXITS_COARSE < last ? column + LF_EXITS_COARSE : last;
-        take_end(e, column, &ends[1 - i]);
-        fill_between(e, &ends[i], &ends[1 - i]);
-    }
-}
-
-/* ---------------------------------------------------------------------------------- outlines --
- */
-
-/* What a pixel's film points have said. */
-typedef struct lf_exits_pixel {
-    float q, known[3], albedo[LF_ALBEDO_NUMBERS];
-    lf_feature feature;
-    bool mirror;
-} lf_exits_pixel;
-
-static void take_pixel(const lf_visit *visit, size_t i, lf_exits_pixel *out)
-{
-    const lf_film_sums *sums = &visit->sums;
-    *out = (lf_exits_pixel){.q = sums->half.q[i], .feature = sums->feature[i]};
-    if (sums->known)
-        memcpy(out->known, sums->known[i], sizeof out->known);
-    if (sums->albedo)
-        memcpy(out->albedo, sums->albedo[i], sizeof out->albedo);
-    if (visit->worker->mirrors)
-        out->mirror = visit->worker->mirrors[i];
-}
-
-/* The mean of what a pixel has and of what it had, which counts n times as much. */
-static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had, float n)
-{
-    const lf_film_sums *sums = &visit->sums;
-    const float share = 1.0f / (n + 1.0f), now = lf_max(share * sums->half.q[i], 0.0f),
-                before = lf_max((1.0f - share) * had->q, 0.0f);
-    if (now + before > 0.0f) {
-        sums->feature[i] =
-            lf_feature_mix(&sums->feature[i], (double)now, &had->feature, (double)before);
-        for (int c = 0; c < LF_ALBEDO_NUMBERS && sums->albedo; c++)
-            sums->albedo[i][c] = between(had->albedo[c], sums->albedo[i][c], now / (now + before));
-    }
-    sums->half.q[i] = between(had->q, sums->half.q[i], share);
-    for (int c = 0; c < 3 && sums->known; c++)
-        sums->known[i][c] = between(had->known[c], sums->known[i][c], share);
-    if (visit->worker->mirrors)
-        visit->worker->mirrors[i] |= had->mirror;
-}
-
-/* More film points of the views [first, end) of a column, spread over the pixel. */
-static void refine(lf_exits *e, int column, int first, int end)
-{
-    const lf_visit *visit = e->visit;
-    lf_exits_pixel had[LF_LANES];
-    for (int n = 1; n < LF_OUTLINE_POINTS; n++) {
-        const size_t width = (size_t)visit->rig->width;
-        for (int k = first; k < end; k++)
-            take_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first]);
-        e->step = (float)n / LF_OUTLINE_POINTS;
-        fan(e, column, first, end);
-        for (int k = first; k < end; k++)
-            mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
-    }
-    e->step = 0.0f;
-}
-
-/* A row whose pixels get more film points where an outline runs through them or beside them, by
- * groups of views. */
-static void row_with_outlines(lf_exits *e)
-{
-    const lf_rig *rig = e->visit->rig;
-    bool edge[2][LF_MAX_LANES / LF_LANES] = {{false}};
-    lf_fan_end ends[2];
-    for (int column = 0; column <= rig->width; column++) {
-        const lf_fan_end *before = &ends[(column + 1) % 2], *here = &ends[column % 2];
-        bool *now = edge[column % 2], *last = edge[(column + 1) % 2];
-        memset(now, 0, sizeof edge[0]);
-        if (column < rig->width)
-            take_end(e, column, &ends[column % 2]);
-        for (int k = 0; k < rig->n_views && column > 0 && column < rig->width; k++)
-            now[k / LF_LANES] |= is_torn(e, before, here, k);
-        for (int first = 0; first < rig->n_views && column > 0; first += LF_LANES) {
-            int end = first + LF_LANES < rig->n_views ? first + LF_LANES : rig->n_views;
-            if (now[first / LF_LANES] || last[first / LF_LANES])
-                refine(e, column - 1, first, end);
-        }
-    }
-}
-
-/* Contributions that this visit gives a view pixel, on average where a map has other numbers. */
-static float contributions(const lf_visit_plan *plan)
-{
-    float paths = (float)plan->order.subsets / (float)plan->order.column_step;
-    return plan->sharing->entry.shares ? paths : paths / (float)plan->rig->n_views;
-}
-
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index)
-{
-    const lf_rig *rig = visit->rig;
-    lf_scratch *w = visit->worker;
-    lf_exits e = {.plan = plan, .visit = visit, .key = key, .index = index};
-    e.constant = sky_of_row(plan, visit, &e.sky);
-    e.corrected = !plan->order.coarse && lf_correction_needed(&w->media) &&
-                  !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
-    e.density = lf_correction_exit_density(contributions(plan), visit->sums.feature);
-    e.veiled = plan->scene->looks.veiled;
-    w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
-    for (int k = 0; k < LF_MAX_LANES; k++)
-        w->met.segment[k] = -1; /* and so it stays without meshes */
-    for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->looks.varied); i++)
-        w->met.face[i].segment = -1;
-    const bool outlines = !plan->order.coarse && visit->triangles && visit->sums.feature &&
-                          lf_film_wants_outlines(plan->film, visit->row);
-    if (plan->order.coarse)
-        coarse_row(&e);
-    else if (outlines)
-        row_with_outlines(&e);
-    for (int column = 0; column < rig->width && !plan->order.coarse && !outlines; column++)
-        fan(&e, column, 0, LF_MAX_LANES);
-    if (w->mirrors)
-        widen(w->mirrors, rig->n_views, rig->width);
 }

@@ -559,6 +559,30 @@ static bool sample_mirrors(const lf_visit_plan *plan, lf_visit *visit, uint64_t 
     return true;
 }
 
+/* B, q and features of a row without base samples, but where it lies between rows that change
+ * little; of delta lobes, which are in B, it has some. false = cancelled. */
+static bool put_provisional(const lf_visit_plan *plan, lf_visit *visit, uint64_t key,
+                            uint32_t index, const lf_cancel *cancel)
+{
+    lf_scratch *w = visit->worker;
+    lf_between rows;
+    const bool between = !w->mirrors && lf_between_find(plan->film, visit->row, &rows);
+    if (between && lf_between_mark(&rows, visit->rig, w->met.smooth))
+        return true; /* all of it: it is as good as missing */
+    cut(plan, visit, key, lf_hash64(key, 0), index);
+    const bool known = w->reach.any || plan->film->layout.has_known;
+    if (w->sums.native)
+        lf_film_sums_begin(&w->sums);
+    if (known)
+        lf_exits_row(plan, visit, key, index, between);
+    if (visit->rig->n_views == 1)
+        visit->more -= 1.0f; /* no base sample beside them (native.c) */
+    if (known && visit->mirror_rounds > 0 && !sample_mirrors(plan, visit, key, index, cancel))
+        return false;
+    lf_film_put_provisional(plan->film, visit->row, known ? &w->sums : NULL, plan->order.subsets);
+    return true;
+}
+
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker,
                   const lf_cancel *cancel)
 {
@@ -578,6 +602,8 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
     }
     if (plan->order.subsets == 0)
         return fill_row(plan, &visit, half, -1, cancel);
+    if (plan->order.fans)
+        return put_provisional(plan, &visit, key, index, cancel);
     cut(plan, &visit, key, lf_hash64(key, 0), index);
     double first_rank = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
     int64_t passes = llround(before->n[half] * views);
@@ -601,7 +627,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         visit.sums.albedo = NULL;
     if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 8), index);
-    lf_exits_row(plan, &visit, key, index);
+    lf_exits_row(plan, &visit, key, index, false);
     if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     visit.queue = plan->queue;

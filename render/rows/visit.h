@@ -7,6 +7,7 @@
 #include "render/film/film.h"
 #include "render/integrator.h"
 #include "render/rows/adaptive.h"
+#include "render/rows/between.h"
 #include "render/rows/correction.h"
 #include "render/rows/glow_row.h"
 #include "render/rows/media.h"
@@ -60,7 +61,8 @@ typedef struct lf_fan_met {
     int segment[LF_MAX_LANES];  /* of the section, -1: no surface */
     int material[LF_MAX_LANES]; /* its, -1: no surface */
     lf_fan_face face[LF_FAN_FACES];
-    lf_media_moments moments; /* of its collisions, where features are wanted */
+    lf_media_moments moments;       /* of its collisions, where features are wanted */
+    uint32_t smooth[LF_MAX_CHUNKS]; /* of a row between two others: lf_between_mark */
 } lf_fan_met;
 
 /* The channels of a fan where media are chromatic: prefix densities are those of a base ray that
@@ -278,13 +280,13 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
  */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
-/* Columns from one to the next that a coarse visit has B and q for; between them they are
- * interpolated in views without an edge there, between the film points that they would have had. */
-#define LF_EXITS_COARSE 4
-
 /* B and q of one row for this visit (exits.c), into the visit's sums; index is its number in its
- * half. What a coarse visit finds is that of slices, which nothing corrects. */
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index);
+ * half. What a coarse visit finds is that of slices, which nothing corrects; between two fans
+ * (LF_EXITS_COARSE) it is interpolated in views without an edge there, between the film points that
+ * columns would have had. between: of a coarse visit, that q is -1 where worker->met.smooth says so
+ * (between.h), and nothing else looked for. */
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
+                  bool between);
 
 /* True when the camera sees the same light wherever it meets nothing. */
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);

@@ -508,6 +508,7 @@ typedef struct lf_touching {
 typedef struct lf_looks {
     bool varied;    /* something varies along a mesh */
     bool tinted;    /* ... and some surface's albedo does */
+    bool coloured;  /* ... of a mesh whose vertices have colours */
     bool veiled;    /* some surface may not be there whole, or is a pane */
     bool hidden;    /* some mesh is hidden from the camera */
     bool filled;    /* some glass absorbs or scatters, or there is flesh */

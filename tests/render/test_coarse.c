@@ -221,9 +221,9 @@ static tally compare(const char *text)
         t.apart += !same;
         t.changes += far;
         assert_true(is_part_of(&x, &y) || !far);
-        assert_true(far || is_between(x.q, from.q, to.q));
+        assert_true(is_part_of(&x, &y) || is_between(x.q, from.q, to.q));
         for (int c = 0; c < 3; c++)
-            assert_true(far || is_between(x.b[c], from.b[c], to.b[c]));
+            assert_true(is_part_of(&x, &y) || is_between(x.b[c], from.b[c], to.b[c]));
     }
     assert_true(coarse->film.rows[5].coarse[0] > 0.0 && whole->film.rows[5].coarse[0] == 0.0);
     lf_renderer_destroy(coarse);
@@ -277,6 +277,121 @@ static void what_hardly_bends_is_interpolated_as_well(void **state)
     lf_scene_unref(scene);
 }
 
+/* ------------------------------------------------------------------------- rows without paths --
+ */
+
+static const lf_part every_fourth = {.first_row = 2, .row_step = 4};
+
+static lf_renderer *coarse_frame(lf_scene *scene, bool fans, lf_pool *pool)
+{
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", WIDTH, HEIGHT, pool);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.features = true;
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    lf_assert_ok(lf_renderer_pass_coarse(r, &every_fourth, -1, NULL, NULL, NULL), NULL);
+    if (fans)
+        lf_assert_ok(lf_renderer_pass_fans(r, NULL), NULL);
+    return r;
+}
+
+static void assert_same_bytes(const lf_renderer *a, const lf_renderer *b)
+{
+    for (int row = 0; row < HEIGHT; row++) {
+        assert_int_equal(a->film.rows[row].provisional, b->film.rows[row].provisional);
+        assert_int_equal(a->film.rows[row].visits[0], b->film.rows[row].visits[0]);
+        if (lf_renderer_visited(a, row))
+            assert_memory_equal(a->film.data + (size_t)row * a->film.row_bytes,
+                                b->film.data + (size_t)row * b->film.row_bytes,
+                                lf_film_used_bytes(&a->film.layout));
+    }
+}
+
+/* What a fan of the row alone would have, or less than nothing where it lies between others. */
+static void fans_of_rows_without_paths_are_those_of_a_coarse_pass(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("19", ""));
+    lf_renderer *fans = coarse_frame(scene, true, NULL), *whole = pass(scene, true, NULL);
+    int same = 0, between = 0, other = 0;
+    for (int i = 0; i < HEIGHT * VIEWS * WIDTH; i++) {
+        const int column = i % WIDTH, view = i / WIDTH % VIEWS, row = i / WIDTH / VIEWS;
+        if (!fans->film.rows[row].provisional)
+            continue;
+        const seen x = seen_at(fans, row, view, column), y = seen_at(whole, row, view, column);
+        between += x.q < 0.0f;
+        same += x.q >= 0.0f && fabsf(x.q - y.q) < 1e-6f;
+        other += x.q >= 0.0f && fabsf(x.q - y.q) >= 1e-6f;
+    }
+    print_message("          as in a coarse pass %d, between rows %d, otherwise %d\n", same,
+                  between, other);
+    assert_true(same > 1000 && between > 0 && other == 0);
+    lf_renderer_destroy(fans);
+    lf_renderer_destroy(whole);
+    lf_scene_unref(scene);
+}
+
+/* Nothing changes in a slab that fills the picture: nothing is looked for between its rows. Below
+ * and above the first and last of them there is nothing to lie between. */
+static void what_changes_little_is_left_to_the_rows_around(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA(
+        "19",
+        "") "'volumes': { 'slab': { 'shape': 'box', 'density': 0.8, "
+            "'albedo': 0.5, 'transform': { 'scale': [50, 50, 0.5] } } }, " LF_TEST_SHARP_LIGHTS
+            " }");
+    lf_renderer *r = coarse_frame(scene, true, NULL);
+    for (int row = 0; row < HEIGHT; row++)
+        assert_int_equal(r->film.rows[row].provisional, row < 2 || row > 10);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
+static void nothing_of_fans_alone_is_left_behind_a_visit(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("19", ""));
+    lf_renderer *with = coarse_frame(scene, true, NULL),
+                *without = coarse_frame(scene, false, NULL);
+    assert_true(with->film.rows[1].provisional && !without->film.rows[1].provisional);
+    assert_same_bytes(without, without);
+    for (int i = 0; i < 2; i++) {
+        lf_assert_ok(lf_renderer_pass(with, NULL, 2, NULL, NULL, NULL), NULL);
+        lf_assert_ok(lf_renderer_pass(without, NULL, 2, NULL, NULL, NULL), NULL);
+        assert_same_bytes(with, without);
+        assert_false(with->film.rows[1].provisional);
+    }
+    lf_renderer_destroy(with);
+    lf_renderer_destroy(without);
+    lf_scene_unref(scene);
+}
+
+/* A fit answers rows without paths, and no others that nobody has looked at. */
+static void a_fit_answers_rows_that_have_no_paths(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("19", ""));
+    lf_renderer *r[2] = {coarse_frame(scene, false, NULL), coarse_frame(scene, true, NULL)};
+    static float out[3 * VIEWS * WIDTH];
+    static uint8_t flags[VIEWS * WIDTH];
+    for (int i = 0; i < 2; i++) {
+        int lit = 0, unseen = 0;
+        lf_assert_ok(lf_renderer_fit(r[i], NULL), NULL);
+        assert_int_equal(lf_renderer_show_row(r[i], 2, out), LF_OK);
+        assert_int_equal(lf_renderer_show_row(r[i], 1, out), i ? LF_OK : LF_E_STATE);
+        lf_renderer_show_flags(r[i], 1, flags);
+        for (int k = 0; k < VIEWS * WIDTH; k++) {
+            unseen += flags[k] == LF_PIXEL_UNSEEN;
+            lit += i && !flags[k] && out[3 * k] > 0.0f;
+            assert_true(!i || (out[3 * k] >= 0.0f && out[3 * k] < 1e3f));
+        }
+        assert_true(i ? lit > VIEWS * WIDTH / 4 && unseen < VIEWS * WIDTH
+                      : unseen == VIEWS * WIDTH);
+        lf_renderer_destroy(r[i]);
+    }
+    lf_scene_unref(scene);
+}
+
 static void any_number_of_threads_gives_the_same_film(void **state)
 {
     (void)state;
@@ -303,6 +418,10 @@ int main(void)
         cmocka_unit_test(films_are_added_without_what_is_coarse),
         cmocka_unit_test(fans_are_those_of_any_pass_and_edges_are_sharp),
         cmocka_unit_test(what_hardly_bends_is_interpolated_as_well),
+        cmocka_unit_test(fans_of_rows_without_paths_are_those_of_a_coarse_pass),
+        cmocka_unit_test(what_changes_little_is_left_to_the_rows_around),
+        cmocka_unit_test(nothing_of_fans_alone_is_left_behind_a_visit),
+        cmocka_unit_test(a_fit_answers_rows_that_have_no_paths),
         cmocka_unit_test(any_number_of_threads_gives_the_same_film),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

@@ -458,6 +458,51 @@ static void the_past_is_of_the_same_scene_and_outlives_what_was_cut_short(void *
     lf_renderer_destroy(r);
 }
 
+/* A fog of so great a radius and such light, with a camera that stands still. */
+static lf_scene *fog_of(const char *fog)
+{
+    char text[1000];
+    snprintf(text, sizeof text,
+             "{ " LF_TEST_CAMERA("9", "") "'volumes': { 'fog': { 'shape': 'sphere', %s } } }", fog);
+    return lf_test_scene(text);
+}
+
+/* What has moved is nearly what it was; another thing, or one made of something else, is not. */
+static void the_past_outlives_what_moves(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *fog;
+        bool follows;
+    } next[] = {
+        {"'density': 3, 'albedo': 0.9, 'transform': { 'translate': [0.1, 0, 0] } }, "
+         "'other': { 'shape': 'box'",
+         false},
+        {"'density': 3, 'albedo': 0.9, 'transform': { 'translate': [0.1, 0, 0] }", true},
+        {"'density': 3, 'albedo': 0.9, 'transform': { 'scale': 2 }", true},
+        {"'density': 3, 'albedo': 0.9", true},
+        {"'density': 4, 'albedo': 0.9", false},
+        {"'density': 3, 'albedo': 0.9 } }, 'lights': { 'sky': { 'type': 'environment', "
+         "'radiance': 3",
+         false},
+    };
+    for (size_t i = 0; i < sizeof next / sizeof *next; i++) {
+        lf_scene *first = fog_of("'density': 3, 'albedo': 0.9"), *second = fog_of(next[i].fog);
+        lf_renderer *r = lf_test_renderer(first, "mvpt", width, height, NULL);
+        lf_render_settings s = *lf_renderer_settings(r);
+        s.features = true;
+        lf_assert_ok(lf_renderer_restart(r, first, &s, NULL), NULL);
+        reconstruct_visits(r, NULL, 1);
+        lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+        lf_assert_ok(lf_renderer_restart(r, second, &s, NULL), NULL);
+        print_message("%s\n", next[i].fog);
+        assert_int_equal(lf_renderer_follows(r), next[i].follows);
+        lf_renderer_destroy(r);
+        lf_scene_unref(first);
+        lf_scene_unref(second);
+    }
+}
+
 static float *coarse_frame(int threads)
 {
     lf_pool *pool = NULL;
@@ -495,6 +540,7 @@ int main(void)
         cmocka_unit_test(a_past_that_is_a_little_off_is_taken_in_part),
         cmocka_unit_test(nothing_of_it_is_left_in_the_complete_frame),
         cmocka_unit_test(the_past_is_of_the_same_scene_and_outlives_what_was_cut_short),
+        cmocka_unit_test(the_past_outlives_what_moves),
         cmocka_unit_test(same_bytes_for_any_number_of_threads),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

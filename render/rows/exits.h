@@ -1,0 +1,27 @@
+/* What is known of a row without sampling paths; private to render/rows. visit.h has what others
+ * ask of it (lf_exits_row). */
+#ifndef LF_RENDER_EXITS_H
+#define LF_RENDER_EXITS_H
+
+#include "render/rows/visit.h"
+
+/* What the fans of a row share. */
+typedef struct lf_exits {
+    const lf_visit_plan *plan;
+    const lf_visit *visit;
+    uint64_t key;
+    uint32_t index;
+    lf_vec3 sky;   /* where it is constant */
+    float density; /* of the points of correction weights */
+    bool constant, corrected, veiled;
+    bool between; /* the row lies between others where worker->met.smooth says so */
+    float step;   /* from a column's film point to the one that is followed, in pixels */
+} lf_exits;
+
+/* B, q and features of the views [first, end) in a column, from one film point. */
+void lf_exits_fan(const lf_exits *e, int column, int first, int end);
+
+/* The sky of a row's rays where it is one; false: each looks for its own. */
+bool lf_exits_sky(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out);
+
+#endif

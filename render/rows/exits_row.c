@@ -1,0 +1,299 @@
+/* The fans of a row: of every column, or, in a coarse visit, of those where something changes; more
+ * film points at outlines. */
+#include <string.h>
+
+#include "render/rows/exits.h"
+
+/* ------------------------------------------------------------------------------ coarse frames --
+ */
+
+/* What a fan has met, for the columns between it and the next. */
+typedef struct lf_fan_end {
+    int column;
+    int material[LF_MAX_LANES];
+    float nearness[LF_MAX_LANES];
+} lf_fan_end;
+
+/* The first group of views of `left` and what follows it without a gap: [*first, *end); false:
+ * there is none. They are taken out of *left. */
+static bool next_groups(uint32_t *left, int n_views, int *first, int *end)
+{
+    const uint32_t all = ~UINT32_C(0) >> (32 - (n_views + LF_LANES - 1) / LF_LANES);
+    *left &= all;
+    if (*left == 0)
+        return false;
+    const int from = __builtin_ctz(*left);
+    const uint32_t behind = ~(*left >> from);
+    const int n = behind ? __builtin_ctz(behind) : 32;
+    *first = from * LF_LANES;
+    *end = (from + n) * LF_LANES;
+    *left &= n < 32 ? ~(((UINT32_C(1) << n) - 1) << from) : 0;
+    return true;
+}
+
+static void take_end(const lf_exits *e, int column, uint32_t groups, lf_fan_end *out)
+{
+    const lf_visit *visit = e->visit;
+    const lf_scratch *w = visit->worker;
+    for (int first, end; next_groups(&groups, visit->rig->n_views, &first, &end);)
+        lf_exits_fan(e, column, first, end);
+    out->column = column;
+    for (int k = 0; k < visit->rig->n_views; k++) {
+        out->material[k] = w->met.material[k];
+        out->nearness[k] = lf_nearness(visit->rig->distance, w->z_end[k]);
+    }
+}
+
+/* Whether view k meets other surfaces in two columns. */
+static bool is_torn(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b, int k)
+{
+    const float steepest = 3.0f;
+    const lf_rig *rig = e->visit->rig;
+    float apart = steepest * (float)(b->column - a->column) * rig->dx / rig->distance;
+    return a->material[k] != b->material[k] || fabsf(a->nearness[k] - b->nearness[k]) > apart;
+}
+
+/* Whether view k sees a texture, of which the columns between know nothing. */
+static bool sees_texture(const lf_exits *e, const lf_fan_end *at, int k)
+{
+    const int material = at->material[k];
+    return e->visit->sums.albedo && material >= 0 &&
+           (e->plan->scene->looks.coloured || e->plan->scene->materials[material].textures);
+}
+
+/* Whether an edge runs between two columns of view k: what is seen there would be torn to a ramp.
+ */
+static bool has_edge(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b, int k)
+{
+    const float most_q = 0.1f;
+    const lf_visit *visit = e->visit;
+    const float *q = visit->sums.half.q + (size_t)k * (size_t)visit->rig->width;
+    return is_torn(e, a, b, k) || fabsf(q[a->column] - q[b->column]) > most_q ||
+           sees_texture(e, a, k) || sees_texture(e, b, k);
+}
+
+static float between(float a, float b, float t)
+{
+    return a + t * (b - a);
+}
+
+/* What a column between two others gets, t of the way from a to b; what has more of the pivots
+ * counts for more in what they are like. */
+static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b, float t)
+{
+    const lf_film_sums *sums = &visit->sums;
+    const float *q = sums->half.q;
+    float weight[2] = {(1.0f - t) * lf_max(q[a], 0.0f), t * lf_max(q[b], 0.0f)},
+          sum = weight[0] + weight[1];
+    lf_film_pivots(sums, pixel, between(q[a], q[b], t));
+    if (sums->known)
+        lf_film_known_light(sums, pixel, between(sums->known[a][0], sums->known[b][0], t),
+                            between(sums->known[a][1], sums->known[b][1], t),
+                            between(sums->known[a][2], sums->known[b][2], t));
+    if (visit->worker->mirrors)
+        visit->worker->mirrors[pixel] = visit->worker->mirrors[a] || visit->worker->mirrors[b];
+    if (!sums->feature)
+        return;
+    const lf_feature *x = &sums->feature[a], *y = &sums->feature[b];
+    float s = sum > 0.0f ? weight[1] / sum : t;
+    lf_film_note(sums, pixel,
+                 (lf_feature){between(x->nearness, y->nearness, s),
+                              between(x->spread, y->spread, s), between(x->surface, y->surface, s),
+                              between(x->light, y->light, s)});
+    if (!sums->albedo)
+        return;
+    float albedo[LF_ALBEDO_NUMBERS];
+    for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
+        albedo[c] = between(sums->albedo[a][c], sums->albedo[b][c], s);
+    lf_film_note_albedo(sums, pixel, albedo);
+}
+
+/* The columns between two fans of these groups of views: followed where a group has an edge there.
+ */
+static void fill_between(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b,
+                         uint32_t groups)
+{
+    const lf_visit *visit = e->visit;
+    const int views = visit->rig->n_views;
+    const size_t width = (size_t)visit->rig->width;
+    float from = (float)a->column + lf_exits_film_point(e->key, a->column, e->index),
+          to = (float)b->column + lf_exits_film_point(e->key, b->column, e->index);
+    uint32_t edges = 0;
+    for (int k = 0; k < views && b->column > a->column + 1; k++)
+        if (groups >> (k / LF_LANES) & 1 && has_edge(e, a, b, k))
+            edges |= UINT32_C(1) << (k / LF_LANES);
+    for (int column = a->column + 1; column < b->column; column++) {
+        float t =
+            ((float)column + lf_exits_film_point(e->key, column, e->index) - from) / (to - from);
+        uint32_t followed = edges, others = groups & ~edges;
+        for (int first, end; next_groups(&followed, views, &first, &end);)
+            lf_exits_fan(e, column, first, end);
+        for (int first, end; next_groups(&others, views, &first, &end);)
+            for (int k = first; k < end && k < views; k++) {
+                size_t row = (size_t)k * width;
+                interpolate(visit, row + (size_t)column, row + (size_t)a->column,
+                            row + (size_t)b->column, t);
+            }
+    }
+}
+
+/* Nothing is looked for in what lies between other rows; fans follow. */
+static void leave_smooth(const lf_exits *e)
+{
+    const lf_rig *rig = e->visit->rig;
+    const uint32_t *smooth = e->visit->worker->met.smooth;
+    for (int k = 0; k < rig->n_views; k++) {
+        float *q = e->visit->sums.half.q + (size_t)k * (size_t)rig->width;
+        for (int column = 0; column < rig->width; column++)
+            q[column] = smooth[column / LF_EXITS_COARSE] >> (k / LF_LANES) & 1 ? -1.0f : 0.0f;
+    }
+}
+
+static void coarse_row(const lf_exits *e)
+{
+    const int last = e->visit->rig->width - 1;
+    const uint32_t *smooth = e->between ? e->visit->worker->met.smooth : NULL;
+    uint32_t groups = smooth ? ~smooth[0] : ~UINT32_C(0);
+    lf_fan_end ends[2];
+    if (smooth)
+        leave_smooth(e);
+    take_end(e, 0, groups, &ends[0]);
+    for (int i = 0, column = 0; column < last; i++) {
+        const uint32_t before = groups;
+        column = column + LF_EXITS_COARSE < last ? column + LF_EXITS_COARSE : last;
+        if (smooth)
+            groups = column < last ? ~smooth[i + 1] : 0;
+        take_end(e, column, before | groups, &ends[(i + 1) % 2]);
+        fill_between(e, &ends[i % 2], &ends[(i + 1) % 2], before);
+    }
+}
+
+/* ---------------------------------------------------------------------------------- outlines --
+ */
+
+/* What a pixel's film points have said. */
+typedef struct lf_exits_pixel {
+    float q, known[3], albedo[LF_ALBEDO_NUMBERS];
+    lf_feature feature;
+    bool mirror;
+} lf_exits_pixel;
+
+static void take_pixel(const lf_visit *visit, size_t i, lf_exits_pixel *out)
+{
+    const lf_film_sums *sums = &visit->sums;
+    *out = (lf_exits_pixel){.q = sums->half.q[i], .feature = sums->feature[i]};
+    if (sums->known)
+        memcpy(out->known, sums->known[i], sizeof out->known);
+    if (sums->albedo)
+        memcpy(out->albedo, sums->albedo[i], sizeof out->albedo);
+    if (visit->worker->mirrors)
+        out->mirror = visit->worker->mirrors[i];
+}
+
+/* The mean of what a pixel has and of what it had, which counts n times as much. */
+static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had, float n)
+{
+    const lf_film_sums *sums = &visit->sums;
+    const float share = 1.0f / (n + 1.0f), now = lf_max(share * sums->half.q[i], 0.0f),
+                before = lf_max((1.0f - share) * had->q, 0.0f);
+    if (now + before > 0.0f) {
+        sums->feature[i] =
+            lf_feature_mix(&sums->feature[i], (double)now, &had->feature, (double)before);
+        for (int c = 0; c < LF_ALBEDO_NUMBERS && sums->albedo; c++)
+            sums->albedo[i][c] = between(had->albedo[c], sums->albedo[i][c], now / (now + before));
+    }
+    sums->half.q[i] = between(had->q, sums->half.q[i], share);
+    for (int c = 0; c < 3 && sums->known; c++)
+        sums->known[i][c] = between(had->known[c], sums->known[i][c], share);
+    if (visit->worker->mirrors)
+        visit->worker->mirrors[i] |= had->mirror;
+}
+
+/* More film points of the views [first, end) of a column, spread over the pixel. */
+static void refine(lf_exits *e, int column, int first, int end)
+{
+    const lf_visit *visit = e->visit;
+    lf_exits_pixel had[LF_LANES];
+    for (int n = 1; n < LF_OUTLINE_POINTS; n++) {
+        const size_t width = (size_t)visit->rig->width;
+        for (int k = first; k < end; k++)
+            take_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first]);
+        e->step = (float)n / LF_OUTLINE_POINTS;
+        lf_exits_fan(e, column, first, end);
+        for (int k = first; k < end; k++)
+            mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
+    }
+    e->step = 0.0f;
+}
+
+/* A row whose pixels get more film points where an outline runs through them or beside them, by
+ * groups of views. */
+static void row_with_outlines(lf_exits *e)
+{
+    const lf_rig *rig = e->visit->rig;
+    bool edge[2][LF_MAX_LANES / LF_LANES] = {{false}};
+    lf_fan_end ends[2];
+    for (int column = 0; column <= rig->width; column++) {
+        const lf_fan_end *before = &ends[(column + 1) % 2], *here = &ends[column % 2];
+        bool *now = edge[column % 2], *last = edge[(column + 1) % 2];
+        memset(now, 0, sizeof edge[0]);
+        if (column < rig->width)
+            take_end(e, column, ~UINT32_C(0), &ends[column % 2]);
+        for (int k = 0; k < rig->n_views && column > 0 && column < rig->width; k++)
+            now[k / LF_LANES] |= is_torn(e, before, here, k);
+        for (int first = 0; first < rig->n_views && column > 0; first += LF_LANES) {
+            int end = first + LF_LANES < rig->n_views ? first + LF_LANES : rig->n_views;
+            if (now[first / LF_LANES] || last[first / LF_LANES])
+                refine(e, column - 1, first, end);
+        }
+    }
+}
+
+/* Marks the neighbours too: rays of a row lie in one plane, so where a delta lobe begins or ends
+ * one of its pixels has found it. */
+static void widen(bool *mirrors, int n_views, int width)
+{
+    for (int view = 0; view < n_views; view++, mirrors += width) {
+        bool before = false;
+        for (int column = 0; column < width; column++) {
+            bool here = mirrors[column];
+            mirrors[column] = before || here || (column + 1 < width && mirrors[column + 1]);
+            before = here;
+        }
+    }
+}
+
+/* Contributions that this visit gives a view pixel, on average where a map has other numbers. */
+static float contributions(const lf_visit_plan *plan)
+{
+    float paths = (float)plan->order.subsets / (float)plan->order.column_step;
+    return plan->sharing->entry.shares ? paths : paths / (float)plan->rig->n_views;
+}
+
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
+                  bool between)
+{
+    const lf_rig *rig = visit->rig;
+    lf_scratch *w = visit->worker;
+    lf_exits e = {.plan = plan, .visit = visit, .key = key, .index = index, .between = between};
+    e.constant = lf_exits_sky(plan, visit, &e.sky);
+    e.corrected = !plan->order.coarse && lf_correction_needed(&w->media) &&
+                  !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
+    e.density = lf_correction_exit_density(contributions(plan), visit->sums.feature);
+    e.veiled = plan->scene->looks.veiled;
+    w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
+    for (int k = 0; k < LF_MAX_LANES; k++)
+        w->met.segment[k] = -1; /* and so it stays without meshes */
+    for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->looks.varied); i++)
+        w->met.face[i].segment = -1;
+    const bool outlines = !plan->order.coarse && visit->triangles && visit->sums.feature &&
+                          lf_film_wants_outlines(plan->film, visit->row);
+    if (plan->order.coarse)
+        coarse_row(&e);
+    else if (outlines)
+        row_with_outlines(&e);
+    for (int column = 0; column < rig->width && !plan->order.coarse && !outlines; column++)
+        lf_exits_fan(&e, column, 0, LF_MAX_LANES);
+    if (w->mirrors)
+        widen(w->mirrors, rig->n_views, rig->width);
+}
