@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "render/film/film.h"
+#include "render/film/median.h"
 #include "render/film/tile.h"
 
 /* A row of which both halves have something. */
@@ -13,9 +14,14 @@ typedef struct lf_open_halves {
     float share_known[2]; /* of the samples whose q counts */
 } lf_open_halves;
 
-/* What the halves are apart by N/W and by N/W', squares for each column and channel. */
+/* Columns side by side: what a half has found, W and W' as N is divided by them, over n. */
+typedef struct lf_lanes {
+    float n[3][LF_TILE_COLUMNS], w[2][LF_TILE_COLUMNS];
+} lf_lanes;
+
+/* What the halves are apart by N/W and by N/W', squares for each channel and column. */
 typedef struct lf_apart {
-    float square[2][LF_TILE_COLUMNS][3];
+    float square[2][3][LF_TILE_COLUMNS];
 } lf_apart;
 
 static bool open_halves(const lf_film *film, int row, lf_open_halves *out)
@@ -33,27 +39,55 @@ static bool open_halves(const lf_film *film, int row, lf_open_halves *out)
     return true;
 }
 
+static void read_lanes(const lf_open_halves *o, int h, size_t first, int n, lf_lanes *out)
+{
+    const lf_film_scattered *s = o->half[h].scattered + first;
+    const float *w2 = o->half[h].w2 + first, inverse = o->inverse[h];
+    for (int i = 0; i < n; i++) {
+        for (int c = 0; c < 3; c++)
+            out->n[c][i] = s[i].n[c] * inverse;
+        out->w[0][i] = s[i].w * inverse;
+        out->w[1][i] = w2[i] * inverse;
+    }
+    for (int i = 0; i < LF_TILE_COLUMNS; i++)
+        out->w[1][i] = lf_film_weight(out->w[0][i], out->w[1][i], true);
+}
+
+/* Of the three channels, N of the halves over w; where one of these is not above 0 that is no
+ * answer. Step by step: whole it is no vector for compilers. */
+static void square(const float *restrict q, const lf_lanes *restrict a, const lf_lanes *restrict b,
+                   int j, float (*restrict out)[LF_TILE_COLUMNS])
+{
+    float least[LF_TILE_COLUMNS], over_a[LF_TILE_COLUMNS], over_b[LF_TILE_COLUMNS];
+    for (int i = 0; i < LF_TILE_COLUMNS; i++)
+        least[i] = lf_least(a->w[j][i], b->w[j][i]);
+    for (int i = 0; i < LF_TILE_COLUMNS; i++)
+        over_a[i] = least[i] > 0.0f ? a->w[j][i] : 1.0f;
+    for (int i = 0; i < LF_TILE_COLUMNS; i++)
+        over_b[i] = least[i] > 0.0f ? b->w[j][i] : 1.0f;
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < LF_TILE_COLUMNS; i++) {
+            const float d = q[i] * (a->n[c][i] / over_a[i] - b->n[c][i] / over_b[i]);
+            out[c][i] = d * d;
+        }
+        for (int i = 0; i < LF_TILE_COLUMNS; i++)
+            out[c][i] = least[i] > 0.0f ? out[c][i] : 0.0f;
+    }
+}
+
 /* Columns [first, first + n) of one view, by R alone: what the halves' film points have met is not
  * compared. */
 static void compare(const lf_open_halves *o, size_t first, int n, lf_apart *out)
 {
-    const lf_film_scattered *a = o->half[0].scattered + first, *b = o->half[1].scattered + first;
-    const float *qa = o->half[0].q + first, *qb = o->half[1].q + first,
-                *wa2 = o->half[0].w2 + first, *wb2 = o->half[1].w2 + first;
-    for (int j = 0; j < 2; j++) {
-        for (int i = 0; i < n; i++) {
-            const float wa = lf_film_weight(a[i].w * o->inverse[0], wa2[i] * o->inverse[0], j == 1),
-                        wb = lf_film_weight(b[i].w * o->inverse[1], wb2[i] * o->inverse[1], j == 1),
-                        q = o->share_known[0] * qa[i] + o->share_known[1] * qb[i];
-            const bool both = wa > 0.0f && wb > 0.0f;
-            const float over_a = both ? wa : 1.0f, over_b = both ? wb : 1.0f;
-            for (int c = 0; c < 3; c++) {
-                const float d = q * (a[i].n[c] * o->inverse[0] / over_a -
-                                     b[i].n[c] * o->inverse[1] / over_b);
-                out->square[j][i][c] = both ? d * d : 0.0f;
-            }
-        }
-    }
+    const float *qa = o->half[0].q + first, *qb = o->half[1].q + first;
+    float q[LF_TILE_COLUMNS] = {0.0f};
+    lf_lanes a = {.w = {{0.0f}}}, b = a;
+    read_lanes(o, 0, first, n, &a);
+    read_lanes(o, 1, first, n, &b);
+    for (int i = 0; i < n; i++)
+        q[i] = o->share_known[0] * qa[i] + o->share_known[1] * qb[i];
+    for (int j = 0; j < 2; j++)
+        square(q, &a, &b, j, out->square[j]);
 }
 
 /* One tile: n columns of the views [first, end). */
@@ -66,8 +100,8 @@ static bool second_is_steadier(const lf_film *film, const lf_open_halves *o, int
         compare(o, (size_t)k * (size_t)film->width + (size_t)column0, n, &apart);
         for (int i = 0; i < n; i++)
             for (int c = 0; c < 3; c++) {
-                error[0] += (double)apart.square[0][i][c];
-                error[1] += (double)apart.square[1][i][c];
+                error[0] += (double)apart.square[0][c][i];
+                error[1] += (double)apart.square[1][c][i];
             }
     }
     return error[1] < error[0];

@@ -40,7 +40,8 @@ lf_status lf_reconstruct_create(const lf_reconstruct_view *view, lf_pool *pool,
     pthread_mutex_init(&r->lock, NULL);
     r->shift = lf_calloc((size_t)view->n_views, sizeof *r->shift);
     r->bright = lf_calloc((size_t)bands_of(view->height, 1), sizeof *r->bright);
-    bool whole = r->shift && r->bright;
+    r->second = lf_calloc((size_t)view->height, sizeof *r->second);
+    bool whole = r->shift && r->bright && r->second;
     for (int l = 0; l < LF_LEVELS && whole; l++) {
         r->level[l].n_bands = bands_of(view->height, l);
         r->level[l].bands = lf_calloc((size_t)r->level[l].n_bands, sizeof *r->level[l].bands);
@@ -69,6 +70,9 @@ void lf_reconstruct_destroy(lf_reconstruction *r)
             lf_band_finish(&r->level[l].bands[i]);
         lf_free(r->level[l].bands);
     }
+    for (int i = 0; r->second && i < r->view.height; i++)
+        lf_free(r->second[i].is);
+    lf_free(r->second);
     lf_scratch_drop(r);
     pthread_mutex_destroy(&r->lock);
     lf_free(r->shift);
