@@ -1,5 +1,6 @@
-/* Where N/W' is less noisy than N/W, as reconstructions ask of whole rows, several times a fit: read
- * straight from the film, column by column without a branch, so that compilers make vectors of it.
+/* Where N/W' is less noisy than N/W, as reconstructions ask of whole rows, several times a fit:
+ * read straight from the film, column by column without a branch, so that compilers make vectors of
+ * it.
  */
 #include <string.h>
 

@@ -105,8 +105,8 @@ struct lf_reconstruction {
     struct lf_bright *bright;               /* [level 1's n_bands] */
     lf_known_second *second;                /* [height] */
     struct lf_residual *residual;
-    lf_reconstruction *bounded;             /* of what is bounded; NULL: never needed */
-    const lf_reconstruction *whole;         /* what this is the bounded one of */
+    lf_reconstruction *bounded;     /* of what is bounded; NULL: never needed */
+    const lf_reconstruction *whole; /* what this is the bounded one of */
     bool ready;
     bool is_bright; /* the last fit goes by the bounded one somewhere */
 };

@@ -258,11 +258,25 @@ static lf_status fit_bounded(lf_reconstruction *r, const lf_film *film, const lf
     return fit_levels(r->bounded, film, cancel);
 }
 
-static void settle_view(void *context, int view, int worker)
+static void weigh_tiles(void *context, int view, int worker)
 {
     lf_fit_job *job = context;
     (void)worker;
-    lf_residual_settle(job->r, view);
+    lf_residual_weigh(job->r, job->level, view);
+}
+
+static void share_tiles(void *context, int view, int worker)
+{
+    lf_fit_job *job = context;
+    (void)worker;
+    lf_residual_share(job->r, job->level, view);
+}
+
+static void take_tiles(void *context, int view, int worker)
+{
+    lf_fit_job *job = context;
+    (void)worker;
+    lf_residual_take(job->r, job->level, view);
 }
 
 /* What of the picture tiles lack. */
@@ -270,8 +284,10 @@ static lf_status fit_residual(lf_reconstruction *r, const lf_film *film, const l
 {
     lf_fit_job job = {.r = r, .film = film, .cancel = cancel};
     lf_status status = run(&job, RESIDUAL_SUM, 0);
-    if (status == LF_OK)
-        status = lf_pool_run(r->pool, r->view.n_views, settle_view, &job, cancel);
+    void (*const steps[])(void *, int, int) = {weigh_tiles, share_tiles, take_tiles};
+    for (job.level = LF_RESIDUAL_LEVELS - 1; job.level >= 0 && status == LF_OK; job.level--)
+        for (int i = 0; i < 3 && status == LF_OK; i++)
+            status = lf_pool_run(r->pool, r->view.n_views, steps[i], &job, cancel);
     return status;
 }
 

@@ -7,8 +7,10 @@
 #include "render/reconstruct/answer.h"
 
 #define EPSILON 1e-2f
-/* What halves agree on is chance up to so many of its standard deviations. */
-#define DOUBT 1.0f
+/* What halves agree on is chance up to so many of its standard deviations; in the finest tiles,
+ * which have most noise. */
+#define DOUBT 2.0f
+#define DOUBT_FINEST 4.0f
 /* Of sharpening. */
 #define ROUNDS 3
 /* More is not lacking: nothing was expected. */
@@ -135,8 +137,8 @@ static float lack_of(float found, float expected)
     return fminf(MOST, fmaxf(-1.0f, found / expected - 1.0f));
 }
 
-/* What a tile lacks by each half and by both; in relMSE, by how much it is better if both halves say
- * so, and what the step is in all. */
+/* What a tile lacks by each half and by both; in relMSE, by how much it is better if both halves
+ * say so, and what the step is in all. */
 static void weigh(const lf_residual_sums *s, float lacks[LF_VARIANTS][3], lf_residual_tile *out)
 {
     memset(lacks, 0, LF_VARIANTS * sizeof *lacks);
@@ -156,15 +158,19 @@ static void weigh(const lf_residual_sums *s, float lacks[LF_VARIANTS][3], lf_res
     }
 }
 
-/* The n-th of the nine tiles around one of a view, NULL: none; and what it counts. */
+/* The n-th of the 27 tiles around one, of its view and those beside; NULL: none; and what it
+ * counts.
+ */
 static const lf_residual_tile *around(const lf_reconstruction *r, int level, int view, int v, int u,
                                       int n, float *weight)
 {
-    const int dv = n / 3 - 1, du = n % 3 - 1;
-    *weight = (dv ? 0.5f : 1.0f) * (du ? 0.5f : 1.0f);
-    v += dv;
-    u += du;
-    if (v < 0 || v >= r->residual->down[level] || u < 0 || u >= r->residual->across[level])
+    const lf_around a = lf_around_at(n);
+    *weight = a.weight;
+    view += a.dz;
+    v += a.dv;
+    u += a.du;
+    if (view < 0 || view >= r->view.n_views || v < 0 || v >= r->residual->down[level] || u < 0 ||
+        u >= r->residual->across[level])
         return NULL;
     return tile_at(r, level, view, v, u);
 }
@@ -172,19 +178,20 @@ static const lf_residual_tile *around(const lf_reconstruction *r, int level, int
 static float share_of(const lf_reconstruction *r, int level, int view, int v, int u)
 {
     float agreed = 0.0f, total = 0.0f, variance = 0.0f, weight;
-    for (int n = 0; n < 9; n++) {
+    for (int n = 0; n < 27; n++) {
         const lf_residual_tile *other = around(r, level, view, v, u, n, &weight);
         agreed += other ? weight * other->agreed : 0.0f;
         total += other ? weight * other->total : 0.0f;
     }
     if (!(agreed > 0.0f && total > 0.0f))
         return 0.0f;
-    for (int n = 0; n < 9; n++) {
+    for (int n = 0; n < 27; n++) {
         const lf_residual_tile *other = around(r, level, view, v, u, n, &weight);
         const float off = other ? weight * (other->agreed - agreed / total * other->total) : 0.0f;
         variance += off * off;
     }
-    return fminf(1.0f, fmaxf(0.0f, (agreed - DOUBT * sqrtf(variance)) / total));
+    const float chance = (level == 0 ? DOUBT_FINEST : DOUBT) * sqrtf(variance);
+    return fminf(1.0f, fmaxf(0.0f, (agreed - chance) / total));
 }
 
 static double settle_shares(const lf_reconstruction *r, int level, int view)
@@ -258,42 +265,50 @@ static void coarsen(const lf_reconstruction *r, int level, int view)
         }
 }
 
-static void settle_larger(const lf_reconstruction *r, int level, int view, double *chosen)
+/* Each tile of a level as it is shown by now, and what it lacks; of the finest that is a step. */
+static void weigh_finest(lf_residual_tile *tile, float step[LF_VARIANTS][3])
+{
+    lf_residual_sums now;
+    memset(&now, 0, sizeof now);
+    add_sums(&now, tile);
+    weigh(&now, step, tile);
+}
+
+void lf_residual_weigh(lf_reconstruction *r, int level, int view)
 {
     float step[LF_VARIANTS][3];
-    coarsen(r, level, view);
-    *chosen += settle_shares(r, level, view);
+    if (level == LF_RESIDUAL_LEVELS - 1)
+        r->residual->chosen[view] = 0.0;
+    if (level > 0) {
+        coarsen(r, level, view);
+        return;
+    }
+    for (int v = 0; v < r->residual->down[0]; v++)
+        for (int u = 0; u < r->residual->across[0]; u++)
+            weigh_finest(tile_at(r, 0, view, v, u), step);
+}
+
+static void take_all(const lf_reconstruction *r, int level, int view)
+{
+    float step[LF_VARIANTS][3];
     for (int v = 0; v < r->residual->down[0]; v++)
         for (int u = 0; u < r->residual->across[0]; u++) {
-            step_at(r, level, view, ((float)v + 0.5f) * LF_RESIDUAL_SIDE,
-                    ((float)u + 0.5f) * LF_RESIDUAL_SIDE, step);
-            take(tile_at(r, 0, view, v, u), step);
+            lf_residual_tile *tile = tile_at(r, 0, view, v, u);
+            const float share = tile->share;
+            if (level > 0)
+                step_at(r, level, view, ((float)v + 0.5f) * LF_RESIDUAL_SIDE,
+                        ((float)u + 0.5f) * LF_RESIDUAL_SIDE, step);
+            else
+                weigh_finest(tile, step);
+            for (int i = 0; i < LF_VARIANTS && level == 0; i++)
+                for (int c = 0; c < 3; c++)
+                    step[i][c] *= share;
+            take(tile, step);
         }
 }
 
-static void settle_finest(const lf_reconstruction *r, int view, double *chosen)
-{
-    float step[LF_VARIANTS][3];
-    lf_residual_sums now;
-    for (int pass = 0; pass < 2; pass++) {
-        for (int v = 0; v < r->residual->down[0]; v++)
-            for (int u = 0; u < r->residual->across[0]; u++) {
-                lf_residual_tile *tile = tile_at(r, 0, view, v, u);
-                memset(&now, 0, sizeof now);
-                add_sums(&now, tile);
-                weigh(&now, step, tile);
-                for (int i = 0; i < LF_VARIANTS && pass == 1; i++)
-                    for (int c = 0; c < 3; c++)
-                        step[i][c] *= tile->share;
-                if (pass == 1)
-                    take(tile, step);
-            }
-        *chosen += pass == 0 ? settle_shares(r, 0, view) : 0.0;
-    }
-}
-
-/* Between tiles lacks are mixed, so that those of tiles are blurred by what they have on their sides:
- * they are made sharper beforehand, until their means are near to what is wanted. */
+/* Between tiles lacks are mixed, so that those of tiles are blurred by what they have on their
+ * sides: they are made sharper beforehand, until their means are near to what is wanted. */
 static float mean_along(const float x[3])
 {
     return 0.125f * (x[0] + x[2]) + 0.75f * x[1];
@@ -309,8 +324,12 @@ static void sharpen_tile(const lf_reconstruction *r, int view, int v, int u)
             for (int dv = -1; dv <= 1; dv++) {
                 float x[3];
                 for (int du = -1; du <= 1; du++) {
-                    const int at_v = v + dv < 0 ? 0 : v + dv > last_v ? last_v : v + dv,
-                              at_u = u + du < 0 ? 0 : u + du > last_u ? last_u : u + du;
+                    const int at_v = v + dv < 0        ? 0
+                                     : v + dv > last_v ? last_v
+                                                       : v + dv,
+                              at_u = u + du < 0        ? 0
+                                     : u + du > last_u ? last_u
+                                                       : u + du;
                     x[du + 1] = tile_at(r, 0, view, at_v, at_u)->lacks[i][c];
                 }
                 means[dv + 1] = mean_along(x);
@@ -333,14 +352,16 @@ static void sharpen(const lf_reconstruction *r, int view)
                 sharpen_tile(r, view, v, u);
 }
 
-void lf_residual_settle(lf_reconstruction *r, int view)
+void lf_residual_share(lf_reconstruction *r, int level, int view)
 {
-    double *chosen = &r->residual->chosen[view];
-    *chosen = 0.0;
-    for (int l = LF_RESIDUAL_LEVELS - 1; l > 0; l--)
-        settle_larger(r, l, view, chosen);
-    settle_finest(r, view, chosen);
-    sharpen(r, view);
+    r->residual->chosen[view] += settle_shares(r, level, view);
+}
+
+void lf_residual_take(lf_reconstruction *r, int level, int view)
+{
+    take_all(r, level, view);
+    if (level == 0)
+        sharpen(r, view);
 }
 
 double lf_residual_chosen(const lf_reconstruction *r)

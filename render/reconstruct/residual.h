@@ -3,8 +3,8 @@
  *
  * Cells of the lattice hold all views together, and features say little of what moves with the eye:
  * a lamp mirrored in a gloss, a caustic. So what is shown is compared with what was found, in tiles
- * of each view, from large ones to such of LF_RESIDUAL_SIDE pixels, and multiplied by what they lack
- * as far as the halves agree on it. */
+ * of each view, from large ones to such of LF_RESIDUAL_SIDE pixels, and multiplied by what they
+ * lack as far as the halves agree on it. */
 #ifndef LF_RENDER_RECONSTRUCT_RESIDUAL_H
 #define LF_RENDER_RECONSTRUCT_RESIDUAL_H
 
@@ -37,7 +37,8 @@ typedef struct lf_residual_tile {
 typedef struct lf_residual {
     int across[LF_RESIDUAL_LEVELS], down[LF_RESIDUAL_LEVELS];
     lf_residual_tile *tiles[LF_RESIDUAL_LEVELS]; /* [view][down][across] */
-    double *chosen; /* [view]: what shares have gained by chance, in relMSE of a pixel and channel */
+    double
+        *chosen; /* [view]: what shares have gained by chance, in relMSE of a pixel and channel */
 } lf_residual;
 
 /* Nothing is known of its tiles. NULL: no memory. */
@@ -47,8 +48,11 @@ void lf_residual_destroy(lf_residual *residual);
 
 /* 1. What was found and what is shown in the tiles of a band of level 0. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_residual_sum(lf_reconstruction *r, const lf_film *film, int number);
-/* 2. When all bands are summed, for each view: what its tiles lack. */
-void lf_residual_settle(lf_reconstruction *r, int view);
+/* 2. From the largest tiles to the finest, for each view: what they lack; when that is known of all
+ * views, how much of it is taken; and then it is. */
+void lf_residual_weigh(lf_reconstruction *r, int level, int view);
+void lf_residual_share(lf_reconstruction *r, int level, int view);
+void lf_residual_take(lf_reconstruction *r, int level, int view);
 
 /* What R of columns [0, width) of one view and row is multiplied by, as `variant` says; false, and
  * out untouched: by nothing. */
