@@ -201,7 +201,9 @@ static double settle_shares(const lf_reconstruction *r, int level, int view)
         for (int u = 0; u < r->residual->across[level]; u++) {
             lf_residual_tile *tile = tile_at(r, level, view, v, u);
             tile->share = share_of(r, level, view, v, u);
-            const double own = (double)(tile->agreed - tile->share * tile->total);
+            /* its own noise has at most decided on all that is taken of it */
+            const double taken = (double)(tile->share * tile->total),
+                         own = fmin(fabs((double)tile->agreed - taken), taken);
             if (tile->share > 0.0f && tile->share < 1.0f && tile->total > 0.0f)
                 chosen += own * own / (double)tile->total;
         }
