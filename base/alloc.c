@@ -4,10 +4,26 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #define ALIGNMENT 64
+/* Below, too little is gained. */
+#define HUGE_FROM ((size_t)4 << 20)
 
 static atomic_uint_fast64_t n_allocations;
+
+bool lf_advise_huge(void *p, size_t bytes)
+{
+#ifdef MADV_HUGEPAGE
+    const uintptr_t page = LF_HUGE_PAGE, first = ((uintptr_t)p + page - 1) / page * page,
+                    end = ((uintptr_t)p + bytes) / page * page;
+    return end > first && madvise((void *)first, end - first, MADV_HUGEPAGE) == 0;
+#else
+    (void)p;
+    (void)bytes;
+    return false;
+#endif
+}
 
 void *lf_calloc(size_t n, size_t size)
 {
@@ -20,6 +36,8 @@ void *lf_calloc(size_t n, size_t size)
     void *p = aligned_alloc(ALIGNMENT, bytes);
     if (!p)
         return NULL;
+    if (bytes >= HUGE_FROM)
+        lf_advise_huge(p, bytes);
     atomic_fetch_add_explicit(&n_allocations, 1, memory_order_relaxed);
     return memset(p, 0, bytes);
 }

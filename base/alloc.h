@@ -4,6 +4,7 @@
 #ifndef LF_BASE_ALLOC_H
 #define LF_BASE_ALLOC_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -20,6 +21,13 @@ void lf_free(void *p);
 /* Gives memory that was released back to the system, which keeps it else. Takes as long as there
  * are pieces of it: where somebody waits, another thread does it. */
 void lf_trim(void);
+
+/* Asks the system for huge pages (2 MB) in what [p, p + bytes) has of whole ones: many pages that
+ * are visited for the first time take as long as a pass. Nothing but time and memory depends on it:
+ * the first byte that is touched costs the whole page. lf_calloc asks by itself for what is large,
+ * since it touches all of it. false: there is none, or the system has no such pages. */
+bool lf_advise_huge(void *p, size_t bytes);
+#define LF_HUGE_PAGE ((size_t)2 << 20)
 
 /* Allocations made through lf_calloc and lf_strdup by this process so far. */
 uint64_t lf_alloc_count(void);

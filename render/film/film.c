@@ -8,6 +8,10 @@
 #include "render/film/film_round.h"
 #include "render/transport/sampler.h"
 
+/* Films of so many bytes have huge pages. In a smaller one, rows that nothing visits would be most
+ * of what they cost, and there is little to gain. */
+#define HUGE_FROM ((size_t)16 << 20)
+
 static size_t pixels_of(const lf_film_layout *layout)
 {
     return (size_t)layout->n_views * (size_t)layout->width;
@@ -103,10 +107,13 @@ lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
     film->row_bytes = (lf_film_used_bytes(layout) + 63) / 64 * 64;
     film->data_bytes = film->row_bytes * (size_t)film->height;
     film->rows = lf_calloc((size_t)film->height, sizeof *film->rows);
-    /* Mapped, so that rows cost memory only from their first visit on. */
+    /* Mapped, so that rows cost memory only from their first visit on, or that of a row within
+     * LF_HUGE_PAGE. */
     void *data = mmap(NULL, film->data_bytes, PROT_READ | PROT_WRITE,
                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     film->data = data == MAP_FAILED ? NULL : data;
+    if (film->data && film->data_bytes >= HUGE_FROM)
+        (void)lf_advise_huge(film->data, film->data_bytes);
     if (!film->data || !film->rows || make_room(film) != LF_OK) {
         lf_film_finish(film);
         return LF_E_NOMEM;

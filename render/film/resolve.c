@@ -529,38 +529,6 @@ lf_status lf_film_resolve_row(const lf_film *film, lf_estimator estimator, int r
     return LF_OK;
 }
 
-/* As second_is_better, but of R alone: what the halves' film points have met is not compared. */
-static bool second_is_steadier(const lf_tile *t)
-{
-    double error[2] = {0.0, 0.0};
-    for (int i = 0; i < t->count && t->n_halves == 2; i++) {
-        const lf_sums *a = &t->pixel[i].half[0], *b = &t->pixel[i].half[1];
-        float q = t->pixel[i].pooled.q;
-        for (int j = 0; j < 2; j++) {
-            float wa = lf_sums_weight(a, j == 1), wb = lf_sums_weight(b, j == 1);
-            for (int c = 0; c < 3 && wa > 0.0f && wb > 0.0f; c++) {
-                float d = q * (a->scattered[c] / wa - b->scattered[c] / wb);
-                error[j] += (double)(d * d);
-            }
-        }
-    }
-    return error[1] < error[0];
-}
-
-void lf_film_row_second(const lf_film *film, int row, bool *out)
-{
-    lf_tile t;
-    memset(out, 0, (size_t)film->n_views * (size_t)film->width * sizeof *out);
-    if (!film->layout.has_w2 || !open_row(&t, film, row) || t.n_halves < 2)
-        return;
-    for (int k = 0; at_tile(&t, k); k++) {
-        read_tile(&t);
-        bool second = second_is_steadier(&t);
-        for (int i = 0; i < t.count; i++)
-            out[pixel_index(&t, i)] = second;
-    }
-}
-
 void lf_film_row_errors(const lf_film *film, int row, float *out_error, float *out_q)
 {
     lf_tile t;

@@ -1,18 +1,12 @@
 /* The answer of one row: what the nodes around its pixels predict, and N/W of the pixel itself by
  * its share. */
+#include "render/reconstruct/answer.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "render/reconstruct/bright.h"
+#include "render/reconstruct/residual.h"
 #include "render/reconstruct/scratch.h"
-
-/* What a row is answered from. */
-typedef struct lf_answered_row {
-    const lf_film *film;
-    const lf_reconstruct_scratch *scratch, *bounded; /* bounded NULL: nothing is */
-    lf_row_halves halves;
-    int row;
-} lf_answered_row;
 
 static lf_to_show to_show(const lf_answered_row *o)
 {
@@ -28,44 +22,89 @@ static lf_to_show to_show(const lf_answered_row *o)
     return in;
 }
 
-/* Goes over to the bounded fit where that has a share. */
-static void mix_bounded(const lf_reconstruction *r, const lf_answered_row *o, size_t i,
-                        float out[3])
+/* What N of both halves is divided by. */
+static float weight_of(const lf_answered_row *o, const lf_pixel_found *both, size_t i)
 {
     const lf_pixels *pixels = &o->scratch->rows[0];
     const lf_film_row *state = &o->film->rows[o->row];
-    lf_fitted x;
+    return lf_pixel_found_weight(o->film, both, pixels->second[i],
+                                 pixels->q[i] * (float)(state->n[0] + state->n[1]));
+}
+
+/* Goes over to the bounded fit where that has a share. */
+static void mix_bounded(const lf_answered_row *o, size_t i, const lf_fitted *x, float out[3])
+{
     lf_bright_pixel bright;
-    lf_pixel_found both = {.w = 0.0f};
-    lf_fitted_read(o->film, &o->halves, pixels->second[i], i, &x);
-    lf_bright_split(r, pixels, o->row, i, &x, &bright);
+    lf_pixel_found both = x->found[0];
+    lf_pixel_found_join(&both, &x->found[1]);
+    lf_bright_split(o->r, &o->scratch->rows[0], o->row, i, x, &bright);
     if (!(bright.share > 0.0f))
         return;
     for (int c = 0; c < 3; c++) {
         bright.below[0][c] += bright.below[1][c];
         bright.above[0][c] += bright.above[1][c];
     }
-    for (int h = 0; h < 2; h++)
-        lf_pixel_found_join(&both, &x.found[h]);
-    float w = lf_pixel_found_weight(o->film, &both, pixels->second[i],
-                                    pixels->q[i] * (float)(state->n[0] + state->n[1]));
-    lf_bright_mix(bright.share, bright.below[0], bright.above[0], w, o->bounded->predicted[i], out);
+    lf_bright_mix(bright.share, bright.below[0], bright.above[0], weight_of(o, &both, i),
+                  o->bounded->predicted[i], out);
+}
+
+void lf_answer_pixel(const lf_answered_row *o, size_t i, lf_pixel_found out_found[2], float out[3])
+{
+    const lf_pixels *pixels = &o->scratch->rows[0];
+    lf_fitted x;
+    lf_fitted_read(o->film, &o->halves, pixels->second[i], i, &x);
+    for (int h = 0; h < 2; h++) {
+        out_found[h] = x.found[h];
+        out_found[h].w = x.w[h];
+        for (int c = 0; c < 3 && pixels->albedo; c++)
+            out_found[h].n[c] *= pixels->albedo[i][c];
+    }
+    lf_pixel_found both = x.found[0];
+    lf_pixel_found_join(&both, &x.found[1]);
+    const float n[3] = {out_found[0].n[0] + out_found[1].n[0],
+                        out_found[0].n[1] + out_found[1].n[1],
+                        out_found[0].n[2] + out_found[1].n[2]};
+    lf_pixel_show(n, weight_of(o, &both, i), o->scratch->predicted[i], out);
+    if (o->bounded)
+        mix_bounded(o, i, &x, out);
+}
+
+/* What tiles lack. */
+static void add_lacking(const lf_answered_row *o, float (*out)[3])
+{
+    const int width = o->film->width;
+    float(*times)[3] = o->scratch->times;
+    for (int k = 0; k < o->film->n_views; k++) {
+        if (!lf_residual_row(o->r, o->row, k, LF_BOTH, times))
+            continue;
+        for (int column = 0; column < width; column++) {
+            const size_t i = (size_t)k * (size_t)width + (size_t)column;
+            if (lf_pixel_is_fitted(&o->scratch->rows[0], i))
+                for (int c = 0; c < 3; c++)
+                    out[i][c] *= times[column][c];
+        }
+    }
 }
 
 /* B + q R. Correction weights may leave q beyond 0..1: then the sky would be dimmed, or shown more
  * than once, in a dot beside its neighbours. Where all else follows from q it is taken to be within
  * (as it is when its noise is gone); a B that was found has the same noise, and keeps it. */
-static void answer_row(const lf_reconstruction *r, const lf_answered_row *o, float (*out)[3])
+static void answer_row(const lf_answered_row *o, float (*out)[3])
 {
     const lf_film *film = o->film;
     const lf_film_known *known = lf_film_known_at(film, o->row);
     const lf_pixels *pixels = &o->scratch->rows[0];
     const lf_to_show in = to_show(o);
     const size_t n = (size_t)film->n_views * (size_t)film->width;
-    r->kernels->show(&in, pixels, o->scratch->predicted, (int)n, out);
-    for (size_t i = 0; i < n && o->bounded; i++)
-        if (lf_pixel_is_fitted(pixels, i))
-            mix_bounded(r, o, i, out[i]);
+    o->r->kernels->show(&in, pixels, o->scratch->predicted, (int)n, out);
+    for (size_t i = 0; i < n && o->bounded; i++) {
+        lf_fitted x;
+        if (!lf_pixel_is_fitted(pixels, i))
+            continue;
+        lf_fitted_read(film, &o->halves, pixels->second[i], i, &x);
+        mix_bounded(o, i, &x, out[i]);
+    }
+    add_lacking(o, out);
     for (size_t i = 0; i < n; i++) {
         if (pixels->q[i] < 0.0f && film->rows[o->row].provisional) {
             memset(out[i], 0, sizeof out[i]);
@@ -77,36 +116,60 @@ static void answer_row(const lf_reconstruction *r, const lf_answered_row *o, flo
     }
 }
 
-static void predict(const lf_reconstruction *r, lf_reconstruct_scratch *scratch,
-                    const lf_pixels *pixels, int n)
+static void predict(const lf_answered_row *o, const lf_reconstruction *r,
+                    lf_reconstruct_scratch *scratch, int first, int n)
 {
-    r->kernels->predict(&scratch->table, pixels, 0, n, scratch->predicted);
-    lf_pixels_reflect(pixels, 0, n, scratch->predicted);
+    const lf_pixels *pixels = &o->scratch->rows[0];
+    r->kernels->predict(&scratch->table, pixels, first, n, scratch->predicted + first);
+    lf_pixels_reflect(pixels, first, n, scratch->predicted + first);
+}
+
+void lf_answer_predict(const lf_answered_row *o, int first, int n)
+{
+    predict(o, o->r, o->scratch, first, n);
+    if (o->bounded)
+        predict(o, o->r->bounded, o->bounded, first, n);
+}
+
+lf_status lf_answer_open(lf_reconstruction *r, const lf_film *film, int row, lf_reading what,
+                         lf_answered_row *out)
+{
+    *out = (lf_answered_row){.r = r,
+                             .film = film,
+                             .scratch = lf_scratch_take(r),
+                             .bounded = r->is_bright ? lf_scratch_take(r->bounded) : NULL,
+                             .row = row};
+    lf_status status = out->scratch && (out->bounded || !r->is_bright) ? LF_OK : LF_E_NOMEM;
+    if (status == LF_OK)
+        status = lf_table_make(&out->scratch->table, r, row, LF_BOTH);
+    if (status == LF_OK && out->bounded)
+        status = lf_table_make(&out->bounded->table, r->bounded, row, LF_BOTH);
+    if (status == LF_OK && !lf_pixels_read(&out->scratch->rows[0], r, film, row, what))
+        status = LF_E_STATE;
+    if (status == LF_OK)
+        out->halves = lf_row_halves_of(film, row, (const float(*)[3])out->scratch->rows[0].albedo);
+    return status;
+}
+
+void lf_answer_close(lf_reconstruction *r, lf_answered_row *o)
+{
+    if (o->scratch)
+        lf_scratch_give(r, o->scratch);
+    if (o->bounded)
+        lf_scratch_give(r->bounded, o->bounded);
 }
 
 lf_status lf_reconstruct_row(lf_reconstruction *r, const lf_film *film, int row, float *out)
 {
+    const int n = film->n_views * film->width;
+    lf_answered_row o;
     if (!r->ready || !lf_film_is_known(&film->rows[row]))
         return LF_E_STATE;
-    lf_reconstruct_scratch *scratch = lf_scratch_take(r),
-                           *bounded = r->is_bright ? lf_scratch_take(r->bounded) : NULL;
-    lf_status status = scratch && (bounded || !r->is_bright) ? LF_OK : LF_E_NOMEM;
-    if (status == LF_OK)
-        status = lf_table_make(&scratch->table, r, row, LF_BOTH);
-    if (status == LF_OK && bounded)
-        status = lf_table_make(&bounded->table, r->bounded, row, LF_BOTH);
-    if (status == LF_OK && lf_pixels_read(&scratch->rows[0], r, film, row, LF_READ_ALL)) {
-        const lf_row_halves halves =
-            lf_row_halves_of(film, row, (const float(*)[3])scratch->rows[0].albedo);
-        const lf_answered_row o = {film, scratch, bounded, halves, row};
-        predict(r, scratch, &scratch->rows[0], film->n_views * film->width);
-        if (bounded)
-            predict(r->bounded, bounded, &scratch->rows[0], film->n_views * film->width);
-        answer_row(r, &o, (float(*)[3])out);
+    lf_status status = lf_answer_open(r, film, row, LF_READ_ALL, &o);
+    if (status == LF_OK) {
+        lf_answer_predict(&o, 0, n);
+        answer_row(&o, (float(*)[3])out);
     }
-    if (scratch)
-        lf_scratch_give(r, scratch);
-    if (bounded)
-        lf_scratch_give(r->bounded, bounded);
+    lf_answer_close(r, &o);
     return status;
 }

@@ -84,6 +84,13 @@ typedef struct lf_lattice {
     lf_band *bands;
 } lf_lattice;
 
+/* Where N/W' is less noisy than N/W (lf_film_row_second), as a row had it at the last fit: with n
+ * samples. */
+typedef struct lf_known_second {
+    double n[2];
+    bool *is; /* [view][column]; NULL: not kept */
+} lf_known_second;
+
 struct lf_reconstruction {
     lf_reconstruct_view view;
     float *shift;
@@ -96,8 +103,10 @@ struct lf_reconstruction {
     pthread_mutex_t lock;
     struct lf_reconstruct_scratch *scratch; /* under the lock: what nobody uses */
     struct lf_bright *bright;               /* [level 1's n_bands] */
-    lf_reconstruction *bounded;             /* of what is bounded; NULL: never needed */
-    const lf_reconstruction *whole;         /* what this is the bounded one of */
+    lf_known_second *second;                /* [height] */
+    struct lf_residual *residual;
+    lf_reconstruction *bounded;     /* of what is bounded; NULL: never needed */
+    const lf_reconstruction *whole; /* what this is the bounded one of */
     bool ready;
     bool is_bright; /* the last fit goes by the bounded one somewhere */
 };

@@ -189,12 +189,18 @@ lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int numbe
     lf_band *band = &r->level[0].bands[number];
     size_t n = (size_t)film->n_views * (size_t)film->width;
     int first = number * LF_CELL_SIDE, n_rows = 0, row[LF_CELL_SIDE];
-    for (int i = first; i < first + LF_CELL_SIDE && i < film->height; i++)
-        if (lf_pixels_read(&scratch->rows[n_rows], r, film, i,
+    lf_status status = LF_OK;
+    for (int i = first; i < first + LF_CELL_SIDE && i < film->height && status == LF_OK; i++) {
+        if (!r->whole)
+            status = lf_second_keep(r, film, i);
+        if (status == LF_OK &&
+            lf_pixels_read(&scratch->rows[n_rows], r, film, i,
                            lf_film_visited(film->rows[i].visits) ? LF_READ_HALVES : LF_READ_SUMMED))
             row[n_rows++] = i;
-    lf_status status =
-        make_band(band, scratch->places, list_places(scratch->rows, n_rows, n, scratch->places));
+    }
+    if (status == LF_OK)
+        status = make_band(band, scratch->places,
+                           list_places(scratch->rows, n_rows, n, scratch->places));
     for (int j = 0; j < n_rows && status == LF_OK && band->n > 0; j++)
         if (lf_film_visited(film->rows[row[j]].visits))
             add_row(band, r, film, &scratch->rows[j], row[j]);

@@ -63,6 +63,32 @@ static void read_albedo(const lf_view_row *in, bool halves, lf_pixels *out)
     }
 }
 
+lf_status lf_second_keep(lf_reconstruction *r, const lf_film *film, int row)
+{
+    lf_known_second *known = &r->second[row];
+    const size_t n = (size_t)film->n_views * (size_t)film->width;
+    if (!film->layout.has_w2)
+        return LF_OK;
+    if (!known->is)
+        known->is = lf_calloc(n, sizeof *known->is);
+    if (!known->is)
+        return LF_E_NOMEM;
+    memcpy(known->n, film->rows[row].n, sizeof known->n);
+    lf_film_row_second(film, row, known->is);
+    return LF_OK;
+}
+
+/* As it was kept, unless the row has been visited since. */
+static void read_second(const lf_reconstruction *r, const lf_film *film, int row, bool *out)
+{
+    const lf_known_second *known = r->whole ? &r->whole->second[row] : &r->second[row];
+    const double *n = film->rows[row].n;
+    if (known->is && known->n[0] == n[0] && known->n[1] == n[1])
+        memcpy(out, known->is, (size_t)film->n_views * (size_t)film->width * sizeof *out);
+    else
+        lf_film_row_second(film, row, out);
+}
+
 bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film *film, int row,
                     lf_reading what)
 {
@@ -77,7 +103,7 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
     if (!(n[0] + n[1] > 0.0))
         return false;
     if (film->layout.has_w2)
-        lf_film_row_second(film, row, pixels->second);
+        read_second(r, film, row, pixels->second);
     for (int k = 0; k < film->n_views; k++) {
         const bool summed = lf_view_is_fitted(r, row, k);
         if (what == LF_READ_SUMMED && !summed)

@@ -23,6 +23,10 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
  * alone what is not fitted. */
 void lf_pixels_reflect(const lf_pixels *pixels, int first, int n, float (*predicted)[4]);
 
+/* Where N/W' is less noisy of a row, kept for all that reads the row until the next fit. A worker a
+ * row. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_second_keep(lf_reconstruction *r, const lf_film *film, int row);
+
 /* The table for a row from the last fit. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_table_make(lf_row_table *table, const lf_reconstruction *r, int row,
                                      int variant);

@@ -5,6 +5,7 @@
 #include "base/alloc.h"
 #include "render/reconstruct/bright.h"
 #include "render/reconstruct/moments.h"
+#include "render/reconstruct/residual.h"
 #include "render/reconstruct/scratch.h"
 #include "render/reconstruct/shrink.h"
 #include "render/reconstruct/solve.h"
@@ -40,7 +41,9 @@ lf_status lf_reconstruct_create(const lf_reconstruct_view *view, lf_pool *pool,
     pthread_mutex_init(&r->lock, NULL);
     r->shift = lf_calloc((size_t)view->n_views, sizeof *r->shift);
     r->bright = lf_calloc((size_t)bands_of(view->height, 1), sizeof *r->bright);
-    bool whole = r->shift && r->bright;
+    r->second = lf_calloc((size_t)view->height, sizeof *r->second);
+    r->residual = lf_residual_create(view);
+    bool whole = r->shift && r->bright && r->second && r->residual;
     for (int l = 0; l < LF_LEVELS && whole; l++) {
         r->level[l].n_bands = bands_of(view->height, l);
         r->level[l].bands = lf_calloc((size_t)r->level[l].n_bands, sizeof *r->level[l].bands);
@@ -69,6 +72,10 @@ void lf_reconstruct_destroy(lf_reconstruction *r)
             lf_band_finish(&r->level[l].bands[i]);
         lf_free(r->level[l].bands);
     }
+    for (int i = 0; r->second && i < r->view.height; i++)
+        lf_free(r->second[i].is);
+    lf_free(r->second);
+    lf_residual_destroy(r->residual);
     lf_scratch_drop(r);
     pthread_mutex_destroy(&r->lock);
     lf_free(r->shift);
@@ -100,7 +107,8 @@ typedef enum lf_step {
     BRIGHT_BOUND,
     BRIGHT_COMPARE,
     BRIGHT_SETTLE,
-    BRIGHT_TAKE
+    BRIGHT_TAKE,
+    RESIDUAL_SUM
 } lf_step;
 
 typedef struct lf_fit_job {
@@ -179,6 +187,9 @@ static void run_band(void *context, int band, int worker)
     case BRIGHT_TAKE:
         lf_shrink_take_bright(job->r, band);
         break;
+    case RESIDUAL_SUM:
+        status = lf_residual_sum(job->r, job->film, band);
+        break;
     }
     if (status != LF_OK)
         atomic_store_explicit(&job->failed, 1, memory_order_relaxed);
@@ -247,12 +258,47 @@ static lf_status fit_bounded(lf_reconstruction *r, const lf_film *film, const lf
     return fit_levels(r->bounded, film, cancel);
 }
 
+static void weigh_tiles(void *context, int view, int worker)
+{
+    lf_fit_job *job = context;
+    (void)worker;
+    lf_residual_weigh(job->r, job->level, view);
+}
+
+static void share_tiles(void *context, int view, int worker)
+{
+    lf_fit_job *job = context;
+    (void)worker;
+    lf_residual_share(job->r, job->level, view);
+}
+
+static void take_tiles(void *context, int view, int worker)
+{
+    lf_fit_job *job = context;
+    (void)worker;
+    lf_residual_take(job->r, job->level, view);
+}
+
+/* What of the picture tiles lack. */
+static lf_status fit_residual(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
+{
+    lf_fit_job job = {.r = r, .film = film, .cancel = cancel};
+    lf_status status = run(&job, RESIDUAL_SUM, 0);
+    void (*const steps[])(void *, int, int) = {weigh_tiles, share_tiles, take_tiles};
+    for (job.level = LF_RESIDUAL_LEVELS - 1; job.level >= 0 && status == LF_OK; job.level--)
+        for (int i = 0; i < 3 && status == LF_OK; i++)
+            status = lf_pool_run(r->pool, r->view.n_views, steps[i], &job, cancel);
+    return status;
+}
+
 lf_status lf_reconstruct_fit(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
 {
     r->ready = false;
     lf_status status = fit_levels(r, film, cancel);
     if (status == LF_OK)
         status = fit_bounded(r, film, cancel);
+    if (status == LF_OK)
+        status = fit_residual(r, film, cancel);
     r->ready = status == LF_OK;
     return status;
 }

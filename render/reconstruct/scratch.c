@@ -8,6 +8,7 @@ static void destroy(lf_reconstruct_scratch *s)
         lf_pixels_finish(&s->rows[i]);
     lf_table_finish(&s->table);
     lf_free(s->predicted);
+    lf_free(s->times);
     lf_free(s->places);
     lf_free(s);
 }
@@ -21,7 +22,8 @@ static lf_reconstruct_scratch *create(size_t n, bool albedo)
     if (whole) {
         s->predicted = lf_calloc(n, sizeof *s->predicted);
         s->places = lf_calloc(LF_CELL_SIDE * n, sizeof *s->places);
-        whole = s->predicted && s->places;
+        s->times = lf_calloc(n, sizeof *s->times);
+        whole = s->predicted && s->places && s->times;
     }
     if (!whole && s)
         destroy(s);

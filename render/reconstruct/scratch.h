@@ -13,6 +13,7 @@ typedef struct lf_reconstruct_scratch {
     lf_pixels rows[LF_CELL_SIDE];
     lf_row_table table;
     float (*predicted)[4]; /* [view][column] */
+    float (*times)[3];     /* [column] */
     lf_cell_at *places;    /* [LF_CELL_SIDE][view][column], as many as there are */
     struct lf_reconstruct_scratch *next;
 } lf_reconstruct_scratch;

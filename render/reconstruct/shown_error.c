@@ -7,6 +7,7 @@
 #include "render/film/film_difference.h"
 #include "render/film/median.h"
 #include "render/reconstruct/bright.h"
+#include "render/reconstruct/residual.h"
 #include "render/reconstruct/scratch.h"
 
 #define EPSILON 1e-2
@@ -18,12 +19,13 @@ typedef struct lf_open_row {
     const lf_reconstruction *r;
     const lf_film *film;
     const lf_pixels *pixels;
-    const lf_reconstruct_scratch *predicted[2], *bounded[2]; /* bounded NULL: nothing is */
+    lf_reconstruct_scratch *predicted[2], *bounded[2]; /* bounded NULL: nothing is */
     lf_row_halves halves;
     int row;
     lf_film_half half[2];
     const lf_film_known *known;
     float n[2], share[2]; /* of the samples */
+    bool lacking[2];      /* what tiles of the view lack is in `times` of what is predicted */
 } lf_open_row;
 
 /* Sums over pixels. */
@@ -60,6 +62,9 @@ static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, const 
     if (bright->share > 0.0f)
         lf_bright_mix(bright->share, bright->below[h], bright->above[h], w,
                       o->bounded[h]->predicted[i], shown);
+    const float *times = o->predicted[h]->times[i % (size_t)o->film->width];
+    for (int c = 0; c < 3 && fitted && o->lacking[h]; c++)
+        shown[c] *= times[c];
     for (int c = 0; c < 3; c++) {
         float x = p[3] >= 0.0f ? p[c] : 0.0f;
         out->scattered[c] = q * fmaxf(x, 0.0f);
@@ -157,12 +162,17 @@ static bool take_all(lf_reconstruction *r, lf_row_scratch *out)
     return whole;
 }
 
-static lf_shown_row sum_row(const lf_open_row *o)
+static lf_shown_row sum_row(lf_open_row *o)
 {
     lf_shown_sums sums = {.variance = 0.0};
-    for (int k = 0; k < o->film->n_views; k++)
-        for (int i = 0; i < o->film->width && lf_view_is_fitted(o->r, o->row, k); i++)
+    for (int k = 0; k < o->film->n_views; k++) {
+        if (!lf_view_is_fitted(o->r, o->row, k))
+            continue;
+        for (int h = 0; h < 2; h++)
+            o->lacking[h] = lf_residual_row(o->r, o->row, k, h, o->predicted[h]->times);
+        for (int i = 0; i < o->film->width; i++)
             add_pixel(o, (size_t)k * (size_t)o->film->width + (size_t)i, &sums);
+    }
     const double all = 3.0 * (double)sums.pixels;
     return (lf_shown_row){sums.variance / all, sums.bias / all};
 }
@@ -255,14 +265,18 @@ static double chosen_of(const lf_reconstruction *r, const lf_reconstruction *who
 /* What the estimate lacks because shares were chosen by the halves that it compares. */
 static double chosen_by_chance(const lf_reconstruction *r, const lf_film *film)
 {
-    double chosen = chosen_of(r, r, false), samples = 0.0;
+    double chosen = chosen_of(r, r, false), samples = 0.0, pixels = 0.0;
     if (r->is_bright)
         chosen += chosen_of(r->bounded, r, true);
     for (int row = 0; row < film->height; row++)
         for (int k = 0; k < film->n_views; k++)
-            if (lf_view_is_fitted(r, row, k))
+            if (lf_view_is_fitted(r, row, k)) {
+                pixels += film->width;
                 samples += (film->rows[row].n[0] + film->rows[row].n[1]) * film->width;
-    return samples > 0.0 ? 2.0 * OWN_PART * chosen / (3.0 * samples) : 0.0;
+            }
+    if (!(samples > 0.0))
+        return 0.0;
+    return 2.0 * OWN_PART / 3.0 * (chosen / samples + lf_residual_chosen(r) / pixels);
 }
 
 double lf_reconstruct_error(lf_reconstruction *r, const lf_film *film, double alpha,
