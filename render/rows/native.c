@@ -89,7 +89,8 @@ static void note_chain(const lf_visit *visit, size_t pixel, float q, const lf_de
                 before = visit->sums.half.q[pixel];
     lf_feature feature = {.nearness = lf_min(nearness, LF_NEARNESS_MAX),
                           .spread = sqrtf(lf_max(variance, 0.0f)),
-                          .surface = chain->surface * inverse,
+                          .surface =
+                              1.0f, /* the mirror is one, whatever it shows (renderer_layers.c) */
                           .light = chain->light * inverse};
     if (q < 0.0f)
         feature = visit->sums.feature[pixel];

@@ -67,7 +67,6 @@ static void note_end(lf_delta_chain *c, const lf_event *end, lf_vec3 beta, float
     for (int i = 0; i < LF_ALBEDO_NUMBERS; i++)
         c->albedo[i] += tint[i] * albedo[i];
     c->weight += weight;
-    c->surface += surface ? weight : 0.0f;
     c->nearness += weight * nearness;
     c->nearness2 += weight * nearness * nearness;
     if (surface && c->sunlight) {

@@ -25,10 +25,10 @@ typedef struct lf_delta_chain {
     lf_vec3 known;     /* of lamps and skies, and all of it but what stands apart */
     lf_vec3 scattered; /* at the ends of branches */
     /* What there is to scatter there, known without any path: over the branches the sums of what
-     * comes through times a rough albedo, 0..1; and of that the part of surfaces, that times D/Z of
+     * comes through times a rough albedo, 0..1; that times D/Z of
      * the unfolded chain, times its square, and the reflected sunlight per albedo (sunlight.h).
      * tinted: the albedo counts as 1 in them, and is summed up over the branches by itself. */
-    float weight, surface, nearness, nearness2, light, albedo[LF_ALBEDO_NUMBERS];
+    float weight, nearness, nearness2, light, albedo[LF_ALBEDO_NUMBERS];
 } lf_delta_chain;
 
 /* Adds what one delta lobe of the camera's first surface brings, times `share`. */

@@ -188,12 +188,13 @@ static bool is_between(float x, float a, float b)
     return x >= fminf(a, b) - 1e-6f && x <= fmaxf(a, b) + 1e-6f;
 }
 
-/* Whether a pixel is one of the film points of another: the same, or at an outline one of four. */
-static bool is_part_of(const seen *x, const seen *y)
+/* Whether a pixel is one of the film points of another: the same, or at an outline one of four,
+ * some of which may have found a mirror: q of what that shows is counted beside theirs. */
+static bool is_part_of(const seen *x, const seen *y, bool mirrors)
 {
-    float others = LF_OUTLINE_POINTS * y->q - x->q;
-    return memcmp(x, y, sizeof *x) == 0 ||
-           (others > -1e-5f && others < LF_OUTLINE_POINTS - 1 + 1e-5f);
+    float others = LF_OUTLINE_POINTS * y->q - x->q,
+          most = mirrors ? INFINITY : LF_OUTLINE_POINTS - 1 + 1e-5f;
+    return memcmp(x, y, sizeof *x) == 0 || (others > -1e-5f && others < most);
 }
 
 typedef struct tally {
@@ -206,13 +207,14 @@ static tally compare(const char *text)
 {
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *coarse = pass(scene, true, NULL), *whole = pass(scene, false, NULL);
+    const bool mirrors = whole->film.layout.has_delta;
     tally t = {0};
     for (int i = 0; i < HEIGHT * VIEWS * WIDTH; i++) {
         int column = i % WIDTH, view = i / WIDTH % VIEWS, row = i / WIDTH / VIEWS;
         seen x = seen_at(coarse, row, view, column), y = seen_at(whole, row, view, column);
         int a = column / 4 * 4, b = a + 4 < WIDTH - 1 ? a + 4 : WIDTH - 1;
         if (column == a || column == b) {
-            assert_true(is_part_of(&x, &y));
+            assert_true(is_part_of(&x, &y, mirrors));
             continue;
         }
         seen from = seen_at(coarse, row, view, a), to = seen_at(coarse, row, view, b);
@@ -220,10 +222,10 @@ static tally compare(const char *text)
         t.same += same;
         t.apart += !same;
         t.changes += far;
-        assert_true(is_part_of(&x, &y) || !far);
-        assert_true(is_part_of(&x, &y) || is_between(x.q, from.q, to.q));
+        assert_true(is_part_of(&x, &y, mirrors) || !far);
+        assert_true(is_part_of(&x, &y, mirrors) || is_between(x.q, from.q, to.q));
         for (int c = 0; c < 3; c++)
-            assert_true(is_part_of(&x, &y) || is_between(x.b[c], from.b[c], to.b[c]));
+            assert_true(is_part_of(&x, &y, mirrors) || is_between(x.b[c], from.b[c], to.b[c]));
     }
     assert_true(coarse->film.rows[5].coarse[0] > 0.0 && whole->film.rows[5].coarse[0] == 0.0);
     lf_renderer_destroy(coarse);
