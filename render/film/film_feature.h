@@ -17,9 +17,8 @@
 
 /* Visits of a half that features are taken from. */
 #define LF_FEATURE_VISITS 256
-/* Visits of a row that albedo is taken from: each costs a look at textures, and what these have is
- * averaged over a pixel. */
-#define LF_ALBEDO_VISITS 8
+/* Visits of a row that albedo is taken from: each looks at a quarter of all pixels. */
+#define LF_ALBEDO_VISITS 4
 /* Visits of a row that take so many film points in pixels where surfaces meet, not one. */
 #define LF_OUTLINE_VISITS 4
 #define LF_OUTLINE_POINTS 4

@@ -25,18 +25,14 @@ static const lf_fan_face *face_of(const lf_visit *visit, int segment)
 }
 
 /* Where ray k meets its surface. */
-static lf_vec3 met_at(const lf_visit *visit, int k, lf_vec3 along)
-{
-    const lf_scratch *w = visit->worker;
-    return lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), w->z_end[k], along);
-}
-
 static void hit_of(const lf_visit *visit, int k, const lf_fan_face *face, lf_vec3 *out_along,
                    lf_hit *out)
 {
     const lf_scratch *w = visit->worker;
     *out_along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
-    lf_face_hit(&face->face, met_at(visit, k, *out_along), *out_along, out);
+    const lf_vec3 p =
+        lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), w->z_end[k], *out_along);
+    lf_face_hit(&face->face, p, *out_along, out);
     if (visit->scene->looks.varied && lf_is_varied(out->mesh, out->material))
         lf_hit_vary(out, lf_rig_spread(visit->rig) * w->z_end[k]);
 }
@@ -133,16 +129,32 @@ static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k
                                  lf_scale(along, -1.0f / visit->worker->length[k]));
 }
 
+/* Where another ray through ray k's pixel meets the plane of what ray k meets. off: from the slopes
+ * of ray k to its. Along the face ray k itself has to do. */
+static lf_vec3 beside_at(const lf_visit *visit, int k, const lf_face *face, const float off[2])
+{
+    const float grazing = 0.05f;
+    const lf_scratch *w = visit->worker;
+    const lf_vec3 along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f),
+                  o = lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f),
+                  other = lf_rig_direction(visit->rig, w->slope[k] + off[0],
+                                           visit->plane.my + off[1], 1.0f);
+    const float across = lf_dot(face->n, other);
+    if (!(fabsf(across) > grazing * w->length[k]))
+        return lf_madd(o, w->z_end[k], along);
+    return lf_madd(o, lf_dot(face->n, lf_sub(face->a, o)) / across, other);
+}
+
 /* Of the surface that ray k meets, of which this share is not hidden by media, whose albedo is no
  * matter: what they scatter is smooth. */
-static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surface)
+static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surface,
+                         const float off[2])
 {
     const lf_scratch *w = visit->worker;
     float albedo[LF_ALBEDO_NUMBERS] = {1.0f, 1.0f, 1.0f, 0.0f}, met[LF_ALBEDO_NUMBERS];
     if (surface > 0.0f) {
         const lf_fan_face *face = face_of(visit, w->met.segment[k]);
-        lf_vec3 along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
-        lf_face_albedo_at(&face->albedo, &face->face, met_at(visit, k, along),
+        lf_face_albedo_at(&face->albedo, &face->face, beside_at(visit, k, &face->face, off),
                           lf_rig_spread(visit->rig) * w->z_end[k], met);
         for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
             albedo[c] += surface * (met[c] - albedo[c]);
@@ -151,9 +163,10 @@ static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surfa
 }
 
 /* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
-static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size_t pixel, int k,
-                          bool lobe)
+static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, const float off[2])
 {
+    const lf_visit_plan *plan = e->plan;
+    const lf_visit *visit = e->visit;
     const float least = 1e-3f; /* less of a surface is not worth a look at its light */
     const lf_scratch *worker = visit->worker;
     const lf_media_moments *m = &worker->met.moments;
@@ -170,7 +183,7 @@ static void write_feature(const lf_visit_plan *plan, const lf_visit *visit, size
     }
     lf_film_note(&visit->sums, pixel, feature);
     if (visit->sums.albedo)
-        write_albedo(visit, pixel, k, feature.surface > least ? feature.surface : 0.0f);
+        write_albedo(visit, pixel, k, feature.surface > least ? feature.surface : 0.0f, off);
 }
 
 /* Whether the camera sees another colour in another direction. */
@@ -348,14 +361,18 @@ static float wrapped(float x)
     return x < 1.0f ? x : x - 1.0f;
 }
 
+static float film_point(const lf_exits *e, int column)
+{
+    return wrapped(lf_exits_film_point(e->key, column, e->index) + e->step);
+}
+
 /* The rays [from, to) of a column's fan, up to what they meet and through all media before it. */
 static void follow(const lf_exits *e, int column, int from, int to)
 {
     const lf_visit *visit = e->visit;
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    float point = wrapped(lf_exits_film_point(e->key, column, e->index) + e->step),
-          xw = rig->x0 + ((float)column + point) * rig->dx, lx = 0.0f;
+    float xw = rig->x0 + ((float)column + film_point(e, column)) * rig->dx, lx = 0.0f;
     if (visit->plane.lens_chord > 0.0f)
         lx = (2.0f * wrapped(lf_sampler_radical(lf_hash64(lf_hash64(e->key, 10), (uint64_t)column),
                                                 e->index) +
@@ -390,6 +407,7 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end)
     from = from > first ? from : first;
     to = to < end ? to : end;
     follow(e, column, from, to);
+    const float off[2] = {(e->quarter - film_point(e, column)) * rig->dx / rig->distance, e->down};
     for (int k = first; k < end && k < rig->n_views; k++) {
         bool reached = k >= from && k < to, met = reached && w->met.segment[k] >= 0;
         int material = met ? lf_section_material(&w->section, w->met.segment[k]) : -1;
@@ -408,6 +426,6 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end)
         if (e->veiled && w->mirrors && reached)
             w->mirrors[pixel] |= w->veil.mirrored[k];
         if (visit->sums.feature)
-            write_feature(e->plan, visit, pixel, k, m && m->has_lobe);
+            write_feature(e, pixel, k, m && m->has_lobe, off);
     }
 }

@@ -15,7 +15,10 @@ typedef struct lf_exits {
     float density; /* of the points of correction weights */
     bool constant, corrected, veiled;
     bool between; /* the row lies between others where worker->met.smooth says so */
-    float step;   /* from a column's film point to the one that is followed, in pixels */
+    /* where in their pixels albedo is looked up, columns from the left; and how far that is below
+     * the plane, as a slope: four visits look at the middles of a pixel's quarters */
+    float quarter, down;
+    float step; /* from a column's film point to the one that is followed, in pixels */
 } lf_exits;
 
 /* B, q and features of the views [first, end) in a column, from one film point. */

@@ -270,6 +270,19 @@ static float contributions(const lf_visit_plan *plan)
     return plan->sharing->entry.shares ? paths : paths / (float)plan->rig->n_views;
 }
 
+static void choose_quarter(lf_exits *e)
+{
+    static const float no_lens[2] = {0.5f, 0.5f};
+    const lf_visit *visit = e->visit;
+    const uint32_t *visits = e->plan->film->rows[visit->row].visits, n = visits[0] + visits[1];
+    const bool right = (n & 1) != 0, below = right != ((n & 2) != 0);
+    lf_row_plane of_quarter;
+    e->quarter = right ? 0.75f : 0.25f;
+    lf_rig_row_plane(visit->rig, (float)visit->row + (below ? 0.75f : 0.25f), no_lens, &of_quarter);
+    /* through a lens: as far as the plane has it */
+    e->down = visit->plane.ly != 0.0f ? 0.0f : of_quarter.my - visit->plane.my;
+}
+
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
                   bool between)
 {
@@ -281,6 +294,7 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
                   !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
     e.density = lf_correction_exit_density(contributions(plan), visit->sums.feature);
     e.veiled = plan->scene->looks.veiled;
+    choose_quarter(&e);
     w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
         w->met.segment[k] = -1; /* and so it stays without meshes */

@@ -74,6 +74,13 @@ void lf_face_albedo_init(lf_face_albedo *albedo, const lf_face *face)
         lay_texture(&albedo->metals, face, LF_SLOT_METAL_ROUGH);
 }
 
+/* A barycentric coordinate of a place that may be beside the triangle. */
+static float beside(float x)
+{
+    const float most = 1000.0f;
+    return lf_min(lf_max(x, -most), most);
+}
+
 static void look_up(const lf_face_texture *t, float u, float v, float width, float out[3])
 {
     const float *x = t->place[0], *y = t->place[1];
@@ -85,10 +92,11 @@ void lf_face_albedo_at(const lf_face_albedo *albedo, const lf_face *face, lf_vec
                        float out[LF_ALBEDO_NUMBERS])
 {
     const lf_vec3 d = lf_sub(p, face->a), *c = albedo->colour;
-    float texel[3], metal = albedo->metal,
-                    u = lf_min(lf_max(lf_dot(face->to_uv[0], d), 0.0f), 1.0f),
-                    v = lf_min(lf_max(lf_dot(face->to_uv[1], d), 0.0f), 1.0f - u);
-    lf_vec3 colour = lf_madd(lf_madd(c[0], u, c[1]), v, c[2]);
+    const float u = beside(lf_dot(face->to_uv[0], d)), v = beside(lf_dot(face->to_uv[1], d)),
+                within_u = lf_min(lf_max(u, 0.0f), 1.0f),
+                within_v = lf_min(lf_max(v, 0.0f), 1.0f - within_u);
+    float texel[3], metal = albedo->metal;
+    lf_vec3 colour = lf_madd(lf_madd(c[0], within_u, c[1]), within_v, c[2]);
     if (albedo->base.texture) {
         look_up(&albedo->base, u, v, width, texel);
         colour = lf_mul(colour, lf_v3(texel[0], texel[1], texel[2]));

@@ -30,7 +30,8 @@ typedef struct lf_face_albedo {
 } lf_face_albedo;
 
 void lf_face_albedo_init(lf_face_albedo *albedo, const lf_face *face);
-/* At the point p of the face, averaged over about `width`, scene units. */
+/* At the point p of the face's plane, averaged over about `width`, scene units. Beside the face its
+ * texture goes on, colours of vertices end. */
 void lf_face_albedo_at(const lf_face_albedo *albedo, const lf_face *face, lf_vec3 p, float width,
                        float out[LF_ALBEDO_NUMBERS]);
 
