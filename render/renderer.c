@@ -314,8 +314,11 @@ lf_status lf_renderer_pass_fans(lf_renderer *renderer, const lf_cancel *cancel)
                        .cancel = cancel};
     if (!layout->has_features)
         return LF_E_STATE;
-    /* what media and veils send out natively is no fan's to find */
-    return layout->has_native && !layout->has_delta ? LF_OK : run(&job);
+    /* what lights in media and veils send out natively is no fan's to find */
+    const lf_scene *scene = renderer->scene;
+    if (scene->glows.n > 0 || (scene->looks.veiled && scene->has_emission))
+        return LF_OK;
+    return run(&job);
 }
 
 bool lf_renderer_visited(const lf_renderer *renderer, int row)

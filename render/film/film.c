@@ -438,8 +438,10 @@ static void merge_albedo(const lf_merge *merge, size_t first, size_t n,
                 own = 1.0f - now - other;
     for (size_t k = 0; k < n; k++) {
         const size_t i = first + k;
-        float mixed[LF_ALBEDO_NUMBERS], later = now * merge->sums->half.q[i],
-                                        earlier = own * merge->to.q[i] + other * merge->other_q[i];
+        const bool known = merge->albedo[i] != 0;
+        float mixed[LF_ALBEDO_NUMBERS],
+            later = now * merge->sums->half.q[i],
+            earlier = known ? own * merge->to.q[i] + other * merge->other_q[i] : 0.0f;
         if (!(later > 0.0f))
             continue;
         lf_albedo_unpack(merge->albedo[i], mixed);

@@ -183,11 +183,14 @@ size_t lf_film_used_bytes(const lf_film_layout *layout);
 lf_film_half lf_film_at(const lf_film *film, int row, int half);
 /* NULL where B is not stored. */
 lf_film_known *lf_film_known_at(const lf_film *film, int row);
-/* Whether a row's next visit is one of those that look for albedo. */
+/* Whether a row's next visit is one of those that look for albedo: the first ones, and the first
+ * that is not coarse. */
 static inline bool lf_film_wants_albedo(const lf_film *film, int row)
 {
-    const uint32_t *visits = film->rows[row].visits;
-    return film->layout.has_albedo && (uint64_t)visits[0] + visits[1] < LF_ALBEDO_VISITS;
+    const lf_film_row *state = &film->rows[row];
+    bool whole = state->n[0] + state->n[1] > state->coarse[0] + state->coarse[1];
+    return film->layout.has_albedo &&
+           (!whole || (uint64_t)state->visits[0] + state->visits[1] < LF_ALBEDO_VISITS);
 }
 /* Whether it is one of those that take more film points at outlines. */
 static inline bool lf_film_wants_outlines(const lf_film *film, int row)

@@ -37,6 +37,8 @@ static void add_albedo(lf_packed_albedo *to, double weight_to, lf_packed_albedo 
                        double weight_from, uint32_t random)
 {
     float a[LF_ALBEDO_NUMBERS], b[LF_ALBEDO_NUMBERS];
+    weight_to = *to != 0 ? weight_to : 0.0;
+    weight_from = from != 0 ? weight_from : 0.0;
     if (!(weight_to + weight_from > 0.0))
         return;
     lf_albedo_unpack(*to, a);

@@ -72,7 +72,8 @@ static inline lf_packed_feature lf_feature_pack(const lf_feature *f, uint32_t ra
 /* What surfaces send on: red, green, blue, and how much of them is metal; all in [0, 1]. */
 enum { LF_ALBEDO_METAL = 3, LF_ALBEDO_NUMBERS };
 
-/* Colours as square roots of 9 bits, since steps of dark ones are seen as well, metal of 5. */
+/* Colours as square roots of 9 bits, since steps of dark ones are seen as well, metal of 5. 0: none
+ * was found; what is found is LF_LEAST_ALBEDO at least. */
 typedef uint32_t lf_packed_albedo;
 #define LF_ALBEDO_COLOUR_MAX 511.0f
 #define LF_ALBEDO_METAL_MAX 31.0f

@@ -40,6 +40,19 @@ void lf_pixels_finish(lf_pixels *pixels)
     memset(pixels, 0, sizeof *pixels);
 }
 
+/* Of pixel k; where none was found, as of an outline that was met late, that of the nearest pixel
+ * of its view; 0: of none. */
+static lf_packed_albedo nearest_albedo(const lf_view_row *in, int k)
+{
+    const int reach = 8;
+    lf_packed_albedo found = in->albedo[k];
+    for (int by = 1; by <= reach && found == 0; by++) {
+        found = k >= by ? in->albedo[k - by] : 0;
+        found = found == 0 && k + by < in->n ? in->albedo[k + by] : found;
+    }
+    return found;
+}
+
 /* Reads albedo. R is what is to be multiplied by it: so is sunlight. What is not proportional to it
  * is gloss: of a dielectric it is linear in 1/a, which the share of media tells beside what it
  * tells, and of metal in how much there is, which q does. */
@@ -51,9 +64,10 @@ static void read_albedo(const lf_view_row *in, bool halves, lf_pixels *out)
         float all[LF_ALBEDO_NUMBERS], *a = out->albedo[i];
         if (!lf_q_is_fitted(out->q[i]))
             continue;
-        lf_albedo_unpack(in->albedo[k], all);
+        const lf_packed_albedo packed = nearest_albedo(in, k);
+        lf_albedo_unpack(packed, all);
         for (int c = 0; c < 3; c++)
-            a[c] = fmaxf(all[c], LF_LEAST_ALBEDO);
+            a[c] = packed == 0 ? 1.0f : fmaxf(all[c], LF_LEAST_ALBEDO);
         float inverse = 3.0f / (a[0] + a[1] + a[2]), metal = all[LF_ALBEDO_METAL];
         for (int v = halves ? 0 : LF_BOTH; v < LF_VARIANTS; v++) {
             out->f[v][LF_LIGHT][i] *= inverse;

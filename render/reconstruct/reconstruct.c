@@ -42,8 +42,7 @@ lf_status lf_reconstruct_create(const lf_reconstruct_view *view, lf_pool *pool,
     r->shift = lf_calloc((size_t)view->n_views, sizeof *r->shift);
     r->bright = lf_calloc((size_t)bands_of(view->height, 1), sizeof *r->bright);
     r->second = lf_calloc((size_t)view->height, sizeof *r->second);
-    r->residual = lf_residual_create(view);
-    bool whole = r->shift && r->bright && r->second && r->residual;
+    bool whole = r->shift && r->bright && r->second;
     for (int l = 0; l < LF_LEVELS && whole; l++) {
         r->level[l].n_bands = bands_of(view->height, l);
         r->level[l].bands = lf_calloc((size_t)r->level[l].n_bands, sizeof *r->level[l].bands);
@@ -279,9 +278,26 @@ static void take_tiles(void *context, int view, int worker)
     lf_residual_take(job->r, job->level, view);
 }
 
-/* What of the picture tiles lack. */
+static bool has_both_halves(const lf_film *film)
+{
+    for (int row = 0; row < film->height; row++)
+        if (film->rows[row].n[0] > 0.0 && film->rows[row].n[1] > 0.0)
+            return true;
+    return false;
+}
+
+/* What of the picture tiles lack: halves have to agree on it. */
 static lf_status fit_residual(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
 {
+    if (!has_both_halves(film)) {
+        lf_residual_destroy(r->residual);
+        r->residual = NULL;
+        return LF_OK;
+    }
+    if (!r->residual)
+        r->residual = lf_residual_create(&r->view);
+    if (!r->residual)
+        return LF_E_NOMEM;
     lf_fit_job job = {.r = r, .film = film, .cancel = cancel};
     lf_status status = run(&job, RESIDUAL_SUM, 0);
     void (*const steps[])(void *, int, int) = {weigh_tiles, share_tiles, take_tiles};

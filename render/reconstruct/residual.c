@@ -263,7 +263,7 @@ static void coarsen(const lf_reconstruction *r, int level, int view)
         }
 }
 
-/* Each tile of a level as it is shown by now, and what it lacks; of the finest that is a step. */
+/* A finest tile as it is shown by now, and what it lacks: a step. */
 static void weigh_finest(lf_residual_tile *tile, float step[LF_VARIANTS][3])
 {
     lf_residual_sums now;
@@ -332,8 +332,11 @@ static void sharpen_tile(const lf_reconstruction *r, int view, int v, int u)
                 }
                 means[dv + 1] = mean_along(x);
             }
-            tile->lacks[i][c] =
-                fmaxf(-1.0f, tile->lacks[i][c] + tile->wanted[i][c] - mean_along(means));
+            /* at most half as far again: what is sharper would ring */
+            const float wanted = tile->wanted[i][c],
+                        sharper = tile->lacks[i][c] + wanted - mean_along(means),
+                        off = 0.5f * fabsf(wanted);
+            tile->lacks[i][c] = fmaxf(-1.0f, fminf(wanted + off, fmaxf(wanted - off, sharper)));
         }
 }
 
@@ -365,7 +368,7 @@ void lf_residual_take(lf_reconstruction *r, int level, int view)
 double lf_residual_chosen(const lf_reconstruction *r)
 {
     double sum = 0.0;
-    for (int k = 0; k < r->view.n_views; k++)
+    for (int k = 0; k < r->view.n_views && r->residual; k++)
         sum += r->residual->chosen[k];
     return sum;
 }
@@ -386,6 +389,8 @@ static float mix(float a, float b, float part)
 
 bool lf_residual_row(const lf_reconstruction *r, int row, int view, int variant, float (*out)[3])
 {
+    if (!r->residual)
+        return false;
     const int n = r->residual->across[0];
     int v[2], u[2];
     float down, along;

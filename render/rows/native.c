@@ -114,7 +114,7 @@ static void chain_end(lf_visit *visit, int view, int column, const lf_pivot *piv
     lf_visit_add_native(visit, pixel, lf_mul(chain->known, weight));
     if (!chain->apart || w == 0.0f)
         return;
-    if (!isfinite(scattered.x + scattered.y + scattered.z)) {
+    if (!isfinite(scattered.x + scattered.y + scattered.z + w)) {
         visit->worker->tracer.nonfinite++;
         return;
     }

@@ -288,7 +288,8 @@ static inline float fraction(float x)
 {
     if (x >= 0.0f && x < 1.0f)
         return x;
-    return x - floorf(x);
+    x -= floorf(x);
+    return x >= 0.0f && x <= 1.0f ? x : 0.0f; /* not of infinity */
 }
 
 void lf_texture_glance(const lf_texture *texture, const lf_pyramid *pyramid, float x, float y,
@@ -296,7 +297,9 @@ void lf_texture_glance(const lf_texture *texture, const lf_pyramid *pyramid, flo
 {
     const int level = texture->finest ? 0 : nearest_level(pyramid, texels2);
     const int w = pyramid->width[level], h = pyramid->height[level];
-    x = texture->wrap_u == LF_WRAP_REPEAT ? fraction(x) : wrapped(x, texture->wrap_u);
+    x = texture->wrap_u == LF_WRAP_REPEAT
+            ? fraction(x)
+            : wrapped(lf_min(lf_max(x, -1e6f), 1e6f), texture->wrap_u);
     y = texture->wrap_v == LF_WRAP_REPEAT ? fraction(y) : wrapped(y, texture->wrap_v);
     if (texture->nearest && level == 0) {
         float texel[4];
