@@ -109,7 +109,7 @@ static json_t *contender_json(const comparison *c, int contender)
 
 static json_t *comparison_json(const comparison *c)
 {
-    double ratio[LF_MAX_SEEDS];
+    double ratio[LF_MAX_SEEDS] = {0.0};
     lf_spread ratios = ratios_of(c, ratio);
     json_t *object = lf_trial_json(&c->trial, &c->options);
     json_t *list = json_array();

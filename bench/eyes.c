@@ -34,7 +34,8 @@ static lf_status create_eyes(lf_eyes *eyes, const lf_calibration *c, lf_error *e
     int width = 0, height = 0;
     lf_status status = lf_image8_init(&eyes->panel, c->screen_width_px, c->screen_height_px, 3);
     for (int i = 0; i < LF_EYES && status == LF_OK; i++) {
-        const double place = PLACE_STEP * (i / 2 - 0.5 * (LF_EYE_PLACES - 1));
+        const int number = i / 2;
+        const double place = PLACE_STEP * (number - 0.5 * (LF_EYE_PLACES - 1));
         status = lf_optics_create(&said, place * said.view_cone_deg + (i % 2) * a_view,
                                   &eyes->optics[i], err);
         if (status != LF_OK)
@@ -129,7 +130,8 @@ static void see(lf_eyes *eyes, const float *picture, float *out)
     const size_t row = (size_t)eyes->view_width * 3, rows = row * (size_t)eyes->n_views;
     const lf_views8 views = {eyes->n_views, eyes->view_width, eyes->view_height, row,
                              rows,          eyes->views};
-    look l = {eyes, out};
+    look l = {.eyes = eyes};
+    l.out = out;
     lf_tone_map(eyes->tone, rows / 3 * (size_t)eyes->view_height, picture, eyes->views);
     lf_interlace(eyes->interlacer, &views, &eyes->panel, eyes->pool);
     (void)!lf_pool_run(eyes->pool, LF_EYES, look_from, &l, NULL); /* nobody cancels */

@@ -12,6 +12,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "render/transport/albedo.h"
+
 /* Nearness D/Z, 1 in the plane Z = D; what is nearer than D/8 counts as there. */
 #define LF_NEARNESS_MAX 8.0f
 
@@ -22,9 +24,6 @@
 /* Visits of a row that take so many film points in pixels where surfaces meet, not one. */
 #define LF_OUTLINE_VISITS 4
 #define LF_OUTLINE_POINTS 4
-
-/* Smallest albedo that is kept: N is divided by it. */
-#define LF_LEAST_ALBEDO 0.02f
 
 typedef struct lf_feature {
     float nearness; /* mean of D/Z, 0..LF_NEARNESS_MAX */
@@ -68,9 +67,6 @@ static inline lf_packed_feature lf_feature_pack(const lf_feature *f, uint32_t ra
         lf_feature_whole(f->spread * (65535.0f / (0.5f * LF_NEARNESS_MAX)), u),
         lf_feature_whole(f->surface * 65535.0f, u), (uint16_t)((bits + (random >> 16)) >> 16)};
 }
-
-/* What surfaces send on: red, green, blue, and how much of them is metal; all in [0, 1]. */
-enum { LF_ALBEDO_METAL = 3, LF_ALBEDO_NUMBERS };
 
 /* Colours as square roots of 9 bits, since steps of dark ones are seen as well, metal of 5. 0: none
  * was found; what is found is LF_LEAST_ALBEDO at least. */

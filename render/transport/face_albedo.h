@@ -7,7 +7,7 @@
 #ifndef LF_RENDER_FACE_ALBEDO_H
 #define LF_RENDER_FACE_ALBEDO_H
 
-#include "render/film/film_feature.h"
+#include "render/transport/albedo.h"
 #include "render/transport/track.h"
 
 /* Of a material whose base has this colour, so much of it metal. */
