@@ -92,12 +92,13 @@ lf_status lf_second_keep(lf_reconstruction *r, const lf_film *film, int row)
     return LF_OK;
 }
 
-/* As it was kept, unless the row has been visited since. */
+/* As it was kept, while a fit is made: later, holes may have been filled, which no count tells. */
 static void read_second(const lf_reconstruction *r, const lf_film *film, int row, bool *out)
 {
-    const lf_known_second *known = r->whole ? &r->whole->second[row] : &r->second[row];
+    const lf_reconstruction *whole = r->whole ? r->whole : r;
+    const lf_known_second *known = &whole->second[row];
     const double *n = film->rows[row].n;
-    if (known->is && known->n[0] == n[0] && known->n[1] == n[1])
+    if (!whole->ready && known->is && known->n[0] == n[0] && known->n[1] == n[1])
         memcpy(out, known->is, (size_t)film->n_views * (size_t)film->width * sizeof *out);
     else
         lf_film_row_second(film, row, out);
