@@ -38,8 +38,8 @@ static bool looks_the_same(const lf_camera *a, const lf_camera *b)
            a->first_view == b->first_view && a->all_views == b->all_views && wider <= 1e-9;
 }
 
-/* Whether two objects say the same but for where they stand, and at which moment; volumes: also but
- * for what files hold, which are those of a sequence. */
+/* Whether two objects say the same but for where they stand, and at which moment; of volumes also
+ * but for their file: a sequence has one a frame. What another file holds the data outvote. */
 static bool same_object(json_t *a, json_t *b, bool is_volume)
 {
     static const char *const moves[] = {"transform", "animation", "shutter", "flows", "file"};

@@ -10,13 +10,13 @@
  *     W'  directional weights, E = n q
  *     q   pivot probability, mean
  *
- * (where mirrors and smooth glass are all that a pixel meets, of what is scattered behind them) and
- * per view pixel, of both halves together: B + M/n, known light and native delta lobes, mean
- * (neither needs cross-fitting), with the halves' difference in few bits, which only the error
- * estimate reads; and per row and half the count n, in native samples a view pixel (a real number:
- * expected, not tallied). Where every escaping ray finds the same light and nothing else is known,
- * B is sky (1 - q) and not stored. Bytes a view pixel: 40, 48 with W'; 56 and 64 with B; 16 more
- * with features, 20 with albedo as well (film_feature.h), which the reconstruction reads.
+ * Where a pixel meets nothing but mirrors and smooth glass, all four are of what is scattered
+ * behind these. Per view pixel, of both halves together: B + M/n, known light and native delta
+ * lobes, mean (neither needs cross-fitting), with the halves' difference in few bits, which only
+ * the error estimate reads. Per row and half: the count n, in native samples a view pixel (a real
+ * number: expected, not tallied). Where every escaping ray finds the same light and nothing else is
+ * known, B is sky (1 - q) and not stored. Bytes a view pixel: 40, 48 with W'; 56 and 64 with B; 16
+ * more with features, 20 with albedo as well (film_feature.h), which the reconstruction reads.
  *
  * A visit sums a row in its worker's memory (lf_film_sums) and is merged when it is whole: what the
  * film holds is rounded once a visit, up or down at random in proportion (stochastic rounding), so

@@ -64,9 +64,9 @@ typedef struct lf_past_move {
 } lf_past_move;
 
 /* Fits from now on have a past for a first guess, as far as what the film holds does not speak
- * against it. NULL, NULL: they have none. A past of films
- * with albedo is none for films without, and the other way round. past is borrowed for
- * as long; move is copied. Not while a fit is made. */
+ * against it. NULL, NULL: they have none. A past of films with albedo is
+ * none for films without, and the other way round. past is borrowed for as long; move is copied.
+ * Not while a fit is made. */
 void lf_reconstruct_follow(lf_reconstruction *r, const lf_past *past, const lf_past_move *move);
 
 /* The answer of one row of all views from the last fit and what the film holds of the row now. out

@@ -452,8 +452,8 @@ static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double n, 
 }
 
 /* Native samples for holes, in the plane of one visit, until none is left farther than hole_reach
- * columns from a pixel that has something; the first of a pixel at the very film point of B and q
- * in that visit. tries = 0: what is left counts as dark from now on. *out_left: how many there are.
+ * columns from a pixel that has something; the first of a pixel at the first film point of B and
+ * q in that visit. tries = 0: what is left counts as dark from now on. *out_left: how many there are.
  * false = cancelled. */
 static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int tries,
                        uint64_t exits, uint32_t index, int *out_left, const lf_cancel *cancel)

@@ -280,11 +280,11 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
  */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
-/* B and q of one row for this visit (exits.c), into the visit's sums; index is its number in its
+/* B and q of one row for this visit (exits_row.c), into the visit's sums; index is its number in its
  * half. What a coarse visit finds is that of slices, which nothing corrects; between two fans
  * (LF_EXITS_COARSE) it is interpolated in views without an edge there, between the film points that
- * columns would have had. between: of a coarse visit, that q is -1 where worker->met.smooth says so
- * (between.h), and nothing else looked for. */
+ * columns would have had. between: of a coarse visit, nothing is looked for where worker->met.smooth
+ * says so (between.h); q is -1 there. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
                   bool between);
 

@@ -24,10 +24,10 @@ typedef struct lf_delta_chain {
     /* Summed up, to begin with zeros. Radiance at the first surface: */
     lf_vec3 known;     /* of lamps and skies, and all of it but what stands apart */
     lf_vec3 scattered; /* at the ends of branches */
-    /* What there is to scatter there, known without any path: over the branches the sums of what
-     * comes through times a rough albedo, 0..1; that times D/Z of
-     * the unfolded chain, times its square, and the reflected sunlight per albedo (sunlight.h).
-     * tinted: the albedo counts as 1 in them, and is summed up over the branches by itself. */
+    /* What there is to scatter there, known without any path. Sums over the branches: weight, what
+     * comes through times a rough albedo, 0..1; weight times D/Z of the unfolded chain, and times
+     * its square; what comes through times the reflected sunlight (sunlight.h). tinted: weight
+     * counts the albedo as 1, and the albedo times what comes through is summed up by itself. */
     float weight, nearness, nearness2, light, albedo[LF_ALBEDO_NUMBERS];
 } lf_delta_chain;
 

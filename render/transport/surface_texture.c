@@ -1,4 +1,5 @@
 #include "render/transport/surface_texture.h"
+
 #include "render/transport/placed_hit.h"
 
 /* The triangle's corners and where the point lies between them. */

@@ -13,17 +13,21 @@
 #include "render/reconstruct/lattice.h"
 #include "render/renderer.h"
 
-/* With a film that has features. */
-static inline lf_renderer *reconstruct_renderer(const char *text, int width, int height,
-                                                lf_pool *pool)
+/* With a film that has features; the scene is given away. */
+static inline lf_renderer *reconstruct_renderer_of(lf_scene *scene, int width, int height,
+                                                   lf_pool *pool)
 {
-    lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
     lf_render_settings settings = *lf_renderer_settings(r);
     settings.features = true;
     lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
     lf_scene_unref(scene);
     return r;
+}
+static inline lf_renderer *reconstruct_renderer(const char *text, int width, int height,
+                                                lf_pool *pool)
+{
+    return reconstruct_renderer_of(lf_test_scene(text), width, height, pool);
 }
 
 /* As on a display: n visits of one pass. part: NULL = all rows. */

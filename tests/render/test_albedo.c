@@ -180,17 +180,6 @@ static int remove_picture(void **state)
     "'radiance': 20 } } }"
 #define CHECKER "{ 'file': 'checker.png' }"
 
-static lf_renderer *renderer_of(const char *text)
-{
-    lf_scene *scene = lf_test_scene_in(folder, text, NULL);
-    lf_renderer *r = lf_test_renderer(scene, "mvpt", WIDTH, HEIGHT, NULL);
-    lf_render_settings settings = *lf_renderer_settings(r);
-    settings.features = true;
-    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
-    lf_scene_unref(scene);
-    return r;
-}
-
 static double rel_mse(const float *x, const float *truth)
 {
     double sum = 0.0;
@@ -216,7 +205,8 @@ static void a_texture_is_as_sharp_as_its_picture(void **state)
     double error[2];
     static const char *const walls[] = {WALL("0.7"), WALL(CHECKER)};
     for (int i = 0; i < 2; i++) {
-        lf_renderer *r = renderer_of(walls[i]);
+        lf_renderer *r =
+            reconstruct_renderer_of(lf_test_scene_in(folder, walls[i], NULL), WIDTH, HEIGHT, NULL);
         float *truth = picture(), *shown = picture(), *raw = picture();
         assert_true(r->film.layout.has_albedo == (i == 1));
         reconstruct_visits(r, NULL, 2);

@@ -246,6 +246,11 @@ static void fans_are_those_of_any_pass_and_edges_are_sharp(void **state)
                   flames.apart, lamp.apart);
 }
 
+#define SLAB                                                                                       \
+    "{ " LF_TEST_CAMERA(                                                                           \
+        "19", "") "'volumes': { 'slab': { 'shape': 'box', 'density': 0.8, 'albedo': "              \
+                  "0.5, 'transform': { 'scale': [50, 50, 0.5] } } }, " LF_TEST_SHARP_LIGHTS " }"
+
 /* A slab across the whole picture, d = 0.8 mean free paths thick: of the ray of slopes s and m, q =
  * 1 - exp(-d l), l = sqrt(1 + s^2 + m^2). Its second derivative by s lies between -d^2 s^2 e^-d and
  * d e^-d, so within 1, and film points of two fans are at most 5 columns ds apart: a straight line
@@ -253,11 +258,7 @@ static void fans_are_those_of_any_pass_and_edges_are_sharp(void **state)
 static void what_hardly_bends_is_interpolated_as_well(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA(
-        "19",
-        "") "'volumes': { 'slab': { 'shape': 'box', 'density': 0.8, "
-            "'albedo': 0.5, 'transform': { 'scale': [50, 50, 0.5] } } }, " LF_TEST_SHARP_LIGHTS
-            " }");
+    lf_scene *scene = lf_test_scene(SLAB);
     lf_renderer *coarse = pass(scene, true, NULL), *whole = pass(scene, false, NULL);
     const lf_rig *rig = &lf_test_rows(coarse)->rig;
     double ds = (double)(rig->dx / rig->distance), bound = 25.0 * ds * ds / 8.0 + 1e-6;
@@ -337,11 +338,7 @@ static void fans_of_rows_without_paths_are_those_of_a_coarse_pass(void **state)
 static void what_changes_little_is_left_to_the_rows_around(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA(
-        "19",
-        "") "'volumes': { 'slab': { 'shape': 'box', 'density': 0.8, "
-            "'albedo': 0.5, 'transform': { 'scale': [50, 50, 0.5] } } }, " LF_TEST_SHARP_LIGHTS
-            " }");
+    lf_scene *scene = lf_test_scene(SLAB);
     lf_renderer *r = coarse_frame(scene, true, NULL);
     for (int row = 0; row < HEIGHT; row++)
         assert_int_equal(r->film.rows[row].provisional, row < 2 || row > 10);
