@@ -220,7 +220,8 @@ static void stalled_push_never_ends_and_is_not_shown(void **state)
     lf_device *device = open_sim(dir, ",stall=2");
     assert_int_equal(show(device, 1), LF_DEVICE_READY);
     lf_assert_ok(push_seed(device, 2), NULL);
-    assert_false(device_rings(device, 100));
+    while (device_rings(device, 100)) /* files of the push before it that were written */
+        assert_int_equal(device->ops->dispatch(device), LF_DEVICE_BUSY);
     assert_int_equal(device->ops->dispatch(device), LF_DEVICE_BUSY);
     lf_assert_status(device->ops->flush(device, 50), LF_E_TIMEOUT, NULL);
     lf_assert_status(push_seed(device, 3), LF_E_STATE, NULL);
