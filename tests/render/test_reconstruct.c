@@ -271,8 +271,9 @@ static double share_of_raw(const lf_reconstruction *r)
 }
 
 /* Where the film holds noise about a constant, that is all there is to know. Of its variance of 1/6
- * (both halves) SEEDS noises leave 5e-4 to 9e-4 (five seeds); were each half asked about itself,
- * 1.8e-3 to 2.4e-3. N/W gets a share of 0.001 to 0.004, and 0.01 to 0.02 as far as halves agree by
+ * (both halves) SEEDS noises leave 6.5e-4 to 1.1e-3 (nine seeds) in the fit, and what tiles take of
+ * it 1e-4 to 4e-4 more; were each half asked about itself, the fit alone would leave 1.8e-3 to
+ * 2.4e-3. N/W gets a share of 0.001 to 0.004, and 0.01 to 0.02 as far as halves agree by
  * chance. */
 static void noise_is_not_taken_for_what_is_there(void **state)
 {
@@ -288,7 +289,7 @@ static void noise_is_not_taken_for_what_is_there(void **state)
         share += share_of_raw(r->shown) / SEEDS;
     }
     print_message("noise: %.2e of 1/6 are left, N/W gets %.2e\n", left, share);
-    assert_true(left < 1.35e-3);
+    assert_true(left < 1.65e-3);
     assert_true(share < 0.008);
     free(x);
     lf_renderer_destroy(r);
