@@ -1,6 +1,6 @@
 #!/bin/bash
 # Every command of README.md, as it stands there, in a folder with what a reader would have: a model, photos, a shipped scene.
-# A line that starts quiltd is left running until the next heading, as in a terminal of its own.
+# A line that starts quiltd is left running, as in a terminal of its own, until the next heading or a line that renders by itself.
 set -u
 src=$(cd "${QUILTD_SOURCE:-.}" && pwd)
 out=$(cd "${QUILTD_BUILD:-build/release}" && pwd)
@@ -46,10 +46,12 @@ start_daemon() { # command
         sleep 0.1
     done
 }
+# What renders by itself needs no daemon, which would render beside it.
 run() { # command
     case $1 in
     quiltd\ *) start_daemon "$1" || cat daemon.log ;;
     *)
+        case $1 in quiltrender\ * | quiltbench\ *) stop_daemon ;; esac
         (eval "$1") > log 2>&1
         local rc=$?
         expected "$1" "$rc" || { echo "exit status $rc" && tail -n 5 log; }

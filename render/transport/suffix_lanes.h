@@ -634,8 +634,8 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
     return lookups;
 }
 
-/* A copy for each kind of sky. Scenes with surfaces share one, which looks at what there is: they
- * wait for rays. */
+/* Copies for an even sky, for one with a picture, and for lights with a disk before either of them.
+ * Scenes with surfaces share one, which looks at what there is: they wait for rays. */
 #define LF_TRACE(name, has)                                                                        \
     static int64_t trace_##name(const lf_lane_scene *scene, const lf_lane_paths *paths,            \
                                 lf_lane_memory *memory)                                            \
@@ -644,18 +644,15 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
     }
 LF_TRACE(even, 0)
 LF_TRACE(picture, LF_LANE_PICTURE)
-LF_TRACE(disk, LF_LANE_DISK)
-LF_TRACE(sky, LF_LANE_SKY)
+LF_TRACE(disk, LF_LANE_DISK | (scene->has & LF_LANE_PICTURE))
 LF_TRACE(surfaces, scene->has)
 
 static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_lane_memory *memory)
 {
-    static int64_t (*const of[])(const lf_lane_scene *, const lf_lane_paths *,
-                                 lf_lane_memory *) = {[0] = trace_even,
-                                                      [LF_LANE_PICTURE] = trace_picture,
-                                                      [LF_LANE_DISK] = trace_disk,
-                                                      [LF_LANE_SKY] = trace_sky};
-    return (scene->has & LF_LANE_SURFACES ? trace_surfaces : of[scene->has])(scene, paths, memory);
+    return (scene->has & LF_LANE_SURFACES  ? trace_surfaces
+            : scene->has & LF_LANE_DISK    ? trace_disk
+            : scene->has & LF_LANE_PICTURE ? trace_picture
+                                           : trace_even)(scene, paths, memory);
 }
 
 /* -------------------------------------------------------------------------------------- points --

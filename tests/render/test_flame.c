@@ -409,9 +409,10 @@ static void sheets_before_and_within_dim_what_is_behind_them(void **state)
     }
 }
 
-enum { STACK = 2 * LF_VEILS_KEPT + 7 };
+enum { STACK = LF_VEILS_KEPT + 5 };
 
-/* Sheets of alpha 0.06, evenly within the slab and as many before it: more than a fan keeps. */
+/* Sheets of alpha 0.06, evenly within the slab and as many before it: either more than a fan keeps.
+ */
 static double slab_in_a_stack(double x0, double mx, double my)
 {
     double sum = 0.0, passed = pow(0.94, STACK);
