@@ -23,7 +23,7 @@
 #define LF_ALBEDO_VISITS 4
 /* Visits of a row that take so many film points in pixels where surfaces meet, not one. */
 #define LF_OUTLINE_VISITS 4
-#define LF_OUTLINE_POINTS 4
+#define LF_OUTLINE_POINTS 8
 
 typedef struct lf_feature {
     float nearness; /* mean of D/Z, 0..LF_NEARNESS_MAX */

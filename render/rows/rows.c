@@ -35,6 +35,7 @@ static void free_workers(lf_scratch **workers, int n)
             lf_media_finish(&workers[i]->shine.flames);
             lf_film_sums_finish(&workers[i]->sums);
             lf_section_finish(&workers[i]->section);
+            lf_section_finish(&workers[i]->edge);
             lf_section_finish(&workers[i]->veil.section);
             lf_free(workers[i]->expected);
             lf_free(workers[i]->mirrors);
@@ -63,13 +64,15 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
             lf_section_init(&workers[i]->section, rows->triangles.longest,
                             rows->triangles.n_places) != LF_OK ||
+            lf_section_init(&workers[i]->edge, layout->has_features ? rows->triangles.longest : 0,
+                            rows->triangles.n_places) != LF_OK ||
             lf_section_init(&workers[i]->veil.section,
                             rows->seen.looks.veiled ? rows->triangles.longest : 0,
                             rows->triangles.n_places) != LF_OK) {
             free_workers(workers, n);
             return NULL;
         }
-        workers[i]->section.rays.tracer = workers[i]->veil.section.rays.tracer =
+        workers[i]->section.rays.tracer = workers[i]->edge.rays.tracer = workers[i]->veil.section.rays.tracer =
             &workers[i]->tracer;
     }
     return workers;

@@ -1,5 +1,6 @@
 /* A visit of a row: plane, slice, exits, base samples. What is the same for every integrator. */
 #include "render/rows/native.h"
+#include "render/rows/outlines.h"
 #include "render/rows/queue.h"
 
 /* ----------------------------------------------------------------------------------- lattice -- */
@@ -327,19 +328,18 @@ static void set_moment(const lf_visit_plan *plan, lf_visit *visit, uint64_t key,
         visit->worker->tracer.time = 1.0f - time;
 }
 
-/* Draws the moment and the plane of a visit and cuts the volumes with it. offsets names the
- * sequence of row offsets. */
-static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
-                uint32_t index)
+/* Draws the plane of a visit, or one that is so much lower within the row, and cuts the volumes with
+ * it. offsets names the sequence of row offsets. */
+static void cut_at(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
+                   uint32_t index, float lower)
 {
     const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index),
                            lf_sampler_radical(lf_hash64(key, 2), index)};
     const float phase[2] = {lf_sampler_radical(lf_hash64(key, 15), index),
                             lf_sampler_radical(lf_hash64(key, 4), index)};
-    if (plan->moment)
-        set_moment(plan, visit, key, index);
-    lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens,
-                     &visit->plane);
+    float offset = lf_sampler_radical(offsets, index) + lower;
+    offset = offset < 1.0f ? offset : offset - 1.0f;
+    lf_rig_row_plane(plan->rig, (float)visit->row + offset, lens, &visit->plane);
     lf_media_cut(&visit->worker->media, plan->frame, plan->scene->volumes, plan->rig, &visit->plane,
                  phase, plan->kernels, &visit->worker->tracer.lookups);
     lf_media_cut(&visit->worker->shine.flames, plan->flames, plan->scene->flames.field, plan->rig,
@@ -352,6 +352,28 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
     else
         lf_reach_whole(&visit->worker->reach, plan->rig);
     cut_glows(visit);
+}
+
+/* Draws the moment and the plane of a visit. */
+static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
+                uint32_t index)
+{
+    if (plan->moment)
+        set_moment(plan, visit, key, index);
+    cut_at(plan, visit, key, offsets, index, 0.0f);
+}
+
+/* B, q and features of a visit; its plane has been cut, and is again. */
+static void find_known(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
+                       uint32_t index)
+{
+    lf_exits_row(plan, visit, key, index, false);
+    for (int i = 1; i < LF_OUTLINE_PLANES && visit->outlines; i++) {
+        cut_at(plan, visit, key, offsets, index, (float)i / LF_OUTLINE_PLANES);
+        lf_exits_outlines(plan, visit, key, index, i);
+    }
+    if (visit->outlines)
+        cut_at(plan, visit, key, offsets, index, 0.0f);
 }
 
 static void begin(const lf_visit_plan *plan, lf_visit *visit)
@@ -583,6 +605,13 @@ static bool put_provisional(const lf_visit_plan *plan, lf_visit *visit, uint64_t
     return true;
 }
 
+/* Whether a visit of the row takes more film points at outlines. */
+static bool wants_outlines(const lf_visit_plan *plan, int row)
+{
+    return plan->triangles && plan->film->layout.has_features && !plan->order.coarse &&
+           lf_film_wants_outlines(plan->film, row);
+}
+
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker,
                   const lf_cancel *cancel)
 {
@@ -604,7 +633,10 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         return fill_row(plan, &visit, half, -1, cancel);
     if (plan->order.fans)
         return put_provisional(plan, &visit, key, index, cancel);
-    cut(plan, &visit, key, lf_hash64(key, 0), index);
+    if (plan->moment)
+        set_moment(plan, &visit, key, index);
+    visit.outlines = wants_outlines(plan, row) && lf_outlines_find(plan, &visit);
+    cut_at(plan, &visit, key, lf_hash64(key, 0), index, 0.0f);
     double first_rank = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
     int64_t passes = llround(before->n[half] * views);
     visit.start =
@@ -614,7 +646,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
     int first = plan->order.column_step > 1
                     ? (int)((visit.random >> 32) % (uint64_t)plan->order.column_step)
                     : 0;
-    if (!lf_film_meet(plan->film, row, worker->reach.any)) {
+    if (!lf_film_meet(plan->film, row, worker->reach.any || visit.outlines)) {
         worker->base_paths +=
             (int64_t)plan->order.subsets *
             ((width - first + plan->order.column_step - 1) / plan->order.column_step);
@@ -627,7 +659,8 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         visit.sums.albedo = NULL;
     if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 8), index);
-    lf_exits_row(plan, &visit, key, index, false);
+    find_known(plan, &visit, key,
+               lf_hash64(key, lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW) ? 8 : 0), index);
     if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     visit.queue = plan->queue;

@@ -63,6 +63,8 @@ typedef struct lf_fan_met {
     lf_fan_face face[LF_FAN_FACES];
     lf_media_moments moments;       /* of its collisions, where features are wanted */
     uint32_t smooth[LF_MAX_CHUNKS]; /* of a row between two others: lf_between_mark */
+    /* of each column the groups of views that an outline runs through: lf_outlines_find */
+    uint32_t outline[LF_MAX_VIEW_SIDE];
 } lf_fan_met;
 
 /* The channels of a fan where media are chromatic: prefix densities are those of a base ray that
@@ -91,6 +93,7 @@ typedef struct lf_scratch {
     lf_film_sums sums;     /* of the visit under way */
     lf_reach reach;        /* of its row's plane */
     lf_section section;    /* the meshes in it, but for veils */
+    lf_section edge;       /* those in the lower edge of the row (outlines.h) */
     lf_veil_memory veil;   /* ... and those */
     lf_glow_row glows;     /* the lights in its media */
     int64_t base_paths, contributions, base_hidden;
@@ -141,6 +144,7 @@ typedef struct lf_visit {
     lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
+    bool outlines; /* worker->met.outline tells where some are, whose film points this visit takes */
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
     uint64_t random;          /* this visit's own */
@@ -287,6 +291,11 @@ float lf_exits_film_point(uint64_t key, int column, uint32_t index);
  * says so (between.h); q is -1 there. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
                   bool between);
+
+/* The film points of the row's outlines in another of their planes, which has been cut
+ * (outlines.h). */
+void lf_exits_outlines(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key,
+                       uint32_t index, int plane);
 
 /* True when the camera sees the same light wherever it meets nothing. */
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);

@@ -1,0 +1,154 @@
+#include "render/rows/outlines.h"
+
+#include <string.h>
+
+/* --------------------------------------------------------------------------------- where they are
+ */
+
+/* What the rays of a corner meet. */
+typedef struct corner {
+    int material[LF_MAX_LANES];
+    float nearness[LF_MAX_LANES];
+} corner;
+
+/* The upper edge of the row and the lower one. */
+enum { EDGES = 2 };
+
+static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge)
+{
+    static const float no_lens[2] = {0.5f, 0.5f};
+    lf_scratch *w = visit->worker;
+    lf_section *section = edge == 0 ? &w->section : &w->edge;
+    lf_row_plane plane;
+    lf_rig_row_plane(plan->rig, (float)visit->row + (edge == 0 ? 0.0f : 1.0f), no_lens, &plane);
+    lf_section_cut(section, plan->triangles, plan->scene, plan->rig, visit->row, &plane,
+                   plan->scene->looks.veiled ? LF_CUT_OPAQUE : LF_CUT_ALL);
+}
+
+static void look(const lf_visit *visit, int edge, int column, corner *out)
+{
+    const lf_rig *rig = visit->rig;
+    lf_scratch *w = visit->worker;
+    const lf_section *section = edge == 0 ? &w->section : &w->edge;
+    const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    const float xw = rig->x0 + (float)column * rig->dx;
+    lf_section_nearest(section, visit->triangles, rig, xw / rig->distance, lanes, rig->b, w->z_end,
+                       w->met.segment);
+    for (int k = 0; k < rig->n_views; k++) {
+        out->material[k] =
+            w->met.segment[k] < 0 ? -1 : lf_section_material(section, w->met.segment[k]);
+        out->nearness[k] = lf_nearness(rig->distance, w->z_end[k]);
+    }
+}
+
+/* Groups of views whose rays of two corners meet other surfaces, or depths that no surface between
+ * could have. */
+static uint32_t torn(const lf_rig *rig, const corner *a, const corner *b)
+{
+    const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance;
+    uint32_t out = 0;
+    for (int k = 0; k < rig->n_views; k++)
+        out |= (uint32_t)(a->material[k] != b->material[k] ||
+                          fabsf(a->nearness[k] - b->nearness[k]) > apart)
+               << (k / LF_LANES);
+    return out;
+}
+
+bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
+{
+    const lf_rig *rig = plan->rig;
+    uint32_t *outline = visit->worker->met.outline, any = 0, before = 0;
+    corner at[2][EDGES];
+    for (int edge = 0; edge < EDGES; edge++)
+        cut_edge(plan, visit, edge);
+    for (int column = 0; column <= rig->width; column++) {
+        corner *here = at[column % 2], *last = at[(column + 1) % 2];
+        for (int edge = 0; edge < EDGES; edge++)
+            look(visit, edge, column, &here[edge]);
+        const uint32_t now = torn(rig, &here[0], &here[1]);
+        if (column > 0) {
+            outline[column - 1] =
+                before | now | torn(rig, &last[0], &here[0]) | torn(rig, &last[1], &here[1]);
+            any |= outline[column - 1];
+        }
+        before = now;
+    }
+    return any != 0;
+}
+
+/* ------------------------------------------------------------------------------ their film points
+ */
+
+/* What a pixel's film points have said. */
+typedef struct lf_exits_pixel {
+    float q, known[3], albedo[LF_ALBEDO_NUMBERS];
+    lf_feature feature;
+    bool mirror;
+} lf_exits_pixel;
+
+static void take_pixel(const lf_visit *visit, size_t i, lf_exits_pixel *out)
+{
+    const lf_film_sums *sums = &visit->sums;
+    *out = (lf_exits_pixel){.q = sums->half.q[i], .feature = sums->feature[i]};
+    if (sums->known)
+        memcpy(out->known, sums->known[i], sizeof out->known);
+    if (sums->albedo)
+        memcpy(out->albedo, sums->albedo[i], sizeof out->albedo);
+    if (visit->worker->mirrors)
+        out->mirror = visit->worker->mirrors[i];
+}
+
+static float between(float a, float b, float t)
+{
+    return a + t * (b - a);
+}
+
+/* The mean of what a pixel has and of what it had, which counts n times as much. */
+static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had, float n)
+{
+    const lf_film_sums *sums = &visit->sums;
+    const float share = 1.0f / (n + 1.0f), now = lf_max(share * sums->half.q[i], 0.0f),
+                before = lf_max((1.0f - share) * had->q, 0.0f);
+    if (now + before > 0.0f) {
+        sums->feature[i] =
+            lf_feature_mix(&sums->feature[i], (double)now, &had->feature, (double)before);
+        for (int c = 0; c < LF_ALBEDO_NUMBERS && sums->albedo; c++)
+            sums->albedo[i][c] = between(had->albedo[c], sums->albedo[i][c], now / (now + before));
+    }
+    sums->half.q[i] = between(had->q, sums->half.q[i], share);
+    for (int c = 0; c < 3 && sums->known; c++)
+        sums->known[i][c] = between(had->known[c], sums->known[i][c], share);
+    if (visit->worker->mirrors)
+        visit->worker->mirrors[i] |= had->mirror;
+}
+
+/* One more film point of the views [first, end) of a column, which have had n. */
+static void take_point(const lf_exits *e, int column, int first, int end, int n)
+{
+    const lf_visit *visit = e->visit;
+    const size_t width = (size_t)visit->rig->width;
+    lf_exits_pixel had[LF_MAX_LANES];
+    const int there = end < visit->rig->n_views ? end : visit->rig->n_views;
+    for (int k = first; k < there; k++)
+        take_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first]);
+    lf_exits_fan(e, column, first, end);
+    for (int k = first; k < there; k++)
+        mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
+}
+
+void lf_outlines_take(lf_exits *e, int plane)
+{
+    /* so that no part of the pixel is left out */
+    static const int place[LF_OUTLINE_PLANES] = {0, 2, 1, 3};
+    const lf_rig *rig = e->visit->rig;
+    const uint32_t *outline = e->visit->worker->met.outline;
+    for (int column = 0; column < rig->width; column++) {
+        for (int i = plane == 0 ? 1 : 0; i < LF_OUTLINE_ALONG && outline[column]; i++) {
+            uint32_t groups = outline[column];
+            e->step = (float)(LF_OUTLINE_PLANES * i + place[plane]) / LF_OUTLINE_POINTS;
+            for (int first, end; lf_exits_next_groups(&groups, rig->n_views, &first, &end);)
+                take_point(e, column, first, end, LF_OUTLINE_ALONG * plane + i);
+        }
+    }
+    e->step = 0.0f;
+}

@@ -1,0 +1,26 @@
+/* Pixels of a row in which surfaces meet: they get several film points of B, q and features, in
+ * planes at several heights of the row, since one plane tells nothing of outlines that run along
+ * the row. Private to render/rows.
+ *
+ * Which pixels these are must not depend on what film points find, or what is kept would be biased:
+ * a surface smaller than a pixel would be seen at its whole weight in visits that miss it, and at a
+ * part of it in those that do not. So it is told by the corners of pixels, the same in all visits.
+ */
+#ifndef LF_RENDER_OUTLINES_H
+#define LF_RENDER_OUTLINES_H
+
+#include "render/rows/exits.h"
+
+/* Planes that film points lie in, the visit's own included, and film points in each. */
+#define LF_OUTLINE_PLANES 4
+#define LF_OUTLINE_ALONG (LF_OUTLINE_POINTS / LF_OUTLINE_PLANES)
+
+/* Looks for the outlines of a row, at the visit's moment, into worker->met.outline; true: there are
+ * some. Uses both sections of the worker: before the row's plane is cut. */
+bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit);
+
+/* The film points of outlines in plane number `plane`, which has been cut and is the visit's;
+ * 0: the first of each pixel has been taken (lf_exits_fan). */
+void lf_outlines_take(lf_exits *e, int plane);
+
+#endif
