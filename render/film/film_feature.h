@@ -22,8 +22,8 @@
 /* Visits of a row that albedo is taken from: each looks at a quarter of all pixels. */
 #define LF_ALBEDO_VISITS 4
 /* Visits of a row that take so many film points in pixels where surfaces meet, not one. */
-#define LF_OUTLINE_VISITS 4
-#define LF_OUTLINE_POINTS 8
+#define LF_OUTLINE_VISITS 2
+#define LF_OUTLINE_POINTS 4
 
 typedef struct lf_feature {
     float nearness; /* mean of D/Z, 0..LF_NEARNESS_MAX */

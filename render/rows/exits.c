@@ -409,6 +409,8 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end)
     follow(e, column, from, to);
     const float off[2] = {(e->quarter - film_point(e, column)) * rig->dx / rig->distance, e->down};
     for (int k = first; k < end && k < rig->n_views; k++) {
+        if (e->only && !e->only[k])
+            continue;
         bool reached = k >= from && k < to, met = reached && w->met.segment[k] >= 0;
         int material = met ? lf_section_material(&w->section, w->met.segment[k]) : -1;
         const lf_material *m = met ? &scene->materials[material] : NULL;

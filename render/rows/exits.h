@@ -18,7 +18,8 @@ typedef struct lf_exits {
     /* where in their pixels albedo is looked up, columns from the left; and how far that is below
      * the plane, as a slope: four visits look at the middles of a pixel's quarters */
     float quarter, down;
-    float step; /* from a column's film point to the one that is followed, in pixels */
+    const bool *only; /* [view] of a column: the others are left as they are; NULL: all of them */
+    float step;       /* from a column's film point to the one that is followed, in pixels */
 } lf_exits;
 
 /* B, q and features of the views [first, end) in a column, from one film point. */

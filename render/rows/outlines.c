@@ -2,6 +2,26 @@
 
 #include <string.h>
 
+#include "base/alloc.h"
+
+lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows,
+                           const lf_film_layout *layout)
+{
+    const size_t columns = (size_t)layout->width;
+    out->groups = lf_calloc(columns, sizeof *out->groups);
+    out->views = lf_calloc(columns * (size_t)layout->n_views, sizeof *out->views);
+    if (!out->groups || !out->views)
+        return LF_E_NOMEM;
+    return lf_section_init(&out->edge, rows->longest, rows->n_places);
+}
+
+void lf_outlines_finish(lf_outlines *outlines)
+{
+    lf_section_finish(&outlines->edge);
+    lf_free(outlines->groups);
+    lf_free(outlines->views);
+}
+
 /* --------------------------------------------------------------------------------- where they are
  */
 
@@ -18,7 +38,7 @@ static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge)
 {
     static const float no_lens[2] = {0.5f, 0.5f};
     lf_scratch *w = visit->worker;
-    lf_section *section = edge == 0 ? &w->section : &w->edge;
+    lf_section *section = edge == 0 ? &w->section : &w->outlines.edge;
     lf_row_plane plane;
     lf_rig_row_plane(plan->rig, (float)visit->row + (edge == 0 ? 0.0f : 1.0f), no_lens, &plane);
     lf_section_cut(section, plan->triangles, plan->scene, plan->rig, visit->row, &plane,
@@ -29,7 +49,7 @@ static void look(const lf_visit *visit, int edge, int column, corner *out)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    const lf_section *section = edge == 0 ? &w->section : &w->edge;
+    const lf_section *section = edge == 0 ? &w->section : &w->outlines.edge;
     const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     const float xw = rig->x0 + (float)column * rig->dx;
     lf_section_nearest(section, visit->triangles, rig, xw / rig->distance, lanes, rig->b, w->z_end,
@@ -41,37 +61,51 @@ static void look(const lf_visit *visit, int edge, int column, corner *out)
     }
 }
 
-/* Groups of views whose rays of two corners meet other surfaces, or depths that no surface between
+/* Marks the views whose rays of two corners meet other surfaces, or depths that no surface between
  * could have. */
-static uint32_t torn(const lf_rig *rig, const corner *a, const corner *b)
+static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool *out)
 {
     const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance;
-    uint32_t out = 0;
     for (int k = 0; k < rig->n_views; k++)
-        out |= (uint32_t)(a->material[k] != b->material[k] ||
-                          fabsf(a->nearness[k] - b->nearness[k]) > apart)
-               << (k / LF_LANES);
+        out[k] |=
+            (a->material[k] != b->material[k]) | (fabsf(a->nearness[k] - b->nearness[k]) > apart);
+}
+
+/* The groups of these views. */
+static uint32_t groups_of(const bool *views, int n)
+{
+    uint32_t out = 0;
+    for (int k = 0; k < n; k++)
+        out |= (uint32_t)views[k] << (k / LF_LANES);
     return out;
 }
 
 bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
 {
     const lf_rig *rig = plan->rig;
-    uint32_t *outline = visit->worker->met.outline, any = 0, before = 0;
+    const size_t views = (size_t)rig->n_views;
+    lf_outlines *outlines = &visit->worker->outlines;
+    uint32_t any = 0;
     corner at[2][EDGES];
+    bool between[2][LF_MAX_LANES]; /* the upper corner and the lower one */
     for (int edge = 0; edge < EDGES; edge++)
         cut_edge(plan, visit, edge);
     for (int column = 0; column <= rig->width; column++) {
         corner *here = at[column % 2], *last = at[(column + 1) % 2];
+        bool *now = between[column % 2], *before = between[(column + 1) % 2];
         for (int edge = 0; edge < EDGES; edge++)
             look(visit, edge, column, &here[edge]);
-        const uint32_t now = torn(rig, &here[0], &here[1]);
-        if (column > 0) {
-            outline[column - 1] =
-                before | now | torn(rig, &last[0], &here[0]) | torn(rig, &last[1], &here[1]);
-            any |= outline[column - 1];
-        }
-        before = now;
+        memset(now, 0, views * sizeof *now);
+        mark_torn(rig, &here[0], &here[1], now);
+        if (column == 0)
+            continue;
+        bool *view = outlines->views + (size_t)(column - 1) * views;
+        for (int k = 0; k < rig->n_views; k++)
+            view[k] = before[k] | now[k];
+        for (int edge = 0; edge < EDGES; edge++)
+            mark_torn(rig, &last[edge], &here[edge], view);
+        outlines->groups[column - 1] = groups_of(view, rig->n_views);
+        any |= outlines->groups[column - 1];
     }
     return any != 0;
 }
@@ -122,7 +156,9 @@ static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had
         visit->worker->mirrors[i] |= had->mirror;
 }
 
-/* One more film point of the views [first, end) of a column, which have had n. */
+/* One more film point of those of the views [first, end) of a column that want it, which have had
+ * n.
+ */
 static void take_point(const lf_exits *e, int column, int first, int end, int n)
 {
     const lf_visit *visit = e->visit;
@@ -130,10 +166,12 @@ static void take_point(const lf_exits *e, int column, int first, int end, int n)
     lf_exits_pixel had[LF_MAX_LANES];
     const int there = end < visit->rig->n_views ? end : visit->rig->n_views;
     for (int k = first; k < there; k++)
-        take_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first]);
+        if (e->only[k])
+            take_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first]);
     lf_exits_fan(e, column, first, end);
     for (int k = first; k < there; k++)
-        mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
+        if (e->only[k])
+            mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
 }
 
 void lf_outlines_take(lf_exits *e, int plane)
@@ -141,14 +179,16 @@ void lf_outlines_take(lf_exits *e, int plane)
     /* so that no part of the pixel is left out */
     static const int place[LF_OUTLINE_PLANES] = {0, 2, 1, 3};
     const lf_rig *rig = e->visit->rig;
-    const uint32_t *outline = e->visit->worker->met.outline;
+    const lf_outlines *outlines = &e->visit->worker->outlines;
     for (int column = 0; column < rig->width; column++) {
-        for (int i = plane == 0 ? 1 : 0; i < LF_OUTLINE_ALONG && outline[column]; i++) {
-            uint32_t groups = outline[column];
+        for (int i = plane == 0 ? 1 : 0; i < LF_OUTLINE_ALONG && outlines->groups[column]; i++) {
+            uint32_t groups = outlines->groups[column];
+            e->only = outlines->views + (size_t)column * (size_t)rig->n_views;
             e->step = (float)(LF_OUTLINE_PLANES * i + place[plane]) / LF_OUTLINE_POINTS;
             for (int first, end; lf_exits_next_groups(&groups, rig->n_views, &first, &end);)
                 take_point(e, column, first, end, LF_OUTLINE_ALONG * plane + i);
         }
     }
     e->step = 0.0f;
+    e->only = NULL;
 }

@@ -15,7 +15,13 @@
 #define LF_OUTLINE_PLANES 4
 #define LF_OUTLINE_ALONG (LF_OUTLINE_POINTS / LF_OUTLINE_PLANES)
 
-/* Looks for the outlines of a row, at the visit's moment, into worker->met.outline; true: there are
+/* A worker's memory for films of this layout. LF_E_NOMEM; *out may then be finished. */
+LF_NODISCARD lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows,
+                                        const lf_film_layout *layout);
+/* Accepts one that is all zero. */
+void lf_outlines_finish(lf_outlines *outlines);
+
+/* Looks for the outlines of a row, at the visit's moment, into worker->outlines; true: there are
  * some. Uses both sections of the worker: before the row's plane is cut. */
 bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit);
 

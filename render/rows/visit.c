@@ -328,8 +328,8 @@ static void set_moment(const lf_visit_plan *plan, lf_visit *visit, uint64_t key,
         visit->worker->tracer.time = 1.0f - time;
 }
 
-/* Draws the plane of a visit, or one that is so much lower within the row, and cuts the volumes with
- * it. offsets names the sequence of row offsets. */
+/* Draws the plane of a visit, or one that is so much lower within the row, and cuts the volumes
+ * with it. offsets names the sequence of row offsets. */
 static void cut_at(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
                    uint32_t index, float lower)
 {
@@ -475,8 +475,8 @@ static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double n, 
 
 /* Native samples for holes, in the plane of one visit, until none is left farther than hole_reach
  * columns from a pixel that has something; the first of a pixel at the first film point of B and
- * q in that visit. tries = 0: what is left counts as dark from now on. *out_left: how many there are.
- * false = cancelled. */
+ * q in that visit. tries = 0: what is left counts as dark from now on. *out_left: how many there
+ * are. false = cancelled. */
 static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int tries,
                        uint64_t exits, uint32_t index, int *out_left, const lf_cancel *cancel)
 {

@@ -63,8 +63,6 @@ typedef struct lf_fan_met {
     lf_fan_face face[LF_FAN_FACES];
     lf_media_moments moments;       /* of its collisions, where features are wanted */
     uint32_t smooth[LF_MAX_CHUNKS]; /* of a row between two others: lf_between_mark */
-    /* of each column the groups of views that an outline runs through: lf_outlines_find */
-    uint32_t outline[LF_MAX_VIEW_SIDE];
 } lf_fan_met;
 
 /* The channels of a fan where media are chromatic: prefix densities are those of a base ray that
@@ -85,6 +83,13 @@ typedef struct lf_veil_memory {
     lf_veil_walk walk;           /* of what volumes emit among them */
 } lf_veil_memory;
 
+/* Where outlines run through a row (outlines.h). */
+typedef struct lf_outlines {
+    lf_section edge;  /* the meshes in its lower edge */
+    uint32_t *groups; /* [column] of views that have one there */
+    bool *views;      /* [column][view] which they are */
+} lf_outlines;
+
 /* One worker's memory. */
 typedef struct lf_scratch {
     lf_tracer tracer;
@@ -93,7 +98,7 @@ typedef struct lf_scratch {
     lf_film_sums sums;     /* of the visit under way */
     lf_reach reach;        /* of its row's plane */
     lf_section section;    /* the meshes in it, but for veils */
-    lf_section edge;       /* those in the lower edge of the row (outlines.h) */
+    lf_outlines outlines;  /* of the row, where visit.outlines */
     lf_veil_memory veil;   /* ... and those */
     lf_glow_row glows;     /* the lights in its media */
     int64_t base_paths, contributions, base_hidden;
@@ -144,7 +149,7 @@ typedef struct lf_visit {
     lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
-    bool outlines; /* worker->met.outline tells where some are, whose film points this visit takes */
+    bool outlines; /* worker->outlines tells where some are, whose film points this visit takes */
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
     uint64_t random;          /* this visit's own */
@@ -284,11 +289,11 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
  */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
-/* B and q of one row for this visit (exits_row.c), into the visit's sums; index is its number in its
- * half. What a coarse visit finds is that of slices, which nothing corrects; between two fans
+/* B and q of one row for this visit (exits_row.c), into the visit's sums; index is its number in
+ * its half. What a coarse visit finds is that of slices, which nothing corrects; between two fans
  * (LF_EXITS_COARSE) it is interpolated in views without an edge there, between the film points that
- * columns would have had. between: of a coarse visit, nothing is looked for where worker->met.smooth
- * says so (between.h); q is -1 there. */
+ * columns would have had. between: of a coarse visit, nothing is looked for where
+ * worker->met.smooth says so (between.h); q is -1 there. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
                   bool between);
 
