@@ -12,6 +12,7 @@ typedef struct lf_fan_end {
     int column;
     int material[LF_MAX_LANES];
     float nearness[LF_MAX_LANES];
+    bool veiled[LF_MAX_LANES];
 } lf_fan_end;
 
 bool lf_exits_next_groups(uint32_t *left, int n_views, int *first, int *end)
@@ -39,6 +40,7 @@ static void take_end(const lf_exits *e, int column, uint32_t groups, lf_fan_end 
     for (int k = 0; k < visit->rig->n_views; k++) {
         out->material[k] = w->met.material[k];
         out->nearness[k] = lf_nearness(visit->rig->distance, w->z_end[k]);
+        out->veiled[k] = e->veiled && visit->sums.feature && w->veil.seen[k].cover > 0.0f;
     }
 }
 
@@ -66,8 +68,8 @@ static bool has_edge(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b
     const float most_q = 0.1f;
     const lf_visit *visit = e->visit;
     const float *q = visit->sums.half.q + (size_t)k * (size_t)visit->rig->width;
-    return is_torn(e, a, b, k) || fabsf(q[a->column] - q[b->column]) > most_q ||
-           sees_texture(e, a, k) || sees_texture(e, b, k);
+    return is_torn(e, a, b, k) || fabsf(q[a->column] - q[b->column]) > most_q || a->veiled[k] ||
+           b->veiled[k] || sees_texture(e, a, k) || sees_texture(e, b, k);
 }
 
 static float between(float a, float b, float t)
@@ -216,6 +218,10 @@ static lf_exits begin(const lf_visit_plan *plan, const lf_visit *visit, uint64_t
         w->met.segment[k] = -1; /* and so it stays without meshes */
     for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->looks.varied); i++)
         w->met.face[i].segment = -1;
+    for (int i = 0; i < LF_VEIL_FACES && e.veiled; i++)
+        w->veil.face[i].segment = -1;
+    for (int k = 0; k < LF_MAX_LANES && e.veiled; k++)
+        w->veil.seen[k].cover = 0.0f;
     return e;
 }
 

@@ -76,11 +76,22 @@ typedef struct lf_channels {
     const float *received[3];
 } lf_channels;
 
+/* What a ray of the fan sees of veils: how much of it they cover, and what that is like. */
+typedef struct lf_veil_seen {
+    float cover;
+    float nearness, spread; /* mean and standard deviation, as of lf_media_moments */
+    float light;            /* lf_feature */
+    float albedo[LF_ALBEDO_NUMBERS];
+} lf_veil_seen;
+
 /* Veils of a row's plane. */
+enum { LF_VEIL_FACES = 64 };
 typedef struct lf_veil_memory {
     lf_section section;
-    bool mirrored[LF_MAX_LANES]; /* whether one before ray k has a delta lobe */
-    lf_veil_walk walk;           /* of what volumes emit among them */
+    lf_veil_seen seen[LF_MAX_LANES]; /* where features are wanted */
+    lf_fan_face face[LF_VEIL_FACES]; /* as lf_fan_met has them */
+    bool mirrored[LF_MAX_LANES];     /* whether one before ray k has a delta lobe */
+    lf_veil_walk walk;               /* of what volumes emit among them */
 } lf_veil_memory;
 
 /* Where outlines run through a row (outlines.h). */
