@@ -174,20 +174,22 @@ static void take_point(const lf_exits *e, int column, int first, int end, int n)
             mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
 }
 
+float lf_outlines_step(int plane)
+{
+    static const int quarter[LF_OUTLINE_POINTS] = {0, 2, 1, 3};
+    return (float)quarter[plane] / LF_OUTLINE_POINTS;
+}
+
 void lf_outlines_take(lf_exits *e, int plane)
 {
-    /* so that no part of the pixel is left out */
-    static const int place[LF_OUTLINE_PLANES] = {0, 2, 1, 3};
     const lf_rig *rig = e->visit->rig;
     const lf_outlines *outlines = &e->visit->worker->outlines;
+    e->step = lf_outlines_step(plane);
     for (int column = 0; column < rig->width; column++) {
-        for (int i = plane == 0 ? 1 : 0; i < LF_OUTLINE_ALONG && outlines->groups[column]; i++) {
-            uint32_t groups = outlines->groups[column];
-            e->only = outlines->views + (size_t)column * (size_t)rig->n_views;
-            e->step = (float)(LF_OUTLINE_PLANES * i + place[plane]) / LF_OUTLINE_POINTS;
-            for (int first, end; lf_exits_next_groups(&groups, rig->n_views, &first, &end);)
-                take_point(e, column, first, end, LF_OUTLINE_ALONG * plane + i);
-        }
+        uint32_t groups = outlines->groups[column];
+        e->only = outlines->views + (size_t)column * (size_t)rig->n_views;
+        for (int first, end; groups && lf_exits_next_groups(&groups, rig->n_views, &first, &end);)
+            take_point(e, column, first, end, plane);
     }
     e->step = 0.0f;
     e->only = NULL;
