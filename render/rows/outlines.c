@@ -38,7 +38,7 @@ static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge)
 {
     static const float no_lens[2] = {0.5f, 0.5f};
     lf_scratch *w = visit->worker;
-    lf_section *section = edge == 0 ? &w->section : &w->outlines.edge;
+    lf_section *section = edge == 0 ? &w->section : &w->met.outlines.edge;
     lf_row_plane plane;
     lf_rig_row_plane(plan->rig, (float)visit->row + (edge == 0 ? 0.0f : 1.0f), no_lens, &plane);
     lf_section_cut(section, plan->triangles, plan->scene, plan->rig, visit->row, &plane,
@@ -49,7 +49,7 @@ static void look(const lf_visit *visit, int edge, int column, corner *out)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    const lf_section *section = edge == 0 ? &w->section : &w->outlines.edge;
+    const lf_section *section = edge == 0 ? &w->section : &w->met.outlines.edge;
     const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     const float xw = rig->x0 + (float)column * rig->dx;
     lf_section_nearest(section, visit->triangles, rig, xw / rig->distance, lanes, rig->b, w->z_end,
@@ -84,7 +84,7 @@ bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
 {
     const lf_rig *rig = plan->rig;
     const size_t views = (size_t)rig->n_views;
-    lf_outlines *outlines = &visit->worker->outlines;
+    lf_outlines *outlines = &visit->worker->met.outlines;
     uint32_t any = 0;
     corner at[2][EDGES];
     bool between[2][LF_MAX_LANES]; /* the upper corner and the lower one */
@@ -183,7 +183,7 @@ float lf_outlines_step(int plane)
 void lf_outlines_take(lf_exits *e, int plane)
 {
     const lf_rig *rig = e->visit->rig;
-    const lf_outlines *outlines = &e->visit->worker->outlines;
+    const lf_outlines *outlines = &e->visit->worker->met.outlines;
     e->step = lf_outlines_step(plane);
     for (int column = 0; column < rig->width; column++) {
         uint32_t groups = outlines->groups[column];

@@ -17,8 +17,8 @@ LF_NODISCARD lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles
 /* Accepts one that is all zero. */
 void lf_outlines_finish(lf_outlines *outlines);
 
-/* Looks for the outlines of a row, at the visit's moment, into worker->outlines; true: there are
- * some. Uses both sections of the worker: before the row's plane is cut. */
+/* Looks for the outlines of a row, at the visit's moment, into worker->met.outlines; true: there
+ * are some. Uses both sections of the worker: before the row's plane is cut. */
 bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit);
 
 /* The film points of outlines in plane number `plane`, 1 .. LF_OUTLINE_POINTS - 1, which has been
