@@ -237,8 +237,6 @@ void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key
         coarse_row(&e);
     for (int column = 0; column < rig->width && !plan->order.coarse; column++)
         lf_exits_fan(&e, column, 0, LF_MAX_LANES);
-    if (visit->outlines)
-        lf_outlines_take(&e, 0);
     if (w->mirrors)
         widen(w->mirrors, rig->n_views, rig->width);
 }

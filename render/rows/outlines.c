@@ -38,7 +38,7 @@ static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge)
 {
     static const float no_lens[2] = {0.5f, 0.5f};
     lf_scratch *w = visit->worker;
-    lf_section *section = edge == 0 ? &w->section : &w->outlines.edge;
+    lf_section *section = edge == 0 ? &w->section : &w->met.outlines.edge;
     lf_row_plane plane;
     lf_rig_row_plane(plan->rig, (float)visit->row + (edge == 0 ? 0.0f : 1.0f), no_lens, &plane);
     lf_section_cut(section, plan->triangles, plan->scene, plan->rig, visit->row, &plane,
@@ -49,7 +49,7 @@ static void look(const lf_visit *visit, int edge, int column, corner *out)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    const lf_section *section = edge == 0 ? &w->section : &w->outlines.edge;
+    const lf_section *section = edge == 0 ? &w->section : &w->met.outlines.edge;
     const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     const float xw = rig->x0 + (float)column * rig->dx;
     lf_section_nearest(section, visit->triangles, rig, xw / rig->distance, lanes, rig->b, w->z_end,
@@ -84,7 +84,7 @@ bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
 {
     const lf_rig *rig = plan->rig;
     const size_t views = (size_t)rig->n_views;
-    lf_outlines *outlines = &visit->worker->outlines;
+    lf_outlines *outlines = &visit->worker->met.outlines;
     uint32_t any = 0;
     corner at[2][EDGES];
     bool between[2][LF_MAX_LANES]; /* the upper corner and the lower one */
@@ -174,20 +174,22 @@ static void take_point(const lf_exits *e, int column, int first, int end, int n)
             mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
 }
 
+float lf_outlines_step(int plane)
+{
+    static const int quarter[LF_OUTLINE_POINTS] = {0, 2, 1, 3};
+    return (float)quarter[plane] / LF_OUTLINE_POINTS;
+}
+
 void lf_outlines_take(lf_exits *e, int plane)
 {
-    /* so that no part of the pixel is left out */
-    static const int place[LF_OUTLINE_PLANES] = {0, 2, 1, 3};
     const lf_rig *rig = e->visit->rig;
-    const lf_outlines *outlines = &e->visit->worker->outlines;
+    const lf_outlines *outlines = &e->visit->worker->met.outlines;
+    e->step = lf_outlines_step(plane);
     for (int column = 0; column < rig->width; column++) {
-        for (int i = plane == 0 ? 1 : 0; i < LF_OUTLINE_ALONG && outlines->groups[column]; i++) {
-            uint32_t groups = outlines->groups[column];
-            e->only = outlines->views + (size_t)column * (size_t)rig->n_views;
-            e->step = (float)(LF_OUTLINE_PLANES * i + place[plane]) / LF_OUTLINE_POINTS;
-            for (int first, end; lf_exits_next_groups(&groups, rig->n_views, &first, &end);)
-                take_point(e, column, first, end, LF_OUTLINE_ALONG * plane + i);
-        }
+        uint32_t groups = outlines->groups[column];
+        e->only = outlines->views + (size_t)column * (size_t)rig->n_views;
+        for (int first, end; groups && lf_exits_next_groups(&groups, rig->n_views, &first, &end);)
+            take_point(e, column, first, end, plane);
     }
     e->step = 0.0f;
     e->only = NULL;

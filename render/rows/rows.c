@@ -36,7 +36,7 @@ static void free_workers(lf_scratch **workers, int n)
             lf_media_finish(&workers[i]->shine.flames);
             lf_film_sums_finish(&workers[i]->sums);
             lf_section_finish(&workers[i]->section);
-            lf_outlines_finish(&workers[i]->outlines);
+            lf_outlines_finish(&workers[i]->met.outlines);
             lf_section_finish(&workers[i]->veil.section);
             lf_free(workers[i]->expected);
             lf_free(workers[i]->mirrors);
@@ -67,7 +67,7 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             lf_section_init(&workers[i]->section, rows->triangles.longest,
                             rows->triangles.n_places) != LF_OK ||
             (outlines &&
-             lf_outlines_init(&workers[i]->outlines, &rows->triangles, layout) != LF_OK) ||
+             lf_outlines_init(&workers[i]->met.outlines, &rows->triangles, layout) != LF_OK) ||
             lf_section_init(&workers[i]->veil.section,
                             rows->seen.looks.veiled ? rows->triangles.longest : 0,
                             rows->triangles.n_places) != LF_OK) {
@@ -75,7 +75,7 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             return NULL;
         }
         workers[i]->section.rays.tracer = workers[i]->veil.section.rays.tracer =
-            workers[i]->outlines.edge.rays.tracer = &workers[i]->tracer;
+            workers[i]->met.outlines.edge.rays.tracer = &workers[i]->tracer;
     }
     return workers;
 }

@@ -368,8 +368,8 @@ static void find_known(const lf_visit_plan *plan, lf_visit *visit, uint64_t key,
                        uint32_t index)
 {
     lf_exits_row(plan, visit, key, index, false);
-    for (int i = 1; i < LF_OUTLINE_PLANES && visit->outlines; i++) {
-        cut_at(plan, visit, key, offsets, index, (float)i / LF_OUTLINE_PLANES);
+    for (int i = 1; i < LF_OUTLINE_POINTS && visit->outlines; i++) {
+        cut_at(plan, visit, key, offsets, index, lf_outlines_lower(i));
         lf_exits_outlines(plan, visit, key, index, i);
     }
     if (visit->outlines)
@@ -474,11 +474,12 @@ static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double n, 
 }
 
 /* Native samples for holes, in the plane of one visit, until none is left farther than hole_reach
- * columns from a pixel that has something; the first of a pixel at the first film point of B and
- * q in that visit. tries = 0: what is left counts as dark from now on. *out_left: how many there
- * are. false = cancelled. */
+ * columns from a pixel that has something; the first of a pixel at the film point of B and q in
+ * that visit, or one that is a step from it. tries = 0: what is left counts as dark from now on.
+ * *out_left: how many there are. false = cancelled. */
 static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int tries,
-                       uint64_t exits, uint32_t index, int *out_left, const lf_cancel *cancel)
+                       uint64_t exits, uint32_t index, float step, int *out_left,
+                       const lf_cancel *cancel)
 {
     const lf_film_row *state = &plan->film->rows[visit->row];
     const lf_film_half halves[2] = {lf_film_at(plan->film, visit->row, 0),
@@ -494,7 +495,10 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int
                 continue;
             bool far = column - filled >= plan->order.hole_reach;
             for (int i = 0; i < tries && far && lf_film_is_hole(halves, state->n, pixel); i++) {
-                float film = i == 0 ? lf_exits_film_point(exits, column, index) : -1.0f;
+                float point = lf_exits_film_point(exits, column, index) + step,
+                      film = i > 0          ? -1.0f
+                             : point < 1.0f ? point
+                                            : point - 1.0f;
                 if (cancelled(cancel))
                     return false;
                 base_sample(plan, visit, view, column, film, false, own,
@@ -510,8 +514,16 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int
     return true;
 }
 
-/* Fills holes in the planes of earlier visits of a stream, of which `now` is left out (< 0: none).
- * false = cancelled. */
+/* Planes that a visit has found B and q in, at most: index is its number in its half. */
+static int planes_of(const lf_visit_plan *plan, int64_t index)
+{
+    return plan->triangles && plan->film->layout.has_features && index < LF_OUTLINE_VISITS
+               ? LF_OUTLINE_POINTS
+               : 1;
+}
+
+/* Fills holes in the planes of earlier visits of a stream, of which the first of `now` is left out
+ * (< 0: of none). false = cancelled. */
 static bool replay(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t now,
                    const lf_film_stream *from, int *left, const lf_cancel *cancel)
 {
@@ -520,11 +532,15 @@ static bool replay(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t
         int other = i % 2 ? 1 - half : half;
         int64_t index = (int64_t)from->rows[visit->row].visits[other] - 1 - i / 2;
         uint64_t key = key_of(lf_film_stream_random(from), visit->row, other);
-        if (index < 0 || (other == half && index == now))
-            continue;
-        cut(plan, visit, key, lf_hash64(key, 0), (uint32_t)index);
-        if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, left, cancel))
-            return false;
+        for (int plane = other == half && index == now ? 1 : 0;
+             index >= 0 && plane < planes_of(plan, index) && *left > 0; plane++) {
+            if (plan->moment)
+                set_moment(plan, visit, key, (uint32_t)index);
+            cut_at(plan, visit, key, lf_hash64(key, 0), (uint32_t)index, lf_outlines_lower(plane));
+            if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, lf_outlines_step(plane),
+                            left, cancel))
+                return false;
+        }
     }
     return true;
 }
@@ -545,7 +561,7 @@ static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64
     visit->sums = lf_film_sums_of(plan->film, visit->row, half);
     visit->weight = (float)state->n[half];
     if (now >= 0 && !fill_holes(plan, visit, half, TRIES, stream(plan, visit->row, half),
-                                (uint32_t)now, &left, cancel))
+                                (uint32_t)now, 0.0f, &left, cancel))
         return false;
     if (!replay(plan, visit, half, now, &film->streams[plan->order.stream], &left, cancel))
         return false;
@@ -553,7 +569,7 @@ static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64
         if (i != plan->order.stream &&
             !replay(plan, visit, half, -1, &film->streams[i], &left, cancel))
             return false;
-    return left == 0 || fill_holes(plan, visit, half, 0, 0, 0, &left, cancel);
+    return left == 0 || fill_holes(plan, visit, half, 0, 0, 0, 0.0f, &left, cancel);
 }
 
 /* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native

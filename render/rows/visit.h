@@ -56,6 +56,13 @@ typedef struct lf_fan_face {
     lf_face_albedo albedo; /* where a visit looks for it */
 } lf_fan_face;
 
+/* Where outlines run through a row (outlines.h). */
+typedef struct lf_outlines {
+    lf_section edge;  /* the meshes in its lower edge */
+    uint32_t *groups; /* [column] of views that have one there */
+    bool *views;      /* [column][view] which they are */
+} lf_outlines;
+
 /* What the fan's rays meet. */
 typedef struct lf_fan_met {
     int segment[LF_MAX_LANES];  /* of the section, -1: no surface */
@@ -63,6 +70,7 @@ typedef struct lf_fan_met {
     lf_fan_face face[LF_FAN_FACES];
     lf_media_moments moments;       /* of its collisions, where features are wanted */
     uint32_t smooth[LF_MAX_CHUNKS]; /* of a row between two others: lf_between_mark */
+    lf_outlines outlines;           /* where lf_visit.outlines */
 } lf_fan_met;
 
 /* The channels of a fan where media are chromatic: prefix densities are those of a base ray that
@@ -94,13 +102,6 @@ typedef struct lf_veil_memory {
     lf_veil_walk walk;               /* of what volumes emit among them */
 } lf_veil_memory;
 
-/* Where outlines run through a row (outlines.h). */
-typedef struct lf_outlines {
-    lf_section edge;  /* the meshes in its lower edge */
-    uint32_t *groups; /* [column] of views that have one there */
-    bool *views;      /* [column][view] which they are */
-} lf_outlines;
-
 /* One worker's memory. */
 typedef struct lf_scratch {
     lf_tracer tracer;
@@ -109,7 +110,6 @@ typedef struct lf_scratch {
     lf_film_sums sums;     /* of the visit under way */
     lf_reach reach;        /* of its row's plane */
     lf_section section;    /* the meshes in it, but for veils */
-    lf_outlines outlines;  /* of the row, where visit.outlines */
     lf_veil_memory veil;   /* ... and those */
     lf_glow_row glows;     /* the lights in its media */
     int64_t base_paths, contributions, base_hidden;
@@ -160,7 +160,8 @@ typedef struct lf_visit {
     lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
-    bool outlines; /* worker->outlines tells where some are, whose film points this visit takes */
+    bool outlines; /* worker->met.outlines tells where some are, whose film points this visit takes
+                    */
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
     uint64_t random;          /* this visit's own */
