@@ -4,7 +4,7 @@
 
 #include "base/alloc.h"
 
-lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows,
+lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows, bool veiled,
                            const lf_film_layout *layout)
 {
     const size_t columns = (size_t)layout->width;
@@ -12,12 +12,16 @@ lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows,
     out->views = lf_calloc(columns * (size_t)layout->n_views, sizeof *out->views);
     if (!out->groups || !out->views)
         return LF_E_NOMEM;
-    return lf_section_init(&out->edge, rows->longest, rows->n_places);
+    lf_status status = lf_section_init(&out->edge, rows->longest, rows->n_places);
+    return status == LF_OK
+               ? lf_section_init(&out->veils, veiled ? rows->longest : 0, rows->n_places)
+               : status;
 }
 
 void lf_outlines_finish(lf_outlines *outlines)
 {
     lf_section_finish(&outlines->edge);
+    lf_section_finish(&outlines->veils);
     lf_free(outlines->groups);
     lf_free(outlines->views);
 }
@@ -29,46 +33,63 @@ void lf_outlines_finish(lf_outlines *outlines)
 typedef struct corner {
     int material[LF_MAX_LANES];
     float nearness[LF_MAX_LANES];
+    float through[LF_MAX_LANES]; /* what veils let through */
 } corner;
 
-/* The upper edge of the row and the lower one. */
+/* An edge of the row, the upper one and the lower one: what its plane cuts. */
 enum { EDGES = 2 };
+typedef struct row_edge {
+    lf_row_plane plane;
+    lf_section *section, *veils; /* veils: NULL where there are none */
+} row_edge;
 
-static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge)
+static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge, row_edge *out)
 {
     static const float no_lens[2] = {0.5f, 0.5f};
+    const bool veiled = plan->scene->looks.veiled;
     lf_scratch *w = visit->worker;
-    lf_section *section = edge == 0 ? &w->section : &w->met.outlines.edge;
-    lf_row_plane plane;
-    lf_rig_row_plane(plan->rig, (float)visit->row + (edge == 0 ? 0.0f : 1.0f), no_lens, &plane);
-    lf_section_cut(section, plan->triangles, plan->scene, plan->rig, visit->row, &plane,
-                   plan->scene->looks.veiled ? LF_CUT_OPAQUE : LF_CUT_ALL);
+    out->section = edge == 0 ? &w->section : &w->met.outlines.edge;
+    out->veils = edge == 0 ? &w->veil.section : &w->met.outlines.veils;
+    lf_rig_row_plane(plan->rig, (float)(visit->row + edge), no_lens, &out->plane);
+    lf_section_cut(out->section, plan->triangles, plan->scene, plan->rig, visit->row, &out->plane,
+                   veiled ? LF_CUT_OPAQUE : LF_CUT_ALL);
+    if (veiled)
+        lf_section_cut(out->veils, plan->triangles, plan->scene, plan->rig, visit->row, &out->plane,
+                       LF_CUT_VEILS);
+    else
+        out->veils = NULL;
 }
 
-static void look(const lf_visit *visit, int edge, int column, corner *out)
+static void look(const lf_visit *visit, const row_edge *edge, int column, corner *out)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    const lf_section *section = edge == 0 ? &w->section : &w->met.outlines.edge;
     const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
-    const float xw = rig->x0 + (float)column * rig->dx;
-    lf_section_nearest(section, visit->triangles, rig, xw / rig->distance, lanes, rig->b, w->z_end,
+    const float s = (rig->x0 + (float)column * rig->dx) / rig->distance;
+    lf_section_nearest(edge->section, visit->triangles, rig, s, lanes, rig->b, w->z_end,
                        w->met.segment);
+    for (int k = 0; k < lanes; k++)
+        out->through[k] = 1.0f;
+    if (edge->veils) {
+        const lf_veils veils = {edge->veils, visit->triangles, visit->scene, rig, &edge->plane};
+        lf_veils_along(&veils, s, lanes, rig->b, w->z_end, out->through, w->veil.mirrored, NULL);
+    }
     for (int k = 0; k < rig->n_views; k++) {
         out->material[k] =
-            w->met.segment[k] < 0 ? -1 : lf_section_material(section, w->met.segment[k]);
+            w->met.segment[k] < 0 ? -1 : lf_section_material(edge->section, w->met.segment[k]);
         out->nearness[k] = lf_nearness(rig->distance, w->z_end[k]);
     }
 }
 
 /* Marks the views whose rays of two corners meet other surfaces, or depths that no surface between
- * could have. */
+ * could have, or of which veils let much more of one through. */
 static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool *out)
 {
-    const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance;
+    const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance, most_veil = 0.25f;
     for (int k = 0; k < rig->n_views; k++)
-        out[k] |=
-            (a->material[k] != b->material[k]) | (fabsf(a->nearness[k] - b->nearness[k]) > apart);
+        out[k] |= (a->material[k] != b->material[k]) |
+                  (fabsf(a->nearness[k] - b->nearness[k]) > apart) |
+                  (fabsf(a->through[k] - b->through[k]) > most_veil);
 }
 
 /* The groups of these views. */
@@ -87,14 +108,15 @@ bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
     lf_outlines *outlines = &visit->worker->met.outlines;
     uint32_t any = 0;
     corner at[2][EDGES];
+    row_edge edges[EDGES];
     bool between[2][LF_MAX_LANES]; /* the upper corner and the lower one */
     for (int edge = 0; edge < EDGES; edge++)
-        cut_edge(plan, visit, edge);
+        cut_edge(plan, visit, edge, &edges[edge]);
     for (int column = 0; column <= rig->width; column++) {
         corner *here = at[column % 2], *last = at[(column + 1) % 2];
         bool *now = between[column % 2], *before = between[(column + 1) % 2];
         for (int edge = 0; edge < EDGES; edge++)
-            look(visit, edge, column, &here[edge]);
+            look(visit, &edges[edge], column, &here[edge]);
         memset(now, 0, views * sizeof *now);
         mark_torn(rig, &here[0], &here[1], now);
         if (column == 0)

@@ -12,7 +12,7 @@
 #include "render/rows/exits.h"
 
 /* A worker's memory for films of this layout. LF_E_NOMEM; *out may then be finished. */
-LF_NODISCARD lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows,
+LF_NODISCARD lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows, bool veiled,
                                         const lf_film_layout *layout);
 /* Accepts one that is all zero. */
 void lf_outlines_finish(lf_outlines *outlines);

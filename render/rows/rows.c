@@ -66,8 +66,8 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
             lf_section_init(&workers[i]->section, rows->triangles.longest,
                             rows->triangles.n_places) != LF_OK ||
-            (outlines &&
-             lf_outlines_init(&workers[i]->met.outlines, &rows->triangles, layout) != LF_OK) ||
+            (outlines && lf_outlines_init(&workers[i]->met.outlines, &rows->triangles,
+                                          rows->seen.looks.veiled, layout) != LF_OK) ||
             lf_section_init(&workers[i]->veil.section,
                             rows->seen.looks.veiled ? rows->triangles.longest : 0,
                             rows->triangles.n_places) != LF_OK) {
@@ -75,7 +75,8 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             return NULL;
         }
         workers[i]->section.rays.tracer = workers[i]->veil.section.rays.tracer =
-            workers[i]->met.outlines.edge.rays.tracer = &workers[i]->tracer;
+            workers[i]->met.outlines.edge.rays.tracer = workers[i]->met.outlines.veils.rays.tracer =
+                &workers[i]->tracer;
     }
     return workers;
 }

@@ -58,7 +58,8 @@ typedef struct lf_fan_face {
 
 /* Where outlines run through a row (outlines.h). */
 typedef struct lf_outlines {
-    lf_section edge;  /* the meshes in its lower edge */
+    lf_section edge;  /* the meshes in its lower edge, but for veils */
+    lf_section veils; /* ... and those */
     uint32_t *groups; /* [column] of views that have one there */
     bool *views;      /* [column][view] which they are */
 } lf_outlines;
