@@ -21,8 +21,9 @@
 #define LF_FEATURE_VISITS 256
 /* Visits of a row that albedo is taken from: each looks at a quarter of all pixels. */
 #define LF_ALBEDO_VISITS 4
-/* Visits of a row that take so many film points in pixels where surfaces meet, not one. */
-#define LF_OUTLINE_VISITS 4
+/* Visits of a row that take so many film points in pixels where surfaces meet, not one, each in a
+ * plane of its own. */
+#define LF_OUTLINE_VISITS 2
 #define LF_OUTLINE_POINTS 4
 
 typedef struct lf_feature {

@@ -14,7 +14,7 @@
 /* Of sharpening. */
 #define ROUNDS 3
 /* More is not lacking: nothing was expected. */
-#define MOST 3.0f
+#define MOST 1.5f
 
 lf_residual *lf_residual_create(const lf_reconstruct_view *view)
 {

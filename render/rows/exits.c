@@ -8,14 +8,15 @@
 #include "render/transport/sunlight.h"
 #include "render/transport/surface_texture.h"
 
-static const lf_fan_face *face_of(const lf_visit *visit, int segment)
+/* The triangle of a segment, kept in one of n faces. */
+static const lf_fan_face *face_in(const lf_visit *visit, const lf_section *section,
+                                  lf_fan_face *faces, int n, int segment)
 {
-    lf_scratch *w = visit->worker;
-    lf_fan_face *face = &w->met.face[segment % LF_FAN_FACES];
+    lf_fan_face *face = &faces[segment % n];
     /* rays find other segments of the same number */
-    if (face->segment != segment || w->section.rays.on) {
+    if (face->segment != segment || section->rays.on) {
         face->segment = segment;
-        lf_section_face(&w->section, visit->triangles, visit->scene, segment, &face->face);
+        lf_section_face(section, visit->triangles, visit->scene, segment, &face->face);
         if (visit->sunlight)
             lf_sunlight_face_init(&face->sunlight, visit->sunlight, face->face.n);
         if (visit->sums.albedo)
@@ -24,17 +25,23 @@ static const lf_fan_face *face_of(const lf_visit *visit, int segment)
     return face;
 }
 
-/* Where ray k meets its surface. */
-static void hit_of(const lf_visit *visit, int k, const lf_fan_face *face, lf_vec3 *out_along,
-                   lf_hit *out)
+static const lf_fan_face *face_of(const lf_visit *visit, int segment)
+{
+    lf_scratch *w = visit->worker;
+    return face_in(visit, &w->section, w->met.face, LF_FAN_FACES, segment);
+}
+
+/* Where ray k meets a surface, at depth z. */
+static void hit_of(const lf_visit *visit, int k, float z, const lf_fan_face *face,
+                   lf_vec3 *out_along, lf_hit *out)
 {
     const lf_scratch *w = visit->worker;
     *out_along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
     const lf_vec3 p =
-        lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), w->z_end[k], *out_along);
+        lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), z, *out_along);
     lf_face_hit(&face->face, p, *out_along, out);
     if (visit->scene->looks.varied && lf_is_varied(out->mesh, out->material))
-        lf_hit_vary(out, lf_rig_spread(visit->rig) * w->z_end[k]);
+        lf_hit_vary(out, lf_rig_spread(visit->rig) * z);
 }
 
 /* Whether ray k sees the back of what it meets. */
@@ -55,7 +62,8 @@ static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *mate
     if (!(material->textures || material->tint == LF_TINT_ALL) ||
         !(lf_max3(material->emission) > 0.0f))
         return material->emission;
-    hit_of(visit, k, face_of(visit, visit->worker->met.segment[k]), &along, &hit);
+    const lf_scratch *w = visit->worker;
+    hit_of(visit, k, w->z_end[k], face_of(visit, w->met.segment[k]), &along, &hit);
     return lf_hit_material(&hit)->emission;
 }
 
@@ -116,22 +124,23 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
     lf_film_known_light(&visit->sums, pixel, light.x, light.y, light.z);
 }
 
-/* What the surface that ray k meets sends on of sunlight. */
-static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k)
+/* What a surface that ray k meets at depth z sends on of sunlight. */
+static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k, float z,
+                         const lf_fan_face *face)
 {
     if (!plan->order.sunlight)
         return 0.0f;
     lf_hit hit;
     lf_vec3 along;
-    const lf_fan_face *face = face_of(visit, visit->worker->met.segment[k]);
-    hit_of(visit, k, face, &along, &hit);
+    hit_of(visit, k, z, face, &along, &hit);
     return lf_sunlight_reflected(plan->order.sunlight, &face->sunlight, &hit,
                                  lf_scale(along, -1.0f / visit->worker->length[k]));
 }
 
-/* Where another ray through ray k's pixel meets the plane of what ray k meets. off: from the slopes
- * of ray k to its. Along the face ray k itself has to do. */
-static lf_vec3 beside_at(const lf_visit *visit, int k, const lf_face *face, const float off[2])
+/* Where another ray through ray k's pixel meets the plane of what ray k meets at depth z. off: from
+ * the slopes of ray k to its. Along the face ray k itself has to do. */
+static lf_vec3 beside_at(const lf_visit *visit, int k, float z, const lf_face *face,
+                         const float off[2])
 {
     const float grazing = 0.05f;
     const lf_scratch *w = visit->worker;
@@ -141,49 +150,137 @@ static lf_vec3 beside_at(const lf_visit *visit, int k, const lf_face *face, cons
                                            visit->plane.my + off[1], 1.0f);
     const float across = lf_dot(face->n, other);
     if (!(fabsf(across) > grazing * w->length[k]))
-        return lf_madd(o, w->z_end[k], along);
+        return lf_madd(o, z, along);
     return lf_madd(o, lf_dot(face->n, lf_sub(face->a, o)) / across, other);
 }
 
-/* Of the surface that ray k meets, of which this share is not hidden by media, whose albedo is no
- * matter: what they scatter is smooth. */
-static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surface,
+static void albedo_at(const lf_visit *visit, int k, float z, const lf_fan_face *face,
+                      const float off[2], float out[LF_ALBEDO_NUMBERS])
+{
+    lf_face_albedo_at(&face->albedo, &face->face, beside_at(visit, k, z, &face->face, off),
+                      lf_rig_spread(visit->rig) * z, out);
+}
+
+/* What is not told by a surface: what media scatter is smooth. */
+static const float no_albedo[LF_ALBEDO_NUMBERS] = {1.0f, 1.0f, 1.0f, 0.0f};
+
+static void mix_albedo(float albedo[LF_ALBEDO_NUMBERS], const float other[LF_ALBEDO_NUMBERS],
+                       float share)
+{
+    for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
+        albedo[c] += share * (other[c] - albedo[c]);
+}
+
+/* Of the surface that ray k meets, of which this share is not hidden by media, and of the veils
+ * before it, of which that is seen. */
+static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surface, float veils,
                          const float off[2])
 {
     const lf_scratch *w = visit->worker;
-    float albedo[LF_ALBEDO_NUMBERS] = {1.0f, 1.0f, 1.0f, 0.0f}, met[LF_ALBEDO_NUMBERS];
+    float albedo[LF_ALBEDO_NUMBERS], met[LF_ALBEDO_NUMBERS];
+    memcpy(albedo, no_albedo, sizeof albedo);
     if (surface > 0.0f) {
-        const lf_fan_face *face = face_of(visit, w->met.segment[k]);
-        lf_face_albedo_at(&face->albedo, &face->face, beside_at(visit, k, &face->face, off),
-                          lf_rig_spread(visit->rig) * w->z_end[k], met);
-        for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
-            albedo[c] += surface * (met[c] - albedo[c]);
+        albedo_at(visit, k, w->z_end[k], face_of(visit, w->met.segment[k]), off, met);
+        mix_albedo(albedo, met, surface);
     }
+    if (veils > 0.0f)
+        mix_albedo(albedo, w->veil.seen[k].albedo, veils);
     lf_film_note_albedo(&visit->sums, pixel, albedo);
 }
 
-/* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
-static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, const float off[2])
+/* ---------------------------------------------------------------------------------- features --
+ */
+
+/* Less of a surface is not worth a look at its light. */
+#define LEAST_SEEN 1e-3f
+
+/* What ray k sees of one veil at depth z; share: of the ray. */
+static void see_veil(const lf_exits *e, int k, int segment, float z, float share,
+                     const float off[2], lf_veil_seen *out)
 {
-    const lf_visit_plan *plan = e->plan;
+    lf_scratch *w = e->visit->worker;
+    const lf_section *section = &w->veil.section;
+    float met[LF_ALBEDO_NUMBERS];
+    const float nearness = lf_nearness(e->visit->rig->distance, z);
+    if (segment >= 0) {
+        const lf_fan_face *face = face_in(e->visit, section, w->veil.face, LF_VEIL_FACES, segment);
+        if (face->face.material->glass.is_pane) /* it scatters nothing */
+            return;
+        out->light += share * sunlight_of(e->plan, e->visit, k, z, face);
+        if (e->visit->sums.albedo)
+            albedo_at(e->visit, k, z, face, off, met);
+    }
+    out->cover += share;
+    const float part = share / out->cover, apart = nearness - out->nearness;
+    mix_albedo(out->albedo, segment >= 0 && e->visit->sums.albedo ? met : no_albedo, part);
+    out->nearness += part * apart;
+    out->spread = sqrtf((1.0f - part) * (out->spread * out->spread + part * (apart * apart)));
+}
+
+/* What ray k sees of all veils that it crosses; media among them are not looked at. */
+static void see_veils(const lf_exits *e, int k, const float off[2])
+{
+    const lf_veil_crossings *ray = &e->visit->worker->veil.walk.ray[k];
+    lf_veil_seen *out = &e->visit->worker->veil.seen[k];
+    float left = 1.0f;
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < ray->n; i++) {
+        const float share = left * (1.0f - ray->passes[i]);
+        left *= ray->passes[i];
+        if (share > LEAST_SEEN)
+            see_veil(e, k, ray->segment[i], ray->z[i], share, off, out);
+    }
+    out->light /= out->cover > 0.0f ? out->cover : 1.0f;
+}
+
+/* Puts veils before a feature of which q is known; what they have of all pivots. */
+static float add_veils(const lf_veil_seen *veils, float q, lf_feature *feature)
+{
+    const float behind = (1.0f - veils->cover) * q;
+    if (!(veils->cover > 0.0f))
+        return 0.0f;
+    if (!(behind > 0.0f)) {
+        *feature = (lf_feature){veils->nearness, veils->spread, 1.0f, veils->light};
+        return 1.0f;
+    }
+    const float part = veils->cover / (veils->cover + behind),
+                apart = veils->nearness - feature->nearness;
+    feature->spread = sqrtf(part * veils->spread * veils->spread +
+                            (1.0f - part) * (feature->spread * feature->spread) +
+                            part * (1.0f - part) * (apart * apart));
+    feature->nearness += part * apart;
+    feature->surface += part * (1.0f - feature->surface);
+    feature->light += part * (veils->light - feature->light);
+    return part;
+}
+
+/* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
+static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, bool reached,
+                          const float off[2])
+{
     const lf_visit *visit = e->visit;
-    const float least = 1e-3f; /* less of a surface is not worth a look at its light */
     const lf_scratch *worker = visit->worker;
     const lf_media_moments *m = &worker->met.moments;
+    const float medium = lf_min(m->met[k], 1.0f);
+    float veils = 0.0f;
     lf_feature feature = {.nearness = m->nearness[k], .spread = m->spread[k]};
     if (lobe) {
         float wall = lf_nearness(visit->rig->distance, worker->z_end[k]),
-              medium = lf_min(m->met[k], 1.0f), apart = feature.nearness - wall;
+              apart = feature.nearness - wall;
         feature.surface = 1.0f - medium;
         feature.spread =
             sqrtf(medium * (feature.spread * feature.spread + feature.surface * (apart * apart)));
         feature.nearness = wall + medium * apart;
-        if (feature.surface > least)
-            feature.light = feature.surface * sunlight_of(plan, visit, k);
+        if (feature.surface > LEAST_SEEN)
+            feature.light = feature.surface * sunlight_of(e->plan, visit, k, worker->z_end[k],
+                                                          face_of(visit, worker->met.segment[k]));
     }
+    const float surface = feature.surface > LEAST_SEEN ? feature.surface : 0.0f;
+    if (e->veiled && reached)
+        veils = add_veils(&worker->veil.seen[k], lobe ? 1.0f : medium, &feature);
     lf_film_note(&visit->sums, pixel, feature);
     if (visit->sums.albedo)
-        write_albedo(visit, pixel, k, feature.surface > least ? feature.surface : 0.0f, off);
+        write_albedo(visit, pixel, k, surface, veils, off);
 }
 
 /* Whether the camera sees another colour in another direction. */
@@ -284,14 +381,17 @@ static float meeting(const lf_rig *rig, float xw, float lx)
 }
 
 /* What veils before the surfaces let through is one more factor. */
-static void veil(const lf_visit *visit, float xw, float lx, int from, int to)
+static void veil(const lf_exits *e, float s0, int from, int to, const float off[2])
 {
-    lf_scratch *w = visit->worker;
-    const lf_veils veils = lf_visit_veils(visit);
+    lf_scratch *w = e->visit->worker;
+    const lf_veils veils = lf_visit_veils(e->visit);
+    const bool features = e->visit->sums.feature;
     for (int k = from; k < to; k++)
         w->veil.mirrored[k] = false;
-    lf_veils_along(&veils, meeting(visit->rig, xw, lx), to - from, w->x0 + from, w->z_end + from,
-                   w->factor + from, w->veil.mirrored + from);
+    lf_veils_along(&veils, s0, to - from, w->x0 + from, w->z_end + from, w->factor + from,
+                   w->veil.mirrored + from, features ? w->veil.walk.ray + from : NULL);
+    for (int k = from; k < to && features; k++)
+        see_veils(e, k, off);
 }
 
 /* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a
@@ -367,7 +467,7 @@ static float film_point(const lf_exits *e, int column)
 }
 
 /* The rays [from, to) of a column's fan, up to what they meet and through all media before it. */
-static void follow(const lf_exits *e, int column, int from, int to)
+static void follow(const lf_exits *e, int column, int from, int to, const float off[2])
 {
     const lf_visit *visit = e->visit;
     const lf_rig *rig = visit->rig;
@@ -390,7 +490,7 @@ static void follow(const lf_exits *e, int column, int from, int to)
     if (e->corrected && from < to)
         correct(visit, e->density, from, to);
     if (e->veiled && from < to)
-        veil(visit, xw, lx, from, to);
+        veil(e, meeting(rig, xw, lx), from, to, off);
     if (w->shine.flames.n_here > 0)
         shine(visit, meeting(rig, xw, lx), from, to,
               lf_sampler_radical(lf_hash64(lf_hash64(e->key, 16), (uint64_t)column), e->index));
@@ -406,9 +506,11 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end)
     lanes_of(&w->reach, rig->n_views, column, &from, &to);
     from = from > first ? from : first;
     to = to < end ? to : end;
-    follow(e, column, from, to);
     const float off[2] = {(e->quarter - film_point(e, column)) * rig->dx / rig->distance, e->down};
+    follow(e, column, from, to, off);
     for (int k = first; k < end && k < rig->n_views; k++) {
+        if (e->only && !e->only[k])
+            continue;
         bool reached = k >= from && k < to, met = reached && w->met.segment[k] >= 0;
         int material = met ? lf_section_material(&w->section, w->met.segment[k]) : -1;
         const lf_material *m = met ? &scene->materials[material] : NULL;
@@ -426,6 +528,6 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end)
         if (e->veiled && w->mirrors && reached)
             w->mirrors[pixel] |= w->veil.mirrored[k];
         if (visit->sums.feature)
-            write_feature(e, pixel, k, m && m->has_lobe, off);
+            write_feature(e, pixel, k, m && m->has_lobe, reached, off);
     }
 }

@@ -18,11 +18,16 @@ typedef struct lf_exits {
     /* where in their pixels albedo is looked up, columns from the left; and how far that is below
      * the plane, as a slope: four visits look at the middles of a pixel's quarters */
     float quarter, down;
-    float step; /* from a column's film point to the one that is followed, in pixels */
+    const bool *only; /* [view] of a column: the others are left as they are; NULL: all of them */
+    float step;       /* from a column's film point to the one that is followed, in pixels */
 } lf_exits;
 
 /* B, q and features of the views [first, end) in a column, from one film point. */
 void lf_exits_fan(const lf_exits *e, int column, int first, int end);
+
+/* The first group of views of `left` and what follows it without a gap: [*first, *end); false:
+ * there is none. They are taken out of *left. */
+bool lf_exits_next_groups(uint32_t *left, int n_views, int *first, int *end);
 
 /* The sky of a row's rays where it is one; false: each looks for its own. */
 bool lf_exits_sky(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out);

@@ -2,7 +2,7 @@
  * film points at outlines. */
 #include <string.h>
 
-#include "render/rows/exits.h"
+#include "render/rows/outlines.h"
 
 /* ------------------------------------------------------------------------------ coarse frames --
  */
@@ -12,11 +12,10 @@ typedef struct lf_fan_end {
     int column;
     int material[LF_MAX_LANES];
     float nearness[LF_MAX_LANES];
+    bool veiled[LF_MAX_LANES];
 } lf_fan_end;
 
-/* The first group of views of `left` and what follows it without a gap: [*first, *end); false:
- * there is none. They are taken out of *left. */
-static bool next_groups(uint32_t *left, int n_views, int *first, int *end)
+bool lf_exits_next_groups(uint32_t *left, int n_views, int *first, int *end)
 {
     const uint32_t all = ~UINT32_C(0) >> (32 - (n_views + LF_LANES - 1) / LF_LANES);
     *left &= all;
@@ -35,12 +34,13 @@ static void take_end(const lf_exits *e, int column, uint32_t groups, lf_fan_end 
 {
     const lf_visit *visit = e->visit;
     const lf_scratch *w = visit->worker;
-    for (int first, end; next_groups(&groups, visit->rig->n_views, &first, &end);)
+    for (int first, end; lf_exits_next_groups(&groups, visit->rig->n_views, &first, &end);)
         lf_exits_fan(e, column, first, end);
     out->column = column;
     for (int k = 0; k < visit->rig->n_views; k++) {
         out->material[k] = w->met.material[k];
         out->nearness[k] = lf_nearness(visit->rig->distance, w->z_end[k]);
+        out->veiled[k] = e->veiled && visit->sums.feature && w->veil.seen[k].cover > 0.0f;
     }
 }
 
@@ -68,8 +68,8 @@ static bool has_edge(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b
     const float most_q = 0.1f;
     const lf_visit *visit = e->visit;
     const float *q = visit->sums.half.q + (size_t)k * (size_t)visit->rig->width;
-    return is_torn(e, a, b, k) || fabsf(q[a->column] - q[b->column]) > most_q ||
-           sees_texture(e, a, k) || sees_texture(e, b, k);
+    return is_torn(e, a, b, k) || fabsf(q[a->column] - q[b->column]) > most_q || a->veiled[k] ||
+           b->veiled[k] || sees_texture(e, a, k) || sees_texture(e, b, k);
 }
 
 static float between(float a, float b, float t)
@@ -126,9 +126,9 @@ static void fill_between(const lf_exits *e, const lf_fan_end *a, const lf_fan_en
         float t =
             ((float)column + lf_exits_film_point(e->key, column, e->index) - from) / (to - from);
         uint32_t followed = edges, others = groups & ~edges;
-        for (int first, end; next_groups(&followed, views, &first, &end);)
+        for (int first, end; lf_exits_next_groups(&followed, views, &first, &end);)
             lf_exits_fan(e, column, first, end);
-        for (int first, end; next_groups(&others, views, &first, &end);)
+        for (int first, end; lf_exits_next_groups(&others, views, &first, &end);)
             for (int k = first; k < end && k < views; k++) {
                 size_t row = (size_t)k * width;
                 interpolate(visit, row + (size_t)column, row + (size_t)a->column,
@@ -168,87 +168,6 @@ static void coarse_row(const lf_exits *e)
     }
 }
 
-/* ---------------------------------------------------------------------------------- outlines --
- */
-
-/* What a pixel's film points have said. */
-typedef struct lf_exits_pixel {
-    float q, known[3], albedo[LF_ALBEDO_NUMBERS];
-    lf_feature feature;
-    bool mirror;
-} lf_exits_pixel;
-
-static void take_pixel(const lf_visit *visit, size_t i, lf_exits_pixel *out)
-{
-    const lf_film_sums *sums = &visit->sums;
-    *out = (lf_exits_pixel){.q = sums->half.q[i], .feature = sums->feature[i]};
-    if (sums->known)
-        memcpy(out->known, sums->known[i], sizeof out->known);
-    if (sums->albedo)
-        memcpy(out->albedo, sums->albedo[i], sizeof out->albedo);
-    if (visit->worker->mirrors)
-        out->mirror = visit->worker->mirrors[i];
-}
-
-/* The mean of what a pixel has and of what it had, which counts n times as much. */
-static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had, float n)
-{
-    const lf_film_sums *sums = &visit->sums;
-    const float share = 1.0f / (n + 1.0f), now = lf_max(share * sums->half.q[i], 0.0f),
-                before = lf_max((1.0f - share) * had->q, 0.0f);
-    if (now + before > 0.0f) {
-        sums->feature[i] =
-            lf_feature_mix(&sums->feature[i], (double)now, &had->feature, (double)before);
-        for (int c = 0; c < LF_ALBEDO_NUMBERS && sums->albedo; c++)
-            sums->albedo[i][c] = between(had->albedo[c], sums->albedo[i][c], now / (now + before));
-    }
-    sums->half.q[i] = between(had->q, sums->half.q[i], share);
-    for (int c = 0; c < 3 && sums->known; c++)
-        sums->known[i][c] = between(had->known[c], sums->known[i][c], share);
-    if (visit->worker->mirrors)
-        visit->worker->mirrors[i] |= had->mirror;
-}
-
-/* More film points of the views [first, end) of a column, spread over the pixel. */
-static void refine(lf_exits *e, int column, int first, int end)
-{
-    const lf_visit *visit = e->visit;
-    lf_exits_pixel had[LF_LANES];
-    for (int n = 1; n < LF_OUTLINE_POINTS; n++) {
-        const size_t width = (size_t)visit->rig->width;
-        for (int k = first; k < end; k++)
-            take_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first]);
-        e->step = (float)n / LF_OUTLINE_POINTS;
-        lf_exits_fan(e, column, first, end);
-        for (int k = first; k < end; k++)
-            mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
-    }
-    e->step = 0.0f;
-}
-
-/* A row whose pixels get more film points where an outline runs through them or beside them, by
- * groups of views. */
-static void row_with_outlines(lf_exits *e)
-{
-    const lf_rig *rig = e->visit->rig;
-    bool edge[2][LF_MAX_LANES / LF_LANES] = {{false}};
-    lf_fan_end ends[2];
-    for (int column = 0; column <= rig->width; column++) {
-        const lf_fan_end *before = &ends[(column + 1) % 2], *here = &ends[column % 2];
-        bool *now = edge[column % 2], *last = edge[(column + 1) % 2];
-        memset(now, 0, sizeof edge[0]);
-        if (column < rig->width)
-            take_end(e, column, ~UINT32_C(0), &ends[column % 2]);
-        for (int k = 0; k < rig->n_views && column > 0 && column < rig->width; k++)
-            now[k / LF_LANES] |= is_torn(e, before, here, k);
-        for (int first = 0; first < rig->n_views && column > 0; first += LF_LANES) {
-            int end = first + LF_LANES < rig->n_views ? first + LF_LANES : rig->n_views;
-            if (now[first / LF_LANES] || last[first / LF_LANES])
-                refine(e, column - 1, first, end);
-        }
-    }
-}
-
 /* Marks the neighbours too: rays of a row lie in one plane, so where a delta lobe begins or ends
  * one of its pixels has found it. */
 static void widen(bool *mirrors, int n_views, int width)
@@ -283,31 +202,48 @@ static void choose_quarter(lf_exits *e)
     e->down = visit->plane.ly != 0.0f ? 0.0f : of_quarter.my - visit->plane.my;
 }
 
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
-                  bool between)
+/* What is said of a visit's plane. */
+static lf_exits begin(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key,
+                      uint32_t index)
 {
-    const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    lf_exits e = {.plan = plan, .visit = visit, .key = key, .index = index, .between = between};
+    lf_exits e = {.plan = plan, .visit = visit, .key = key, .index = index};
     e.constant = lf_exits_sky(plan, visit, &e.sky);
     e.corrected = !plan->order.coarse && lf_correction_needed(&w->media) &&
                   !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
     e.density = lf_correction_exit_density(contributions(plan), visit->sums.feature);
     e.veiled = plan->scene->looks.veiled;
     choose_quarter(&e);
-    w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     for (int k = 0; k < LF_MAX_LANES; k++)
         w->met.segment[k] = -1; /* and so it stays without meshes */
     for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->looks.varied); i++)
         w->met.face[i].segment = -1;
-    const bool outlines = !plan->order.coarse && visit->triangles && visit->sums.feature &&
-                          lf_film_wants_outlines(plan->film, visit->row);
+    for (int i = 0; i < LF_VEIL_FACES && e.veiled; i++)
+        w->veil.face[i].segment = -1;
+    for (int k = 0; k < LF_MAX_LANES && e.veiled; k++)
+        w->veil.seen[k].cover = 0.0f;
+    return e;
+}
+
+void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
+                  bool between)
+{
+    const lf_rig *rig = visit->rig;
+    lf_scratch *w = visit->worker;
+    lf_exits e = begin(plan, visit, key, index);
+    e.between = between;
+    w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
     if (plan->order.coarse)
         coarse_row(&e);
-    else if (outlines)
-        row_with_outlines(&e);
-    for (int column = 0; column < rig->width && !plan->order.coarse && !outlines; column++)
+    for (int column = 0; column < rig->width && !plan->order.coarse; column++)
         lf_exits_fan(&e, column, 0, LF_MAX_LANES);
     if (w->mirrors)
         widen(w->mirrors, rig->n_views, rig->width);
+}
+
+void lf_exits_outlines(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key,
+                       uint32_t index, int plane)
+{
+    lf_exits e = begin(plan, visit, key, index);
+    lf_outlines_take(&e, plane);
 }

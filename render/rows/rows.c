@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "base/alloc.h"
+#include "render/rows/outlines.h"
 #include "render/rows/queue.h"
 #include "render/scene/geometry.h"
 
@@ -35,6 +36,7 @@ static void free_workers(lf_scratch **workers, int n)
             lf_media_finish(&workers[i]->shine.flames);
             lf_film_sums_finish(&workers[i]->sums);
             lf_section_finish(&workers[i]->section);
+            lf_outlines_finish(&workers[i]->met.outlines);
             lf_section_finish(&workers[i]->veil.section);
             lf_free(workers[i]->expected);
             lf_free(workers[i]->mirrors);
@@ -47,7 +49,8 @@ static void free_workers(lf_scratch **workers, int n)
 static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layout)
 {
     int n = rows->n_workers;
-    bool mirrors = rows->seen.has_delta;
+    const bool mirrors = rows->seen.has_delta,
+               outlines = layout->has_features && rows->triangles.first;
     lf_scratch **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
         workers[i] = lf_calloc(1, sizeof **workers);
@@ -63,6 +66,8 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
             lf_section_init(&workers[i]->section, rows->triangles.longest,
                             rows->triangles.n_places) != LF_OK ||
+            (outlines && lf_outlines_init(&workers[i]->met.outlines, &rows->triangles,
+                                          rows->seen.looks.veiled, layout) != LF_OK) ||
             lf_section_init(&workers[i]->veil.section,
                             rows->seen.looks.veiled ? rows->triangles.longest : 0,
                             rows->triangles.n_places) != LF_OK) {
@@ -70,7 +75,8 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             return NULL;
         }
         workers[i]->section.rays.tracer = workers[i]->veil.section.rays.tracer =
-            &workers[i]->tracer;
+            workers[i]->met.outlines.edge.rays.tracer = workers[i]->met.outlines.veils.rays.tracer =
+                &workers[i]->tracer;
     }
     return workers;
 }

@@ -85,7 +85,8 @@ void lf_section_nearest_by_rays(const lf_section *section, const lf_row_triangle
 }
 
 void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
-                              const float *c, const float *z_end, float *through, bool *mirrors)
+                              const float *c, const float *z_end, float *through, bool *mirrors,
+                              lf_veil_crossings *kept)
 {
     for (int k = 0; k < n; k++) {
         lf_vec3 o, w;
@@ -94,7 +95,10 @@ void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, floa
         ray_of(section, rig, s0, c[k], &o, &w);
         while (through[k] > 0.0f &&
                next(&section->rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
-            through[k] *= 1.0f - stopped(rig, &hit, w);
+            const float passed = 1.0f - stopped(rig, &hit, w);
+            if (kept)
+                lf_veil_keep(&kept[k], hit.t, passed, -1);
+            through[k] *= passed;
             mirrors[k] |= lf_has_mirror(hit.material);
             t = lf_behind(hit.t);
         }
@@ -113,7 +117,7 @@ void lf_section_crossings_by_rays(const lf_section *section, const lf_rig *rig, 
         ray_of(section, rig, s0, c[k], &o, &w);
         while (ray[k].n < LF_VEILS_KEPT &&
                next(&section->rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
-            lf_veil_keep(&ray[k], hit.t, 1.0f - stopped(rig, &hit, w));
+            lf_veil_keep(&ray[k], hit.t, 1.0f - stopped(rig, &hit, w), -1);
             t = lf_behind(hit.t);
         }
         if (ray[k].n == LF_VEILS_KEPT)

@@ -20,7 +20,8 @@ void lf_section_nearest_by_rays(const lf_section *section, const lf_row_triangle
                                 int *segment);
 /* lf_veils_along. */
 void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
-                              const float *c, const float *z_end, float *through, bool *mirrors);
+                              const float *c, const float *z_end, float *through, bool *mirrors,
+                              lf_veil_crossings *kept);
 /* The veils of the rays that want them, from `first` on (lf_veils_to). */
 void lf_section_crossings_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
                                   const float *c, const float *z_end, lf_veil_crossings *ray);

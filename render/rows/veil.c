@@ -90,9 +90,9 @@ typedef struct line_fan {
     float s0;
     int n;
     const float *c, *z_end;
-    float *through;
+    float *through; /* NULL: crossings alone are wanted */
     bool *mirrors;
-    lf_veil_crossings *kept; /* in place of the two before; else NULL */
+    lf_veil_crossings *kept; /* NULL: none are wanted */
 } line_fan;
 
 static bool may_meet(const lf_section_node *node, int i, const line_fan *f)
@@ -103,11 +103,19 @@ static bool may_meet(const lf_section_node *node, int i, const line_fan *f)
     return d1 > -LF_SECTION_FAR && node->s0[i] - f->s0 <= above && node->s1[i] - f->s0 >= below;
 }
 
+/* Whether a veil before depth z lets nothing through. */
+static bool is_hidden(const lf_veil_crossings *ray, float z)
+{
+    return ray->n > 0 && ray->z[ray->n - 1] < z && !(ray->passes[ray->n - 1] > 0.0f);
+}
+
 static bool is_asked(const line_fan *f, int k, float z)
 {
     if (!(z < f->z_end[k]))
         return false;
-    return f->kept ? f->kept[k].wanted && z >= f->kept[k].first : f->through[k] > 0.0f;
+    if (f->through && f->through[k] > 0.0f)
+        return true;
+    return f->kept && f->kept[k].wanted && z >= f->kept[k].first && !is_hidden(&f->kept[k], z);
 }
 
 /* Rays that have its ends on different sides meet a segment, as in lf_section_nearest. */
@@ -130,10 +138,10 @@ static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
             v = veil_of(veils, segment);
         is_loaded = true;
         float passed = passes(veils, &v.face, c, f->s0 + c * d, d);
-        if (f->kept) {
-            lf_veil_keep(&f->kept[k], z, passed);
+        if (f->kept)
+            lf_veil_keep(&f->kept[k], z, passed, segment);
+        if (!f->through)
             continue;
-        }
         f->through[k] *= passed;
         f->mirrors[k] |= lf_has_mirror(v.face.material);
     }
@@ -160,14 +168,25 @@ static void all_along(const lf_veils *veils, const line_fan *f)
         }
 }
 
-void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
-                    float *through, bool *mirrors)
+static void want_from_the_cameras_on(lf_veil_crossings *ray)
 {
+    ray->first = 0.0f;
+    ray->known = INFINITY;
+    ray->n = ray->next = 0;
+    ray->wanted = true;
+}
+
+void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
+                    float *through, bool *mirrors, lf_veil_crossings *kept)
+{
+    for (int k = 0; k < n && kept; k++)
+        want_from_the_cameras_on(&kept[k]);
     if (veils->section->rays.on) {
-        lf_section_veils_by_rays(veils->section, veils->rig, s0, n, c, z_end, through, mirrors);
+        lf_section_veils_by_rays(veils->section, veils->rig, s0, n, c, z_end, through, mirrors,
+                                 kept);
         return;
     }
-    line_fan f = {.s0 = s0, .n = n, .c = c, .z_end = z_end};
+    line_fan f = {.s0 = s0, .n = n, .c = c, .z_end = z_end, .kept = kept};
     f.through = through;
     f.mirrors = mirrors;
     all_along(veils, &f);
@@ -175,9 +194,11 @@ void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, cons
 
 /* ------------------------------------------------------------------------- depth after depth -- */
 
-void lf_veil_keep(lf_veil_crossings *ray, float z, float passes)
+void lf_veil_keep(lf_veil_crossings *ray, float z, float passes, int segment)
 {
     int i = ray->n;
+    if (is_hidden(ray, z))
+        return;
     while (i > 0 && ray->z[i - 1] > z)
         i--;
     if (i > 0 && ray->z[i - 1] == z) {
@@ -193,10 +214,12 @@ void lf_veil_keep(lf_veil_crossings *ray, float z, float passes)
     for (int k = ray->n; k > i; k--) {
         ray->z[k] = ray->z[k - 1];
         ray->passes[k] = ray->passes[k - 1];
+        ray->segment[k] = ray->segment[k - 1];
     }
     ray->z[i] = z;
     ray->passes[i] = passes;
-    ray->n++;
+    ray->segment[i] = segment;
+    ray->n = passes > 0.0f ? ray->n + 1 : i + 1;
 }
 
 void lf_veils_begin(lf_veil_walk *walk, const lf_veils *veils, float s0, int n, const float *c,

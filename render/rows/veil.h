@@ -25,6 +25,7 @@ typedef struct lf_veil_crossings {
     int n, next; /* how many there are, and how many of them lf_veils_to has counted */
     bool wanted; /* while they are looked for */
     float z[LF_VEILS_KEPT], passes[LF_VEILS_KEPT];
+    int segment[LF_VEILS_KEPT]; /* of the section, -1: rays found it */
 } lf_veil_crossings;
 
 /* A fan that asks what veils let through on its way from the cameras to ever greater depths. */
@@ -42,9 +43,10 @@ void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, 
                      float *scale);
 
 /* Along the rays of lf_section_nearest, in front of z_end[k]: multiplies through[k] by what veils
- * let through, and sets mirrors[k] where one of them has delta lobes. */
+ * let through, and sets mirrors[k] where one of them has delta lobes. kept: [k], gets the nearest
+ * veils of each ray, up to one that lets nothing through; NULL: they are not wanted. */
 void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
-                    float *through, bool *mirrors);
+                    float *through, bool *mirrors, lf_veil_crossings *kept);
 
 /* Begins a walk along the same rays; z_end and c must outlive it. */
 void lf_veils_begin(lf_veil_walk *walk, const lf_veils *veils, float s0, int n, const float *c,
@@ -56,7 +58,8 @@ void lf_veils_rewind(lf_veil_walk *walk);
  * (through[k] 0) may stay where it is. */
 void lf_veils_to(lf_veil_walk *walk, const float *z, float *through);
 /* Keeps one more crossing, in its place by depth; equal depths become one. Where there are too
- * many, the farthest goes, and `known` is its depth. */
-void lf_veil_keep(lf_veil_crossings *ray, float z, float passes);
+ * many, the farthest goes, and `known` is its depth. Behind what lets nothing through none is kept.
+ */
+void lf_veil_keep(lf_veil_crossings *ray, float z, float passes, int segment);
 
 #endif

@@ -1,5 +1,6 @@
 /* A visit of a row: plane, slice, exits, base samples. What is the same for every integrator. */
 #include "render/rows/native.h"
+#include "render/rows/outlines.h"
 #include "render/rows/queue.h"
 
 /* ----------------------------------------------------------------------------------- lattice -- */
@@ -327,19 +328,18 @@ static void set_moment(const lf_visit_plan *plan, lf_visit *visit, uint64_t key,
         visit->worker->tracer.time = 1.0f - time;
 }
 
-/* Draws the moment and the plane of a visit and cuts the volumes with it. offsets names the
- * sequence of row offsets. */
-static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
-                uint32_t index)
+/* Draws the plane of a visit, or one that is so much lower within the row, and cuts the volumes
+ * with it. offsets names the sequence of row offsets. */
+static void cut_at(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
+                   uint32_t index, float lower)
 {
     const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index),
                            lf_sampler_radical(lf_hash64(key, 2), index)};
     const float phase[2] = {lf_sampler_radical(lf_hash64(key, 15), index),
                             lf_sampler_radical(lf_hash64(key, 4), index)};
-    if (plan->moment)
-        set_moment(plan, visit, key, index);
-    lf_rig_row_plane(plan->rig, (float)visit->row + lf_sampler_radical(offsets, index), lens,
-                     &visit->plane);
+    float offset = lf_sampler_radical(offsets, index) + lower;
+    offset = offset < 1.0f ? offset : offset - 1.0f;
+    lf_rig_row_plane(plan->rig, (float)visit->row + offset, lens, &visit->plane);
     lf_media_cut(&visit->worker->media, plan->frame, plan->scene->volumes, plan->rig, &visit->plane,
                  phase, plan->kernels, &visit->worker->tracer.lookups);
     lf_media_cut(&visit->worker->shine.flames, plan->flames, plan->scene->flames.field, plan->rig,
@@ -352,6 +352,28 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
     else
         lf_reach_whole(&visit->worker->reach, plan->rig);
     cut_glows(visit);
+}
+
+/* Draws the moment and the plane of a visit. */
+static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
+                uint32_t index)
+{
+    if (plan->moment)
+        set_moment(plan, visit, key, index);
+    cut_at(plan, visit, key, offsets, index, 0.0f);
+}
+
+/* B, q and features of a visit; its plane has been cut, and is again. */
+static void find_known(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
+                       uint32_t index)
+{
+    lf_exits_row(plan, visit, key, index, false);
+    for (int i = 1; i < LF_OUTLINE_POINTS && visit->outlines; i++) {
+        cut_at(plan, visit, key, offsets, index, lf_outlines_lower(i));
+        lf_exits_outlines(plan, visit, key, index, i);
+    }
+    if (visit->outlines)
+        cut_at(plan, visit, key, offsets, index, 0.0f);
 }
 
 static void begin(const lf_visit_plan *plan, lf_visit *visit)
@@ -452,11 +474,12 @@ static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double n, 
 }
 
 /* Native samples for holes, in the plane of one visit, until none is left farther than hole_reach
- * columns from a pixel that has something; the first of a pixel at the first film point of B and
- * q in that visit. tries = 0: what is left counts as dark from now on. *out_left: how many there are.
- * false = cancelled. */
+ * columns from a pixel that has something; the first of a pixel at the film point of B and q in
+ * that visit, or one that is a step from it. tries = 0: what is left counts as dark from now on.
+ * *out_left: how many there are. false = cancelled. */
 static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int tries,
-                       uint64_t exits, uint32_t index, int *out_left, const lf_cancel *cancel)
+                       uint64_t exits, uint32_t index, float step, int *out_left,
+                       const lf_cancel *cancel)
 {
     const lf_film_row *state = &plan->film->rows[visit->row];
     const lf_film_half halves[2] = {lf_film_at(plan->film, visit->row, 0),
@@ -472,7 +495,10 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int
                 continue;
             bool far = column - filled >= plan->order.hole_reach;
             for (int i = 0; i < tries && far && lf_film_is_hole(halves, state->n, pixel); i++) {
-                float film = i == 0 ? lf_exits_film_point(exits, column, index) : -1.0f;
+                float point = lf_exits_film_point(exits, column, index) + step,
+                      film = i > 0          ? -1.0f
+                             : point < 1.0f ? point
+                                            : point - 1.0f;
                 if (cancelled(cancel))
                     return false;
                 base_sample(plan, visit, view, column, film, false, own,
@@ -488,8 +514,16 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int
     return true;
 }
 
-/* Fills holes in the planes of earlier visits of a stream, of which `now` is left out (< 0: none).
- * false = cancelled. */
+/* Planes that a visit has found B and q in, at most: index is its number in its half. */
+static int planes_of(const lf_visit_plan *plan, int64_t index)
+{
+    return plan->triangles && plan->film->layout.has_features && index < LF_OUTLINE_VISITS
+               ? LF_OUTLINE_POINTS
+               : 1;
+}
+
+/* Fills holes in the planes of earlier visits of a stream, of which the first of `now` is left out
+ * (< 0: of none). false = cancelled. */
 static bool replay(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t now,
                    const lf_film_stream *from, int *left, const lf_cancel *cancel)
 {
@@ -498,11 +532,15 @@ static bool replay(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t
         int other = i % 2 ? 1 - half : half;
         int64_t index = (int64_t)from->rows[visit->row].visits[other] - 1 - i / 2;
         uint64_t key = key_of(lf_film_stream_random(from), visit->row, other);
-        if (index < 0 || (other == half && index == now))
-            continue;
-        cut(plan, visit, key, lf_hash64(key, 0), (uint32_t)index);
-        if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, left, cancel))
-            return false;
+        for (int plane = other == half && index == now ? 1 : 0;
+             index >= 0 && plane < planes_of(plan, index) && *left > 0; plane++) {
+            if (plan->moment)
+                set_moment(plan, visit, key, (uint32_t)index);
+            cut_at(plan, visit, key, lf_hash64(key, 0), (uint32_t)index, lf_outlines_lower(plane));
+            if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, lf_outlines_step(plane),
+                            left, cancel))
+                return false;
+        }
     }
     return true;
 }
@@ -523,7 +561,7 @@ static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64
     visit->sums = lf_film_sums_of(plan->film, visit->row, half);
     visit->weight = (float)state->n[half];
     if (now >= 0 && !fill_holes(plan, visit, half, TRIES, stream(plan, visit->row, half),
-                                (uint32_t)now, &left, cancel))
+                                (uint32_t)now, 0.0f, &left, cancel))
         return false;
     if (!replay(plan, visit, half, now, &film->streams[plan->order.stream], &left, cancel))
         return false;
@@ -531,7 +569,7 @@ static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64
         if (i != plan->order.stream &&
             !replay(plan, visit, half, -1, &film->streams[i], &left, cancel))
             return false;
-    return left == 0 || fill_holes(plan, visit, half, 0, 0, 0, &left, cancel);
+    return left == 0 || fill_holes(plan, visit, half, 0, 0, 0, 0.0f, &left, cancel);
 }
 
 /* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native
@@ -583,6 +621,13 @@ static bool put_provisional(const lf_visit_plan *plan, lf_visit *visit, uint64_t
     return true;
 }
 
+/* Whether a visit of the row takes more film points at outlines. */
+static bool wants_outlines(const lf_visit_plan *plan, int row)
+{
+    return plan->triangles && plan->film->layout.has_features && !plan->order.coarse &&
+           lf_film_wants_outlines(plan->film, row);
+}
+
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker,
                   const lf_cancel *cancel)
 {
@@ -604,7 +649,10 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         return fill_row(plan, &visit, half, -1, cancel);
     if (plan->order.fans)
         return put_provisional(plan, &visit, key, index, cancel);
-    cut(plan, &visit, key, lf_hash64(key, 0), index);
+    if (plan->moment)
+        set_moment(plan, &visit, key, index);
+    visit.outlines = wants_outlines(plan, row) && lf_outlines_find(plan, &visit);
+    cut_at(plan, &visit, key, lf_hash64(key, 0), index, 0.0f);
     double first_rank = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
     int64_t passes = llround(before->n[half] * views);
     visit.start =
@@ -614,7 +662,7 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
     int first = plan->order.column_step > 1
                     ? (int)((visit.random >> 32) % (uint64_t)plan->order.column_step)
                     : 0;
-    if (!lf_film_meet(plan->film, row, worker->reach.any)) {
+    if (!lf_film_meet(plan->film, row, worker->reach.any || visit.outlines)) {
         worker->base_paths +=
             (int64_t)plan->order.subsets *
             ((width - first + plan->order.column_step - 1) / plan->order.column_step);
@@ -627,7 +675,8 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         visit.sums.albedo = NULL;
     if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 8), index);
-    lf_exits_row(plan, &visit, key, index, false);
+    find_known(plan, &visit, key,
+               lf_hash64(key, lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW) ? 8 : 0), index);
     if (lf_has_fault(&plan->order, LF_FAULT_OTHER_ROW))
         cut(plan, &visit, key, lf_hash64(key, 0), index);
     visit.queue = plan->queue;

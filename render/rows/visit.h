@@ -56,6 +56,14 @@ typedef struct lf_fan_face {
     lf_face_albedo albedo; /* where a visit looks for it */
 } lf_fan_face;
 
+/* Where outlines run through a row (outlines.h). */
+typedef struct lf_outlines {
+    lf_section edge;  /* the meshes in its lower edge, but for veils */
+    lf_section veils; /* ... and those */
+    uint32_t *groups; /* [column] of views that have one there */
+    bool *views;      /* [column][view] which they are */
+} lf_outlines;
+
 /* What the fan's rays meet. */
 typedef struct lf_fan_met {
     int segment[LF_MAX_LANES];  /* of the section, -1: no surface */
@@ -63,6 +71,7 @@ typedef struct lf_fan_met {
     lf_fan_face face[LF_FAN_FACES];
     lf_media_moments moments;       /* of its collisions, where features are wanted */
     uint32_t smooth[LF_MAX_CHUNKS]; /* of a row between two others: lf_between_mark */
+    lf_outlines outlines;           /* where lf_visit.outlines */
 } lf_fan_met;
 
 /* The channels of a fan where media are chromatic: prefix densities are those of a base ray that
@@ -76,11 +85,22 @@ typedef struct lf_channels {
     const float *received[3];
 } lf_channels;
 
+/* What a ray of the fan sees of veils: how much of it they cover, and what that is like. */
+typedef struct lf_veil_seen {
+    float cover;
+    float nearness, spread; /* mean and standard deviation, as of lf_media_moments */
+    float light;            /* lf_feature */
+    float albedo[LF_ALBEDO_NUMBERS];
+} lf_veil_seen;
+
 /* Veils of a row's plane. */
+enum { LF_VEIL_FACES = 64 };
 typedef struct lf_veil_memory {
     lf_section section;
-    bool mirrored[LF_MAX_LANES]; /* whether one before ray k has a delta lobe */
-    lf_veil_walk walk;           /* of what volumes emit among them */
+    lf_veil_seen seen[LF_MAX_LANES]; /* where features are wanted */
+    lf_fan_face face[LF_VEIL_FACES]; /* as lf_fan_met has them */
+    bool mirrored[LF_MAX_LANES];     /* whether one before ray k has a delta lobe */
+    lf_veil_walk walk;               /* of what volumes emit among them */
 } lf_veil_memory;
 
 /* One worker's memory. */
@@ -141,6 +161,8 @@ typedef struct lf_visit {
     lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
+    bool outlines; /* worker->met.outlines tells where some are, whose film points this visit takes
+                    */
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
     uint64_t random;          /* this visit's own */
@@ -280,13 +302,18 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
  */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
-/* B and q of one row for this visit (exits_row.c), into the visit's sums; index is its number in its
- * half. What a coarse visit finds is that of slices, which nothing corrects; between two fans
+/* B and q of one row for this visit (exits_row.c), into the visit's sums; index is its number in
+ * its half. What a coarse visit finds is that of slices, which nothing corrects; between two fans
  * (LF_EXITS_COARSE) it is interpolated in views without an edge there, between the film points that
- * columns would have had. between: of a coarse visit, nothing is looked for where worker->met.smooth
- * says so (between.h); q is -1 there. */
+ * columns would have had. between: of a coarse visit, nothing is looked for where
+ * worker->met.smooth says so (between.h); q is -1 there. */
 void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
                   bool between);
+
+/* The film points of the row's outlines in another of their planes, which has been cut
+ * (outlines.h). */
+void lf_exits_outlines(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key,
+                       uint32_t index, int plane);
 
 /* True when the camera sees the same light wherever it meets nothing. */
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);

@@ -227,6 +227,44 @@ static void a_texture_is_as_sharp_as_its_picture(void **state)
     assert_true(error[1] < 2.0 * error[0]);
 }
 
+/* A sheet of a textured veil of alpha 0.4 before a white wall, and the same sheet when it hides the
+ * wall: of the same points, one has 0.4 of what the other has, and 0.6 of the wall's. */
+#define SHEET(alpha)                                                                               \
+    "{ 'camera': { 'position': [0, 0, 4], 'views': 3, 'cone': 12, 'fov_y': 20, 'aspect': "         \
+    "1.3333333 }, 'meshes': { 'wall': { 'shape': 'quad', 'material': 'white', 'transform': { "     \
+    "'rotate': [90, 0, 0], 'scale': 4, 'translate': [0, 0, -1] } }, 'sheet': { 'shape': 'quad', "  \
+    "'material': 'paint', 'transform': { 'rotate': [90, 0, 0], 'scale': 2 } } }, 'materials': { "  \
+    "'white': { 'albedo': 0.7 }, 'paint': { 'albedo': " CHECKER ", 'alpha': " alpha " } }, "       \
+    "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }"
+
+static void a_veil_has_its_share_of_albedo(void **state)
+{
+    (void)state;
+    lf_renderer *r[2];
+    static const char *const sheets[] = {SHEET("1"), SHEET("0.4")};
+    double n = 0.0, apart = 0.0;
+    for (int i = 0; i < 2; i++) {
+        r[i] =
+            reconstruct_renderer_of(lf_test_scene_in(folder, sheets[i], NULL), WIDTH, HEIGHT, NULL);
+        reconstruct_visits(r[i], NULL, 1);
+    }
+    for (int row = 0; row < HEIGHT; row++)
+        for (int k = 0; k < WIDTH * VIEWS; k++) {
+            float sheet[N], both[N];
+            lf_albedo_unpack(lf_film_albedo_at(&r[0]->film, row)[k], sheet);
+            lf_albedo_unpack(lf_film_albedo_at(&r[1]->film, row)[k], both);
+            for (int c = 0; c < 3; c++) {
+                const double truth = 0.4 * (double)sheet[c] + 0.6 * 0.7;
+                lf_assert_close((double)both[c], truth, 0.0, 3.0 * step_of(c, 1.0));
+                apart += fabs((double)sheet[c] - 0.7);
+                n += 1.0;
+            }
+        }
+    assert_true(apart / n > 0.05); /* a texture is there to be seen */
+    for (int i = 0; i < 2; i++)
+        lf_renderer_destroy(r[i]);
+}
+
 /* What a hit finds that looks everything up, and a face that is quick. */
 static void a_face_says_what_a_hit_does(void **state)
 {
@@ -307,6 +345,7 @@ int main(void)
         cmocka_unit_test(the_first_visits_of_a_row_say_it),
         cmocka_unit_test(films_that_are_added_have_the_mean_of_both),
         cmocka_unit_test(a_texture_is_as_sharp_as_its_picture),
+        cmocka_unit_test(a_veil_has_its_share_of_albedo),
         cmocka_unit_test(a_face_says_what_a_hit_does),
         cmocka_unit_test(a_glance_takes_the_nearest_level),
     };

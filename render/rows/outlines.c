@@ -1,0 +1,218 @@
+#include "render/rows/outlines.h"
+
+#include <string.h>
+
+#include "base/alloc.h"
+
+lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows, bool veiled,
+                           const lf_film_layout *layout)
+{
+    const size_t columns = (size_t)layout->width;
+    out->groups = lf_calloc(columns, sizeof *out->groups);
+    out->views = lf_calloc(columns * (size_t)layout->n_views, sizeof *out->views);
+    if (!out->groups || !out->views)
+        return LF_E_NOMEM;
+    lf_status status = lf_section_init(&out->edge, rows->longest, rows->n_places);
+    return status == LF_OK
+               ? lf_section_init(&out->veils, veiled ? rows->longest : 0, rows->n_places)
+               : status;
+}
+
+void lf_outlines_finish(lf_outlines *outlines)
+{
+    lf_section_finish(&outlines->edge);
+    lf_section_finish(&outlines->veils);
+    lf_free(outlines->groups);
+    lf_free(outlines->views);
+}
+
+/* --------------------------------------------------------------------------------- where they are
+ */
+
+/* What the rays of a corner meet. */
+typedef struct corner {
+    int material[LF_MAX_LANES];
+    float nearness[LF_MAX_LANES];
+    float through[LF_MAX_LANES]; /* what veils let through */
+} corner;
+
+/* An edge of the row, the upper one and the lower one: what its plane cuts. */
+enum { EDGES = 2 };
+typedef struct row_edge {
+    lf_row_plane plane;
+    lf_section *section, *veils; /* veils: NULL where there are none */
+} row_edge;
+
+static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge, row_edge *out)
+{
+    static const float no_lens[2] = {0.5f, 0.5f};
+    const bool veiled = plan->scene->looks.veiled;
+    lf_scratch *w = visit->worker;
+    out->section = edge == 0 ? &w->section : &w->met.outlines.edge;
+    out->veils = edge == 0 ? &w->veil.section : &w->met.outlines.veils;
+    lf_rig_row_plane(plan->rig, (float)(visit->row + edge), no_lens, &out->plane);
+    lf_section_cut(out->section, plan->triangles, plan->scene, plan->rig, visit->row, &out->plane,
+                   veiled ? LF_CUT_OPAQUE : LF_CUT_ALL);
+    if (veiled)
+        lf_section_cut(out->veils, plan->triangles, plan->scene, plan->rig, visit->row, &out->plane,
+                       LF_CUT_VEILS);
+    else
+        out->veils = NULL;
+}
+
+static void look(const lf_visit *visit, const row_edge *edge, int column, corner *out)
+{
+    const lf_rig *rig = visit->rig;
+    lf_scratch *w = visit->worker;
+    const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    const float s = (rig->x0 + (float)column * rig->dx) / rig->distance;
+    lf_section_nearest(edge->section, visit->triangles, rig, s, lanes, rig->b, w->z_end,
+                       w->met.segment);
+    for (int k = 0; k < lanes; k++)
+        out->through[k] = 1.0f;
+    if (edge->veils) {
+        const lf_veils veils = {edge->veils, visit->triangles, visit->scene, rig, &edge->plane};
+        lf_veils_along(&veils, s, lanes, rig->b, w->z_end, out->through, w->veil.mirrored, NULL);
+    }
+    for (int k = 0; k < rig->n_views; k++) {
+        out->material[k] =
+            w->met.segment[k] < 0 ? -1 : lf_section_material(edge->section, w->met.segment[k]);
+        out->nearness[k] = lf_nearness(rig->distance, w->z_end[k]);
+    }
+}
+
+/* Marks the views whose rays of two corners meet other surfaces, or depths that no surface between
+ * could have, or of which veils let much more of one through. */
+static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool *out)
+{
+    const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance, most_veil = 0.25f;
+    for (int k = 0; k < rig->n_views; k++)
+        out[k] |= (a->material[k] != b->material[k]) |
+                  (fabsf(a->nearness[k] - b->nearness[k]) > apart) |
+                  (fabsf(a->through[k] - b->through[k]) > most_veil);
+}
+
+/* The groups of these views. */
+static uint32_t groups_of(const bool *views, int n)
+{
+    uint32_t out = 0;
+    for (int k = 0; k < n; k++)
+        out |= (uint32_t)views[k] << (k / LF_LANES);
+    return out;
+}
+
+bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
+{
+    const lf_rig *rig = plan->rig;
+    const size_t views = (size_t)rig->n_views;
+    lf_outlines *outlines = &visit->worker->met.outlines;
+    uint32_t any = 0;
+    corner at[2][EDGES];
+    row_edge edges[EDGES];
+    bool between[2][LF_MAX_LANES]; /* the upper corner and the lower one */
+    for (int edge = 0; edge < EDGES; edge++)
+        cut_edge(plan, visit, edge, &edges[edge]);
+    for (int column = 0; column <= rig->width; column++) {
+        corner *here = at[column % 2], *last = at[(column + 1) % 2];
+        bool *now = between[column % 2], *before = between[(column + 1) % 2];
+        for (int edge = 0; edge < EDGES; edge++)
+            look(visit, &edges[edge], column, &here[edge]);
+        memset(now, 0, views * sizeof *now);
+        mark_torn(rig, &here[0], &here[1], now);
+        if (column == 0)
+            continue;
+        bool *view = outlines->views + (size_t)(column - 1) * views;
+        for (int k = 0; k < rig->n_views; k++)
+            view[k] = before[k] | now[k];
+        for (int edge = 0; edge < EDGES; edge++)
+            mark_torn(rig, &last[edge], &here[edge], view);
+        outlines->groups[column - 1] = groups_of(view, rig->n_views);
+        any |= outlines->groups[column - 1];
+    }
+    return any != 0;
+}
+
+/* ------------------------------------------------------------------------------ their film points
+ */
+
+/* What a pixel's film points have said. */
+typedef struct lf_exits_pixel {
+    float q, known[3], albedo[LF_ALBEDO_NUMBERS];
+    lf_feature feature;
+    bool mirror;
+} lf_exits_pixel;
+
+static void take_pixel(const lf_visit *visit, size_t i, lf_exits_pixel *out)
+{
+    const lf_film_sums *sums = &visit->sums;
+    *out = (lf_exits_pixel){.q = sums->half.q[i], .feature = sums->feature[i]};
+    if (sums->known)
+        memcpy(out->known, sums->known[i], sizeof out->known);
+    if (sums->albedo)
+        memcpy(out->albedo, sums->albedo[i], sizeof out->albedo);
+    if (visit->worker->mirrors)
+        out->mirror = visit->worker->mirrors[i];
+}
+
+static float between(float a, float b, float t)
+{
+    return a + t * (b - a);
+}
+
+/* The mean of what a pixel has and of what it had, which counts n times as much. */
+static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had, float n)
+{
+    const lf_film_sums *sums = &visit->sums;
+    const float share = 1.0f / (n + 1.0f), now = lf_max(share * sums->half.q[i], 0.0f),
+                before = lf_max((1.0f - share) * had->q, 0.0f);
+    if (now + before > 0.0f) {
+        sums->feature[i] =
+            lf_feature_mix(&sums->feature[i], (double)now, &had->feature, (double)before);
+        for (int c = 0; c < LF_ALBEDO_NUMBERS && sums->albedo; c++)
+            sums->albedo[i][c] = between(had->albedo[c], sums->albedo[i][c], now / (now + before));
+    }
+    sums->half.q[i] = between(had->q, sums->half.q[i], share);
+    for (int c = 0; c < 3 && sums->known; c++)
+        sums->known[i][c] = between(had->known[c], sums->known[i][c], share);
+    if (visit->worker->mirrors)
+        visit->worker->mirrors[i] |= had->mirror;
+}
+
+/* One more film point of those of the views [first, end) of a column that want it, which have had
+ * n.
+ */
+static void take_point(const lf_exits *e, int column, int first, int end, int n)
+{
+    const lf_visit *visit = e->visit;
+    const size_t width = (size_t)visit->rig->width;
+    lf_exits_pixel had[LF_MAX_LANES];
+    const int there = end < visit->rig->n_views ? end : visit->rig->n_views;
+    for (int k = first; k < there; k++)
+        if (e->only[k])
+            take_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first]);
+    lf_exits_fan(e, column, first, end);
+    for (int k = first; k < there; k++)
+        if (e->only[k])
+            mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
+}
+
+float lf_outlines_step(int plane)
+{
+    static const int quarter[LF_OUTLINE_POINTS] = {0, 2, 1, 3};
+    return (float)quarter[plane] / LF_OUTLINE_POINTS;
+}
+
+void lf_outlines_take(lf_exits *e, int plane)
+{
+    const lf_rig *rig = e->visit->rig;
+    const lf_outlines *outlines = &e->visit->worker->met.outlines;
+    e->step = lf_outlines_step(plane);
+    for (int column = 0; column < rig->width; column++) {
+        uint32_t groups = outlines->groups[column];
+        e->only = outlines->views + (size_t)column * (size_t)rig->n_views;
+        for (int first, end; groups && lf_exits_next_groups(&groups, rig->n_views, &first, &end);)
+            take_point(e, column, first, end, plane);
+    }
+    e->step = 0.0f;
+    e->only = NULL;
+}

@@ -1,0 +1,121 @@
+/* Film points of B and q where surfaces meet: how much of a pixel a surface fills, after one visit
+ * and in the mean over many. */
+#include "tests/testing.h"
+
+#include "render/film/film.h"
+#include "tests/stat/fixture.h"
+#include "tests/stat/scenes.h"
+
+enum { VIEWS = 9, WIDTH = 32, HEIGHT = 24, SEEDS = 40 };
+
+/* In the window, which is two units high: what lies there has one place in all views. A card whose
+ * upper edge runs along row EDGE and leaves 0.7 of it free, and above it a wire, 0.3 columns wide,
+ * that stands in the middle of column WIRE: no corner of a pixel meets it. */
+enum { EDGE = 20, WIRE = 10 };
+static const double unit = 2.0 / HEIGHT, filled = 0.3, wide = 0.3;
+
+static lf_scene *cards(double alpha)
+{
+    char text[2048];
+    const double top = 1.0 - unit * (EDGE + 1.0 - filled), left = -unit * WIDTH / 2.0;
+    snprintf(text, sizeof text,
+             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': %.12f, 'aspect': %.12f, "
+             "'cone': 20, 'views': %d }, 'meshes': { 'card': { 'shape': 'quad', 'material': "
+             "'clay', 'transform': { 'scale': [9, 1, 2], 'rotate': [90, 0, 0], 'translate': [0, "
+             "%.12f, 0] } }, 'wire': { 'shape': 'quad', 'material': 'clay', 'transform': { "
+             "'scale': [%.12f, 1, 4], 'rotate': [90, 0, 0], 'translate': [%.12f, 0, 0] } } }, "
+             "'materials': { 'clay': { 'albedo': [0.5, 0.5, 0.5], 'alpha': %.2f } "
+             "}, " LF_TEST_SHARP_LIGHTS " }",
+             2.0 * atan(0.2) * 180.0 / 3.14159265358979, (double)WIDTH / HEIGHT, VIEWS, top - 2.0,
+             0.5 * wide * unit, left + unit * (WIRE + 0.5), alpha);
+    return lf_test_scene(text);
+}
+
+/* One pass over all rows, into half 0. */
+static lf_renderer *pass(lf_scene *scene, uint64_t seed, lf_pool *pool)
+{
+    lf_renderer *r = lf_test_renderer(scene, "mvpt", WIDTH, HEIGHT, pool);
+    lf_render_settings settings = *lf_renderer_settings(r);
+    settings.features = true;
+    settings.seed = seed;
+    lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
+    lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
+    return r;
+}
+
+static float q_at(const lf_renderer *r, int row, int view, int column)
+{
+    return lf_film_at(&r->film, row, 0).q[view * WIDTH + column];
+}
+
+/* Film points lie in planes at equal distances: so many of them, or one more, are in any part of
+ * the row. */
+static void one_visit_knows_an_outline_along_the_row(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const double alpha = i == 0 ? 1.0 : 0.6; /* a veil */
+        lf_scene *scene = cards(alpha);
+        for (uint64_t seed = 0; seed < 8; seed++) {
+            lf_renderer *r = pass(scene, seed, NULL);
+            for (int k = 0; k < VIEWS * (WIDTH - WIRE - 2); k++) {
+                const int view = k % VIEWS, column = WIRE + 2 + k / VIEWS;
+                const double q = (double)q_at(r, EDGE, view, column);
+                assert_true(fabs(q - alpha * filled) < alpha / LF_OUTLINE_POINTS + 1e-5);
+                lf_assert_close((double)q_at(r, EDGE - 1, view, column), 0.0, 0.0, 1e-6);
+                lf_assert_close((double)q_at(r, EDGE + 1, view, column), alpha, 1e-6, 0.0);
+            }
+            lf_renderer_destroy(r);
+        }
+        lf_scene_unref(scene);
+    }
+}
+
+/* Means over seeds, within five of their standard deviations: false alarms are below 1e-6. The wire
+ * is met by one film point a row or by none; rows are independent. Points of the edge are at most a
+ * quarter off. */
+static void the_mean_is_what_surfaces_fill(void **state)
+{
+    (void)state;
+    enum { ROWS = EDGE - 1 };
+    lf_scene *scene = cards(1.0);
+    double wire = 0.0, edge = 0.0;
+    for (uint64_t seed = 0; seed < SEEDS; seed++) {
+        lf_renderer *r = pass(scene, seed, NULL);
+        for (int row = 0; row < ROWS; row++)
+            wire += (double)q_at(r, row, VIEWS / 2, WIRE) / (ROWS * SEEDS);
+        edge += (double)q_at(r, EDGE, VIEWS / 2, WIDTH - 3) / SEEDS;
+        lf_renderer_destroy(r);
+    }
+    print_message("          wire %.4f of %.4f, edge %.4f of %.4f\n", wire, wide, edge, filled);
+    assert_true(fabs(wire - wide) < 5.0 * sqrt(wide * (1.0 - wide) / (ROWS * SEEDS)));
+    assert_true(fabs(edge - filled) < 5.0 * 0.25 / sqrt(SEEDS));
+    lf_scene_unref(scene);
+}
+
+static void any_number_of_threads_gives_the_same_film(void **state)
+{
+    (void)state;
+    lf_scene *scene = cards(1.0);
+    lf_pool *pool;
+    lf_assert_ok(lf_pool_create(3, &pool), NULL);
+    lf_renderer *a = pass(scene, 3, NULL), *b = pass(scene, 3, pool);
+    for (int row = 0; row < HEIGHT; row++)
+        assert_memory_equal(a->film.data + (size_t)row * a->film.row_bytes,
+                            b->film.data + (size_t)row * b->film.row_bytes,
+                            lf_film_used_bytes(&a->film.layout));
+    lf_renderer_destroy(a);
+    lf_renderer_destroy(b);
+    lf_pool_destroy(pool);
+    lf_scene_unref(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_visit_knows_an_outline_along_the_row),
+        cmocka_unit_test(the_mean_is_what_surfaces_fill),
+        cmocka_unit_test(any_number_of_threads_gives_the_same_film),
+    };
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+}
