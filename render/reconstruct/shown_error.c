@@ -35,7 +35,7 @@ typedef struct lf_shown_sums {
 } lf_shown_sums;
 
 /* One pixel of one half: known and what is scattered by the fit alone are what it would be without
- * N/W, but for highlights; off is what an answer without bias is off from what is shown. */
+ * N/W; off is what an answer without bias is off from what is shown. */
 typedef struct lf_half_pixel {
     float known[3], scattered[3], shown[3], off[3];
 } lf_half_pixel;
@@ -49,15 +49,6 @@ static void read_known(const lf_open_row *o, size_t i, int h, float out[3])
     for (int c = 0; c < 3; c++)
         out[c] = o->known ? o->known[i].b[c] + part * difference[c]
                           : o->film->sky[c] * (1.0f - o->half[h].q[i]);
-}
-
-/* By the fit; where that goes over to the bounded one by this and what is above the bound: the fog of
- * a highlight beside the pixel is not there. */
-static float scattered_by_fit(float x, const lf_bright_pixel *bright, float bounded, float above)
-{
-    const float by_fit = fmaxf(x, 0.0f);
-    return bright->share > 0.0f ? by_fit + bright->share * (fmaxf(bounded, 0.0f) + above - by_fit)
-                                : by_fit;
 }
 
 static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, const lf_fitted *found,
@@ -76,10 +67,7 @@ static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, const 
         shown[c] *= times[c];
     for (int c = 0; c < 3; c++) {
         float x = p[3] >= 0.0f ? p[c] : 0.0f;
-        const bool is_bright = bright->share > 0.0f;
-        out->scattered[c] =
-            q * scattered_by_fit(x, bright, is_bright ? o->bounded[h]->predicted[i][c] : 0.0f,
-                                 is_bright && w > 0.0f ? bright->above[h][c] / w : 0.0f);
+        out->scattered[c] = q * fmaxf(x, 0.0f);
         out->shown[c] = out->known[c] + q * shown[c];
         out->off[c] = q * x + (n[c] - found->w[h] * x) / o->n[h] - q * shown[c];
     }

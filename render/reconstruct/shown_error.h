@@ -14,7 +14,8 @@ typedef struct lf_shown_row {
 } lf_shown_row;
 
 /* What the bias lacks because shares follow the noise: what a cell adds to its own share, times how
- * far it is from what is said of it by all cells around, itself among them; and by the others. */
+ * far it is from what all cells around say of it, itself among them; at most: from what the others
+ * say. */
 typedef struct lf_shown_chosen {
     double likely, most;
 } lf_shown_chosen;

@@ -10,6 +10,8 @@
 #define EPSILON 1e-2
 /* What a half has seen stands for at most so many times as much. */
 #define MOST_STOOD_FOR 4.0
+/* Of what decides on a share the least part that others than the cell itself count for. */
+#define LEAST_OTHERS 0.25f
 
 /* ----------------------------------------------------------------------------------- planes -- */
 
@@ -349,12 +351,13 @@ static void settle(const lf_lattice *l, int number, float doubt)
         cell->share = share_by(&all, doubt);
         if (!(all.total > 0.0f))
             continue;
-        /* what its own noise has added to the gain (shown_error.c) */
+        /* what its own noise has added to the gain (shown_error.h) */
         const lf_decision others = without(&all, cell);
-        const float share = share_by(&others, doubt), gained = cell->share - share;
-        cell->chosen +=
-            gained * (cell->agreed - clamp_share(all.agreed / all.total) * cell->total);
-        cell->chosen_most += gained * (cell->agreed - share * cell->total);
+        const float share = share_by(&others, doubt),
+                    own = cell->agreed - clamp_share(all.agreed / all.total) * cell->total;
+        if (cell->share > 0.0f && cell->share < 1.0f)
+            cell->chosen += own * own / fmaxf(all.total - cell->total, LEAST_OTHERS * all.total);
+        cell->chosen_most += (cell->share - share) * (cell->agreed - share * cell->total);
     }
 }
 
