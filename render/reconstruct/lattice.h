@@ -60,7 +60,7 @@ typedef struct lf_cell {
     bool filled[LF_VARIANTS]; /* the node knows something */
     /* what shares have gained by chance here, about and at most (shown_error.h) */
     float chosen, chosen_most;
-    float bright;             /* share of the bounded fit (bright.h) */
+    float bright; /* share of the bounded fit (bright.h) */
 } lf_cell;
 
 /* Of one depth in a band: places [u0, u0 + nu), in the index from `first` on; nu = 0: none. */

@@ -215,8 +215,8 @@ double lf_shown_error_bound(const lf_shown_row *rows, int n, const lf_shown_chos
         variance += rows[i].variance / n;
         bias += rows[i].bias / n;
         /* Rows' noise is independent, and neighbours have much the same error. */
-        double d = i > 0 ? rows[i].variance - rows[i - 1].variance + rows[i].bias - rows[i - 1].bias
-                         : 0.0;
+        double d =
+            i > 0 ? rows[i].variance - rows[i - 1].variance + rows[i].bias - rows[i - 1].bias : 0.0;
         square += 0.5 * d * d;
         fourth += 0.25 * d * d * d * d;
     }
@@ -258,7 +258,9 @@ static void add_chosen(const lf_reconstruction *r, const lf_reconstruction *whol
             for (int i = 0; i < r->level[l].bands[b].n; i++) {
                 const lf_cell *cell = &r->level[l].bands[b].cells[i];
                 const double bright = (double)whole->level[l].bands[b].cells[i].bright,
-                             part = l > 1 ? 1.0 : bounded ? bright : 1.0 - bright;
+                             part = l > 1     ? 1.0
+                                    : bounded ? bright
+                                              : 1.0 - bright;
                 sum->likely += part * (double)cell->chosen;
                 sum->most += part * (double)cell->chosen_most;
             }

@@ -1,5 +1,5 @@
-/* What is stated of the shown picture's error before rare bright paths, which two halves meet in one
- * pixel by chance. Films are made of numbers with a known truth, in place of what was found. */
+/* What is stated of the shown picture's error before rare bright paths, which two halves meet in
+ * one pixel by chance. Films are made of numbers with a known truth, in place of what was found. */
 #include "tests/render/reconstruct_testing.h"
 
 #include <math.h>
@@ -30,7 +30,8 @@ static float truth_at(int row, int column)
     return lf_hash64(77, place) % 12 == 0 ? 0.6f : 0.05f;
 }
 
-/* Of mean 1: RARE in a pixel of sixteen of each half, all views alike, as they share their paths. */
+/* Of mean 1: RARE in a pixel of sixteen of each half, all views alike, as they share their paths.
+ */
 #define RARE 12.0f
 static float noise_at(uint64_t salt, int row, int half, int column)
 {
@@ -43,8 +44,8 @@ static void make_film(lf_renderer *r, uint64_t salt, float *truth)
     for (int row = 0; row < height; row++) {
         lf_film_known *known = lf_film_known_at(&r->film, row);
         for (int i = 0; i < views * width; i++) {
-            const float q = 0.5f * (lf_film_at(&r->film, row, 0).q[i] +
-                                    lf_film_at(&r->film, row, 1).q[i]);
+            const float q =
+                0.5f * (lf_film_at(&r->film, row, 0).q[i] + lf_film_at(&r->film, row, 1).q[i]);
             for (int h = 0; h < 2; h++) {
                 const lf_film_half half = lf_film_at(&r->film, row, h);
                 half.scattered[i].w = (float)r->film.rows[row].n[h] * half.q[i];
@@ -100,9 +101,9 @@ static lf_told tell(lf_renderer *r)
     return out;
 }
 
-/* Of 16 seeds and 12 films: off by 0.28 to 0.44, of which 0.38 to 0.90 is stated; the bound holds in
- * 156 of 192, so that less than 14 of 24 are 2 in 1000 runs. When a half was wholly trusted that a
- * pixel is bright: off by 0.33 to 0.54, stated 0.38 to 0.59, the bound held in 46 of 96. */
+/* Of 16 seeds and 12 films: off by 0.28 to 0.44, of which 0.38 to 0.90 is stated; the bound holds
+ * in 156 of 192, so that less than 14 of 24 are 2 in 1000 runs. When a half was wholly trusted that
+ * a pixel is bright: off by 0.33 to 0.54, stated 0.38 to 0.59, the bound held in 46 of 96. */
 static void rare_bright_paths_are_stated(void **state)
 {
     (void)state;
@@ -118,7 +119,8 @@ static void rare_bright_paths_are_stated(void **state)
 
 /* ----------------------------------------------------------------------------- closed forms -- */
 
-/* Rows that differ in the variance alone, or in the bias alone, say as much against the estimate. */
+/* Rows that differ in the variance alone, or in the bias alone, say as much against the estimate.
+ */
 static void the_bound_counts_the_noise_of_the_variance(void **state)
 {
     (void)state;
