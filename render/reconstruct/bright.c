@@ -21,8 +21,8 @@ enum { BUCKETS = 32, LOWEST = -16, ROUNDS = 8 };
 #define ENOUGH 0.2f
 /* Correlations from which on a half is trusted that it knows how bright a pixel is in the other,
  * and wholly: below, two rare bright paths in one pixel may be chance. */
-#define LEAST_TRUSTED 0.35f
-#define TRUSTED 0.5f
+#define LEAST_TRUSTED 0.4f
+#define TRUSTED 0.7f
 
 struct lf_bright_cell {
     float weight[BUCKETS], found[BUCKETS]; /* sums of W and of N, mean of the channels */
