@@ -101,9 +101,9 @@ static lf_told tell(lf_renderer *r)
     return out;
 }
 
-/* Of 16 seeds and 12 films: off by 0.28 to 0.44, of which 0.38 to 0.90 is stated; the bound holds
- * in 156 of 192, so that less than 14 of 24 are 2 in 1000 runs. When a half was wholly trusted that
- * a pixel is bright: off by 0.33 to 0.54, stated 0.38 to 0.59, the bound held in 46 of 96. */
+/* Of 12 seeds: off by 0.29 to 0.43, of which 0.48 to 0.80 is stated; the bound holds in 15 to 21 of
+ * 24 (18.6, deviation 1.8: less than 12 in fewer than 1 of 1000 runs). When a half was wholly
+ * trusted that a pixel is bright: off by 0.33 to 0.54, and the bound held in 46 of 96. */
 static void rare_bright_paths_are_stated(void **state)
 {
     (void)state;
@@ -113,7 +113,7 @@ static void rare_bright_paths_are_stated(void **state)
     print_message("off by %.3g, stated %.2f of it; the bound holds in %d of %d\n", t.shown,
                   t.stated / t.shown, t.held, SEEDS);
     assert_true(t.stated > 0.3 * t.shown && t.stated < 2.0 * t.shown);
-    assert_true(t.held >= 14);
+    assert_true(t.held >= 12);
     lf_renderer_destroy(r);
 }
 
