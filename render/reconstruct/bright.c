@@ -11,18 +11,23 @@ enum { BUCKETS = 32, LOWEST = -16, ROUNDS = 8 };
 
 /* Times the mean around: more is above the bound. */
 #define BOUND 2.0f
-/* What is shown of one half's is at most so many times what the other says, or the bound. */
+/* What is shown of one half's is at most so many times the bound, or what the other says as far as
+ * that is trusted. */
 #define AGREED 4.0f
 /* What halves agree on is chance up to so many of its standard deviations. */
 #define DOUBT 2.0f
 /* Correlations of the halves from which on the bounded fit has a share, and all. */
 #define LEAST 0.1f
 #define ENOUGH 0.2f
+/* Correlations from which on a half is trusted that it knows how bright a pixel is in the other,
+ * and wholly: below, two rare bright paths in one pixel may be chance. */
+#define LEAST_TRUSTED 0.4f
+#define TRUSTED 0.7f
 
 struct lf_bright_cell {
     float weight[BUCKETS], found[BUCKETS]; /* sums of W and of N, mean of the channels */
     float n, sum[2], square, product;      /* of what is above the bound, in both halves */
-    float bound;
+    float bound, trust;
 };
 
 void lf_bright_finish(lf_bright *bright)
@@ -200,8 +205,8 @@ static void spread_of(const lf_bright_cell *s, const float mean[2], float *out_a
     *out_total = s->square - a * s->sum[0] - b * s->sum[1] + 0.5f * s->n * (a * a + b * b);
 }
 
-/* By the correlation of what is above the bound in the halves, as far as it is beyond chance. */
-static float share_of(const lf_reconstruction *r, int number, const lf_cell *cell)
+/* The correlation of what is above the bound in the halves, as far as it is beyond chance. */
+static float correlation(const lf_reconstruction *r, int number, const lf_cell *cell)
 {
     const lf_bright_cell sum = sum_around(r, number, cell);
     float mean[2] = {0}, agreed, total, part, variance = 0.0f;
@@ -218,15 +223,22 @@ static float share_of(const lf_reconstruction *r, int number, const lf_cell *cel
         float off = part * (own - agreed / total * all);
         variance += off * off;
     }
-    float rho = (agreed - DOUBT * sqrtf(variance)) / total;
-    return fminf(1.0f, fmaxf(0.0f, (rho - LEAST) / (ENOUGH - LEAST)));
+    return (agreed - DOUBT * sqrtf(variance)) / total;
+}
+
+static float step_between(float x, float least, float enough)
+{
+    return fminf(1.0f, fmaxf(0.0f, (x - least) / (enough - least)));
 }
 
 void lf_bright_settle(lf_reconstruction *r, int number)
 {
     lf_band *band = &r->level[1].bands[number];
-    for (int i = 0; i < band->n; i++)
-        band->cells[i].bright = share_of(r, number, &band->cells[i]);
+    for (int i = 0; i < band->n; i++) {
+        const float rho = correlation(r, number, &band->cells[i]);
+        band->cells[i].bright = step_between(rho, LEAST, ENOUGH);
+        r->bright[number].cells[i].trust = step_between(rho, LEAST_TRUSTED, TRUSTED);
+    }
 }
 
 bool lf_bright_anywhere(const lf_reconstruction *r)
@@ -241,12 +253,14 @@ bool lf_bright_anywhere(const lf_reconstruction *r)
 /* --------------------------------------------------------------------------- above and below --
  */
 
-static float bound_at(const lf_reconstruction *r, const lf_pixels *pixels, int row, size_t i)
+/* The cell of level 1 that a pixel is in; NULL: none. */
+static const lf_bright_cell *cell_at(const lf_reconstruction *r, const lf_pixels *pixels, int row,
+                                     size_t i)
 {
     int number = row / LF_CELL_SIDE / 2;
     int at = lf_band_find(&r->level[1].bands[number], lf_half_of(pixels->u[i]),
                           lf_half_of(pixels->z[i]));
-    return at >= 0 ? r->bright[number].cells[at].bound : INFINITY;
+    return at >= 0 ? &r->bright[number].cells[at] : NULL;
 }
 
 static float answer_of(const lf_fitted *x, int h)
@@ -264,9 +278,9 @@ static float part_below(const lf_fitted *x, int h, float most)
 void lf_bright_bound(const lf_reconstruction *r, const lf_pixels *pixels, int row, size_t i,
                      lf_fitted *x)
 {
-    float bound = bound_at(r, pixels, row, i);
-    for (int h = 0; h < 2; h++) {
-        float part = part_below(x, h, bound);
+    const lf_bright_cell *cell = cell_at(r, pixels, row, i);
+    for (int h = 0; h < 2 && cell; h++) {
+        float part = part_below(x, h, cell->bound);
         for (int c = 0; c < 3 && part < 1.0f; c++) {
             x->answer[h][c] *= part;
             x->found[h].n[c] *= part;
@@ -282,10 +296,11 @@ void lf_bright_split(const lf_reconstruction *r, const lf_pixels *pixels, int ro
     out->share = at >= 0 ? band->cells[at].bright : 0.0f;
     if (!(out->share > 0.0f))
         return;
-    float bound = bound_at(r, pixels, row, i);
+    const lf_bright_cell *cell = cell_at(r, pixels, row, i);
+    const float bound = cell ? cell->bound : INFINITY, trust = cell ? cell->trust : 0.0f;
     for (int h = 0; h < 2; h++) {
-        float below = part_below(x, h, bound),
-              shown = part_below(x, h, AGREED * fmaxf(bound, answer_of(x, 1 - h)));
+        float most = AGREED * fmaxf(bound, trust * answer_of(x, 1 - h)),
+              below = part_below(x, h, bound), shown = part_below(x, h, most);
         for (int c = 0; c < 3; c++) {
             float n = x->found[h].n[c] * (pixels->albedo ? pixels->albedo[i][c] : 1.0f);
             out->below[h][c] = below * n;

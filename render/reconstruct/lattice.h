@@ -58,8 +58,9 @@ typedef struct lf_cell {
     float agreed, total;      /* of the shrinkage towards this level (shrink.c) */
     float share;              /* of this level, as it is settled */
     bool filled[LF_VARIANTS]; /* the node knows something */
-    float chosen;             /* what shares have gained by chance here (shown_error.c) */
-    float bright;             /* share of the bounded fit (bright.h) */
+    /* what shares have gained by chance here, about and at most (shown_error.h) */
+    float chosen, chosen_most;
+    float bright; /* share of the bounded fit (bright.h) */
 } lf_cell;
 
 /* Of one depth in a band: places [u0, u0 + nu), in the index from `first` on; nu = 0: none. */

@@ -207,25 +207,27 @@ static lf_status error_of_row(const lf_reconstruction *r, const lf_film *film, i
     return LF_OK;
 }
 
-double lf_shown_error_bound(const lf_shown_row *rows, int n, double chosen, double alpha,
-                            double *out_estimate)
+double lf_shown_error_bound(const lf_shown_row *rows, int n, const lf_shown_chosen *chosen,
+                            double alpha, double *out_estimate)
 {
     double variance = 0.0, bias = 0.0, square = 0.0, fourth = 0.0;
     for (int i = 0; i < n; i++) {
         variance += rows[i].variance / n;
         bias += rows[i].bias / n;
-        /* Rows' noise is independent, and neighbours have much the same bias. */
-        double d = i > 0 ? rows[i].bias - rows[i - 1].bias : 0.0;
+        /* Rows' noise is independent, and neighbours have much the same error. */
+        double d =
+            i > 0 ? rows[i].variance - rows[i - 1].variance + rows[i].bias - rows[i - 1].bias : 0.0;
         square += 0.5 * d * d;
         fourth += 0.25 * d * d * d * d;
     }
-    double estimate = variance + fmax(bias + chosen, 0.0);
+    double estimate = variance + fmax(bias + chosen->likely, 0.0),
+           most = variance + fmax(bias + chosen->most, 0.0);
     *out_estimate = isfinite(estimate) ? estimate : -1.0;
     if (!isfinite(estimate) || n < 2)
         return -1.0;
     double freedom = fmax(2.0, fourth > 0.0 ? square * square / fourth : 2.0),
            deviation = sqrt(square * n / (n - 1.0)) / n;
-    return estimate + lf_upper_quantile(alpha, freedom) * deviation;
+    return fmax(estimate, most) + lf_upper_quantile(alpha, freedom) * deviation;
 }
 
 typedef struct lf_error_job {
@@ -246,28 +248,32 @@ static void run_row(void *context, int row, int worker)
     give_all(job->r, &scratch);
 }
 
-/* Of the cells of one reconstruction. By what part of a cell it is not shown is known in level 1.
- */
-static double chosen_of(const lf_reconstruction *r, const lf_reconstruction *whole, bool bounded)
+/* Adds those of the cells of one reconstruction. By what part of a cell it is not shown is known in
+ * level 1. */
+static void add_chosen(const lf_reconstruction *r, const lf_reconstruction *whole, bool bounded,
+                       lf_shown_chosen *sum)
 {
-    double chosen = 0.0;
     for (int l = 1; l < LF_LEVELS; l++)
         for (int b = 0; b < r->level[l].n_bands; b++)
             for (int i = 0; i < r->level[l].bands[b].n; i++) {
-                double bright = (double)whole->level[l].bands[b].cells[i].bright;
-                chosen += (double)r->level[l].bands[b].cells[i].chosen * (l > 1     ? 1.0
-                                                                          : bounded ? bright
-                                                                                    : 1.0 - bright);
+                const lf_cell *cell = &r->level[l].bands[b].cells[i];
+                const double bright = (double)whole->level[l].bands[b].cells[i].bright,
+                             part = l > 1     ? 1.0
+                                    : bounded ? bright
+                                              : 1.0 - bright;
+                sum->likely += part * (double)cell->chosen;
+                sum->most += part * (double)cell->chosen_most;
             }
-    return chosen;
 }
 
 /* What the estimate lacks because shares were chosen by the halves that it compares. */
-static double chosen_by_chance(const lf_reconstruction *r, const lf_film *film)
+static lf_shown_chosen chosen_by_chance(const lf_reconstruction *r, const lf_film *film)
 {
-    double chosen = chosen_of(r, r, false), samples = 0.0, pixels = 0.0;
+    lf_shown_chosen chosen = {0.0, 0.0};
+    double samples = 0.0, pixels = 0.0;
+    add_chosen(r, r, false, &chosen);
     if (r->is_bright)
-        chosen += chosen_of(r->bounded, r, true);
+        add_chosen(r->bounded, r, true, &chosen);
     for (int row = 0; row < film->height; row++)
         for (int k = 0; k < film->n_views; k++)
             if (lf_view_is_fitted(r, row, k)) {
@@ -275,8 +281,10 @@ static double chosen_by_chance(const lf_reconstruction *r, const lf_film *film)
                 samples += (film->rows[row].n[0] + film->rows[row].n[1]) * film->width;
             }
     if (!(samples > 0.0))
-        return 0.0;
-    return 2.0 * OWN_PART / 3.0 * (chosen / samples + lf_residual_chosen(r) / pixels);
+        return (lf_shown_chosen){0.0, 0.0};
+    const double per = 2.0 * OWN_PART / 3.0, tiles = per * lf_residual_chosen(r) / pixels;
+    return (lf_shown_chosen){per * chosen.likely / samples + tiles,
+                             per * chosen.most / samples + tiles};
 }
 
 double lf_reconstruct_error(lf_reconstruction *r, const lf_film *film, double alpha,
@@ -286,9 +294,10 @@ double lf_reconstruct_error(lf_reconstruction *r, const lf_film *film, double al
     double bound = -1.0, estimate = -1.0;
     job.rows = r->ready ? lf_calloc((size_t)film->height, sizeof *job.rows) : NULL;
     if (job.rows && lf_pool_run(r->pool, film->height, run_row, &job, cancel) == LF_OK &&
-        !job.unknown)
-        bound = lf_shown_error_bound(job.rows, film->height, chosen_by_chance(r, film), alpha,
-                                     &estimate);
+        !job.unknown) {
+        const lf_shown_chosen chosen = chosen_by_chance(r, film);
+        bound = lf_shown_error_bound(job.rows, film->height, &chosen, alpha, &estimate);
+    }
     lf_free(job.rows);
     if (out_estimate)
         *out_estimate = estimate;

@@ -13,10 +13,17 @@ typedef struct lf_shown_row {
     double bias;     /* of (y_a - p_a) (y_b - p_b) */
 } lf_shown_row;
 
+/* What the bias lacks because shares follow the noise: what a cell adds to its own share, times how
+ * far it is from what all cells around say of it, itself among them; at most: from what the others
+ * say. */
+typedef struct lf_shown_chosen {
+    double likely, most;
+} lf_shown_chosen;
+
 /* rows [n]: an upper bound of the relMSE of the shown picture at confidence 1 - alpha;
- * *out_estimate gets its estimate. chosen: what the bias lacks because shares follow the noise. */
-double lf_shown_error_bound(const lf_shown_row *rows, int n, double chosen, double alpha,
-                            double *out_estimate);
+ * *out_estimate gets its estimate. */
+double lf_shown_error_bound(const lf_shown_row *rows, int n, const lf_shown_chosen *chosen,
+                            double alpha, double *out_estimate);
 
 /* The same of the rows of a film by the last fit, on the pool. Negative, and *out_estimate too:
  * there is no fit, a half has not visited a row, no memory, or it was cancelled. Not while rows are

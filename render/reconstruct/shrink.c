@@ -10,6 +10,8 @@
 #define EPSILON 1e-2
 /* What a half has seen stands for at most so many times as much. */
 #define MOST_STOOD_FOR 4.0
+/* Of what decides on a share the least part that others than the cell itself count for. */
+#define LEAST_OTHERS 0.25f
 
 /* ----------------------------------------------------------------------------------- planes -- */
 
@@ -294,45 +296,68 @@ void lf_shrink_collect(lf_reconstruction *r, int number)
     }
 }
 
-/* The standard deviation of what the cells around agree on, by how much they differ. */
-static float deviation(const lf_lattice *l, int number, const lf_cell *cell, float share)
-{
-    float variance = 0.0f, weight;
-    for (int n = 0; n < 27; n++) {
-        const lf_cell *other = lf_cell_around(l, number, cell, n, &weight);
-        float off = other ? weight * (other->agreed - share * other->total) : 0.0f;
-        variance += off * off;
-    }
-    return sqrtf(variance);
-}
-
 static float clamp_share(float x)
 {
     return fminf(1.0f, fmaxf(0.0f, x));
 }
 
+/* Sums over the cells around one, and of what they agree on the variance, by how much they differ.
+ */
+typedef struct lf_decision {
+    float agreed, total, variance;
+} lf_decision;
+
+static lf_decision decide(const lf_lattice *l, int number, const lf_cell *cell, bool doubted)
+{
+    lf_decision out = {0.0f, 0.0f, 0.0f};
+    float weight;
+    for (int n = 0; n < 27; n++) {
+        const lf_cell *other = lf_cell_around(l, number, cell, n, &weight);
+        out.agreed += other ? weight * other->agreed : 0.0f;
+        out.total += other ? weight * other->total : 0.0f;
+    }
+    const float share = out.total > 0.0f ? out.agreed / out.total : 0.0f;
+    for (int n = 0; n < 27 && doubted; n++) {
+        const lf_cell *other = lf_cell_around(l, number, cell, n, &weight);
+        float off = other ? weight * (other->agreed - share * other->total) : 0.0f;
+        out.variance += off * off;
+    }
+    return out;
+}
+
 /* doubt: how many standard deviations of what is agreed on count as chance. */
+static float share_by(const lf_decision *d, float doubt)
+{
+    return d->total > 0.0f ? clamp_share((d->agreed - doubt * sqrtf(d->variance)) / d->total)
+                           : 0.0f;
+}
+
+/* The same by the cells around alone. Where these are next to nothing nothing was decided. */
+static lf_decision without(const lf_decision *all, const lf_cell *cell)
+{
+    const float least = 1e-5f * all->total;
+    lf_decision out = {.agreed = all->agreed - cell->agreed, .total = all->total - cell->total};
+    float off = cell->agreed - all->agreed / all->total * cell->total;
+    out.variance = fmaxf(0.0f, all->variance - off * off);
+    return out.total > least ? out : (lf_decision){0.0f, 0.0f, 0.0f};
+}
+
 static void settle(const lf_lattice *l, int number, float doubt)
 {
     lf_band *band = &l->bands[number];
     for (int i = 0; i < band->n; i++) {
         lf_cell *cell = &band->cells[i];
-        float agreed = 0.0f, total = 0.0f, chance = 0.0f, weight;
-        for (int n = 0; n < 27; n++) {
-            const lf_cell *other = lf_cell_around(l, number, cell, n, &weight);
-            agreed += other ? weight * other->agreed : 0.0f;
-            total += other ? weight * other->total : 0.0f;
-        }
-        cell->share = 0.0f;
-        if (!(total > 0.0f))
+        const lf_decision all = decide(l, number, cell, doubt > 0.0f);
+        cell->share = share_by(&all, doubt);
+        if (!(all.total > 0.0f))
             continue;
-        if (doubt > 0.0f)
-            chance = doubt * deviation(l, number, cell, agreed / total);
-        cell->share = clamp_share((agreed - chance) / total);
-        /* what its own noise has added to the gain (shown_error.c) */
-        float own = cell->agreed - clamp_share(agreed / total) * cell->total;
+        /* what its own noise has added to the gain (shown_error.h) */
+        const lf_decision others = without(&all, cell);
+        const float share = share_by(&others, doubt),
+                    own = cell->agreed - clamp_share(all.agreed / all.total) * cell->total;
         if (cell->share > 0.0f && cell->share < 1.0f)
-            cell->chosen += own * own / total;
+            cell->chosen += own * own / fmaxf(all.total - cell->total, LEAST_OTHERS * all.total);
+        cell->chosen_most += (cell->share - share) * (cell->agreed - share * cell->total);
     }
 }
 
