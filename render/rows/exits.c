@@ -255,8 +255,7 @@ static float add_veils(const lf_veil_seen *veils, float q, lf_feature *feature)
 }
 
 /* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
-static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, bool reached,
-                          const float off[2])
+static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, const float off[2])
 {
     const lf_visit *visit = e->visit;
     const lf_scratch *worker = visit->worker;
@@ -276,7 +275,7 @@ static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, boo
                                                           face_of(visit, worker->met.segment[k]));
     }
     const float surface = feature.surface > LEAST_SEEN ? feature.surface : 0.0f;
-    if (e->veiled && reached)
+    if (e->veiled)
         veils = add_veils(&worker->veil.seen[k], lobe ? 1.0f : medium, &feature);
     lf_film_note(&visit->sums, pixel, feature);
     if (visit->sums.albedo)
@@ -527,7 +526,9 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end)
         write_known(visit, pixel, k, m, lost, transmittance, e->constant ? &e->sky : NULL);
         if (e->veiled && w->mirrors && reached)
             w->mirrors[pixel] |= w->veil.mirrored[k];
+        if (e->veiled && !reached)
+            w->veil.seen[k].cover = 0.0f;
         if (visit->sums.feature)
-            write_feature(e, pixel, k, m && m->has_lobe, reached, off);
+            write_feature(e, pixel, k, m && m->has_lobe, off);
     }
 }
