@@ -98,9 +98,9 @@ typedef struct lf_fill_counts {
  * nothing. */
 lf_fill_counts lf_fill(int n_views, int width, int height, const uint8_t *rgb,
                        const uint8_t *missing, int near, int reach, uint8_t *filled, lf_pool *pool);
-/* The same for a film [row][view][column][3], in place. What lies between two rows is then between
- * their light, and not between their bytes: the picture that is tone-mapped later differs there
- * from one that was filled after it. */
+/* The same for a film [row][view][column][3], in place. A pixel between two rows gets the mean of
+ * their light, where lf_fill takes the mean of their bytes: a film that is filled and then
+ * tone-mapped differs there from one that is tone-mapped and then filled. */
 void lf_fill_film(int n_views, int width, int height, float *film, const uint8_t *missing,
                   int reach, lf_pool *pool);
 

@@ -192,7 +192,8 @@ static inline bool lf_film_wants_albedo(const lf_film *film, int row)
     return film->layout.has_albedo &&
            (!whole || (uint64_t)state->visits[0] + state->visits[1] < LF_ALBEDO_VISITS);
 }
-/* Whether it is one of those that take more film points at outlines. */
+/* Whether it is one of those that take more film points at outlines; coarse visits, which do not,
+ * are counted as well. */
 static inline bool lf_film_wants_outlines(const lf_film *film, int row)
 {
     const uint32_t *visits = film->rows[row].visits;

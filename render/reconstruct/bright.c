@@ -19,8 +19,8 @@ enum { BUCKETS = 32, LOWEST = -16, ROUNDS = 8 };
 /* Correlations of the halves from which on the bounded fit has a share, and all. */
 #define LEAST 0.1f
 #define ENOUGH 0.2f
-/* Correlations from which on a half is trusted that it knows how bright a pixel is in the other,
- * and wholly: below, two rare bright paths in one pixel may be chance. */
+/* A half may be as bright in a pixel as the other is: in part from the first correlation on, wholly
+ * from the second. Below, two rare bright paths in one pixel may be chance. */
 #define LEAST_TRUSTED 0.4f
 #define TRUSTED 0.7f
 

@@ -124,12 +124,10 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
     lf_film_known_light(&visit->sums, pixel, light.x, light.y, light.z);
 }
 
-/* What a surface that ray k meets at depth z sends on of sunlight. */
+/* What a surface that ray k meets at depth z sends on of sunlight, which there is. */
 static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k, float z,
                          const lf_fan_face *face)
 {
-    if (!plan->order.sunlight)
-        return 0.0f;
     lf_hit hit;
     lf_vec3 along;
     hit_of(visit, k, z, face, &along, &hit);
@@ -200,19 +198,23 @@ static void see_veil(const lf_exits *e, int k, int segment, float z, float share
 {
     lf_scratch *w = e->visit->worker;
     const lf_section *section = &w->veil.section;
+    const bool sun = e->plan->order.sunlight, albedo = e->visit->sums.albedo;
     float met[LF_ALBEDO_NUMBERS];
     const float nearness = lf_nearness(e->visit->rig->distance, z);
-    if (segment >= 0) {
+    memcpy(met, no_albedo, sizeof met);
+    if (segment >= 0 && (sun || albedo)) {
         const lf_fan_face *face = face_in(e->visit, section, w->veil.face, LF_VEIL_FACES, segment);
-        if (face->face.material->glass.is_pane) /* it scatters nothing */
-            return;
-        out->light += share * sunlight_of(e->plan, e->visit, k, z, face);
-        if (e->visit->sums.albedo)
+        const bool pane = face->face.material->glass.is_pane;
+        if (pane) /* it counts in q and W, and sends nothing */
+            memset(met, 0, sizeof met);
+        else if (albedo)
             albedo_at(e->visit, k, z, face, off, met);
+        if (sun && !pane)
+            out->light += share * sunlight_of(e->plan, e->visit, k, z, face);
     }
     out->cover += share;
     const float part = share / out->cover, apart = nearness - out->nearness;
-    mix_albedo(out->albedo, segment >= 0 && e->visit->sums.albedo ? met : no_albedo, part);
+    mix_albedo(out->albedo, met, part);
     out->nearness += part * apart;
     out->spread = sqrtf((1.0f - part) * (out->spread * out->spread + part * (apart * apart)));
 }
@@ -222,11 +224,11 @@ static void see_veils(const lf_exits *e, int k, const float off[2])
 {
     const lf_veil_crossings *ray = &e->visit->worker->veil.walk.ray[k];
     lf_veil_seen *out = &e->visit->worker->veil.seen[k];
-    float left = 1.0f;
     memset(out, 0, sizeof *out);
+    out->left = 1.0f;
     for (int i = 0; i < ray->n; i++) {
-        const float share = left * (1.0f - ray->passes[i]);
-        left *= ray->passes[i];
+        const float share = out->left * (1.0f - ray->passes[i]);
+        out->left *= ray->passes[i];
         if (share > LEAST_SEEN)
             see_veil(e, k, ray->segment[i], ray->z[i], share, off, out);
     }
@@ -236,7 +238,7 @@ static void see_veils(const lf_exits *e, int k, const float off[2])
 /* Puts veils before a feature of which q is known; what they have of all pivots. */
 static float add_veils(const lf_veil_seen *veils, float q, lf_feature *feature)
 {
-    const float behind = (1.0f - veils->cover) * q;
+    const float behind = veils->left * q;
     if (!(veils->cover > 0.0f))
         return 0.0f;
     if (!(behind > 0.0f)) {
@@ -270,7 +272,7 @@ static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, con
         feature.spread =
             sqrtf(medium * (feature.spread * feature.spread + feature.surface * (apart * apart)));
         feature.nearness = wall + medium * apart;
-        if (feature.surface > LEAST_SEEN)
+        if (feature.surface > LEAST_SEEN && e->plan->order.sunlight)
             feature.light = feature.surface * sunlight_of(e->plan, visit, k, worker->z_end[k],
                                                           face_of(visit, worker->met.segment[k]));
     }
@@ -368,6 +370,7 @@ static void aim(const lf_visit *visit, float xw, float lx)
         worker->length[k] =
             sqrtf(1.0f + worker->slope[k] * worker->slope[k] + visit->plane.my * visit->plane.my);
         worker->met.moments.met[k] = 0.0f;
+        worker->met.moments.nearness[k] = worker->met.moments.spread[k] = 0.0f;
     }
 }
 

@@ -1,5 +1,4 @@
-/* The fans of a row: of every column, or, in a coarse visit, of those where something changes; more
- * film points at outlines. */
+/* The fans of a row: of every column, or, in a coarse visit, of those where something changes. */
 #include <string.h>
 
 #include "render/rows/outlines.h"
@@ -34,13 +33,14 @@ static void take_end(const lf_exits *e, int column, uint32_t groups, lf_fan_end 
 {
     const lf_visit *visit = e->visit;
     const lf_scratch *w = visit->worker;
-    for (int first, end; lf_exits_next_groups(&groups, visit->rig->n_views, &first, &end);)
-        lf_exits_fan(e, column, first, end);
     out->column = column;
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        out->material[k] = w->met.material[k];
-        out->nearness[k] = lf_nearness(visit->rig->distance, w->z_end[k]);
-        out->veiled[k] = e->veiled && visit->sums.feature && w->veil.seen[k].cover > 0.0f;
+    for (int first, end; lf_exits_next_groups(&groups, visit->rig->n_views, &first, &end);) {
+        lf_exits_fan(e, column, first, end);
+        for (int k = first; k < end && k < visit->rig->n_views; k++) {
+            out->material[k] = w->met.material[k];
+            out->nearness[k] = lf_nearness(visit->rig->distance, w->z_end[k]);
+            out->veiled[k] = e->veiled && visit->sums.feature && w->veil.seen[k].cover > 0.0f;
+        }
     }
 }
 

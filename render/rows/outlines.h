@@ -3,8 +3,9 @@
  * along the row. Private to render/rows.
  *
  * Which pixels these are must not depend on what film points find, or what is kept would be biased:
- * a surface smaller than a pixel would be seen at its whole weight in visits that miss it, and at a
- * part of it in those that do not. So it is told by the corners of pixels, the same in all visits.
+ * a wire thinner than a pixel would be one of four film points in visits that find it, and the
+ * background all of it in those that do not: too faint in all. So it is told by the corners of
+ * pixels, which are the same in all visits of the same moment.
  */
 #ifndef LF_RENDER_OUTLINES_H
 #define LF_RENDER_OUTLINES_H
@@ -24,8 +25,8 @@ bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit);
 /* The film points of outlines in plane number `plane`, 1 .. LF_OUTLINE_POINTS - 1, which has been
  * cut and is the visit's; those before it have been taken, the first by lf_exits_fan. */
 void lf_outlines_take(lf_exits *e, int plane);
-/* How far these are to the right of those in plane 0, in pixels, one period back where that is
- * outside of the pixel: no part of it is left out. */
+/* How far the film points of a plane are to the right of those in plane 0, in pixels. What leaves
+ * the pixel on the right comes in on its left. */
 float lf_outlines_step(int plane);
 /* How far the plane is below plane 0, in rows, likewise. */
 static inline float lf_outlines_lower(int plane)

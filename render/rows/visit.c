@@ -363,7 +363,7 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
     cut_at(plan, visit, key, offsets, index, 0.0f);
 }
 
-/* B, q and features of a visit; its plane has been cut, and is again. */
+/* B, q and features of a visit. It finds the visit's plane cut, and leaves it so. */
 static void find_known(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
                        uint32_t index)
 {
@@ -475,17 +475,17 @@ static bool sample_counts(const lf_visit_plan *plan, lf_visit *visit, double n, 
 
 /* Native samples for holes, in the plane of one visit, until none is left farther than hole_reach
  * columns from a pixel that has something; the first of a pixel at the film point of B and q in
- * that visit, or one that is a step from it. tries = 0: what is left counts as dark from now on.
- * *out_left: how many there are. false = cancelled. */
+ * that visit, or one of its outlines in another plane. tries = 0: what is left counts as dark from
+ * now on. *out_left: how many there are. false = cancelled. */
 static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int tries,
-                       uint64_t exits, uint32_t index, float step, int *out_left,
+                       uint64_t exits, uint32_t index, int plane, int *out_left,
                        const lf_cancel *cancel)
 {
     const lf_film_row *state = &plan->film->rows[visit->row];
     const lf_film_half halves[2] = {lf_film_at(plan->film, visit->row, 0),
                                     lf_film_at(plan->film, visit->row, 1)};
     int width = plan->rig->width;
-    uint64_t own = lf_hash64(exits, 6 + 16 * (uint64_t)tries);
+    uint64_t own = lf_hash64(exits, 6 + 16 * (uint64_t)tries + 1024 * (uint64_t)plane);
     *out_left = 0;
     for (int view = 0; view < plan->rig->n_views; view++) {
         for (int column = 0, filled = -1; column < width; column++) {
@@ -495,7 +495,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int
                 continue;
             bool far = column - filled >= plan->order.hole_reach;
             for (int i = 0; i < tries && far && lf_film_is_hole(halves, state->n, pixel); i++) {
-                float point = lf_exits_film_point(exits, column, index) + step,
+                float point = lf_exits_film_point(exits, column, index) + lf_outlines_step(plane),
                       film = i > 0          ? -1.0f
                              : point < 1.0f ? point
                                             : point - 1.0f;
@@ -517,9 +517,8 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int
 /* Planes that a visit has found B and q in, at most: index is its number in its half. */
 static int planes_of(const lf_visit_plan *plan, int64_t index)
 {
-    return plan->triangles && plan->film->layout.has_features && index < LF_OUTLINE_VISITS
-               ? LF_OUTLINE_POINTS
-               : 1;
+    const bool outlines = plan->triangles && plan->film->layout.has_features && !plan->order.coarse;
+    return outlines && index < LF_OUTLINE_VISITS ? LF_OUTLINE_POINTS : 1;
 }
 
 /* Fills holes in the planes of earlier visits of a stream, of which the first of `now` is left out
@@ -532,13 +531,13 @@ static bool replay(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t
         int other = i % 2 ? 1 - half : half;
         int64_t index = (int64_t)from->rows[visit->row].visits[other] - 1 - i / 2;
         uint64_t key = key_of(lf_film_stream_random(from), visit->row, other);
-        for (int plane = other == half && index == now ? 1 : 0;
-             index >= 0 && plane < planes_of(plan, index) && *left > 0; plane++) {
-            if (plan->moment)
-                set_moment(plan, visit, key, (uint32_t)index);
+        const int first = other == half && index == now ? 1 : 0,
+                  end = index >= 0 ? planes_of(plan, index) : 0;
+        if (first < end && plan->moment)
+            set_moment(plan, visit, key, (uint32_t)index);
+        for (int plane = first; plane<end && * left> 0; plane++) {
             cut_at(plan, visit, key, lf_hash64(key, 0), (uint32_t)index, lf_outlines_lower(plane));
-            if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, lf_outlines_step(plane),
-                            left, cancel))
+            if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, plane, left, cancel))
                 return false;
         }
     }
@@ -561,7 +560,7 @@ static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64
     visit->sums = lf_film_sums_of(plan->film, visit->row, half);
     visit->weight = (float)state->n[half];
     if (now >= 0 && !fill_holes(plan, visit, half, TRIES, stream(plan, visit->row, half),
-                                (uint32_t)now, 0.0f, &left, cancel))
+                                (uint32_t)now, 0, &left, cancel))
         return false;
     if (!replay(plan, visit, half, now, &film->streams[plan->order.stream], &left, cancel))
         return false;
@@ -569,7 +568,7 @@ static bool fill_row(const lf_visit_plan *plan, lf_visit *visit, int half, int64
         if (i != plan->order.stream &&
             !replay(plan, visit, half, -1, &film->streams[i], &left, cancel))
             return false;
-    return left == 0 || fill_holes(plan, visit, half, 0, 0, 0, 0.0f, &left, cancel);
+    return left == 0 || fill_holes(plan, visit, half, 0, 0, 0, 0, &left, cancel);
 }
 
 /* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native

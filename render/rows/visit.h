@@ -85,9 +85,10 @@ typedef struct lf_channels {
     const float *received[3];
 } lf_channels;
 
-/* What a ray of the fan sees of veils: how much of it they cover, and what that is like. */
+/* What a ray of the fan sees of veils and panes: how much of it they stop, what that is like, and
+ * how much is left behind them. */
 typedef struct lf_veil_seen {
-    float cover;
+    float cover, left;
     float nearness, spread; /* mean and standard deviation, as of lf_media_moments */
     float light;            /* lf_feature */
     float albedo[LF_ALBEDO_NUMBERS];
@@ -161,8 +162,7 @@ typedef struct lf_visit {
     lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
     int row;
-    bool outlines; /* worker->met.outlines tells where some are, whose film points this visit takes
-                    */
+    bool outlines; /* this visit takes more film points where worker->met.outlines says so */
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
     uint64_t random;          /* this visit's own */

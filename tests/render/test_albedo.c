@@ -227,21 +227,28 @@ static void a_texture_is_as_sharp_as_its_picture(void **state)
     assert_true(error[1] < 2.0 * error[0]);
 }
 
-/* A sheet of a textured veil of alpha 0.4 before a white wall, and the same sheet when it hides the
- * wall: of the same points, one has 0.4 of what the other has, and 0.6 of the wall's. */
-#define SHEET(alpha)                                                                               \
+/* A textured sheet of alpha 0.4 among other veils before a white wall, and the same sheet when it
+ * hides all behind it and nothing is before it: of the same points, the first has its share of what
+ * the second has. Neither the file nor the tree of the section has them in their order. */
+#define SHEET(alpha, others)                                                                       \
     "{ 'camera': { 'position': [0, 0, 4], 'views': 3, 'cone': 12, 'fov_y': 20, 'aspect': "         \
-    "1.3333333 }, 'meshes': { 'wall': { 'shape': 'quad', 'material': 'white', 'transform': { "     \
-    "'rotate': [90, 0, 0], 'scale': 4, 'translate': [0, 0, -1] } }, 'sheet': { 'shape': 'quad', "  \
-    "'material': 'paint', 'transform': { 'rotate': [90, 0, 0], 'scale': 2 } } }, 'materials': { "  \
-    "'white': { 'albedo': 0.7 }, 'paint': { 'albedo': " CHECKER ", 'alpha': " alpha " } }, "       \
-    "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }"
+    "1.3333333 }, 'meshes': { " others "'wall': { 'shape': 'quad', 'material': 'white', "          \
+    "'transform': { 'rotate': [90, 0, 0], 'scale': 4, 'translate': [0, 0, -1] } }, 'sheet': { "    \
+    "'shape': 'quad', 'material': 'paint', 'transform': { 'rotate': [90, 0, 0], 'scale': 2 } } "   \
+    "}, 'materials': { 'white': { 'albedo': 0.7 }, 'paint': { 'albedo': " CHECKER                  \
+    ", 'alpha': " alpha                                                                            \
+    " }, 'near': { 'albedo': 0.2, 'alpha': 0.5 }, 'far': { 'albedo': 0.3, 'alpha': 0.25 } "        \
+    "}, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }"
+#define OTHERS                                                                                     \
+    "'a': { 'shape': 'quad', 'material': 'far', 'transform': { 'rotate': [90, 0, 0], 'scale': 3, " \
+    "'translate': [0, 0, -0.5] } }, 'b': { 'shape': 'quad', 'material': 'near', 'transform': { "   \
+    "'rotate': [90, 0, 0], 'scale': 2, 'translate': [0, 0, 0.5] } }, "
 
 static void a_veil_has_its_share_of_albedo(void **state)
 {
     (void)state;
     lf_renderer *r[2];
-    static const char *const sheets[] = {SHEET("1"), SHEET("0.4")};
+    static const char *const sheets[] = {SHEET("1", ""), SHEET("0.4", OTHERS)};
     double n = 0.0, apart = 0.0;
     for (int i = 0; i < 2; i++) {
         r[i] =
@@ -254,7 +261,8 @@ static void a_veil_has_its_share_of_albedo(void **state)
             lf_albedo_unpack(lf_film_albedo_at(&r[0]->film, row)[k], sheet);
             lf_albedo_unpack(lf_film_albedo_at(&r[1]->film, row)[k], both);
             for (int c = 0; c < 3; c++) {
-                const double truth = 0.4 * (double)sheet[c] + 0.6 * 0.7;
+                const double behind = 0.25 * 0.3 + 0.75 * 0.7,
+                             truth = 0.5 * 0.2 + 0.5 * (0.4 * (double)sheet[c] + 0.6 * behind);
                 lf_assert_close((double)both[c], truth, 0.0, 3.0 * step_of(c, 1.0));
                 apart += fabs((double)sheet[c] - 0.7);
                 n += 1.0;

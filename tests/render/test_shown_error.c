@@ -7,7 +7,7 @@
 #include "render/reconstruct/shown_error.h"
 #include "render/transport/sampler.h"
 
-enum { width = 48, height = 48, views = 5, values = 3 * width * height * views, SEEDS = 24 };
+enum { width = 48, height = 48, views = 5, values = 3 * width * height * views, SEEDS = 96 };
 
 /* A rough metal all over the picture. */
 #define WALL                                                                                       \
@@ -101,9 +101,10 @@ static lf_told tell(lf_renderer *r)
     return out;
 }
 
-/* Of 12 seeds: off by 0.29 to 0.43, of which 0.48 to 0.80 is stated; the bound holds in 15 to 21 of
- * 24 (18.6, deviation 1.8: less than 12 in fewer than 1 of 1000 runs). When a half was wholly
- * trusted that a pixel is bright: off by 0.33 to 0.54, and the bound held in 46 of 96. */
+/* Of eight seeds: 0.54 to 0.63 of the error is stated, and the bound holds in 67 to 78 of 96 (72.6,
+ * deviation 3.4). When a half was wholly trusted that a pixel is bright: 0.42 to 0.47, and 38 to 50
+ * (44.8, deviation 4.7). Limits lie between: false alarms are below 1 in 1000, and as seldom would
+ * that pass. It is no bound of 95 % yet (docs/lab/error-estimates.md). */
 static void rare_bright_paths_are_stated(void **state)
 {
     (void)state;
@@ -112,8 +113,8 @@ static void rare_bright_paths_are_stated(void **state)
     const lf_told t = tell(r);
     print_message("off by %.3g, stated %.2f of it; the bound holds in %d of %d\n", t.shown,
                   t.stated / t.shown, t.held, SEEDS);
-    assert_true(t.stated > 0.3 * t.shown && t.stated < 2.0 * t.shown);
-    assert_true(t.held >= 12);
+    assert_true(t.stated > 0.5 * t.shown && t.stated < 2.0 * t.shown);
+    assert_true(t.held >= 60);
     lf_renderer_destroy(r);
 }
 
