@@ -213,15 +213,13 @@ static void add_sample(lf_tracer *tracer, const lf_caught *caught, const lf_catc
                       lf_catch_reflected(tracer, pixel, key, number, &ray, &hit, passed));
 }
 
-/* How many steps a row is to have after this call. */
+/* How many steps a row is to have after this call: one that no pass has come to, the least. */
 static int steps_wanted(const lf_caught *caught, int row)
 {
     const lf_film *film = &caught->renderer->film;
     const int steps = caught->steps[row];
-    const double native = film->rows[row].provisional ? 1.0 / caught->n_views
-                                                      : film->rows[row].n[0] + film->rows[row].n[1];
-    if (!(native > 0.0))
-        return 0;
+    const double passes = film->rows[row].n[0] + film->rows[row].n[1],
+                 native = passes > 0.0 ? passes : 1.0 / caught->n_views;
     /* shadows know enough with as many samples as a pixel has alone; reflections are its own */
     const double all = ceil(native * caught->n_views),
                  most_of_all = (double)LF_CATCH_MOST * (caught->reflected ? caught->n_views : 1);

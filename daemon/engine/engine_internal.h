@@ -95,9 +95,10 @@ typedef struct engine_spent {
 } engine_spent;
 
 /* The last fit that rows are shown by: after how many passes (0 = there is none), when it was shown
- * in all of them, and what that took. */
+ * in all of them, what that took, and whether all rows had paths. */
 typedef struct engine_fit {
     double passes, at, cost;
+    bool is_whole;
 } engine_fit;
 
 /* The thread's life; all but thread and started under lock. status: how it began. */

@@ -150,12 +150,6 @@ static const lf_interlacer *interlacer_now(lf_engine *engine)
     return engine->interlacer;
 }
 
-/* Whether fits have the last one for a first guess. */
-static bool fit_follows(const lf_engine *engine)
-{
-    return engine->picture.reconstructs && lf_renderer_follows(engine->renderer);
-}
-
 /* Adds the CPU time since *from, which becomes now. */
 static void take_time(double *sum, double *from)
 {
@@ -165,8 +159,8 @@ static void take_time(double *sum, double *from)
 }
 
 /* Whether there is to be another fit before the next frame. The first frame waits for one: noise
- * before it would flicker between what was shown and what comes. A first guess is for an incomplete
- * picture. */
+ * before it would flicker between what was shown and what comes. So does the first one that is
+ * complete: a fit of some rows knows little of the others. */
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
@@ -175,8 +169,8 @@ static bool fit_is_due(const lf_engine *engine, bool final)
     if (!engine->renderer || !engine->picture.reconstructs || fit->passes == engine->spent.passes)
         return false;
     const bool first = fit->passes <= 0,
-               last = fit_follows(engine) && lf_picture_missing(&engine->picture) == 0;
-    return final || first || last ||
+               completes = !fit->is_whole && lf_picture_missing(&engine->picture) == 0;
+    return final || first || completes ||
            (fit->passes > 0 && engine->spent.passes >= growth * fit->passes &&
             (lf_time_now() - fit->at) * FIT_SHARE >= fit->cost);
 }
@@ -203,6 +197,7 @@ static lf_status fit(lf_engine *engine, bool final)
     take_time(&cost->answer, &cpu);
     if (status == LF_OK && final)
         look_at_shown(engine);
+    engine->fit.is_whole = status == LF_OK && lf_picture_missing(&engine->picture) == 0;
     engine->fit.at = lf_time_now();
     engine->fit.cost = engine->fit.at - start;
     lf_log(LF_LOG_DEBUG, "%.2f passes: fitted and shown in %.3f s", engine->spent.passes,

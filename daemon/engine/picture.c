@@ -128,9 +128,22 @@ lf_status lf_picture_guide(lf_picture *picture, const lf_depth *depth)
     return picture->beside ? LF_OK : LF_E_NOMEM;
 }
 
+/* Samples of catchers for a row that has none, as of a coarse frame. */
+static void catch_row(void *context, int row, int worker)
+{
+    lf_picture *picture = context;
+    (void)worker;
+    if (lf_caught_samples(picture->caught, row) == 0)
+        lf_caught_add(picture->caught, row);
+}
+
 lf_status lf_picture_fitted(lf_picture *picture, lf_pool *pool, const lf_cancel *cancel)
 {
-    lf_status status = picture->caught ? lf_caught_smooth(picture->caught, cancel) : LF_OK;
+    lf_status status = LF_OK;
+    if (picture->caught)
+        status = lf_pool_run(pool, picture->height, catch_row, picture, cancel);
+    if (status == LF_OK && picture->caught)
+        status = lf_caught_smooth(picture->caught, cancel);
     return status == LF_OK ? lf_picture_resolve(picture, pool, cancel) : status;
 }
 

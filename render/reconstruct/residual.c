@@ -13,8 +13,8 @@
 #define DOUBT_FINEST 4.0f
 /* Of sharpening. */
 #define ROUNDS 3
-/* Of what was expected, more is not added in one step of a level: where that was next to nothing, one
- * bright path would be multiplied. What is brighter still is found by the finer levels. */
+/* One step of a level adds no more of what was expected: where that was next to nothing, one bright
+ * path would be multiplied. What is brighter still is found by the finer levels. */
 #define MOST 1.5f
 
 lf_residual *lf_residual_create(const lf_reconstruct_view *view)
