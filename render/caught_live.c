@@ -16,6 +16,8 @@
 /* The same of reflections, of a pixel's own; and how many a mean is of before. */
 #define KNOWN_REFLECTED 4.0f
 #define FEW_REFLECTED 16
+/* So many of its own rays tell how much of a pixel comes to catchers. */
+#define KNOWN_SHARE 4.0f
 /* What a row has that is called converged: samples of lights, and of each pixel's reflection. */
 #define CONVERGED_LIGHTS 64
 #define CONVERGED_REFLECTED 16
@@ -42,7 +44,7 @@ struct lf_caught {
     int n_views, width, height;
     int stride;        /* from the view of a step to that of the next: all of them in turn */
     caught_sums *sums; /* [row][view][column] */
-    float *smooth;     /* [row][view][column]: darkness */
+    float *smooth;     /* [row][view][column]: what is taken of a pixel's light */
     bool *smoothed;    /* [row]: it has been */
     /* [row][view][column], and smooth, over what came to catchers; NULL: none of them reflects */
     reflected_sums *reflected;
@@ -311,6 +313,48 @@ static float smooth_at(const lf_caught *caught, int row, int view, int column, i
     return darkness(lit, all);
 }
 
+/* What of a pixel's rays comes to catchers, by its own. */
+static float own_share(const caught_sums *s)
+{
+    return s->caught / lf_max(s->n, 1.0f);
+}
+
+/* What catchers take from a pixel that objects cover in part. Its own few rays say neither how much
+ * of it they leave open, which the film knows, nor how dark it is behind them: the pixels around
+ * that are all open do. */
+static float taken_beside(const lf_caught *caught, int row, int view, int column, float open)
+{
+    const size_t line = (size_t)view * (size_t)caught->width;
+    float lit = 0.0f, all = 0.0f, share = 0.0f, n = 0.0f;
+    for (int r = row > 0 ? row - 1 : 0; r <= row + 1 && r < caught->height; r++)
+        for (int c = column > 0 ? column - 1 : 0; c <= column + 1 && c < caught->width; c++) {
+            const size_t i = line + (size_t)c;
+            const caught_sums *s = caught->sums + (size_t)r * row_pixels(caught) + i;
+            if (caught->steps[r] == 0)
+                continue;
+            if (s->caught > 0.0f) {
+                lit += s->lit;
+                all += s->all;
+            }
+            if (!(lf_catch_met(&caught->renderer->film, r, i) > 0.0)) {
+                share += own_share(s);
+                n += 1.0f;
+            }
+        }
+    return darkness(lit, all) * open * (n > 0.0f ? share / n : 1.0f);
+}
+
+static float taken_at(const lf_caught *caught, int row, int view, int column, int reach)
+{
+    const size_t i = (size_t)view * (size_t)caught->width + (size_t)column;
+    const lf_renderer *renderer = caught->renderer;
+    const float open = lf_catch_open(renderer->scene, lf_catch_met(&renderer->film, row, i));
+    const caught_sums *own = caught->sums + (size_t)row * row_pixels(caught) + i;
+    if (own->n < KNOWN_SHARE && open > 0.0f && open < 1.0f)
+        return taken_beside(caught, row, view, column, open);
+    return smooth_at(caught, row, view, column, reach) * lf_min(own_share(own), open);
+}
+
 static lf_vec3 over_caught(lf_vec3 reflected, float caught)
 {
     return caught > 0.0f ? lf_scale(reflected, 1.0f / caught) : lf_v3(0.0f, 0.0f, 0.0f);
@@ -396,7 +440,7 @@ static void smooth_row(void *context, int row, int worker)
     caught->smoothed[row] = caught->steps[row] > 0;
     for (int view = 0; view < caught->n_views && caught->smoothed[row]; view++)
         for (int column = 0; column < caught->width; column++)
-            *out++ = smooth_at(caught, row, view, column, reach);
+            *out++ = taken_at(caught, row, view, column, reach);
     if (!caught->reflected || !caught->smoothed[row])
         return;
     lf_vec3 *image = caught->mirrored + (size_t)row * row_pixels(caught);
@@ -433,13 +477,14 @@ void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *pictur
         return;
     smooth = smooth && caught->smoothed[row];
     for (size_t i = 0; i < row_pixels(caught); i++, s++, picture += 3) {
-        const float dark = smooth ? caught->smooth[first + i] : darkness(s->lit, s->all);
-        if (!(s->caught > 0.0f) || !(dark > 0.0f || caught->reflected))
-            continue;
-        const float share = s->caught / lf_max(s->n, 1.0f),
-                    open = lf_catch_open(renderer->scene, lf_catch_met(&renderer->film, row, i));
-        lf_catch_take(picture, dark * lf_min(share, open), backdrop);
-        if (caught->reflected)
-            lf_catch_put(picture, lf_scale(reflection_at(caught, first + i, smooth), share));
+        if (smooth) {
+            lf_catch_take(picture, caught->smooth[first + i], backdrop);
+        } else if (s->caught > 0.0f && s->lit < s->all) {
+            const float open =
+                lf_catch_open(renderer->scene, lf_catch_met(&renderer->film, row, i));
+            lf_catch_take(picture, darkness(s->lit, s->all) * lf_min(own_share(s), open), backdrop);
+        }
+        if (caught->reflected && s->caught > 0.0f)
+            lf_catch_put(picture, lf_scale(reflection_at(caught, first + i, smooth), own_share(s)));
     }
 }

@@ -73,13 +73,15 @@ typedef struct sharing_job {
 
 static void add_row(void *context, int row, int worker)
 {
-    lf_caught *caught = context;
+    const sharing_job *job = context;
     int before;
     (void)worker;
+    if (!lf_film_is_known(&job->whole.renderer->film.rows[row]))
+        return;
     do {
-        before = lf_caught_samples(caught, row);
-        lf_caught_add(caught, row);
-    } while (lf_caught_samples(caught, row) > before);
+        before = lf_caught_samples(job->caught, row);
+        lf_caught_add(job->caught, row);
+    } while (lf_caught_samples(job->caught, row) > before);
 }
 
 static void take_row(void *context, int row, int worker)
@@ -106,7 +108,7 @@ lf_status lf_renderer_catch_smoothly(const lf_renderer *renderer, float *picture
     if (status == LF_OK)
         status = lf_rig_init(&job.whole.rig, &renderer->settings, renderer->scene->origin, NULL);
     if (status == LF_OK)
-        status = lf_pool_run(renderer->pool, height, add_row, job.caught, cancel);
+        status = lf_pool_run(renderer->pool, height, add_row, &job, cancel);
     if (status == LF_OK)
         status = lf_caught_smooth(job.caught, cancel);
     if (status == LF_OK)

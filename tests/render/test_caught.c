@@ -2,6 +2,8 @@
  * from samples that all views share. */
 #include "tests/render/caught_testing.h"
 
+#include "render/caught.h"
+
 /* A ball above a catcher, seen from above and aside. */
 #define ON_IT(views, backdrop, catcher, light)                                                     \
     "{ 'camera': { 'position': [0, 6, 6], 'target': [0.4, 0.3, 0], 'fov_y': 18, 'aspect': 1, "     \
@@ -146,6 +148,30 @@ static void a_smooth_shade_is_as_dark_and_ends_as_the_samples_are(void **state)
     assert_memory_equal(p.live, p.smooth, sizeof(float) * 3 * (size_t)(SIDE * SIDE * 9));
 }
 
+/* What is taken of pixels that the ball covers in part, one ray of each: against 512 of its own. A
+ * ray that meets the ball says nothing of the shade behind it, and the rim would be dotted with
+ * light. The mean square of the error is 0.15 to 0.4 of that of single pixels (four seeds). */
+static void a_rim_before_a_shadow_is_not_light(void **state)
+{
+    (void)state;
+    static caught_pictures much;
+    double rough = 0.0, smooth = 0.0;
+    int n = 0;
+    caught_make(ON_IT(9, GIVEN, "true", SKY), 1, 9, LF_LAYER_COVERAGE, &p);
+    caught_make(ON_IT(9, GIVEN, "true", SKY), 512, 9, LF_LAYER_COVERAGE, &much);
+    for (int i = 0; i < SIDE * SIDE * 9; i++) {
+        const double taken = (double)(much.plain[3 * i + 1] - much.whole[3 * i + 1]);
+        if (!(much.layers[i] > 0.1f && much.layers[i] < 0.9f) || taken < 0.05)
+            continue;
+        rough += pow((double)(p.plain[3 * i + 1] - p.live[3 * i + 1]) - taken, 2);
+        smooth += pow((double)(p.plain[3 * i + 1] - p.smooth[3 * i + 1]) - taken, 2);
+        n++;
+    }
+    print_message("%d pixels: %.3g rough, %.3g smooth\n", n, sqrt(rough / n), sqrt(smooth / n));
+    assert_true(n > 50);
+    assert_true(smooth < 0.6 * rough);
+}
+
 /* The mean ends at the edge of a sharp shadow, once there are samples enough to know it, here eight
  * a view: of 4216 pixels 5 are not as their samples are then, 493 where it goes on over the edge.
  */
@@ -228,11 +254,11 @@ static void there_is_nothing_where_nothing_is_caught(void **state)
             assert_null(caught);
         } else {
             assert_non_null(caught);
-            lf_caught_add(caught, 3); /* of a row that was never visited */
-            assert_int_equal(lf_caught_samples(caught, 3), 0);
-            lf_test_cycles(r, 8);
             lf_caught_take(caught, 3, true, row);
             assert_true(row[0] == 0.0f);
+            lf_caught_add(caught, 3); /* of a row that was never visited */
+            assert_int_equal(lf_caught_samples(caught, 3), LF_CATCH_LEAST);
+            lf_test_cycles(r, 8);
             caught_add_to_all(caught, 24);
             lf_test_reseed(r, 5);
             lf_assert_ok(lf_caught_begin(&caught, r), NULL); /* of another film: from its start */
@@ -272,6 +298,7 @@ int main(void)
         cmocka_unit_test(samples_are_not_shared_through_what_hides_them),
         cmocka_unit_test(views_know_more_together_than_each_alone),
         cmocka_unit_test(a_smooth_shade_is_as_dark_and_ends_as_the_samples_are),
+        cmocka_unit_test(a_rim_before_a_shadow_is_not_light),
         cmocka_unit_test(a_sharp_shadow_stays_sharp),
         cmocka_unit_test(a_fitted_file_has_the_smooth_shade),
         cmocka_unit_test(the_ball_keeps_its_light),
