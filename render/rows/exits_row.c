@@ -152,16 +152,17 @@ static void leave_smooth(const lf_exits *e)
 static void coarse_row(const lf_exits *e)
 {
     const int last = e->visit->rig->width - 1;
-    const uint32_t *smooth = e->between ? e->visit->worker->met.smooth : NULL;
-    uint32_t groups = smooth ? ~smooth[0] : ~UINT32_C(0);
+    const uint32_t *smooth = e->visit->worker->met.smooth;
+    uint32_t groups = e->between ? ~smooth[0] : ~UINT32_C(0);
     lf_fan_end ends[2];
-    if (smooth)
+    memset(ends, 0, sizeof ends);
+    if (e->between)
         leave_smooth(e);
     take_end(e, 0, groups, &ends[0]);
     for (int i = 0, column = 0; column < last; i++) {
         const uint32_t before = groups;
         column = column + LF_EXITS_COARSE < last ? column + LF_EXITS_COARSE : last;
-        if (smooth)
+        if (e->between)
             groups = column < last ? ~smooth[i + 1] : 0;
         take_end(e, column, before | groups, &ends[(i + 1) % 2]);
         fill_between(e, &ends[i % 2], &ends[(i + 1) % 2], before);

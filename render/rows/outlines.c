@@ -110,6 +110,7 @@ bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
     corner at[2][EDGES];
     row_edge edges[EDGES];
     bool between[2][LF_MAX_LANES]; /* the upper corner and the lower one */
+    memset(at, 0, sizeof at);
     for (int edge = 0; edge < EDGES; edge++)
         cut_edge(plan, visit, edge, &edges[edge]);
     for (int column = 0; column <= rig->width; column++) {
