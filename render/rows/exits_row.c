@@ -72,11 +72,6 @@ static bool has_edge(const lf_exits *e, const lf_fan_end *a, const lf_fan_end *b
            b->veiled[k] || sees_texture(e, a, k) || sees_texture(e, b, k);
 }
 
-static float between(float a, float b, float t)
-{
-    return a + t * (b - a);
-}
-
 /* What a column between two others gets, t of the way from a to b; what has more of the pivots
  * counts for more in what they are like. */
 static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b, float t)
@@ -85,11 +80,11 @@ static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b,
     const float *q = sums->half.q;
     float weight[2] = {(1.0f - t) * lf_max(q[a], 0.0f), t * lf_max(q[b], 0.0f)},
           sum = weight[0] + weight[1];
-    lf_film_pivots(sums, pixel, between(q[a], q[b], t));
+    lf_film_pivots(sums, pixel, lf_lerp(q[a], q[b], t));
     if (sums->known)
-        lf_film_known_light(sums, pixel, between(sums->known[a][0], sums->known[b][0], t),
-                            between(sums->known[a][1], sums->known[b][1], t),
-                            between(sums->known[a][2], sums->known[b][2], t));
+        lf_film_known_light(sums, pixel, lf_lerp(sums->known[a][0], sums->known[b][0], t),
+                            lf_lerp(sums->known[a][1], sums->known[b][1], t),
+                            lf_lerp(sums->known[a][2], sums->known[b][2], t));
     if (visit->worker->mirrors)
         visit->worker->mirrors[pixel] = visit->worker->mirrors[a] || visit->worker->mirrors[b];
     if (!sums->feature)
@@ -97,14 +92,14 @@ static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b,
     const lf_feature *x = &sums->feature[a], *y = &sums->feature[b];
     float s = sum > 0.0f ? weight[1] / sum : t;
     lf_film_note(sums, pixel,
-                 (lf_feature){between(x->nearness, y->nearness, s),
-                              between(x->spread, y->spread, s), between(x->surface, y->surface, s),
-                              between(x->light, y->light, s)});
+                 (lf_feature){lf_lerp(x->nearness, y->nearness, s),
+                              lf_lerp(x->spread, y->spread, s), lf_lerp(x->surface, y->surface, s),
+                              lf_lerp(x->light, y->light, s)});
     if (!sums->albedo)
         return;
     float albedo[LF_ALBEDO_NUMBERS];
     for (int c = 0; c < LF_ALBEDO_NUMBERS; c++)
-        albedo[c] = between(sums->albedo[a][c], sums->albedo[b][c], s);
+        albedo[c] = lf_lerp(sums->albedo[a][c], sums->albedo[b][c], s);
     lf_film_note_albedo(sums, pixel, albedo);
 }
 

@@ -155,11 +155,6 @@ static void take_pixel(const lf_visit *visit, size_t i, lf_exits_pixel *out)
         out->mirror = visit->worker->mirrors[i];
 }
 
-static float between(float a, float b, float t)
-{
-    return a + t * (b - a);
-}
-
 /* The mean of what a pixel has and of what it had, which counts n times as much. */
 static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had, float n)
 {
@@ -170,11 +165,11 @@ static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had
         sums->feature[i] =
             lf_feature_mix(&sums->feature[i], (double)now, &had->feature, (double)before);
         for (int c = 0; c < LF_ALBEDO_NUMBERS && sums->albedo; c++)
-            sums->albedo[i][c] = between(had->albedo[c], sums->albedo[i][c], now / (now + before));
+            sums->albedo[i][c] = lf_lerp(had->albedo[c], sums->albedo[i][c], now / (now + before));
     }
-    sums->half.q[i] = between(had->q, sums->half.q[i], share);
+    sums->half.q[i] = lf_lerp(had->q, sums->half.q[i], share);
     for (int c = 0; c < 3 && sums->known; c++)
-        sums->known[i][c] = between(had->known[c], sums->known[i][c], share);
+        sums->known[i][c] = lf_lerp(had->known[c], sums->known[i][c], share);
     if (visit->worker->mirrors)
         visit->worker->mirrors[i] |= had->mirror;
 }

@@ -100,10 +100,7 @@ static void any_number_of_threads_gives_the_same_film(void **state)
     lf_pool *pool;
     lf_assert_ok(lf_pool_create(3, &pool), NULL);
     lf_renderer *a = pass(scene, 3, NULL), *b = pass(scene, 3, pool);
-    for (int row = 0; row < HEIGHT; row++)
-        assert_memory_equal(a->film.data + (size_t)row * a->film.row_bytes,
-                            b->film.data + (size_t)row * b->film.row_bytes,
-                            lf_film_used_bytes(&a->film.layout));
+    lf_test_same_films(a, b);
     lf_renderer_destroy(a);
     lf_renderer_destroy(b);
     lf_pool_destroy(pool);

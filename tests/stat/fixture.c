@@ -81,6 +81,14 @@ void lf_test_reseed(lf_renderer *renderer, uint64_t seed)
                      LF_OK);
 }
 
+void lf_test_same_films(const lf_renderer *a, const lf_renderer *b)
+{
+    for (int row = 0; row < a->film.height; row++)
+        assert_memory_equal(a->film.data + (size_t)row * a->film.row_bytes,
+                            b->film.data + (size_t)row * b->film.row_bytes,
+                            lf_film_used_bytes(&a->film.layout));
+}
+
 void lf_test_passes(lf_renderer *renderer, int64_t n_passes)
 {
     assert_int_equal(lf_renderer_passes(renderer, NULL, n_passes, true, NULL, NULL, NULL), LF_OK);

@@ -36,6 +36,9 @@ int lf_test_finish(void **state);
 /* Starts over with another seed. Faults stay. */
 void lf_test_reseed(lf_renderer *renderer, uint64_t seed);
 
+/* Fails unless the films of both, of the same shape, hold the same bytes. */
+void lf_test_same_films(const lf_renderer *a, const lf_renderer *b);
+
 /* n_passes passes by the offline schedule. */
 void lf_test_passes(lf_renderer *renderer, int64_t n_passes);
 
