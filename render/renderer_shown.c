@@ -1,5 +1,6 @@
 /* The reconstructed picture of a renderer's film. */
 #include "render/renderer.h"
+#include "render/transport/sunlight.h"
 
 #include <math.h>
 #include <string.h>
@@ -140,13 +141,15 @@ static lf_status create(lf_renderer *renderer)
         return status;
     for (int k = 0; k < rig.n_views; k++)
         shift[k] = rig.b[k] / rig.dx;
+    const bool albedo = renderer->film.layout.has_albedo;
     const lf_reconstruct_view view = {.n_views = rig.n_views,
                                       .width = rig.width,
                                       .height = rig.height,
                                       .shift = shift,
                                       .still = rig.still,
                                       .depth = rig.distance / rig.dx,
-                                      .albedo = renderer->film.layout.has_albedo};
+                                      .albedo = albedo,
+                                      .white = albedo ? lf_sunlight_mean(renderer->scene) : 0.0f};
     status = lf_reconstruct_create(&view, renderer->pool, &renderer->shown);
     if (status == LF_OK && renderer->before.past)
         follow(renderer, &rig);

@@ -39,6 +39,7 @@ typedef struct lf_view_row {
     float share[2];                 /* of the samples; 0: q and features are not looked at */
     float row, view, shift, still;
     float deep;   /* finest cells in the depth of the plane Z = D */
+    float white;  /* lf_reconstruct_view's */
     int first, n; /* its pixels in lf_pixels */
 } lf_view_row;
 

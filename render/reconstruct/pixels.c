@@ -53,9 +53,11 @@ static lf_packed_albedo nearest_albedo(const lf_view_row *in, int k)
     return found;
 }
 
-/* Reads albedo. R is what is to be multiplied by it: so is sunlight. What is not proportional to it
- * is gloss: of a dielectric it is linear in 1/a, which the share of media tells beside what it
- * tells, and of metal in how much there is, which q does. */
+/* Reads albedo, by which R is to be multiplied; so is light, which is told over it. What is not
+ * proportional to it is gloss. Of metal it is linear in how much there is, which q tells beside
+ * what it tells. Of a dielectric it is linear in 1/a, which the share of media tells. Under a sky
+ * it is linear in what falls in over a: light tells that, and the share of media what falls in
+ * itself, over the usual. */
 static void read_albedo(const lf_view_row *in, bool halves, lf_pixels *out)
 {
     const float of_gloss = 0.1f, of_metal = 1.0f;
@@ -70,8 +72,10 @@ static void read_albedo(const lf_view_row *in, bool halves, lf_pixels *out)
             a[c] = packed == 0 ? 1.0f : fmaxf(all[c], LF_LEAST_ALBEDO);
         float inverse = 3.0f / (a[0] + a[1] + a[2]), metal = all[LF_ALBEDO_METAL];
         for (int v = halves ? 0 : LF_BOTH; v < LF_VARIANTS; v++) {
-            out->f[v][LF_LIGHT][i] *= inverse;
-            out->f[v][LF_MEDIA][i] += of_gloss * ((1.0f - metal) * inverse - 1.0f);
+            float *light = &out->f[v][LF_LIGHT][i], *media = &out->f[v][LF_MEDIA][i];
+            *media += in->white > 0.0f ? *light / in->white + *media - 1.0f
+                                       : of_gloss * ((1.0f - metal) * inverse - 1.0f);
+            *light *= inverse;
             out->f[v][LF_PIVOTS][i] += of_metal * metal;
         }
     }
@@ -113,6 +117,7 @@ bool lf_pixels_read(lf_pixels *pixels, const lf_reconstruction *r, const lf_film
     lf_view_row in = {.row = ((float)row + 0.5f) / LF_CELL_SIDE,
                       .deep = r->view.depth / r->cell_depth,
                       .still = r->view.still,
+                      .white = r->view.white,
                       .n = film->width};
     lf_film_row_known(state, n);
     if (!(n[0] + n[1] > 0.0))

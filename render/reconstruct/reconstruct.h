@@ -34,6 +34,7 @@ typedef struct lf_reconstruct_view {
     float still;        /* nearness of what stays where it is from view to view: rig.h */
     float depth;        /* D over the width of a pixel at Z = D: nearness 1, in pixels */
     bool albedo;        /* the films that it is fitted to have albedo */
+    float white;        /* with albedo: lf_sunlight_mean of the scene */
 } lf_reconstruct_view;
 
 /* LF_E_NOMEM. pool is borrowed and must outlive it. */

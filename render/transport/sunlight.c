@@ -4,7 +4,9 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "render/transport/face_albedo.h"
 #include "render/transport/light_kind.h"
+#include "render/transport/sky_light.h"
 #include "render/transport/sunlight_map.h"
 #include "render/transport/sunlight_media.h"
 
@@ -20,6 +22,7 @@ typedef struct star {
 struct lf_sunlight {
     lf_scene *scene;
     int n;
+    lf_sky_light sky; /* n == 0 */
     star stars[LF_SUNLIGHT_LIGHTS];
 };
 
@@ -31,33 +34,61 @@ static bool is_sun(const lf_light *light)
     return light->kind == &lf_light_distant && lf_max3(light->irradiance) > 0.0f;
 }
 
-bool lf_sunlight_needed(const lf_scene *scene)
+/* Whether maps can say what suns do. */
+static bool has_suns(const lf_scene *scene)
 {
     bool found = false;
     for (int i = 0; i < scene->n_lights_infinite; i++)
         found = found || is_sun(&scene->lights[i]);
-    return found && scene->n_meshes > 0 && !scene->looks.placed;
+    return found && !scene->looks.placed;
 }
 
-/* The strongest, in the scene's order where they are equal. */
-static void choose(lf_sunlight *sunlight)
+static float grey_of(const lf_material *m)
 {
-    const lf_scene *scene = sunlight->scene;
+    float albedo[LF_ALBEDO_NUMBERS];
+    lf_material_albedo(m, m->albedo, m->metallic, albedo);
+    return (albedo[0] + albedo[1] + albedo[2]) * (1.0f / 3.0f);
+}
+
+/* Whether surfaces send on more or less by their normal, or by their material. */
+static bool sky_tells(const lf_scene *scene)
+{
+    bool shines = false, varies = false;
     for (int i = 0; i < scene->n_lights_infinite; i++) {
+        const lf_light *light = &scene->lights[i];
+        const bool sky = lf_max3(light->radiance) > 0.0f;
+        shines = shines || sky;
+        varies = varies || is_sun(light) || (sky && light->kind->varies(light));
+    }
+    for (int i = 1; i < scene->n_materials && shines && !scene->looks.tinted; i++)
+        varies = varies || grey_of(&scene->materials[i]) != grey_of(&scene->materials[0]);
+    return varies;
+}
+
+bool lf_sunlight_needed(const lf_scene *scene)
+{
+    return scene->n_meshes > 0 && (has_suns(scene) || sky_tells(scene));
+}
+
+/* The strongest, in the scene's order where they are equal; how many. */
+static int choose(const lf_scene *scene, star stars[LF_SUNLIGHT_LIGHTS])
+{
+    int n = 0;
+    for (int i = 0; i < scene->n_lights_infinite && has_suns(scene); i++) {
         const lf_light *light = &scene->lights[i];
         if (!is_sun(light))
             continue;
-        int at = sunlight->n;
-        while (at > 0 &&
-               lf_mean3(sunlight->stars[at - 1].light->irradiance) < lf_mean3(light->irradiance))
+        int at = n;
+        while (at > 0 && lf_mean3(stars[at - 1].light->irradiance) < lf_mean3(light->irradiance))
             at--;
         if (at == LF_SUNLIGHT_LIGHTS)
             continue;
-        sunlight->n += sunlight->n < LF_SUNLIGHT_LIGHTS;
-        for (int k = sunlight->n - 1; k > at; k--)
-            sunlight->stars[k] = sunlight->stars[k - 1];
-        sunlight->stars[at] = (star){.light = light, .toward = lf_scale(light->direction, -1.0f)};
+        n += n < LF_SUNLIGHT_LIGHTS;
+        for (int k = n - 1; k > at; k--)
+            stars[k] = stars[k - 1];
+        stars[at] = (star){.light = light, .toward = lf_scale(light->direction, -1.0f)};
     }
+    return n;
 }
 
 static lf_status make(star *sun, const lf_scene *scene, int texels, lf_pool *pool,
@@ -83,7 +114,9 @@ lf_status lf_sunlight_create(lf_scene *scene, int texels, lf_pool *pool, const l
     if (!sunlight)
         return LF_E_NOMEM;
     sunlight->scene = lf_scene_ref(scene);
-    choose(sunlight);
+    sunlight->n = choose(scene, sunlight->stars);
+    if (sunlight->n == 0)
+        lf_sky_light_init(&sunlight->sky, scene);
     for (int i = 0; i < sunlight->n && status == LF_OK; i++)
         status = make(&sunlight->stars[i], scene, texels > 0 ? texels : TEXELS, pool, cancel);
     if (status == LF_OK)
@@ -108,9 +141,11 @@ static bool same_media(const lf_scene *a, const lf_scene *b)
 bool lf_sunlight_adopt(lf_sunlight *sunlight, lf_scene *scene)
 {
     lf_scene *own = sunlight->scene;
-    lf_sunlight other = {.scene = scene};
-    choose(&other);
-    bool same = own->geometry == scene->geometry && sunlight->n == other.n &&
+    lf_sunlight other;
+    if (own == scene)
+        return true;
+    other.n = choose(scene, other.stars);
+    bool same = other.n > 0 && own->geometry == scene->geometry && sunlight->n == other.n &&
                 memcmp(own->origin, scene->origin, sizeof own->origin) == 0 &&
                 same_media(own, scene);
     for (int i = 0; i < other.n && same; i++) {
@@ -180,11 +215,20 @@ bool lf_sunlight_share(const lf_sunlight *sunlight, int i, lf_vec3 p, lf_vec3 n,
     return true;
 }
 
+/* What a matte surface reflects of lights at infinity. */
+static float of_sky(const lf_sunlight *sunlight, const lf_hit *hit)
+{
+    const float white = lf_sky_light_white(&sunlight->sky, hit->ns);
+    return sunlight->scene->looks.tinted ? white : white * grey_of(lf_hit_material(hit));
+}
+
 float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face *face,
                             const lf_hit *hit, lf_vec3 wo)
 {
     const lf_material *material = lf_hit_material(hit);
     float sum = 0.0f;
+    if (sunlight->n == 0)
+        return of_sky(sunlight, hit);
     for (int i = 0; i < sunlight->n; i++) {
         const star *sun = &sunlight->stars[i];
         lf_vec3 f;
@@ -199,4 +243,18 @@ float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face 
             sum += reflected * share_of(sun, face->slope[i], hit->p);
     }
     return sum;
+}
+
+bool lf_sunlight_has_suns(const lf_sunlight *sunlight)
+{
+    return sunlight->n > 0;
+}
+
+float lf_sunlight_mean(const lf_scene *scene)
+{
+    lf_sky_light sky;
+    if (!lf_sunlight_needed(scene) || has_suns(scene))
+        return 0.0f;
+    lf_sky_light_init(&sky, scene);
+    return lf_sky_light_mean(&sky);
 }

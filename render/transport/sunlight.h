@@ -3,10 +3,13 @@
  * same at every visit, but not exact; nothing that is summed on the film may depend on it. Private
  * to render/.
  *
- * A map per light says which surfaces it sees (sunlight_map.h): edges of shadows are interpolated
- * between its texels, half-shadows of lights with an angle are made of a disk of them. A lattice of
- * optical depths says what media leave of the light (sunlight_media.h). Both belong to the scene:
- * cameras may move. Mirrored and scattered light is not counted. */
+ * Suns: a map per light says which surfaces it sees (sunlight_map.h): edges of shadows are
+ * interpolated between its texels, half-shadows of lights with an angle are made of a disk of them.
+ * A lattice of optical depths says what media leave of the light (sunlight_media.h). Both belong to
+ * the scene: cameras may move. Mirrored and scattered light is not counted.
+ *
+ * Where there are no suns, or instances, of which no map is made: what the normal tells of all
+ * lights at infinity, as if nothing stood in their way (sky_light.h). */
 #ifndef LF_RENDER_SUNLIGHT_H
 #define LF_RENDER_SUNLIGHT_H
 
@@ -18,7 +21,7 @@ typedef struct lf_sunlight lf_sunlight;
 /* More lights at infinity than this are left out, the weakest. */
 #define LF_SUNLIGHT_LIGHTS 4
 
-/* Whether there is anything to be made: surfaces, and a light at infinity with a direction. */
+/* Whether there is anything to be made: surfaces, and a light at infinity. */
 bool lf_sunlight_needed(const lf_scene *scene);
 
 /* Makes the maps on the pool, at most `texels` along a side (0: 2048, 16 MiB a light, 20 where
@@ -30,8 +33,8 @@ LF_NODISCARD lf_status lf_sunlight_create(lf_scene *scene, int texels, lf_pool *
 /* Accepts NULL. */
 void lf_sunlight_destroy(lf_sunlight *sunlight);
 
-/* Goes over to another scene where the maps would be the same: lights, surfaces and media stand
- * where they stood; colours may have changed. false: it stays with its own. */
+/* Goes over to another scene where the maps would be the same: suns, surfaces and media stand where
+ * they stood; colours may have changed. false: it stays with its own. */
 bool lf_sunlight_adopt(lf_sunlight *sunlight, lf_scene *scene);
 
 /* Of light number i of those that are kept, strongest first: the share of its irradiance that
@@ -54,9 +57,17 @@ typedef struct lf_sunlight_face {
 /* n: its unit normal, to either side. */
 void lf_sunlight_face_init(lf_sunlight_face *face, const lf_sunlight *sunlight, lf_vec3 n);
 
-/* Radiance that the lobes of the surface reflect of it along wo, mean of the channels; of the hit
- * p, ng, ns and material are read. Any thread. */
+/* Radiance that the lobes of the surface reflect of suns along wo, mean of the channels; of the hit
+ * p, ng, ns and material are read. Without suns: what a matte surface reflects, of the albedo of
+ * the hit's material, or white where lf_scene_looks.tinted (films divide by albedo then); of the
+ * hit ns and material are read. Any thread. */
 float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face *face,
                             const lf_hit *hit, lf_vec3 wo);
+/* Whether it is of suns, so that textures of the surface count. */
+bool lf_sunlight_has_suns(const lf_sunlight *sunlight);
+
+/* Without suns: the mean over all normals of what a white matte surface reflects in this scene. 0
+ * with suns. Takes as long as lf_sky_light_init. */
+float lf_sunlight_mean(const lf_scene *scene);
 
 #endif
