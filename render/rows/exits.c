@@ -31,21 +31,20 @@ static const lf_fan_face *face_of(const lf_visit *visit, int segment)
     return face_in(visit, &w->section, w->met.face, LF_FAN_FACES, segment);
 }
 
-/* Where ray k meets a surface, at depth z, but for its textures. */
-static void smooth_hit_of(const lf_visit *visit, int k, float z, const lf_fan_face *face,
-                          lf_vec3 *out_along, lf_hit *out)
+/* Where ray k is at depth z. */
+static lf_vec3 place_of(const lf_visit *visit, int k, float z, lf_vec3 *out_along)
 {
     const lf_scratch *w = visit->worker;
     *out_along = lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f);
-    const lf_vec3 p =
-        lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), z, *out_along);
-    lf_face_hit(&face->face, p, *out_along, out);
+    return lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), z, *out_along);
 }
 
+/* Where ray k meets a surface, at depth z. */
 static void hit_of(const lf_visit *visit, int k, float z, const lf_fan_face *face,
                    lf_vec3 *out_along, lf_hit *out)
 {
-    smooth_hit_of(visit, k, z, face, out_along, out);
+    const lf_vec3 p = place_of(visit, k, z, out_along);
+    lf_face_hit(&face->face, p, *out_along, out);
     if (visit->scene->looks.varied && lf_is_varied(out->mesh, out->material))
         lf_hit_vary(out, lf_rig_spread(visit->rig) * z);
 }
@@ -134,13 +133,16 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
 static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k, float z,
                          const lf_fan_face *face)
 {
+    const lf_sunlight *sunlight = plan->order.sunlight;
     lf_hit hit;
     lf_vec3 along;
-    if (lf_sunlight_has_suns(plan->order.sunlight))
-        hit_of(visit, k, z, face, &along, &hit);
-    else
-        smooth_hit_of(visit, k, z, face, &along, &hit);
-    return lf_sunlight_reflected(plan->order.sunlight, &face->sunlight, &hit,
+    if (!lf_sunlight_has_suns(sunlight)) {
+        const lf_vec3 p = place_of(visit, k, z, &along);
+        return lf_sunlight_of_sky(sunlight, lf_face_normal(&face->face, p, along),
+                                  face->face.material);
+    }
+    hit_of(visit, k, z, face, &along, &hit);
+    return lf_sunlight_reflected(sunlight, &face->sunlight, &hit,
                                  lf_scale(along, -1.0f / visit->worker->length[k]));
 }
 

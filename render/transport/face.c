@@ -25,25 +25,41 @@ void lf_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_t trian
     face->smooth[2] = lf_sub(normal_at(of, tri[2]), face->smooth[0]);
 }
 
-void lf_face_hit(const lf_face *face, lf_vec3 p, lf_vec3 w, lf_hit *hit)
+static void barycentric(const lf_face *face, lf_vec3 p, float *u, float *v)
 {
     lf_vec3 d = lf_sub(p, face->a);
+    *u = lf_min(lf_max(lf_dot(face->to_uv[0], d), 0.0f), 1.0f);
+    *v = lf_min(lf_max(lf_dot(face->to_uv[1], d), 0.0f), 1.0f - *u);
+}
+
+/* The shading normal on the side of the geometric normal ng. */
+static lf_vec3 smooth_normal(const lf_face *face, float u, float v, lf_vec3 ng)
+{
+    lf_vec3 ns = lf_madd(lf_madd(face->smooth[0], u, face->smooth[1]), v, face->smooth[2]);
+    float length = lf_length(ns);
+    return length > 1e-6f ? lf_scale(ns, (lf_dot(ns, ng) < 0.0f ? -1.0f : 1.0f) / length) : ng;
+}
+
+lf_vec3 lf_face_normal(const lf_face *face, lf_vec3 p, lf_vec3 w)
+{
+    const lf_vec3 ng = lf_dot(face->n, w) > 0.0f ? lf_scale(face->n, -1.0f) : face->n;
+    float u, v;
+    if (!face->mesh->normals)
+        return ng;
+    barycentric(face, p, &u, &v);
+    return smooth_normal(face, u, v, ng);
+}
+
+void lf_face_hit(const lf_face *face, lf_vec3 p, lf_vec3 w, lf_hit *hit)
+{
     hit->p = p;
     hit->mesh = face->mesh;
     hit->material = face->material;
     hit->triangle = face->triangle;
     hit->place = face->place;
-    hit->u = lf_min(lf_max(lf_dot(face->to_uv[0], d), 0.0f), 1.0f);
-    hit->v = lf_min(lf_max(lf_dot(face->to_uv[1], d), 0.0f), 1.0f - hit->u);
+    barycentric(face, p, &hit->u, &hit->v);
     hit->front = !(lf_dot(face->n, w) > 0.0f);
     hit->ng = hit->front ? face->n : lf_scale(face->n, -1.0f);
-    hit->ns = hit->ng;
+    hit->ns = face->mesh->normals ? smooth_normal(face, hit->u, hit->v, hit->ng) : hit->ng;
     hit->varies = false;
-    if (!face->mesh->normals)
-        return;
-    lf_vec3 ns =
-        lf_madd(lf_madd(face->smooth[0], hit->u, face->smooth[1]), hit->v, face->smooth[2]);
-    float length = lf_length(ns);
-    if (length > 1e-6f)
-        hit->ns = lf_scale(ns, (lf_dot(ns, hit->ng) < 0.0f ? -1.0f : 1.0f) / length);
 }

@@ -215,11 +215,10 @@ bool lf_sunlight_share(const lf_sunlight *sunlight, int i, lf_vec3 p, lf_vec3 n,
     return true;
 }
 
-/* What a matte surface reflects of lights at infinity. */
-static float of_sky(const lf_sunlight *sunlight, const lf_hit *hit)
+float lf_sunlight_of_sky(const lf_sunlight *sunlight, lf_vec3 n, const lf_material *material)
 {
-    const float white = lf_sky_light_white(&sunlight->sky, hit->ns);
-    return sunlight->scene->looks.tinted ? white : white * grey_of(lf_hit_material(hit));
+    const float white = lf_sky_light_white(&sunlight->sky, n);
+    return sunlight->scene->looks.tinted ? white : white * grey_of(material);
 }
 
 float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face *face,
@@ -228,7 +227,7 @@ float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face 
     const lf_material *material = lf_hit_material(hit);
     float sum = 0.0f;
     if (sunlight->n == 0)
-        return of_sky(sunlight, hit);
+        return lf_sunlight_of_sky(sunlight, hit->ns, material);
     for (int i = 0; i < sunlight->n; i++) {
         const star *sun = &sunlight->stars[i];
         lf_vec3 f;

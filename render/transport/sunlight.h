@@ -58,13 +58,15 @@ typedef struct lf_sunlight_face {
 void lf_sunlight_face_init(lf_sunlight_face *face, const lf_sunlight *sunlight, lf_vec3 n);
 
 /* Radiance that the lobes of the surface reflect of suns along wo, mean of the channels; of the hit
- * p, ng, ns and material are read. Without suns: what a matte surface reflects, of the albedo of
- * the hit's material, or white where lf_scene_looks.tinted (films divide by albedo then); of the
- * hit ns and material are read. Any thread. */
+ * p, ng, ns and material are read. Without suns lf_sunlight_of_sky. Any thread. */
 float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face *face,
                             const lf_hit *hit, lf_vec3 wo);
-/* Whether it is of suns, so that textures of the surface count. */
+
+/* Whether it is of suns, so that place and textures of a surface count. */
 bool lf_sunlight_has_suns(const lf_sunlight *sunlight);
+/* Without suns: what a matte surface with the normal n reflects, mean of the channels. Where
+ * lf_scene_looks.tinted, films divide by albedo: then it is white, else as the material. */
+float lf_sunlight_of_sky(const lf_sunlight *sunlight, lf_vec3 n, const lf_material *material);
 
 /* Without suns: the mean over all normals of what a white matte surface reflects in this scene. 0
  * with suns. Takes as long as lf_sky_light_init. */

@@ -93,6 +93,8 @@ void lf_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_t trian
 /* What a ray along the unit vector w that is known to meet it at p finds there: all of a hit but t.
  */
 void lf_face_hit(const lf_face *face, lf_vec3 p, lf_vec3 w, lf_hit *hit);
+/* The shading normal of that hit alone; w need not be unit. */
+lf_vec3 lf_face_normal(const lf_face *face, lf_vec3 p, lf_vec3 w);
 /* What surfaces between let through: of veils (lf_cover) their share. */
 float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 /* The same for rays of the camera. */
