@@ -192,13 +192,6 @@ static inline bool lf_film_wants_albedo(const lf_film *film, int row)
     return film->layout.has_albedo &&
            (!whole || (uint64_t)state->visits[0] + state->visits[1] < LF_ALBEDO_VISITS);
 }
-/* Whether it is one of those that take more film points at outlines; coarse visits, which do not,
- * are counted as well. */
-static inline bool lf_film_wants_outlines(const lf_film *film, int row)
-{
-    const uint32_t *visits = film->rows[row].visits;
-    return (uint64_t)visits[0] + visits[1] < LF_OUTLINE_VISITS;
-}
 /* [view][column], of both halves; NULL where no surface's albedo varies. */
 lf_packed_albedo *lf_film_albedo_at(const lf_film *film, int row);
 

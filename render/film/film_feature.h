@@ -21,10 +21,8 @@
 #define LF_FEATURE_VISITS 256
 /* Visits of a row that albedo is taken from: each looks at a quarter of all pixels. */
 #define LF_ALBEDO_VISITS 4
-/* Visits of a row that take so many film points in pixels where surfaces meet, not one, each in a
- * plane of its own. */
-#define LF_OUTLINE_VISITS 2
-#define LF_OUTLINE_POINTS 4
+/* Visits of a half that take more than one film point in pixels where surfaces meet. */
+#define LF_OUTLINE_VISITS 4
 
 typedef struct lf_feature {
     float nearness; /* mean of D/Z, 0..LF_NEARNESS_MAX */

@@ -3,7 +3,7 @@
  * transmittances of all views' pixels in that column at once (docs/estimators.md, "B and q"). */
 #include <string.h>
 
-#include "render/rows/exits.h"
+#include "render/rows/outlines.h"
 #include "render/transport/light_kind.h"
 #include "render/transport/sunlight.h"
 #include "render/transport/surface_texture.h"
@@ -468,29 +468,16 @@ static void shine(const lf_visit *visit, float s0, int from, int to, float u)
     lf_shine_fan(&sources, u, &w->tracer, &w->shine, w->shine.light + from);
 }
 
-/* x in 0..2, one period back from 1 on. */
-static float wrapped(float x)
-{
-    return x < 1.0f ? x : x - 1.0f;
-}
-
-static float film_point(const lf_exits *e, int column)
-{
-    return wrapped(lf_exits_film_point(e->key, column, e->index) + e->step);
-}
-
 /* The rays [from, to) of a column's fan, up to what they meet and through all media before it. */
 static void follow(const lf_exits *e, int column, int from, int to, const float off[2])
 {
     const lf_visit *visit = e->visit;
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    float xw = rig->x0 + ((float)column + film_point(e, column)) * rig->dx, lx = 0.0f;
+    float film = lf_outlines_column(e->key, column, e->index, e->plane),
+          xw = rig->x0 + ((float)column + film) * rig->dx, lx = 0.0f;
     if (visit->plane.lens_chord > 0.0f)
-        lx = (2.0f * wrapped(lf_sampler_radical(lf_hash64(lf_hash64(e->key, 10), (uint64_t)column),
-                                                e->index) +
-                             e->step) -
-              1.0f) *
+        lx = (2.0f * lf_outlines_lens(e->key, column, e->index, e->plane) - 1.0f) *
              visit->plane.lens_chord;
     aim(visit, xw, lx);
     if (visit->triangles && from < to)
@@ -519,7 +506,9 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end)
     lanes_of(&w->reach, rig->n_views, column, &from, &to);
     from = from > first ? from : first;
     to = to < end ? to : end;
-    const float off[2] = {(e->quarter - film_point(e, column)) * rig->dx / rig->distance, e->down};
+    const float off[2] = {(e->quarter - lf_outlines_column(e->key, column, e->index, e->plane)) *
+                              rig->dx / rig->distance,
+                          e->down};
     follow(e, column, from, to, off);
     for (int k = first; k < end && k < rig->n_views; k++) {
         if (e->only && !e->only[k])

@@ -19,7 +19,7 @@ typedef struct lf_exits {
      * the plane, as a slope: four visits look at the middles of a pixel's quarters */
     float quarter, down;
     const bool *only; /* [view] of a column: the others are left as they are; NULL: all of them */
-    float step;       /* from a column's film point to the one that is followed, in pixels */
+    int plane;        /* of the visit's: outlines.h */
 } lf_exits;
 
 /* B, q and features of the views [first, end) in a column, from one film point. */

@@ -26,12 +26,65 @@ void lf_outlines_finish(lf_outlines *outlines)
     lf_free(outlines->views);
 }
 
+/* --------------------------------------------------------------------------------------- the map
+ */
+
+enum { NOT_LOOKED_AT, NONE, SOME };
+
+lf_status lf_outline_map_init(lf_outline_map *out, const lf_film_layout *layout)
+{
+    const size_t rows = (size_t)layout->height,
+                 pixels = (size_t)layout->width * (size_t)layout->n_views;
+    out->words = (pixels + 31) / 32;
+    out->bits = lf_calloc(rows * out->words, sizeof *out->bits);
+    out->found = lf_calloc(rows, sizeof *out->found);
+    return out->bits && out->found ? LF_OK : LF_E_NOMEM;
+}
+
+void lf_outline_map_finish(lf_outline_map *map)
+{
+    lf_free(map->bits);
+    lf_free(map->found);
+    *map = (lf_outline_map){0};
+}
+
+/* The groups of these views. */
+static uint32_t groups_of(const bool *views, int n)
+{
+    uint32_t out = 0;
+    for (int k = 0; k < n; k++)
+        out |= (uint32_t)views[k] << (k / LF_LANES);
+    return out;
+}
+
+static void keep(const lf_outline_map *map, int row, size_t pixels, const lf_outlines *of, bool any)
+{
+    uint32_t *bits = map->bits + (size_t)row * map->words;
+    for (size_t i = 0; i < pixels && any; i++)
+        bits[i / 32] |= (uint32_t)of->views[i] << (i % 32);
+    map->found[row] = any ? SOME : NONE;
+}
+
+static bool recall(const lf_outline_map *map, int row, const lf_rig *rig, lf_outlines *out)
+{
+    const uint32_t *bits = map->bits + (size_t)row * map->words;
+    const size_t views = (size_t)rig->n_views, pixels = (size_t)rig->width * views;
+    for (size_t i = 0; i < pixels && map->found[row] == SOME; i++)
+        out->views[i] = bits[i / 32] >> (i % 32) & 1;
+    for (size_t column = 0; column < (size_t)rig->width && map->found[row] == SOME; column++)
+        out->groups[column] = groups_of(out->views + column * views, rig->n_views);
+    return map->found[row] == SOME;
+}
+
 /* --------------------------------------------------------------------------------- where they are
  */
+
+#define NO_TRIANGLE UINT32_MAX
 
 /* What the rays of a corner meet. */
 typedef struct corner {
     int material[LF_MAX_LANES];
+    uint32_t triangle[LF_MAX_LANES]; /* NO_TRIANGLE: not known, or none */
     float nearness[LF_MAX_LANES];
     float through[LF_MAX_LANES]; /* what veils let through */
 } corner;
@@ -66,6 +119,7 @@ static void look(const lf_visit *visit, const row_edge *edge, int column, corner
     lf_scratch *w = visit->worker;
     const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     const float s = (rig->x0 + (float)column * rig->dx) / rig->distance;
+    const uint32_t comparable = visit->triangles->mesh_start[visit->scene->n_meshes];
     lf_section_nearest(edge->section, visit->triangles, rig, s, lanes, rig->b, w->z_end,
                        w->met.segment);
     for (int k = 0; k < lanes; k++)
@@ -75,33 +129,29 @@ static void look(const lf_visit *visit, const row_edge *edge, int column, corner
         lf_veils_along(&veils, s, lanes, rig->b, w->z_end, out->through, w->veil.mirrored, NULL);
     }
     for (int k = 0; k < rig->n_views; k++) {
-        out->material[k] =
-            w->met.segment[k] < 0 ? -1 : lf_section_material(edge->section, w->met.segment[k]);
+        const int segment = w->met.segment[k];
+        const uint32_t triangle =
+            segment < 0 ? NO_TRIANGLE : lf_section_triangle(edge->section, segment);
+        out->material[k] = segment < 0 ? -1 : lf_section_material(edge->section, segment);
+        out->triangle[k] = triangle < comparable ? triangle : NO_TRIANGLE;
         out->nearness[k] = lf_nearness(rig->distance, w->z_end[k]);
     }
 }
 
 /* Marks the views whose rays of two corners meet other surfaces, or depths that no surface between
- * could have, or of which veils let much more of one through. */
+ * could have unless it is one triangle (a ground seen from low above), or of which veils let much
+ * more of one through. */
 static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool *out)
 {
     const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance, most_veil = 0.25f;
     for (int k = 0; k < rig->n_views; k++)
         out[k] |= (a->material[k] != b->material[k]) |
-                  (fabsf(a->nearness[k] - b->nearness[k]) > apart) |
+                  ((fabsf(a->nearness[k] - b->nearness[k]) > apart) &
+                   !(a->triangle[k] == b->triangle[k] && a->triangle[k] != NO_TRIANGLE)) |
                   (fabsf(a->through[k] - b->through[k]) > most_veil);
 }
 
-/* The groups of these views. */
-static uint32_t groups_of(const bool *views, int n)
-{
-    uint32_t out = 0;
-    for (int k = 0; k < n; k++)
-        out |= (uint32_t)views[k] << (k / LF_LANES);
-    return out;
-}
-
-bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
+static bool look_at_row(const lf_visit_plan *plan, const lf_visit *visit)
 {
     const lf_rig *rig = plan->rig;
     const size_t views = (size_t)rig->n_views;
@@ -131,6 +181,18 @@ bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
         any |= outlines->groups[column - 1];
     }
     return any != 0;
+}
+
+bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
+{
+    const lf_outline_map *map = &plan->outlines;
+    lf_outlines *outlines = &visit->worker->met.outlines;
+    if (map->found && map->found[visit->row] != NOT_LOOKED_AT)
+        return recall(map, visit->row, plan->rig, outlines);
+    const bool any = look_at_row(plan, visit);
+    if (map->found)
+        keep(map, visit->row, (size_t)plan->rig->width * (size_t)plan->rig->n_views, outlines, any);
+    return any;
 }
 
 /* ------------------------------------------------------------------------------ their film points
@@ -192,23 +254,76 @@ static void take_point(const lf_exits *e, int column, int first, int end, int n)
             mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
 }
 
-float lf_outlines_step(int plane)
+/* ---------------------------------------------------------------------------------- the planes --
+ */
+
+enum { FIRST_PLANES = 4 };
+
+int lf_outlines_planes(uint32_t index)
 {
-    static const int quarter[LF_OUTLINE_POINTS] = {0, 2, 1, 3};
-    return (float)quarter[plane] / LF_OUTLINE_POINTS;
+    if (index >= LF_OUTLINE_VISITS)
+        return 1;
+    return index < 2 ? FIRST_PLANES : 2;
+}
+
+/* x moved into the quarter in which the first two visits' point lies that is in the other half. */
+static float across_from(float x, const float first[2])
+{
+    const int half = (int)(2.0f * x);
+    const float other = (int)(2.0f * first[0]) != half ? first[0] : first[1];
+    return 0.25f * (floorf(4.0f * other) + (4.0f * x - floorf(4.0f * x)));
+}
+
+/* x and how many quarters farther, from the end to the beginning. */
+static float quarters_on(float x, int quarters)
+{
+    const float sum = x + 0.25f * (float)quarters;
+    return sum < 1.0f ? sum : sum - 1.0f;
+}
+
+/* Of planes across, so that the first visit's film points are no line. */
+static const int quarters_across[FIRST_PLANES] = {0, 2, 1, 3};
+
+float lf_outlines_row(uint64_t offsets, uint32_t index, int plane)
+{
+    const float own = lf_sampler_radical(offsets, index);
+    if (plane == 0 || index < 2)
+        return quarters_on(own, plane);
+    const float first[2] = {lf_sampler_radical(offsets, 0), lf_sampler_radical(offsets, 1)};
+    return across_from(own, first);
+}
+
+float lf_outlines_column(uint64_t key, int column, uint32_t index, int plane)
+{
+    const float own = lf_exits_film_point(key, column, index);
+    if (plane == 0 || index < 2)
+        return quarters_on(own, quarters_across[plane]);
+    const float first[2] = {lf_exits_film_point(key, column, 0),
+                            lf_exits_film_point(key, column, 1)};
+    return across_from(own, first);
+}
+
+float lf_outlines_lens(uint64_t key, int column, uint32_t index, int plane)
+{
+    const uint64_t sequence = lf_hash64(lf_hash64(key, 10), (uint64_t)column);
+    const float own = lf_sampler_radical(sequence, index);
+    if (plane == 0 || index < 2)
+        return quarters_on(own, quarters_across[plane]);
+    const float first[2] = {lf_sampler_radical(sequence, 0), lf_sampler_radical(sequence, 1)};
+    return across_from(own, first);
 }
 
 void lf_outlines_take(lf_exits *e, int plane)
 {
     const lf_rig *rig = e->visit->rig;
     const lf_outlines *outlines = &e->visit->worker->met.outlines;
-    e->step = lf_outlines_step(plane);
+    e->plane = plane;
     for (int column = 0; column < rig->width; column++) {
         uint32_t groups = outlines->groups[column];
         e->only = outlines->views + (size_t)column * (size_t)rig->n_views;
         for (int first, end; groups && lf_exits_next_groups(&groups, rig->n_views, &first, &end);)
             take_point(e, column, first, end, plane);
     }
-    e->step = 0.0f;
+    e->plane = 0;
     e->only = NULL;
 }

@@ -168,6 +168,7 @@ static void destroy(void *state)
     free_queues(rows);
     lf_counts_finish(&rows->counts);
     lf_row_triangles_finish(&rows->triangles);
+    lf_outline_map_finish(&rows->outlines);
     lf_free(rows);
 }
 
@@ -194,6 +195,9 @@ static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_
     if (rows->seen.n_meshes > 0)
         status =
             lf_row_triangles_init(&rows->triangles, &rows->seen, track->at, track->n, rows->pool);
+    if (status == LF_OK && rows->triangles.first && layout->has_features &&
+        !lf_moving_moves(&rows->moving))
+        status = lf_outline_map_init(&rows->outlines, layout);
     if (status == LF_OK && sharing->adaptive)
         status = lf_counts_init(&rows->counts, layout->n_views, layout->width, layout->height);
     if (status != LF_OK)
@@ -215,6 +219,7 @@ static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_
                                  .sharing = sharing,
                                  .native = find_native(),
                                  .triangles = rows->triangles.first ? &rows->triangles : NULL,
+                                 .outlines = rows->outlines,
                                  .film = input->film,
                                  .sampler = settings->sampler,
                                  .max_depth = lf_max_depth(input->scene, settings->max_depth),

@@ -18,6 +18,7 @@ typedef struct lf_rows {
     lf_rig rig;
     lf_media_frame frame, flames;
     lf_row_triangles triangles; /* all zero without meshes */
+    lf_outline_map outlines;    /* all zero where something moves, or films have no features */
     lf_counts counts;           /* tiles only where sharing->adaptive */
     bool mapped;                /* the map has been made: plan.counts */
     lf_visit_plan plan;         /* of every visit, before an order is known */

@@ -268,7 +268,7 @@ void lf_section_nearest(const lf_section *section, const lf_row_triangles *rows,
 void lf_section_face(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
                      int segment, lf_face *out)
 {
-    uint32_t triangle = section->leaves[segment / WIDE].triangle[segment % WIDE];
+    uint32_t triangle = lf_section_triangle(section, segment);
     int mesh = 0, count = scene->n_meshes;
     if (triangle >= rows->mesh_start[count]) {
         lf_section_placed_face(section, scene, triangle, out);

@@ -131,6 +131,13 @@ static inline int lf_section_material(const lf_section *section, int segment)
     return section->leaves[segment / LF_SECTION_WIDE].material[segment % LF_SECTION_WIDE];
 }
 
+/* Its triangle's number among those of the scene's meshes, the same in all sections; of what stands
+ * in many places one of lf_row_triangles.mesh_start[meshes] or more, which says nothing. */
+static inline uint32_t lf_section_triangle(const lf_section *section, int segment)
+{
+    return section->leaves[segment / LF_SECTION_WIDE].triangle[segment % LF_SECTION_WIDE];
+}
+
 /* The triangle that it is cut from. */
 void lf_section_face(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
                      int segment, lf_face *out);

@@ -328,17 +328,16 @@ static void set_moment(const lf_visit_plan *plan, lf_visit *visit, uint64_t key,
         visit->worker->tracer.time = 1.0f - time;
 }
 
-/* Draws the plane of a visit, or one that is so much lower within the row, and cuts the volumes
- * with it. offsets names the sequence of row offsets. */
+/* Draws the plane of a visit, or another of its outlines, and cuts the volumes with it. offsets
+ * names the sequence of row offsets. */
 static void cut_at(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64_t offsets,
-                   uint32_t index, float lower)
+                   uint32_t index, int number)
 {
     const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index),
                            lf_sampler_radical(lf_hash64(key, 2), index)};
     const float phase[2] = {lf_sampler_radical(lf_hash64(key, 15), index),
                             lf_sampler_radical(lf_hash64(key, 4), index)};
-    float offset = lf_sampler_radical(offsets, index) + lower;
-    offset = offset < 1.0f ? offset : offset - 1.0f;
+    const float offset = lf_outlines_row(offsets, index, number);
     lf_rig_row_plane(plan->rig, (float)visit->row + offset, lens, &visit->plane);
     lf_media_cut(&visit->worker->media, plan->frame, plan->scene->volumes, plan->rig, &visit->plane,
                  phase, plan->kernels, &visit->worker->tracer.lookups);
@@ -360,7 +359,7 @@ static void cut(const lf_visit_plan *plan, lf_visit *visit, uint64_t key, uint64
 {
     if (plan->moment)
         set_moment(plan, visit, key, index);
-    cut_at(plan, visit, key, offsets, index, 0.0f);
+    cut_at(plan, visit, key, offsets, index, 0);
 }
 
 /* B, q and features of a visit. It finds the visit's plane cut, and leaves it so. */
@@ -368,12 +367,12 @@ static void find_known(const lf_visit_plan *plan, lf_visit *visit, uint64_t key,
                        uint32_t index)
 {
     lf_exits_row(plan, visit, key, index, false);
-    for (int i = 1; i < LF_OUTLINE_POINTS && visit->outlines; i++) {
-        cut_at(plan, visit, key, offsets, index, lf_outlines_lower(i));
+    for (int i = 1; i < lf_outlines_planes(index) && visit->outlines; i++) {
+        cut_at(plan, visit, key, offsets, index, i);
         lf_exits_outlines(plan, visit, key, index, i);
     }
     if (visit->outlines)
-        cut_at(plan, visit, key, offsets, index, 0.0f);
+        cut_at(plan, visit, key, offsets, index, 0);
 }
 
 static void begin(const lf_visit_plan *plan, lf_visit *visit)
@@ -495,10 +494,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int
                 continue;
             bool far = column - filled >= plan->order.hole_reach;
             for (int i = 0; i < tries && far && lf_film_is_hole(halves, state->n, pixel); i++) {
-                float point = lf_exits_film_point(exits, column, index) + lf_outlines_step(plane),
-                      film = i > 0          ? -1.0f
-                             : point < 1.0f ? point
-                                            : point - 1.0f;
+                float film = i > 0 ? -1.0f : lf_outlines_column(exits, column, index, plane);
                 if (cancelled(cancel))
                     return false;
                 base_sample(plan, visit, view, column, film, false, own,
@@ -518,7 +514,7 @@ static bool fill_holes(const lf_visit_plan *plan, lf_visit *visit, int half, int
 static int planes_of(const lf_visit_plan *plan, int64_t index)
 {
     const bool outlines = plan->triangles && plan->film->layout.has_features && !plan->order.coarse;
-    return outlines && index < LF_OUTLINE_VISITS ? LF_OUTLINE_POINTS : 1;
+    return outlines ? lf_outlines_planes((uint32_t)index) : 1;
 }
 
 /* Fills holes in the planes of earlier visits of a stream, of which the first of `now` is left out
@@ -536,7 +532,7 @@ static bool replay(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t
         if (first < end && plan->moment)
             set_moment(plan, visit, key, (uint32_t)index);
         for (int plane = first; plane<end && * left> 0; plane++) {
-            cut_at(plan, visit, key, lf_hash64(key, 0), (uint32_t)index, lf_outlines_lower(plane));
+            cut_at(plan, visit, key, lf_hash64(key, 0), (uint32_t)index, plane);
             if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, plane, left, cancel))
                 return false;
         }
@@ -620,13 +616,6 @@ static bool put_provisional(const lf_visit_plan *plan, lf_visit *visit, uint64_t
     return true;
 }
 
-/* Whether a visit of the row takes more film points at outlines. */
-static bool wants_outlines(const lf_visit_plan *plan, int row)
-{
-    return plan->triangles && plan->film->layout.has_features && !plan->order.coarse &&
-           lf_film_wants_outlines(plan->film, row);
-}
-
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker,
                   const lf_cancel *cancel)
 {
@@ -650,8 +639,8 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         return put_provisional(plan, &visit, key, index, cancel);
     if (plan->moment)
         set_moment(plan, &visit, key, index);
-    visit.outlines = wants_outlines(plan, row) && lf_outlines_find(plan, &visit);
-    cut_at(plan, &visit, key, lf_hash64(key, 0), index, 0.0f);
+    visit.outlines = planes_of(plan, index) > 1 && lf_outlines_find(plan, &visit);
+    cut_at(plan, &visit, key, lf_hash64(key, 0), index, 0);
     double first_rank = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
     int64_t passes = llround(before->n[half] * views);
     visit.start =

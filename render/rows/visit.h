@@ -64,6 +64,14 @@ typedef struct lf_outlines {
     bool *views;      /* [column][view] which they are */
 } lf_outlines;
 
+/* The same of all rows, found by the first visit of each that asked: for scenes and cameras that
+ * stand still. All zero: nothing is kept. */
+typedef struct lf_outline_map {
+    uint32_t *bits; /* [row][words] of [column][view] */
+    size_t words;
+    uint8_t *found; /* [row] whether the row has been looked at, and has some */
+} lf_outline_map;
+
 /* What the fan's rays meet. */
 typedef struct lf_fan_met {
     int segment[LF_MAX_LANES];  /* of the section, -1: no surface */
@@ -283,6 +291,7 @@ typedef struct lf_visit_plan {
     const lf_sharing *sharing;
     const lf_sharing *native;          /* what fills holes: shares nothing */
     const lf_row_triangles *triangles; /* as in lf_visit */
+    lf_outline_map outlines;           /* borrowed */
     lf_film *film;
     lf_sampler_kind sampler;
     int max_depth;

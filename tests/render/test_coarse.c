@@ -3,6 +3,7 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
+#include "render/rows/outlines.h"
 #include "render/transport/sampler.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
@@ -192,8 +193,8 @@ static bool is_between(float x, float a, float b)
  * some of which may have found a mirror: q of what that shows is counted beside theirs. */
 static bool is_part_of(const seen *x, const seen *y, bool mirrors)
 {
-    float others = LF_OUTLINE_POINTS * y->q - x->q,
-          most = mirrors ? INFINITY : LF_OUTLINE_POINTS - 1 + 1e-5f;
+    const float points = (float)lf_outlines_planes(0), others = points * y->q - x->q,
+                most = mirrors ? INFINITY : points - 1.0f + 1e-5f;
     return memcmp(x, y, sizeof *x) == 0 || (others > -1e-5f && others < most);
 }
 
