@@ -116,11 +116,49 @@ static void answer_row(const lf_answered_row *o, float (*out)[3])
     }
 }
 
+/* What a node whose middle is at `middle` says of pixel i. */
+static void predict_by(const lf_cell *cell, const lf_pixels *pixels, size_t i,
+                       const float middle[3], float out[4])
+{
+    for (int c = 0; c < 3; c++) {
+        const lf_plane *plane = &cell->node[LF_BOTH][c];
+        out[c] = plane->constant;
+        for (int k = 0; k < LF_FEATURES; k++)
+            out[c] += plane->slope[k] * (pixels->f[LF_BOTH][k][i] - (k < 3 ? middle[k] : 0.0f));
+    }
+}
+
+/* A pixel that no node of the finest level is near: its view was not summed up in a row without
+ * paths, or the row was visited after the fit. The finest level that has its cell stands in. */
+static void predict_coarser(const lf_reconstruction *r, const lf_pixels *pixels, int row, size_t i,
+                            float out[4])
+{
+    int u = pixels->u[i], v = row / LF_CELL_SIDE, z = pixels->z[i];
+    for (int level = 1; level < LF_LEVELS; level++) {
+        u = lf_half_of(u);
+        v = lf_half_of(v);
+        z = lf_half_of(z);
+        const lf_band *band = &r->level[level].bands[v];
+        const int at = lf_band_find(band, u, z);
+        if (at < 0 || !band->cells[at].filled[LF_BOTH])
+            continue;
+        const float side = (float)(1 << level),
+                    middle[3] = {((float)u + 0.5f) * side, ((float)v + 0.5f) * side,
+                                 ((float)z + 0.5f) * side};
+        predict_by(&band->cells[at], pixels, i, middle, out);
+        out[3] = level == 1 ? band->cells[at].share : 0.0f;
+        return;
+    }
+}
+
 static void predict(const lf_answered_row *o, const lf_reconstruction *r,
                     lf_reconstruct_scratch *scratch, int first, int n)
 {
     const lf_pixels *pixels = &o->scratch->rows[0];
     r->kernels->predict(&scratch->table, pixels, first, n, scratch->predicted + first);
+    for (int i = first; i < first + n; i++)
+        if (scratch->predicted[i][3] < 0.0f && lf_pixel_is_fitted(pixels, (size_t)i))
+            predict_coarser(r, pixels, o->row, (size_t)i, scratch->predicted[i]);
     lf_pixels_reflect(pixels, first, n, scratch->predicted + first);
 }
 

@@ -391,6 +391,45 @@ static void a_fit_answers_rows_that_have_no_paths(void **state)
     lf_scene_unref(scene);
 }
 
+/* In place of what was found: N = c W, c 1, 2 and 3, before a black sky. */
+static void make_constant(lf_renderer *r)
+{
+    memset(r->film.sky, 0, sizeof r->film.sky);
+    for (int row = 0; row < HEIGHT; row++) {
+        lf_film_scattered *s = lf_film_at(&r->film, row, 0).scattered;
+        assert_null(lf_film_known_at(&r->film, row));
+        for (int i = 0; i < 3 * r->film.n_views * WIDTH; i++)
+            s[i / 3].n[i % 3] = (float)(i % 3 + 1) * s[i / 3].w;
+    }
+}
+
+/* What becomes known of a row after the fit may lie where no finest cell is, and is answered
+ * without a path: coarser cells know that. It was black. */
+static void what_is_constant_stays_where_no_cell_is(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(LF_TEST_FOGS("19", ""));
+    lf_renderer *r = coarse_frame(scene, false, NULL);
+    static float out[3 * VIEWS * WIDTH];
+    int counted = 0;
+    make_constant(r);
+    lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+    lf_assert_ok(lf_renderer_pass_fans(r, NULL), NULL);
+    for (int row = 0; row < HEIGHT; row++) {
+        const float *q = lf_film_at(&r->film, row, 0).q;
+        lf_assert_ok(lf_renderer_show_row(r, row, out), NULL);
+        for (int i = 0; i < 3 * VIEWS * WIDTH; i++) {
+            if (!(q[i / 3] > 1e-3f && q[i / 3] <= 1.0f))
+                continue;
+            lf_assert_close((double)out[i], (double)q[i / 3] * (i % 3 + 1), 1e-3, 1e-6);
+            counted += r->film.rows[row].provisional;
+        }
+    }
+    assert_true(counted > 10000);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+}
+
 static void any_number_of_threads_gives_the_same_film(void **state)
 {
     (void)state;
@@ -418,6 +457,7 @@ int main(void)
         cmocka_unit_test(what_changes_little_is_left_to_the_rows_around),
         cmocka_unit_test(nothing_of_fans_alone_is_left_behind_a_visit),
         cmocka_unit_test(a_fit_answers_rows_that_have_no_paths),
+        cmocka_unit_test(what_is_constant_stays_where_no_cell_is),
         cmocka_unit_test(any_number_of_threads_gives_the_same_film),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
