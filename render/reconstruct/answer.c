@@ -8,6 +8,9 @@
 #include "render/reconstruct/residual.h"
 #include "render/reconstruct/scratch.h"
 
+/* Planes that coarser nodes are asked for go far beyond what they were fitted to. */
+#define MOST_FROM_MEAN 1.5f
+
 static lf_to_show to_show(const lf_answered_row *o)
 {
     const lf_film_row *state = &o->film->rows[o->row];
@@ -168,6 +171,24 @@ static void predict_between(const lf_reconstruction *r, const lf_pixels *pixels,
     out[3] = 0.0f;
 }
 
+/* What a cell's node says of a pixel that it was not fitted to, at most MOST_FROM_MEAN times as
+ * much or as little as the cell has seen; false: it has seen nothing. */
+static bool predict_by(const lf_cell *cell, const lf_pixels *pixels, size_t i,
+                       const float middle[3], float out[3])
+{
+    float mean[3];
+    if (!mean_of(cell, mean))
+        return false;
+    for (int c = 0; c < 3; c++) {
+        const lf_plane *plane = &cell->node[LF_BOTH][c];
+        float x = plane->constant;
+        for (int k = 0; k < LF_FEATURES; k++)
+            x += plane->slope[k] * (pixels->f[LF_BOTH][k][i] - (k < 3 ? middle[k] : 0.0f));
+        out[c] = fminf(fmaxf(x, mean[c] / MOST_FROM_MEAN), mean[c] * MOST_FROM_MEAN);
+    }
+    return true;
+}
+
 /* A pixel that no node of the finest level is near: its view was not summed up in a row without
  * paths, or the row was visited after the fit. The finest level that has its cell stands in. */
 static void predict_coarser(const lf_reconstruction *r, const lf_pixels *pixels, int row, size_t i,
@@ -176,14 +197,8 @@ static void predict_coarser(const lf_reconstruction *r, const lf_pixels *pixels,
     for (int level = 1; level < LF_LEVELS; level++) {
         float middle[3];
         const lf_cell *cell = cell_of(r, pixels, row, i, level, middle);
-        if (!cell || !cell->filled[LF_BOTH])
+        if (!cell || !predict_by(cell, pixels, i, middle, out))
             continue;
-        for (int c = 0; c < 3; c++) {
-            const lf_plane *plane = &cell->node[LF_BOTH][c];
-            out[c] = plane->constant;
-            for (int k = 0; k < LF_FEATURES; k++)
-                out[c] += plane->slope[k] * (pixels->f[LF_BOTH][k][i] - (k < 3 ? middle[k] : 0.0f));
-        }
         out[3] = level == 1 ? cell->share : 0.0f;
         return;
     }
