@@ -189,8 +189,8 @@ static bool predict_by(const lf_cell *cell, const lf_pixels *pixels, size_t i,
     return true;
 }
 
-/* A pixel that no node of the finest level is near: its view was not summed up in a row without
- * paths, or the row was visited after the fit. The finest level that has its cell stands in. */
+/* A pixel that no node of the finest level is near: its row was visited after the fit. The finest
+ * level that has its cell stands in. */
 static void predict_coarser(const lf_reconstruction *r, const lf_pixels *pixels, int row, size_t i,
                             float out[4])
 {

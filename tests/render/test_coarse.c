@@ -463,6 +463,26 @@ static void any_number_of_threads_gives_the_same_film(void **state)
     lf_scene_unref(scene);
 }
 
+/* Of many views a part is summed up in each row; in rows without paths all have their cells. */
+static void a_fit_of_many_views_is_the_same_for_any_number_of_threads(void **state)
+{
+    enum { MANY = 45, VALUES = 3 * MANY * WIDTH * HEIGHT };
+    static float shown[2][VALUES];
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("45", ""));
+    lf_pool *pool;
+    (void)state;
+    lf_assert_ok(lf_pool_create(3, &pool), NULL);
+    for (int round = 0; round < 8; round++) {
+        const int k = round > 0;
+        lf_renderer *r = coarse_frame(scene, true, k ? pool : NULL);
+        lf_assert_ok(lf_renderer_show(r, shown[k], NULL), NULL);
+        assert_true(k == 0 || memcmp(shown[0], shown[1], sizeof shown[0]) == 0);
+        lf_renderer_destroy(r);
+    }
+    lf_pool_destroy(pool);
+    lf_scene_unref(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -477,6 +497,7 @@ int main(void)
         cmocka_unit_test(nothing_of_fans_alone_is_left_behind_a_visit),
         cmocka_unit_test(a_fit_answers_rows_that_have_no_paths),
         cmocka_unit_test(what_is_constant_stays_where_no_cell_is),
+        cmocka_unit_test(a_fit_of_many_views_is_the_same_for_any_number_of_threads),
         cmocka_unit_test(any_number_of_threads_gives_the_same_film),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
