@@ -298,9 +298,9 @@ static lf_status outside(const lf_roots *roots, lf_error *err, const char *path)
         return lf_error_set(err, LF_E_PATH, path,
                             "lies outside the folders that may be read; --allow-path DIR adds one");
     return lf_error_set(err, LF_E_PATH, path,
-                        "lies outside the folders that quiltd may read, or was passed by a client "
-                        "that is gone; load it again with quiltctl, which passes it, or start "
-                        "quiltd with --allow-path DIR");
+                        "lies outside the folders that quiltd may read; start quiltd with "
+                        "--allow-path DIR, or load the scene with quiltctl (again, if the file was "
+                        "passed by a client that is gone)");
 }
 
 static lf_status resolve(const lf_roots *roots, const char *path, char real[static PATH_MAX],

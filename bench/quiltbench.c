@@ -147,9 +147,18 @@ lf_status lf_bench_pool(int threads, lf_pool **out_pool, lf_error *err)
                : lf_error_set(err, status, "--threads", "the threads cannot be started");
 }
 
+/* Scenes of bench/textured and bench/reference read what a clone does not have. */
+static bool lacks_data(const lf_error *err)
+{
+    return err->status == LF_E_IO && strstr(err->what, "/shared/data/");
+}
+
 int lf_bench_fail(const lf_error *err)
 {
     lf_log_error(err);
+    if (lacks_data(err))
+        lf_log(LF_LOG_ERROR, "quiltd does not come with this file: docs/scene.md, \"Shipped "
+                             "scenes\", says where it is from");
     return LF_EXIT_FAILED;
 }
 

@@ -21,7 +21,7 @@
 #define NAME "quiltd"
 #define NAME_SIZE 0.75
 
-enum { LINES = 6, MOST_STROKES = LF_FONT_COLUMNS * LF_FONT_ROWS * 2 };
+enum { LINES = 9, MOST_STROKES = LF_FONT_COLUMNS * LF_FONT_ROWS * 2 };
 
 static const uint8_t ground[3] = {0x26, 0x28, 0x2b}, ink[3] = {0xdc, 0xde, 0xe0},
                      dim[3] = {0x78, 0x7b, 0x80};

@@ -161,11 +161,11 @@ void lf_codes_apply(const lf_codes *codes, lf_image8 *image, lf_pool *pool);
 /* ------------------------------------------------------------------------------------- cards -- */
 
 /* A picture of our own with a few words on it, for a panel that has no other to show. */
-#define LF_CARD_TEXT 256 /* bytes of the words, their end included */
+#define LF_CARD_TEXT 384 /* bytes of the words, their end included */
 
 /* The size of a card for a panel: its aspect, and about as fine as a lens shows. */
 void lf_card_size(int panel_width, int panel_height, int *out_width, int *out_height);
-/* Light words on dark grey, as large as at most six lines allow; words too long are cut and end
+/* Light words on dark grey, as large as at most nine lines allow; words too long are cut and end
  * with dots, characters that the font lacks become '?'. It is meant as the only view: the same from
  * everywhere lies in the plane of the glass. *out is the caller's (lf_image8_finish). LF_E_NOMEM.
  */

@@ -11,6 +11,13 @@
  * a half shadow is 0.8 % then, when the mean ends, which is not seen pixel by pixel. */
 #define ENOUGH 4096
 #define MOST_REACH 3
+/* A mean of fewer samples goes farther, up to so many pixels: at the sides of the outer views few
+ * others, or none, see what they see. */
+#define FEW_SAMPLES 32.0f
+#define FARTHEST_REACH 24
+/* The same of a pixel that objects cover in part. */
+#define FEW_BESIDE 16.0f
+#define FARTHEST_BESIDE 3
 /* From so many samples on the darkness of a pixel tells it from that of others. */
 #define KNOWN 32.0f
 /* The same of reflections, of a pixel's own; and how many a mean is of before. */
@@ -289,8 +296,20 @@ static bool may_be_one_shade(const caught_sums *a, const caught_sums *b)
     return apart * apart <= 9.0f * variance + 0.02f * 0.02f;
 }
 
-/* The mean over neighbours that lie as deep and are as dark, as far as is known. */
-static float smooth_at(const lf_caught *caught, int row, int view, int column, int reach)
+/* Sums over the pixels around one. */
+typedef struct sums_around {
+    float lit, all, samples;
+} sums_around;
+
+static void add_around(sums_around *to, const caught_sums *s)
+{
+    to->lit += s->lit;
+    to->all += s->all;
+    to->samples += s->samples;
+}
+
+/* Neighbours that lie as deep and are as dark, as far as is known. */
+static sums_around alike_around(const lf_caught *caught, int row, int view, int column, int reach)
 {
     const size_t line = (size_t)view * (size_t)caught->width;
     const caught_sums *own =
@@ -298,19 +317,31 @@ static float smooth_at(const lf_caught *caught, int row, int view, int column, i
     const int top = row > reach ? row - reach : 0, left = column > reach ? column - reach : 0,
               bottom = row + reach < caught->height ? row + reach : caught->height - 1,
               right = column + reach < caught->width ? column + reach : caught->width - 1;
-    float lit = 0.0f, all = 0.0f;
+    sums_around sum = {0.0f, 0.0f, 0.0f};
     for (int r = top; own->caught > 0.0f && r <= bottom; r++) {
         if (caught->steps[r] == 0)
             continue;
         const caught_sums *s = caught->sums + (size_t)r * row_pixels(caught) + line;
         for (int c = left; c <= right; c++)
             if (s[c].caught > 0.0f && may_be_one_place(s[c].nearness, own->nearness) &&
-                may_be_one_shade(s + c, own)) {
-                lit += s[c].lit;
-                all += s[c].all;
-            }
+                may_be_one_shade(s + c, own))
+                add_around(&sum, s + c);
     }
-    return darkness(lit, all);
+    return sum;
+}
+
+/* Their mean; of more of them where they have few samples, until the pixel has rays of its own. */
+static float smooth_at(const lf_caught *caught, int row, int view, int column, int reach)
+{
+    const caught_sums *own = caught->sums + (size_t)row * row_pixels(caught) +
+                             (size_t)view * (size_t)caught->width + (size_t)column;
+    sums_around sum = alike_around(caught, row, view, column, reach);
+    while (own->caught > 0.0f && own->n < KNOWN_SHARE && sum.samples < FEW_SAMPLES &&
+           reach < FARTHEST_REACH) {
+        reach = 2 * reach + 1 < FARTHEST_REACH ? 2 * reach + 1 : FARTHEST_REACH;
+        sum = alike_around(caught, row, view, column, reach);
+    }
+    return darkness(sum.lit, sum.all);
 }
 
 /* What of a pixel's rays comes to catchers, by its own. */
@@ -319,29 +350,46 @@ static float own_share(const caught_sums *s)
     return s->caught / lf_max(s->n, 1.0f);
 }
 
-/* What catchers take from a pixel that objects cover in part. Its own few rays say neither how much
- * of it they leave open, which the film knows, nor how dark it is behind them: the pixels around
- * that are all open do. */
-static float taken_beside(const lf_caught *caught, int row, int view, int column, float open)
+/* What comes to catchers of pixels around one that are all open. */
+static float share_beside(const lf_caught *caught, int row, int view, int column)
 {
     const size_t line = (size_t)view * (size_t)caught->width;
-    float lit = 0.0f, all = 0.0f, share = 0.0f, n = 0.0f;
+    float share = 0.0f, n = 0.0f;
     for (int r = row > 0 ? row - 1 : 0; r <= row + 1 && r < caught->height; r++)
         for (int c = column > 0 ? column - 1 : 0; c <= column + 1 && c < caught->width; c++) {
             const size_t i = line + (size_t)c;
-            const caught_sums *s = caught->sums + (size_t)r * row_pixels(caught) + i;
-            if (caught->steps[r] == 0)
+            if (caught->steps[r] == 0 || lf_catch_met(&caught->renderer->film, r, i) > 0.0)
                 continue;
-            if (s->caught > 0.0f) {
-                lit += s->lit;
-                all += s->all;
-            }
-            if (!(lf_catch_met(&caught->renderer->film, r, i) > 0.0)) {
-                share += own_share(s);
-                n += 1.0f;
-            }
+            share += own_share(caught->sums + (size_t)r * row_pixels(caught) + i);
+            n += 1.0f;
         }
-    return darkness(lit, all) * open * (n > 0.0f ? share / n : 1.0f);
+    return n > 0.0f ? share / n : 1.0f;
+}
+
+static sums_around all_around(const lf_caught *caught, int row, int view, int column, int reach)
+{
+    sums_around sum = {0.0f, 0.0f, 0.0f};
+    for (int r = row > reach ? row - reach : 0; r <= row + reach && r < caught->height; r++) {
+        const caught_sums *s =
+            caught->sums + (size_t)r * row_pixels(caught) + (size_t)view * (size_t)caught->width;
+        for (int c = column > reach ? column - reach : 0; c <= column + reach && c < caught->width;
+             c++)
+            if (caught->steps[r] > 0 && s[c].caught > 0.0f)
+                add_around(&sum, s + c);
+    }
+    return sum;
+}
+
+/* What catchers take from a pixel that objects cover in part. Its own few rays say neither how much
+ * of it they leave open, which the film knows, nor how dark it is behind them: the pixels around
+ * do. */
+static float taken_beside(const lf_caught *caught, int row, int view, int column, float open)
+{
+    int reach = 1;
+    sums_around sum = all_around(caught, row, view, column, reach);
+    while (sum.samples < FEW_BESIDE && reach < FARTHEST_BESIDE)
+        sum = all_around(caught, row, view, column, ++reach);
+    return darkness(sum.lit, sum.all) * open * share_beside(caught, row, view, column);
 }
 
 static float taken_at(const lf_caught *caught, int row, int view, int column, int reach)

@@ -22,12 +22,24 @@ static const char *scene_name(const lf_server *server)
     return file ? name_of(file) : "a scene";
 }
 
+/* Of words that begin with a path and a colon, as those about a file that a scene names, those from
+ * the file's name on: a card has little room. */
+static const char *without_folder(const char *words)
+{
+    const char *colon = words[0] == '/' ? strstr(words, ": ") : NULL;
+    const char *name = words;
+    for (const char *at = words; colon && at < colon; at++)
+        name = *at == '/' ? at + 1 : name;
+    return name;
+}
+
 static void say_error(const lf_error *err, char *out, size_t size)
 {
     char line[32] = "";
     if (err->line > 0)
         snprintf(line, sizeof line, ":%d", err->line);
-    snprintf(out, size, "Cannot show %.80s%s: %.120s", name_of(err->where), line, err->what);
+    snprintf(out, size, "Cannot show %.80s%s: %.270s", name_of(err->where), line,
+             without_folder(err->what));
 }
 
 static void find_words(const lf_server *server, char *out, size_t size)

@@ -196,7 +196,8 @@ static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_UNLIT_TEXTURE] = "it is unlit by a texture that is not read: lit as others are",
     [LF_LOST_KTX2] = "textures that are in KTX2 alone are not read",
     [LF_LOST_MORE_TEXTURES] = "textures of thickness, and of specular and glossiness, are not read",
-    [LF_LOST_OCCLUSION] = "the occlusion texture is left out, light is followed instead",
+    [LF_LOST_OCCLUSION] =
+        "the ambient occlusion texture is ignored: path tracing computes occlusion",
     [LF_LOST_IRIDESCENCE] = "iridescence is left out (KHR_materials_iridescence)",
     [LF_LOST_DISPERSION] = "dispersion is left out (KHR_materials_dispersion)",
     [LF_LOST_TRANSLUCENCE] =

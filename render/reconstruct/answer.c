@@ -8,6 +8,9 @@
 #include "render/reconstruct/residual.h"
 #include "render/reconstruct/scratch.h"
 
+/* Planes that coarser nodes are asked for go far beyond what they were fitted to. */
+#define MOST_FROM_MEAN 1.5f
+
 static lf_to_show to_show(const lf_answered_row *o)
 {
     const lf_film_row *state = &o->film->rows[o->row];
@@ -116,11 +119,100 @@ static void answer_row(const lf_answered_row *o, float (*out)[3])
     }
 }
 
+/* The cell of a level that pixel i of a row lies in, and its middle; NULL: there is none. */
+static const lf_cell *cell_of(const lf_reconstruction *r, const lf_pixels *pixels, int row,
+                              size_t i, int level, float middle[3])
+{
+    int at[3] = {pixels->u[i], row / LF_CELL_SIDE, pixels->z[i]};
+    for (int l = 0; l < level; l++)
+        for (int k = 0; k < 3; k++)
+            at[k] = lf_half_of(at[k]);
+    for (int k = 0; k < 3; k++)
+        middle[k] = ((float)at[k] + 0.5f) * (float)(1 << level);
+    const lf_band *band = &r->level[level].bands[at[1]];
+    const int n = lf_band_find(band, at[0], at[2]);
+    return n >= 0 ? &band->cells[n] : NULL;
+}
+
+/* N/W of a cell; false: it has seen nothing. */
+static bool mean_of(const lf_cell *cell, float out[3])
+{
+    const lf_moments *a = &cell->half[0][0], *b = &cell->half[1][1];
+    const float w = a->w + b->w;
+    for (int c = 0; c < 3 && w > 0.0f; c++)
+        out[c] = fmaxf(0.0f, (a->n[c] + b->n[c]) / w);
+    return w > 0.0f;
+}
+
+/* A pixel far from all cells in depth, as of an outline that the fit did not know: between the
+ * means of those behind and before it. */
+static void predict_between(const lf_reconstruction *r, const lf_pixels *pixels, int row, size_t i,
+                            float out[4])
+{
+    const int level = LF_LEVELS - 1;
+    const float side = (float)(1 << level), z = pixels->f[LF_BOTH][LF_DEPTH][i] / side - 0.5f;
+    const lf_band *band = &r->level[level].bands[row / LF_CELL_SIDE >> level];
+    float mean[2][3], at[2] = {-INFINITY, INFINITY};
+    int u = pixels->u[i];
+    for (int l = 0; l < level; l++)
+        u = lf_half_of(u);
+    for (int k = band->z0; k < band->z0 + band->nz; k++) {
+        const int n = lf_band_find(band, u, k), nearer = (float)k < z ? 0 : 1;
+        if (n >= 0 && (nearer == 0 || at[1] == INFINITY) && mean_of(&band->cells[n], mean[nearer]))
+            at[nearer] = (float)k;
+    }
+    if (at[0] == -INFINITY && at[1] == INFINITY)
+        return;
+    const float t = at[0] == -INFINITY  ? 1.0f
+                    : at[1] == INFINITY ? 0.0f
+                                        : (z - at[0]) / (at[1] - at[0]);
+    for (int c = 0; c < 3; c++)
+        out[c] = (t < 1.0f ? (1.0f - t) * mean[0][c] : 0.0f) + (t > 0.0f ? t * mean[1][c] : 0.0f);
+    out[3] = 0.0f;
+}
+
+/* What a cell's node says of a pixel that it was not fitted to, at most MOST_FROM_MEAN times as
+ * much or as little as the cell has seen; false: it has seen nothing. */
+static bool predict_by(const lf_cell *cell, const lf_pixels *pixels, size_t i,
+                       const float middle[3], float out[3])
+{
+    float mean[3];
+    if (!mean_of(cell, mean))
+        return false;
+    for (int c = 0; c < 3; c++) {
+        const lf_plane *plane = &cell->node[LF_BOTH][c];
+        float x = plane->constant;
+        for (int k = 0; k < LF_FEATURES; k++)
+            x += plane->slope[k] * (pixels->f[LF_BOTH][k][i] - (k < 3 ? middle[k] : 0.0f));
+        out[c] = fminf(fmaxf(x, mean[c] / MOST_FROM_MEAN), mean[c] * MOST_FROM_MEAN);
+    }
+    return true;
+}
+
+/* A pixel that no node of the finest level is near: its row was visited after the fit. The finest
+ * level that has its cell stands in. */
+static void predict_coarser(const lf_reconstruction *r, const lf_pixels *pixels, int row, size_t i,
+                            float out[4])
+{
+    for (int level = 1; level < LF_LEVELS; level++) {
+        float middle[3];
+        const lf_cell *cell = cell_of(r, pixels, row, i, level, middle);
+        if (!cell || !predict_by(cell, pixels, i, middle, out))
+            continue;
+        out[3] = level == 1 ? cell->share : 0.0f;
+        return;
+    }
+    predict_between(r, pixels, row, i, out);
+}
+
 static void predict(const lf_answered_row *o, const lf_reconstruction *r,
                     lf_reconstruct_scratch *scratch, int first, int n)
 {
     const lf_pixels *pixels = &o->scratch->rows[0];
     r->kernels->predict(&scratch->table, pixels, first, n, scratch->predicted + first);
+    for (int i = first; i < first + n; i++)
+        if (scratch->predicted[i][3] < 0.0f && lf_pixel_is_fitted(pixels, (size_t)i))
+            predict_coarser(r, pixels, o->row, (size_t)i, scratch->predicted[i]);
     lf_pixels_reflect(pixels, first, n, scratch->predicted + first);
 }
 

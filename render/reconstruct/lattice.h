@@ -58,6 +58,7 @@ typedef struct lf_cell {
     float agreed, total;      /* of the shrinkage towards this level (shrink.c) */
     float share;              /* of this level, as it is settled */
     bool filled[LF_VARIANTS]; /* the node knows something */
+    float own[LF_VARIANTS];   /* share of its own fit that its pivots W allow: W/(W + few) */
     /* what shares have gained by chance here, about and at most (shown_error.h) */
     float chosen, chosen_most;
     float bright; /* share of the bounded fit (bright.h) */

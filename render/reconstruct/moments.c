@@ -195,7 +195,7 @@ lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int numbe
             status = lf_second_keep(r, film, i);
         if (status == LF_OK &&
             lf_pixels_read(&scratch->rows[n_rows], r, film, i,
-                           lf_film_visited(film->rows[i].visits) ? LF_READ_HALVES : LF_READ_SUMMED))
+                           lf_film_visited(film->rows[i].visits) ? LF_READ_HALVES : LF_READ_ALL))
             row[n_rows++] = i;
     }
     if (status == LF_OK)

@@ -146,11 +146,16 @@ static void predict(const lf_above *above, lf_guess *out)
     }
 }
 
-/* What a node changes of the guess: nothing where it knows nothing. */
+/* What a node changes of the guess: nothing where it knows nothing, little where it knows little.
+ */
 static lf_plane step_of(const lf_cell *cell, const lf_guess *guess, int variant, int c)
 {
-    static const lf_plane none = {0};
-    return cell->filled[variant] ? minus(&cell->node[variant][c], &guess->x[variant][c]) : none;
+    lf_plane step = {0};
+    if (!cell->filled[variant])
+        return step;
+    const lf_plane full = minus(&cell->node[variant][c], &guess->x[variant][c]);
+    add_scaled(&step, &full, cell->own[variant]);
+    return step;
 }
 
 /* ------------------------------------------------------------------------------------- shares --

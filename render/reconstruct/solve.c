@@ -5,6 +5,9 @@
 
 #include "render/reconstruct/kernel.h"
 
+/* A node of both halves that has so many goes half by its own fit, half by the level above. */
+#define FEW_PIVOTS 1.0f
+
 /* From the middles of the 27 cells around one to its own. */
 typedef float lf_shifts[27][LF_FEATURES];
 
@@ -56,7 +59,9 @@ static void make(const lf_reconstruction *r, lf_fits *fits)
 static void fit(const lf_reconstruction *r, const lf_moments *sum, lf_cell *cell, int variant,
                 lf_fits *fits)
 {
+    const float few = variant == LF_BOTH ? FEW_PIVOTS : 0.5f * FEW_PIVOTS;
     cell->filled[variant] = sum->w > 0.0f;
+    cell->own[variant] = cell->filled[variant] ? sum->w / (sum->w + few) : 0.0f;
     if (!cell->filled[variant])
         return;
     fits->moments[fits->n] = *sum;

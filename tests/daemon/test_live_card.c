@@ -120,6 +120,32 @@ static void a_file_that_cannot_be_shown_is_named_with_the_reason(void **state)
     live_finish(&l);
 }
 
+/* The first scene names a file that quiltd may not read: the panel has all of the words, with what
+ * to do, and not the folders; quiltd goes on, and another scene can be loaded. */
+static void a_file_out_of_reach_is_told_with_what_to_do(void **state)
+{
+    static const char words[] = "Cannot show far.json:2: knot.obj: lies outside the folders that "
+                                "quiltd may read; start quiltd with --allow-path DIR, or load the "
+                                "scene with quiltctl (again, if the file was passed by a client "
+                                "that is gone)";
+    (void)state;
+    live l;
+    live_client c;
+    live_prepare(&l);
+    lf_test_write(l.folder, "scene/far.json",
+                  "{\"quiltd\":1,\n\"meshes\":{\"m\":{\"file\":\"../knot.obj\"}}}");
+    lf_test_write(l.folder, "knot.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    live_start(&l, lf_test_path(l.folder, "scene/far.json"), "--device", l.sim, NULL);
+    live_connect(&l, &c);
+    await_words(&c, words);
+    load(&l, &c, "scene/fog.json", live_scene_text, 0);
+    live_wait(&c, "coarse");
+    assert_true(says(&c, NULL));
+    live_close(&c);
+    assert_int_equal(live_stop(&l), 0);
+    live_finish(&l);
+}
+
 static void a_picture_without_light_is_told(void **state)
 {
     (void)state;
@@ -268,6 +294,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(glass_without_a_scene_says_so),
         cmocka_unit_test(a_file_that_cannot_be_shown_is_named_with_the_reason),
+        cmocka_unit_test(a_file_out_of_reach_is_told_with_what_to_do),
         cmocka_unit_test(a_picture_without_light_is_told),
         cmocka_unit_test(a_long_load_is_told),
         cmocka_unit_test(the_files_hold_what_wait_answers),

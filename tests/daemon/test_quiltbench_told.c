@@ -173,6 +173,26 @@ static void what_cannot_be_drawn_is_told_first(void **state)
     free(path);
 }
 
+/* As bench/textured does; a file that is missing elsewhere is the user's own. */
+static void data_that_a_clone_lacks_is_told(void **state)
+{
+    static const char scene[] =
+        "{ \"quiltd\": 1, \"meshes\": { \"m\": { \"file\": \"%s/none.glb\" } } }";
+    static const char *const folders[] = {"../shared/data/meshes", "mine"};
+    const char *d = *state;
+    char text[256];
+    for (int i = 0; i < 2; i++) {
+        snprintf(text, sizeof text, scene, folders[i]);
+        lf_test_write(d, "textured.json", text);
+        assert_int_equal(bench_run(d, "shown textured.json"), 1);
+        assert_says(d, "err", "none.glb: cannot open");
+        if (i == 0)
+            assert_says(d, "err", "quiltd does not come with this file");
+        else
+            assert_silent(d, "err", "quiltd does not come with this file");
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -181,6 +201,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_curve_tells_of_too_few_samples, set_up, tear_down),
         cmocka_unit_test_setup_teardown(csv_has_a_line_a_run, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_drawn_is_told_first, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(data_that_a_clone_lacks_is_told, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

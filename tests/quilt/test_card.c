@@ -105,6 +105,28 @@ static void words_lie_in_the_middle_and_within_the_margins(void **state)
     }
 }
 
+/* What is refused and what to do: the longest words that quiltd has for a file. */
+static void an_error_with_its_remedy_is_whole(void **state)
+{
+    static const int panels[][2] = {{1536, 2048}, {3840, 2160}, {2160, 3840}};
+    char text[LF_CARD_TEXT];
+    int width, height;
+    (void)state;
+    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) {
+        snprintf(text, sizeof text,
+                 "Cannot show a_scene_of_mine.json:12: exploding_barrel.glb: lies outside the "
+                 "folders that quiltd may read; start quiltd with --allow-path DIR, or load the "
+                 "scene with quiltctl (again, if the file was passed by a client that is gone)");
+        lf_card_size(panels[i][0], panels[i][1], &width, &height);
+        lf_image8 whole = card_of(text, width, height);
+        text[strlen(text) - 1] = '!';
+        lf_image8 other = card_of(text, width, height);
+        assert_memory_not_equal(whole.data, other.data, whole.stride * (size_t)height);
+        lf_image8_finish(&whole);
+        lf_image8_finish(&other);
+    }
+}
+
 static void words_too_long_are_cut_with_dots(void **state)
 {
     char text[LF_CARD_TEXT], more[LF_CARD_TEXT];
@@ -136,6 +158,7 @@ int main(void)
         cmocka_unit_test(every_character_has_a_picture_of_its_own),
         cmocka_unit_test(what_the_font_lacks_is_seen_to_be_missing),
         cmocka_unit_test(words_lie_in_the_middle_and_within_the_margins),
+        cmocka_unit_test(an_error_with_its_remedy_is_whole),
         cmocka_unit_test(words_too_long_are_cut_with_dots),
         cmocka_unit_test(a_card_has_the_aspect_of_its_panel),
     };

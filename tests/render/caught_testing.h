@@ -6,7 +6,7 @@
 
 #include "tests/stat/fixture.h"
 
-enum { SIDE = 24, MOST_VIEWS = 9, MOST = SIDE * SIDE * MOST_VIEWS };
+enum { SIDE = 24, MOST_VIEWS = 45, MOST = SIDE * SIDE * MOST_VIEWS };
 
 typedef struct caught_pictures {
     int n_views;

@@ -172,6 +172,28 @@ static void a_rim_before_a_shadow_is_not_light(void **state)
     assert_true(smooth < 0.6 * rough);
 }
 
+/* The whole ground lies in the shadow of a roof: all that is seen of it is dark after the first
+ * samples, also at the sides of the outer views, which few others see. Slivers there were lit. */
+static void what_few_views_see_is_as_dark(void **state)
+{
+    (void)state;
+    int seen = 0;
+    caught_make("{ 'camera': { 'position': [0, 2, 6], 'target': [0, 1, 0], 'fov_y': 30, 'aspect': "
+                "1, 'views': 45, 'cone': 60 }, " GIVEN
+                "'meshes': { 'ground': { 'shape': 'quad', 'catcher': true, 'transform': { 'scale': "
+                "50 } }, 'roof': { 'shape': 'quad', 'transform': { 'scale': 200, 'translate': [0, "
+                "20, 0] } } }, 'lights': { 'sun': { 'type': 'distant', 'direction': [0, -1, 0] } } "
+                "}",
+                1, 8, LF_LAYER_COVERAGE, &p);
+    for (int i = 0; i < SIDE * SIDE * 45; i++) {
+        const bool ground = i / (SIDE * 45) > SIDE / 2 && p.layers[i] == 0.0f;
+        if (ground)
+            lf_assert_close(dark(&p, p.smooth, i), 1.0, 0, 1e-3);
+        seen += ground;
+    }
+    assert_true(seen > 5000);
+}
+
 /* The mean ends at the edge of a sharp shadow, once there are samples enough to know it, here eight
  * a view: of 4216 pixels 5 are not as their samples are then, 493 where it goes on over the edge.
  */
@@ -299,6 +321,7 @@ int main(void)
         cmocka_unit_test(views_know_more_together_than_each_alone),
         cmocka_unit_test(a_smooth_shade_is_as_dark_and_ends_as_the_samples_are),
         cmocka_unit_test(a_rim_before_a_shadow_is_not_light),
+        cmocka_unit_test(what_few_views_see_is_as_dark),
         cmocka_unit_test(a_sharp_shadow_stays_sharp),
         cmocka_unit_test(a_fitted_file_has_the_smooth_shade),
         cmocka_unit_test(the_ball_keeps_its_light),

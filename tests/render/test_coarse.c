@@ -392,6 +392,64 @@ static void a_fit_answers_rows_that_have_no_paths(void **state)
     lf_scene_unref(scene);
 }
 
+/* In place of what was found: N = c W, c 1, 2 and 3, before a black sky. */
+static void make_constant(lf_renderer *r)
+{
+    memset(r->film.sky, 0, sizeof r->film.sky);
+    for (int row = 0; row < HEIGHT; row++) {
+        assert_null(lf_film_known_at(&r->film, row));
+        for (int h = 0; h < 2; h++) {
+            lf_film_scattered *s = lf_film_at(&r->film, row, h).scattered;
+            for (int i = 0; i < 3 * VIEWS * WIDTH; i++)
+                s[i / 3].n[i % 3] = (float)(i % 3 + 1) * s[i / 3].w;
+        }
+    }
+}
+
+/* A ball far before a wall: at its outline pixels are as near as nothing is. */
+#define BALL_BEFORE_WALL                                                                           \
+    "{ " LF_TEST_CAMERA(                                                                           \
+        "19", "") "'meshes': { 'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.6, "         \
+                  "'translate': [0, 0, 3] } }, 'wall': { 'shape': 'quad', 'transform': { "         \
+                  "'scale': 300, 'rotate': [90, 0, 0], 'translate': [0, 0, -60] } } }, "           \
+                  "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }"
+
+/* What becomes known of a row after the fit, by fans alone or by a visit, may lie where no finest
+ * cell is, or none at all: cells around know what is
+ * constant, about. It was black without a path. */
+static void what_is_constant_stays_where_no_cell_is(void **state)
+{
+    static const char *const texts[] = {LF_TEST_FOGS("19", ""), BALL_BEFORE_WALL};
+    static float out[3 * VIEWS * WIDTH];
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        lf_scene *scene = lf_test_scene(texts[k]);
+        lf_renderer *r = coarse_frame(scene, false, NULL);
+        int counted = 0;
+        make_constant(r);
+        lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
+        if (k == 0)
+            lf_assert_ok(lf_renderer_pass_fans(r, NULL), NULL);
+        else
+            lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
+        make_constant(r);
+        for (int row = 0; row < HEIGHT; row++) {
+            const int half = r->film.rows[row].n[1] > 0.0 && k == 1;
+            const float *q = lf_film_at(&r->film, row, half).q;
+            lf_assert_ok(lf_renderer_show_row(r, row, out), NULL);
+            for (int i = 0; i < 3 * VIEWS * WIDTH && row % 4 != 2; i++) {
+                if (!(q[i / 3] > 1e-3f && q[i / 3] <= 1.0f))
+                    continue;
+                lf_assert_close((double)out[i], (double)q[i / 3] * (i % 3 + 1), 0.1, 0);
+                counted++;
+            }
+        }
+        assert_true(counted > 10000);
+        lf_renderer_destroy(r);
+        lf_scene_unref(scene);
+    }
+}
+
 static void any_number_of_threads_gives_the_same_film(void **state)
 {
     (void)state;
@@ -402,6 +460,26 @@ static void any_number_of_threads_gives_the_same_film(void **state)
     lf_test_same_films(a, b);
     lf_renderer_destroy(a);
     lf_renderer_destroy(b);
+    lf_pool_destroy(pool);
+    lf_scene_unref(scene);
+}
+
+/* Of many views a part is summed up in each row; in rows without paths all have their cells. */
+static void a_fit_of_many_views_is_the_same_for_any_number_of_threads(void **state)
+{
+    enum { MANY = 45, VALUES = 3 * MANY * WIDTH * HEIGHT };
+    static float shown[2][VALUES];
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("45", ""));
+    lf_pool *pool;
+    (void)state;
+    lf_assert_ok(lf_pool_create(3, &pool), NULL);
+    for (int round = 0; round < 8; round++) {
+        const int k = round > 0;
+        lf_renderer *r = coarse_frame(scene, true, k ? pool : NULL);
+        lf_assert_ok(lf_renderer_show(r, shown[k], NULL), NULL);
+        assert_true(k == 0 || memcmp(shown[0], shown[1], sizeof shown[0]) == 0);
+        lf_renderer_destroy(r);
+    }
     lf_pool_destroy(pool);
     lf_scene_unref(scene);
 }
@@ -419,6 +497,8 @@ int main(void)
         cmocka_unit_test(what_changes_little_is_left_to_the_rows_around),
         cmocka_unit_test(nothing_of_fans_alone_is_left_behind_a_visit),
         cmocka_unit_test(a_fit_answers_rows_that_have_no_paths),
+        cmocka_unit_test(what_is_constant_stays_where_no_cell_is),
+        cmocka_unit_test(a_fit_of_many_views_is_the_same_for_any_number_of_threads),
         cmocka_unit_test(any_number_of_threads_gives_the_same_film),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

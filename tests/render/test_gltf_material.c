@@ -396,7 +396,7 @@ static void what_has_no_place_is_told(void **state)
 {
     (void)state;
     static const char *const words[] = {
-        "the occlusion texture is left out",
+        "the ambient occlusion texture is ignored",
         "iridescence is left out",
         "dispersion is left out",
         "diffuse transmission is left out",

@@ -110,7 +110,7 @@ static void what_a_gltf_material_loses_is_said(void **state)
     static const char *const words[] = {
         "the texture of what glows is not read",
         "textures of thickness",
-        "the occlusion texture is left out",
+        "the ambient occlusion texture is ignored",
         "iridescence is left out",
         "is not to be had",
         "a.gltf: 1 camera is not used",
