@@ -113,13 +113,14 @@ static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge,
         out->veils = NULL;
 }
 
-static void look(const lf_visit *visit, const row_edge *edge, int column, corner *out)
+/* comparable: triangles from this number on are not told. */
+static void look(const lf_visit *visit, const row_edge *edge, int column, uint32_t comparable,
+                 corner *out)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
     const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     const float s = (rig->x0 + (float)column * rig->dx) / rig->distance;
-    const uint32_t comparable = visit->triangles->mesh_start[visit->scene->n_meshes];
     lf_section_nearest(edge->section, visit->triangles, rig, s, lanes, rig->b, w->z_end,
                        w->met.segment);
     for (int k = 0; k < lanes; k++)
@@ -139,8 +140,7 @@ static void look(const lf_visit *visit, const row_edge *edge, int column, corner
 }
 
 /* Marks the views whose rays of two corners meet other surfaces, or depths that no surface between
- * could have unless it is one triangle (a ground seen from low above), or of which veils let much
- * more of one through. */
+ * could have unless it is one triangle, or of which veils let much more of one through. */
 static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool *out)
 {
     const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance, most_veil = 0.25f;
@@ -151,11 +151,20 @@ static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool 
                   (fabsf(a->through[k] - b->through[k]) > most_veil);
 }
 
+/* What lies between two corners of one triangle is no outline. But a ground seen from low above has
+ * much of itself in a pixel, and under suns edges of shadows. */
+static uint32_t comparable_triangles(const lf_visit *visit)
+{
+    const bool suns = visit->sunlight && lf_sunlight_has_suns(visit->sunlight);
+    return suns ? 0 : visit->triangles->mesh_start[visit->scene->n_meshes];
+}
+
 static bool look_at_row(const lf_visit_plan *plan, const lf_visit *visit)
 {
     const lf_rig *rig = plan->rig;
     const size_t views = (size_t)rig->n_views;
     lf_outlines *outlines = &visit->worker->met.outlines;
+    const uint32_t comparable = comparable_triangles(visit);
     uint32_t any = 0;
     corner at[2][EDGES];
     row_edge edges[EDGES];
@@ -167,7 +176,7 @@ static bool look_at_row(const lf_visit_plan *plan, const lf_visit *visit)
         corner *here = at[column % 2], *last = at[(column + 1) % 2];
         bool *now = between[column % 2], *before = between[(column + 1) % 2];
         for (int edge = 0; edge < EDGES; edge++)
-            look(visit, &edges[edge], column, &here[edge]);
+            look(visit, &edges[edge], column, comparable, &here[edge]);
         memset(now, 0, views * sizeof *now);
         mark_torn(rig, &here[0], &here[1], now);
         if (column == 0)
