@@ -471,7 +471,7 @@ static void what_a_scene_names_elsewhere_needs_a_word_of_the_owner(void **state)
     while (strcmp(live_status_text(&c, "state"), "error") != 0)
         live_nap(10);
     assert_true(live_logged(&l, "away/wall.obj"));
-    assert_true(live_logged(&l, "or start quiltd with --allow-path DIR"));
+    assert_true(live_logged(&l, "start quiltd with --allow-path DIR"));
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);
     live_start(&l, named, "--device", "none", "--allow-path", lf_test_path(l.folder, "away"), NULL);
