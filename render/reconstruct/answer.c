@@ -152,7 +152,7 @@ static void predict_between(const lf_reconstruction *r, const lf_pixels *pixels,
     const int level = LF_LEVELS - 1;
     const float side = (float)(1 << level), z = pixels->f[LF_BOTH][LF_DEPTH][i] / side - 0.5f;
     const lf_band *band = &r->level[level].bands[row / LF_CELL_SIDE >> level];
-    float mean[2][3], at[2] = {-INFINITY, INFINITY};
+    float mean[2][3] = {{0}}, at[2] = {-INFINITY, INFINITY};
     int u = pixels->u[i];
     for (int l = 0; l < level; l++)
         u = lf_half_of(u);
@@ -167,7 +167,7 @@ static void predict_between(const lf_reconstruction *r, const lf_pixels *pixels,
                     : at[1] == INFINITY ? 0.0f
                                         : (z - at[0]) / (at[1] - at[0]);
     for (int c = 0; c < 3; c++)
-        out[c] = (t < 1.0f ? (1.0f - t) * mean[0][c] : 0.0f) + (t > 0.0f ? t * mean[1][c] : 0.0f);
+        out[c] = (1.0f - t) * mean[0][c] + t * mean[1][c];
     out[3] = 0.0f;
 }
 
