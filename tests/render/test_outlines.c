@@ -4,6 +4,7 @@
 
 #include "render/film/film.h"
 #include "render/rows/outlines.h"
+#include "render/rows/rows.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
@@ -165,6 +166,26 @@ static void the_first_visits_bring_it_nearer(void **state)
     }
 }
 
+/* Outlines are found by the first visit of a row, and kept: later ones look again to the same end.
+ */
+static void what_is_kept_is_what_would_be_found(void **state)
+{
+    (void)state;
+    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("9", ""));
+    lf_renderer *kept = pass(scene, 1, NULL), *found = pass(scene, 1, NULL);
+    lf_rows *rows = found->state;
+    assert_non_null(rows->plan.outlines.found);
+    rows->plan.outlines = (lf_outline_map){0};
+    for (int i = 1; i < 4; i++) {
+        lf_assert_ok(lf_renderer_pass(kept, NULL, 1, NULL, NULL, NULL), NULL);
+        lf_assert_ok(lf_renderer_pass(found, NULL, 1, NULL, NULL, NULL), NULL);
+    }
+    lf_test_same_films(kept, found);
+    lf_renderer_destroy(kept);
+    lf_renderer_destroy(found);
+    lf_scene_unref(scene);
+}
+
 static void any_number_of_threads_gives_the_same_film(void **state)
 {
     (void)state;
@@ -186,6 +207,7 @@ int main(void)
         cmocka_unit_test(one_visit_knows_an_outline_along_the_row),
         cmocka_unit_test(the_mean_is_what_surfaces_fill),
         cmocka_unit_test(the_first_visits_bring_it_nearer),
+        cmocka_unit_test(what_is_kept_is_what_would_be_found),
         cmocka_unit_test(any_number_of_threads_gives_the_same_film),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);
