@@ -65,7 +65,7 @@ light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
 
 # files of one pattern in a room and its folders
-room_files = $(call wild,$(1)/$(2)) $(call wild,$(1)/*/$(2))
+room_files = $(foreach d,$(2) */$(2) */*/$(2),$(call wild,$(1)/$(d)))
 wild = $(patsubst $(SRCDIR)/%,%,$(sort $(wildcard $(SRCDIR)/$(1))))
 
 include $(SRCDIR)/.ci/flags.mk

@@ -11,7 +11,7 @@
 #include "daemon/output/content.h"
 #include "render/renderer.h"
 #include "render/rows/rows.h"
-#include "render/transport/suffix_batch.h"
+#include "render/transport/lanes/suffix_batch.h"
 
 #define N_FANS 512
 #define N_RAYS 4096

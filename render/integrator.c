@@ -3,9 +3,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/general/any_cameras.h"
-#include "render/general/general.h"
-#include "render/general/restir.h"
+#include "render/cameras/any_cameras.h"
+#include "render/papers/general.h"
+#include "render/papers/restir.h"
 #include "render/rows/rows.h"
 
 static const lf_integrator *const table[] = {&lf_integrator_rows, &lf_integrator_general,

@@ -11,7 +11,7 @@
 
 #include "render/film/film.h"
 #include "render/scene/scene.h"
-#include "render/transport/track.h"
+#include "render/transport/path/track.h"
 
 /* What one is made for. Borrowed; but for settings all of it outlives what is made. */
 typedef struct lf_integrator_input {
@@ -19,7 +19,7 @@ typedef struct lf_integrator_input {
     const lf_scene *seen; /* what it is to see of the scene (skip.h): copied */
     const lf_render_settings *settings;
     lf_pool *pool;
-    const struct lf_lane_scene *lanes;  /* transport/lane_scene.h; NULL: they do not serve it */
+    const struct lf_lane_scene *lanes;  /* lanes/lane_scene.h; NULL: they do not serve it */
     const struct lf_suffixes *suffixes; /* of this machine's instruction set, for them */
     lf_film *film; /* to be visited; has the layout and sky of lf_integrator_needs by then */
 } lf_integrator_input;
@@ -44,7 +44,7 @@ typedef struct lf_visit_order {
     int hole_reach;  /* as in lf_renderer_pass_filling; < 0: holes are left */
     int stream;      /* where its counts are: of film->streams */
     uint64_t random; /* its random numbers */
-    /* of the scene, for the film's features (transport/sunlight.h); NULL: it has none */
+    /* of the scene, for the film's features (transport/path/sunlight.h); NULL: it has none */
     const struct lf_sunlight *sunlight;
     unsigned faults; /* lf_fault (rows/visit.h), in builds that have them */
 } lf_visit_order;

@@ -5,11 +5,11 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "render/rows/kernel.h"
+#include "render/plane/kernel.h"
 #include "render/scene/geometry.h"
 #include "render/skip.h"
+#include "render/transport/path/sunlight.h"
 #include "render/transport/sampler.h"
-#include "render/transport/sunlight.h"
 
 /* ------------------------------------------------------------------------------------- names -- */
 

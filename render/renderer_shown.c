@@ -1,6 +1,6 @@
 /* The reconstructed picture of a renderer's film. */
 #include "render/renderer.h"
-#include "render/transport/sunlight.h"
+#include "render/transport/path/sunlight.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "render/load/geometry_build.h"
+#include "render/import/scene/geometry_build.h"
 #include "render/rows/visit.h"
 
 static const lf_skip_entry table[] = {

@@ -33,7 +33,7 @@ $(foreach f,$(patsubst tests/%.c,%,$(stat_srcs) $(call wild,tests/render/test_su
 endif
 
 # a reader of the test's own, which gives up the same rights
-$(addprefix $(O)/tests/render/,test_import test_import_group test_import_shares): $(O)/base/reader/confine.c.o
+$(addprefix $(O)/tests/render/,test_import test_import_group test_import_shares): $(O)/base/sandbox/confine.c.o
 
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
@@ -42,8 +42,8 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
 # readers of meshes, which ask whoever links them for files
-meshes_srcs := $(patsubst %,render/reader/%.c,input words said soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read places_read) \
- $(call wild,render/reader/gltf_*.c) render/reader/draco_read.cc
+meshes_srcs := $(patsubst %,render/import/reader/%.c,input words said soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read places_read) \
+ $(call wild,render/import/reader/gltf_*.c) render/import/reader/draco_read.cc
 
 # a kernel with displays
 kms_srcs := tests/device/fake_kms.c
@@ -107,7 +107,7 @@ portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_i
 ifdef PORTABLE
 base_srcs := $(patsubst %,base/%.c,alloc status thread image)
 quilt_srcs := $(filter-out quilt/files.c quilt/layout_name.c quilt/print/%,$(quilt_srcs))
-render_srcs := $(filter render/rows/kernel% render/rows/fan% render/transport/suffix% render/general/depth_%,$(render_srcs)) $(patsubst %,render/%.c,rows/slice rows/body scene/volume transport/sampler)
+render_srcs := $(filter render/plane/kernel% render/plane/fan% render/transport/lanes/suffix% render/transport/lanes/depth_%,$(render_srcs)) $(patsubst %,render/%.c,plane/slice plane/body scene/volume transport/sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
 test_faults_render :=
 optics_srcs :=

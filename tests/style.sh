@@ -51,14 +51,21 @@ rooms_apart() {
 floors() {
     cat << 'END'
 render/scene: render/render.h
-render/transport: render/render.h render/scene
-render/load: render/render.h render/scene render/transport
-render/film: render/render.h render/transport
-render/rows: render/render.h render/integrator.h render/scene render/transport render/film
-render/general: render/render.h render/integrator.h render/scene render/transport render/film render/rows/rig.h render/rows/adaptive.h
+render/transport: render/render.h
+render/transport/surface: render/scene render/transport render/transport/path/track.h
+render/transport/light: render/scene render/transport render/transport/surface
+render/transport/path: render/scene render/transport render/transport/surface render/transport/light
+render/transport/lanes: render/scene render/transport render/transport/surface render/transport/light render/transport/path
+render/import/scene: render/render.h render/scene render/transport render/transport/surface render/transport/light render/transport/path
+render/import/reader: render/scene render/transport/surface render/import/scene
+render/film: render/render.h render/transport render/transport/surface/albedo.h
+render/plane: render/scene render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film
+render/rows: render/integrator.h render/scene render/transport render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film render/plane
+render/cameras: render/integrator.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/papers/alike.h
+render/papers: render/integrator.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/rows/adaptive.h
+render/layers: render/renderer.h render/transport render/transport/path render/plane/rig.h
 render/reconstruct: render/render.h render/film
-render/reader: render/render.h render/scene render/transport render/load
-render: render/scene render/transport render/load render/film render/rows render/general render/reconstruct
+render: render/scene render/transport render/transport/path render/transport/lanes render/import/scene render/film render/plane render/rows render/cameras render/papers render/reconstruct
 quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/kernel
@@ -79,15 +86,14 @@ daemon/show: daemon/threads daemon/engine/mailbox.h
 daemon/server: daemon/engine daemon/show daemon/threads daemon/wire
 daemon/tools: daemon/output daemon/wire daemon/server
 base:
-base/import: base
-base/reader: base base/import
+base/sandbox: base
 bench:
 END
     cat "$1/tests/floors" 2> /dev/null # a tree's own rows: that of breaches has some
 }
 # The headers that other rooms may include, and what looks behind the doors.
 doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|daemon/(output/(options|content|render_job|completion)|engine/loader)\.h'
-behind_doors='bench/micro[.]c render/(renderer|transport/suffix_batch)[.]h'
+behind_doors='bench/micro[.]c render/(renderer|transport/lanes/suffix_batch)[.]h'
 rooms='base|render|quilt|device|daemon|bench|scenes|tests'
 # The rules below read includes as they are written: from the root, in quotes, and not by another way.
 includes_not_from_the_root() {
@@ -120,7 +126,7 @@ include_complaints() {
 folders_in_no_row() { include_complaints "$1" | sed -n 's/^row //p'; }
 upward_includes() { include_complaints "$1" | sed -n 's/^floor //p'; }
 includes_behind_doors() { include_complaints "$1" | sed -n 's/^door //p'; }
-cxx_only_for_libraries() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/reader/(vdb|draco)_read|scenes/make_[a-z_]*)\.cc$'; }
+cxx_only_for_libraries() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/import/reader/(vdb|draco)_read|scenes/make_[a-z_]*)\.cc$'; }
 top_level() {
     (cd "$1" && if [ -e .git ]; then git ls-files 2> /dev/null | cut -d/ -f1 | sort -u; else ls; fi) |
         grep -vE '^(\..*|Makefile|README\.md|CHANGELOG\.md|LICENSE|CONTRIBUTING(\.md)?|base|render|quilt|device|daemon|tests|systemd|scenes|bench|docs|debian|build)$'
@@ -244,12 +250,12 @@ done
 foreign_names() {
     nm -A -g --defined-only "$out"/lib*.a 2> /dev/null | awk '$2 ~ /^[0-9a-f]+$/ && $3 ~ /^[TDBRC]$/ && $4 !~ /^(lf_|_Z|__|DW\.|_?asan)/ { print $1, $4 }'
 }
+mapfile -t isa_objects < <(find "$out"/render "$out"/quilt -name '*_avx2.c.o' -o -name '*_avx512.c.o' | sort)
 # A file compiled for one instruction set holds functions and one table: a writable global there might be initialised, and an
 # inline function from a header might be chosen by the linker, on a machine without the instructions.
 isa_globals() {
     local o
-    for o in "$out"/*/*/*_avx2.c.o "$out"/*/*/*_avx512.c.o; do
-        [ -e "$o" ] || continue
+    for o in "${isa_objects[@]}"; do
         objdump -t "$o" | awk -v o="${o##*/}" '/^[0-9a-f]+ +[lgu].* O \.(data|bss)[ \t]/ { print o, $NF, "(writable)" }
             /^[0-9a-f]+ +(w|u)/ && !/\*UND\*/ { print o, $NF, "(weak)" }
             /^[0-9a-f]+ +g/ && ++n > 1 { print o, $NF, "(a second name)" }'
@@ -280,7 +286,7 @@ if command -v "${CC:-gcc}" > /dev/null && [ "$(uname -m)" = x86_64 ]; then
     printf '#include <immintrin.h>\nvoid f(float *p) { _mm256_storeu_ps(p, _mm256_add_ps(_mm256_loadu_ps(p), _mm256_loadu_ps(p))); }\n' > "$breaches/upper.c"
     "${CC:-gcc}" -O2 -mavx2 -mno-vzeroupper -c -o "$breaches/upper.o" "$breaches/upper.c"
     if [ -n "$(without_vzeroupper "$breaches/upper.o")" ]; then
-        report without_vzeroupper "$(without_vzeroupper "$out"/*/*/*_avx2.c.o "$out"/*/*/*_avx512.c.o)"
+        report without_vzeroupper "$(without_vzeroupper "${isa_objects[@]}")"
     else
         report without_vzeroupper "the rule does not notice a breach of it"
     fi

@@ -6,9 +6,9 @@
 #include <time.h>
 
 #include "base/alloc.h"
-#include "base/import/import.h"
-#include "base/import/import_group.h"
 #include "base/log.h"
+#include "base/sandbox/import.h"
+#include "base/sandbox/import_group.h"
 #include "base/thread.h"
 #include "daemon/engine/folder.h"
 #include "daemon/output/blank.h"

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/import/import.h"
+#include "base/sandbox/import.h"
 
 #define DEFAULT_VIEWS 45
 #define DEFAULT_VIEW_HEIGHT 560

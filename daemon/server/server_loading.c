@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "base/import/import.h"
 #include "base/log.h"
+#include "base/sandbox/import.h"
 #include "base/thread.h"
 #include "daemon/server/server.h"
 

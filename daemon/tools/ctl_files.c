@@ -11,8 +11,8 @@
 #include "base/file.h"
 #include "base/frame_name.h"
 #include "base/image_io.h"
-#include "base/import/import.h"
 #include "base/paths.h"
+#include "base/sandbox/import.h"
 #include "base/text.h"
 
 #define HOW_TO_READ (O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)

@@ -6,9 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/import/import.h"
 #include "base/list.h"
 #include "base/log.h"
+#include "base/sandbox/import.h"
 #include "base/thread.h"
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/rendering_plan.h"

@@ -10,7 +10,7 @@
 #include "render/reconstruct/shrink.h"
 #include "render/reconstruct/solve.h"
 
-/* The same bits whichever: LF_CPU (rows/kernel.h) is not asked. */
+/* The same bits whichever: LF_CPU (plane/kernel.h) is not asked. */
 static const lf_reconstruct_kernels *choose_kernels(void)
 {
 #if defined(__x86_64__)

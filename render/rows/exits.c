@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "render/rows/outlines.h"
-#include "render/transport/light_kind.h"
-#include "render/transport/sunlight.h"
-#include "render/transport/surface_texture.h"
+#include "render/transport/light/light_kind.h"
+#include "render/transport/path/sunlight.h"
+#include "render/transport/surface/surface_texture.h"
 
 /* The triangle of a segment, kept in one of n faces. */
 static const lf_fan_face *face_in(const lf_visit *visit, const lf_section *section,

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "base/alloc.h"
-#include "base/import/import_group.h"
+#include "base/sandbox/import_group.h"
 #include "base/thread.h"
 #include "render/scene/grid.h"
 #include "render/scene/look_up.h"

@@ -194,7 +194,7 @@ typedef enum lf_cover { LF_COVER_OPAQUE, LF_COVER_MASK, LF_COVER_BLEND, LF_COVER
 #define LF_GLASS_NODES 32
 
 /* A picture that materials of the scene file name, ready to be looked up; shared between scenes
- * while its files stay the same (render/load/scene_pictures.h). */
+ * while its files stay the same (render/import/scene/scene_pictures.h). */
 typedef struct lf_scene_picture {
     atomic_int refs;
     char *key;           /* of its files and of what was made of them */

@@ -15,8 +15,8 @@
 #include <sys/socket.h>
 #include <sys/syscall.h>
 
-#include "base/import/import.h"
-#include "base/reader/reader.h"
+#include "base/sandbox/import.h"
+#include "base/sandbox/reader.h"
 #include "render/scene/punctual.h"
 #include "render/scene/scene.h"
 

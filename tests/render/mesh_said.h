@@ -6,7 +6,7 @@
 #include "tests/formats.h"
 
 #include "base/image_io.h"
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "tests/base/spoiled.h"
 
 /* A file that says one thing, and the same file without it. */

@@ -1,4 +1,4 @@
-/* What the tests of the papers' estimators (render/general/) share: pictures over seeds, held to
+/* What the tests of the papers' estimators (render/papers/) share: pictures over seeds, held to
  * those of vpt tile by tile. */
 #ifndef LF_TESTS_PAPERS_H
 #define LF_TESTS_PAPERS_H

@@ -1,12 +1,12 @@
-/* Cameras listed one by one (render/general/any_cameras.h): points land where a pinhole's own words
+/* Cameras listed one by one (render/cameras/any_cameras.h): points land where a pinhole's own words
  * say; the densities that weights are made of are those of a rectified rig, to 1e-5, where the list
  * is one; pictures by the general way and by rows agree, tile by tile, and W is n q everywhere;
  * pictures do not depend on the number of threads. */
 #include "tests/testing.h"
 
-#include "render/general/depth.h"
-#include "render/general/pinhole.h"
+#include "render/cameras/pinhole.h"
 #include "render/renderer.h"
+#include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 

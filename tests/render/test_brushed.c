@@ -1,7 +1,7 @@
 /* Grooves of surfaces: where they go on a mesh, and that both integrators show the same of them. */
 #include "tests/testing.h"
 
-#include "render/transport/surface_texture.h"
+#include "render/transport/surface/surface_texture.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 16, tile = 8, tiles = 19 };

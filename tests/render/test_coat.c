@@ -2,7 +2,7 @@
  * the mesh or of a picture of its own. */
 #include "tests/testing.h"
 
-#include "render/transport/surface_texture.h"
+#include "render/transport/surface/surface_texture.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 16, tile = 8, tiles = 19 };

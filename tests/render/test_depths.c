@@ -1,10 +1,10 @@
-/* Optical depths of many rays at once (render/general/depth.h): closed forms of boxes of ones, the
- * oracle of one ray (also where rays graze faces and edges, begin inside, end nowhere), the same
- * bits by every instruction set and whatever rays go together. Negative controls: rays that are
- * moved by a hundredth of a voxel are told from those that are not. */
+/* Optical depths of many rays at once (render/transport/lanes/depth.h): closed forms of boxes of
+ * ones, the oracle of one ray (also where rays graze faces and edges, begin inside, end nowhere),
+ * the same bits by every instruction set and whatever rays go together. Negative controls: rays
+ * that are moved by a hundredth of a voxel are told from those that are not. */
 #include "tests/testing.h"
 
-#include "render/general/depth.h"
+#include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 

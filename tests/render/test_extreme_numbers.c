@@ -5,7 +5,7 @@
 
 #include "render/scene/ray.h"
 #include "render/scene/vec_double.h"
-#include "render/transport/track.h"
+#include "render/transport/path/track.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 3, height = 2, most_views = 4 };

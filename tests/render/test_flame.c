@@ -6,7 +6,7 @@
  * off is rejected, wherever a test is statistical. */
 #include "tests/testing.h"
 
-#include "render/transport/flame.h"
+#include "render/transport/light/flame.h"
 #include "tests/render/grids.h"
 
 enum { width = 32, height = 24, n_views = 5, block = 8 };

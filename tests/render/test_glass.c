@@ -3,9 +3,9 @@
  * from all of them instead of the visible ones. */
 #include "tests/testing.h"
 
-#include "render/transport/path.h"
+#include "render/transport/path/path.h"
 #include "render/transport/sampler.h"
-#include "render/transport/surface_glass.h"
+#include "render/transport/surface/surface_glass.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/fixture.h"
 

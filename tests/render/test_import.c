@@ -7,11 +7,11 @@
 #include <sys/wait.h>
 
 #include "base/alloc.h"
-#include "base/import/raster.h"
+#include "base/sandbox/raster.h"
 #include "base/thread.h"
-#include "render/load/file_identity.h"
-#include "render/load/mesh_import.h"
-#include "render/load/vdb_import.h"
+#include "render/import/scene/file_identity.h"
+#include "render/import/scene/mesh_import.h"
+#include "render/import/scene/vdb_import.h"
 #include "render/scene/scene.h"
 #include "tests/base/pictures.h"
 #include "tests/render/fake_reader.h"

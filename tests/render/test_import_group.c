@@ -2,9 +2,9 @@
  * one limit of time holds for all. This program is its own reader, too (fake_reader.h). */
 #include "tests/testing.h"
 
-#include "base/import/import_group.h"
+#include "base/sandbox/import_group.h"
 #include "base/thread.h"
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "render/scene/embree_commit.h"
 #include "render/scene/placed.h"
 #include "render/scene/scene.h"

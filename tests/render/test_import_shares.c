@@ -10,7 +10,7 @@
 #include <sys/file.h>
 #include <sys/wait.h>
 
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SANITIZED true

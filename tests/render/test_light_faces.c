@@ -4,8 +4,8 @@
 
 #include "base/alloc.h"
 #include "render/scene/geometry.h"
-#include "render/transport/light_kind.h"
-#include "render/transport/path.h"
+#include "render/transport/light/light_kind.h"
+#include "render/transport/path/path.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 

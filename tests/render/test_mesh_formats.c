@@ -2,7 +2,7 @@
  * corners; and what is wrong with those that are not whole, in words. */
 #include "tests/testing.h"
 
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "render/scene/vec_double.h"
 #include "tests/base/spoiled.h"
 

@@ -10,9 +10,9 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#include "base/import/raster.h"
-#include "render/load/mesh_import.h"
-#include "render/load/vdb_import.h"
+#include "base/sandbox/raster.h"
+#include "render/import/scene/mesh_import.h"
+#include "render/import/scene/vdb_import.h"
 #include "render/scene/scene.h"
 #include "tests/base/spoiled.h"
 

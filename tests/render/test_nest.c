@@ -4,7 +4,7 @@
 #include "tests/testing.h"
 
 #include "render/scene/vec_double.h"
-#include "render/transport/path.h"
+#include "render/transport/path/path.h"
 #include "tests/stat/fixture.h"
 
 #define GLASS "'type': 'principled', 'albedo': 1, 'transmission': 1, "

@@ -2,7 +2,7 @@
  * find in copies, which share no code with it; places turned, stretched, sheared and mirrored. */
 #include "tests/testing.h"
 
-#include "render/rows/section_rays.h"
+#include "render/plane/section_rays.h"
 #include "tests/render/placed.h"
 #include "tests/stat/scenes.h"
 

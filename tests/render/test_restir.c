@@ -1,13 +1,13 @@
-/* The reference estimators restir and mvrestir (render/general/restir.h). Reservoirs in closed
+/* The reference estimators restir and mvrestir (render/papers/restir.h). Reservoirs in closed
  * form: weights of a toy, shares, the biased shortcut; its depths; its pictures by all kinds of
  * reuse are those of vpt tile by tile, and with the shortcut they are dark beside an edge by what
  * the theory says. Replicates are seeds. */
 #include "tests/testing.h"
 
-#include "render/general/coarse_grid.h"
-#include "render/general/depth.h"
-#include "render/general/reservoir.h"
-#include "render/general/reuse.h"
+#include "render/papers/coarse_grid.h"
+#include "render/papers/reservoir.h"
+#include "render/papers/reuse.h"
+#include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 

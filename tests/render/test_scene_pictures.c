@@ -3,9 +3,9 @@
  */
 #include "tests/testing.h"
 
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "render/scene/geometry.h"
-#include "render/transport/surface.h"
+#include "render/transport/surface/surface.h"
 #include "tests/base/pictures.h"
 #include "tests/stat/fixture.h"
 

@@ -1,9 +1,9 @@
-/* The six mappings of null collisions (render/general/shift.h) as pure functions: Jacobians against
+/* The six mappings of null collisions (render/papers/shift.h) as pure functions: Jacobians against
  * finite differences, inverses and the chain rule, densities against the transmittances that they
  * stand for, the film's Jacobian; and mistakes, some of them printed, that these tests reject. */
 #include "tests/testing.h"
 
-#include "render/general/shift.h"
+#include "render/papers/shift.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/sampler.h"
 #include "tests/stat/stat.h"

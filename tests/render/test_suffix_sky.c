@@ -6,8 +6,8 @@
  * added to each mean is rejected. */
 #include "tests/render/suffixes.h"
 
-#include "render/transport/light_types.h"
-#include "render/transport/sky_lanes.h"
+#include "render/transport/lanes/sky_lanes.h"
+#include "render/transport/light/light_types.h"
 
 #define ALONE "'sky': { 'type': 'environment', 'radiance': 1 }"
 #define DARK "'sky': { 'type': 'environment', 'radiance': 0 }"

@@ -5,9 +5,9 @@
 
 #include <complex.h>
 
-#include "render/transport/metal.h"
-#include "render/transport/surface_lobes.h"
-#include "render/transport/surface_sheen.h"
+#include "render/transport/surface/metal.h"
+#include "render/transport/surface/surface_lobes.h"
+#include "render/transport/surface/surface_sheen.h"
 
 /* ------------------------------------------------------------------------------------ oracle -- */
 

@@ -3,8 +3,8 @@
 #include "tests/testing.h"
 
 #include "base/image.h"
-#include "render/transport/surface.h"
-#include "render/transport/surface_texture.h"
+#include "render/transport/surface/surface.h"
+#include "render/transport/surface/surface_texture.h"
 #include "tests/stat/fixture.h"
 
 enum { SIDE = 16 };

@@ -3,7 +3,7 @@
 #include "tests/testing.h"
 
 #include "base/file.h"
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "tests/base/pictures.h"
 
 #define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"

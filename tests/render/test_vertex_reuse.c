@@ -1,9 +1,9 @@
-/* Paths of a block of pixels (render/general/vertex_reuse.h): where a path of one pixel goes in
+/* Paths of a block of pixels (render/papers/vertex_reuse.h): where a path of one pixel goes in
  * another, with which Jacobian and for how much of the whole; and a furnace, whose pictures are
  * known, by blocks of columns and of views. */
 #include "tests/testing.h"
 
-#include "render/general/vertex_reuse.h"
+#include "render/papers/vertex_reuse.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 

@@ -5,7 +5,7 @@
 #include <fcntl.h>
 #include <jansson.h>
 
-#include "render/load/vdb_import.h"
+#include "render/import/scene/vdb_import.h"
 #include "render/scene/scene.h"
 
 /* Which grid of which file, and the words of a warning or an error. */
