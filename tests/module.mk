@@ -29,7 +29,7 @@ stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
 # Loops of tests that take as long as those of the house.
 ifeq ($(BUILD),release)
-$(foreach f,$(patsubst tests/%.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.c)),$(eval isa_$(notdir $(f)) := -O2))
+$(foreach f,$(patsubst %.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.c)),$(eval isa_$(f) := -O2))
 endif
 
 # a reader of the test's own, which gives up the same rights
@@ -95,17 +95,17 @@ endef
 $(foreach p,$(kernel_programs),$(eval $(call kernel_program,$(p))))
 
 # under the unmodified libraries
-isa_test_hid_umockdev = $(dep_umockdev_cflags)
+isa_tests/device/test_hid_umockdev = $(dep_umockdev_cflags)
 wrap_test_hid_umockdev = $(dep_umockdev_libs)
-isa_test_usb_umockdev = $(dep_umockdev_cflags)
+isa_tests/device/test_usb_umockdev = $(dep_umockdev_cflags)
 wrap_test_usb_umockdev = $(dep_umockdev_libs)
 
 # What needs none of the libraries, with its tests and a program that prints hashes of results: PORTABLE=1 builds nothing else, for
 # machines without those libraries (tests/arm64.sh). Embree's header stays: it is the same everywhere.
-portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_interlace quilt/test_tone quilt/test_layout \
+portable_tests := base/test_alloc base/test_cpu base/test_status base/test_thread quilt/test_interlace quilt/test_tone quilt/test_layout \
  quilt/test_rects quilt/test_fill quilt/test_quilt_kernel render/test_kernel render/test_sampler
 ifdef PORTABLE
-base_srcs := $(patsubst %,base/%.c,alloc status thread image)
+base_srcs := $(patsubst %,base/%.c,alloc cpu status thread image)
 quilt_srcs := $(filter-out quilt/files.c quilt/layout_name.c quilt/print/%,$(quilt_srcs))
 render_srcs := $(filter render/plane/kernel% render/plane/fan% render/transport/lanes/suffix% render/transport/lanes/depth_%,$(render_srcs)) $(patsubst %,render/%.c,plane/slice plane/body scene/volume transport/sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c

@@ -1,7 +1,6 @@
 /* The hot inner loops, behind a table of functions: one file an instruction set, kernel_c.c the
  * oracle that the others must equal bit for bit (same operations in the same order, no
- * contraction). Chosen once, before threads start: the best that the CPU has, or what LF_CPU names
- * ("c", "avx2", "avx512", "neon"). Private to render/. */
+ * contraction). Which is in use base/cpu.h says. Private to render/. */
 #ifndef LF_RENDER_KERNEL_H
 #define LF_RENDER_KERNEL_H
 
@@ -77,7 +76,7 @@ extern const lf_kernels lf_kernels_avx2, lf_kernels_avx512;
 extern const lf_kernels lf_kernels_neon;
 #endif
 
-/* The table in use; the first call chooses. Thread safe. */
+/* The table in use. Thread safe. */
 const lf_kernels *lf_kernels_get(void);
 
 /* Tables this CPU can run, the oracle first; NULL behind the last. */

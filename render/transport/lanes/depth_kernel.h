@@ -1,8 +1,7 @@
 /* Optical depths of many rays through one grid, side by side in lanes (transport/lanes/lanes.h);
  * private to render/. depth_lanes.h and cell_lanes.h are the algorithms, compiled once an
  * instruction set: a ray's depth has the same bits in all of them, and whatever rays it is taken
- * with. Chosen once, before threads start: the best that the CPU has, or what LF_CPU names ("c",
- * "avx2"). */
+ * with. Which is in use base/cpu.h says. */
 #ifndef LF_RENDER_DEPTH_KERNEL_H
 #define LF_RENDER_DEPTH_KERNEL_H
 
@@ -47,7 +46,7 @@ extern const lf_depth_kernel lf_depth_kernel_c;
 extern const lf_depth_kernel lf_depth_kernel_avx2;
 #endif
 
-/* The one in use; the first call chooses. Thread safe. */
+/* The one in use. Thread safe. */
 const lf_depth_kernel *lf_depth_kernel_get(void);
 
 /* Those that this CPU can run, plain C first; NULL behind the last. */
