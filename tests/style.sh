@@ -50,22 +50,22 @@ rooms_apart() {
 # stands below knows nothing of what is above it. Headers of other rooms but base are included by name alone (doors).
 floors() {
     cat << 'END'
-render/scene: render/render.h
-render/transport: render/render.h
-render/transport/surface: render/scene render/transport render/transport/path/track.h
+render/scene:
+render/transport:
+render/transport/surface: render/scene
 render/transport/light: render/scene render/transport render/transport/surface
 render/transport/path: render/scene render/transport render/transport/surface render/transport/light
 render/transport/lanes: render/scene render/transport render/transport/surface render/transport/light render/transport/path
 render/import/scene: render/render.h render/scene render/transport render/transport/surface render/transport/light render/transport/path
 render/import/reader: render/scene render/transport/surface render/import/scene
 render/film: render/render.h render/transport render/transport/surface/albedo.h
-render/plane: render/scene render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film
+render/plane: render/render.h render/scene render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film
 render/rows: render/integrator.h render/scene render/transport render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film render/plane
-render/cameras: render/integrator.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/papers/alike.h
-render/papers: render/integrator.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/rows/adaptive.h
+render/cameras: render/render.h render/integrator.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/visit_lattice.h
+render/papers: render/render.h render/integrator.h render/visit_lattice.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/rows/adaptive.h
 render/layers: render/renderer.h render/transport render/transport/path render/plane/rig.h
 render/reconstruct: render/render.h render/film
-render: render/scene render/transport render/transport/path render/transport/lanes render/import/scene render/film render/plane render/rows render/cameras render/papers render/reconstruct
+render: render/scene render/transport render/transport/path render/transport/lanes render/film render/plane render/rows render/cameras render/papers render/reconstruct
 quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/kernel

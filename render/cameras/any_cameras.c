@@ -6,8 +6,8 @@
 #include "render/cameras/any_cameras.h"
 
 #include "render/cameras/any_pivot.h"
-#include "render/papers/alike.h"
 #include "render/transport/lanes/depth.h"
+#include "render/visit_lattice.h"
 
 enum { MVPT, VPT, N_ENTRIES };
 

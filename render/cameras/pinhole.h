@@ -10,6 +10,7 @@
 #ifndef LF_RENDER_PINHOLE_H
 #define LF_RENDER_PINHOLE_H
 
+#include "render/render.h"
 #include "render/scene/scene.h"
 
 typedef struct lf_pinhole {

@@ -7,6 +7,7 @@
 #ifndef LF_RENDER_COARSE_GRID_H
 #define LF_RENDER_COARSE_GRID_H
 
+#include "base/thread.h"
 #include "render/papers/cell_walk.h"
 #include "render/scene/scene.h"
 #include "render/transport/lanes/depth_kernel.h"

@@ -78,24 +78,6 @@ static lf_status axes(lf_rig *rig, const lf_camera *c, double *out_distance, lf_
     return LF_OK;
 }
 
-lf_camera lf_camera_row(const lf_camera *camera, int row)
-{
-    lf_camera one = *camera;
-    if (camera->has_parts) {
-        one.first_view = row * camera->n_views;
-        one.all_views = camera->n_rows * camera->n_views;
-        one.n_rows = 0;
-        one.has_parts = false;
-        return one;
-    }
-    const double place = camera->n_rows > 1 ? (double)row / (camera->n_rows - 1) - 0.5 : 0.0;
-    one.rise += place * camera->rows_height;
-    one.rows_step = camera->n_rows > 1 ? fabs(camera->rows_height) / (camera->n_rows - 1) : 0.0;
-    one.n_rows = 0;
-    one.rows_height = 0.0;
-    return one;
-}
-
 /* Where view k stands within the rig's width, from its middle. */
 static double place_in(const lf_camera *c, int k)
 {

@@ -26,6 +26,7 @@
 #define LF_RENDER_RIG_H
 
 #include "render/film/film_feature.h"
+#include "render/render.h"
 #include "render/scene/scene.h"
 
 /* Views come in groups of 8 lanes for the kernels. */

@@ -10,10 +10,10 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "render/render.h"
 #include "render/scene/affine.h"
 #include "render/scene/embree.h"
 #include "render/scene/grid.h"
+#include "render/scene/handle.h"
 #include "render/scene/shape.h"
 #include "render/scene/texture.h"
 #include "render/scene/vec.h"

@@ -11,14 +11,6 @@
 #include "render/scene/placed.h"
 #include "render/transport/surface/surface.h"
 
-/* ThreadSanitizer cannot see how TBB hands work from thread to thread: under it Embree builds on
- * the calling thread. */
-#ifdef __SANITIZE_THREAD__
-#define DEVICE_CONFIG "threads=1"
-#else
-#define DEVICE_CONFIG NULL
-#endif
-
 /* ----------------------------------------------------------------------------------- sharing -- */
 
 static json_t *lamp_key(const lf_mesh_desc *mesh)
@@ -385,16 +377,10 @@ static float placed_error(const lf_geometry *geometry)
 
 static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
 {
-    geometry->embree = rtcNewScene(geometry->device);
-    if (!geometry->embree)
-        return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)",
-                            (int)rtcGetDeviceError(geometry->device));
     if (lf_large_pick(geometry->meshes, geometry->n_meshes, &geometry->large, &geometry->offset) !=
         LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
     geometry->offset += moving_error(geometry) + placed_error(geometry);
-    rtcSetSceneFlags(geometry->embree, RTC_SCENE_FLAG_ROBUST);
-    rtcSetSceneBuildQuality(geometry->embree, RTC_BUILD_QUALITY_HIGH);
     for (int i = 0; i < geometry->n_meshes; i++)
         if (!(geometry->meshes[i].placed
                   ? lf_placed_attach(&geometry->meshes[i], geometry->device, geometry->embree)
@@ -406,37 +392,18 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
     return lf_embree_commit(geometry->embree, geometry->device, err);
 }
 
-lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origin[3], json_t *key,
-                            lf_geometry **out_geometry, lf_error *err)
+/* Everything of the meshes but Embree's hierarchy. */
+static lf_status take_meshes(lf_geometry *geometry, lf_mesh_data *data, lf_ends ends)
 {
     const int n = ends[0]->n_meshes;
     double bounds[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    lf_status status = LF_E_NOMEM;
-    lf_geometry *geometry = lf_calloc(1, sizeof *geometry);
-    if (!geometry)
-        return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
-    atomic_init(&geometry->refs, 1);
-    geometry->key = json_incref(key);
-    memcpy(geometry->origin, origin, sizeof geometry->origin);
-    geometry->meshes = lf_calloc((size_t)n, sizeof *geometry->meshes);
-    geometry->motions = lf_calloc((size_t)n, sizeof *geometry->motions);
-    geometry->lights = lf_calloc((size_t)n, sizeof *geometry->lights);
-    geometry->cameras = lf_calloc((size_t)n, sizeof *geometry->cameras);
-    if (!geometry->meshes || !geometry->motions || !geometry->lights || !geometry->cameras)
-        goto fail;
-    geometry->device = rtcNewDevice(DEVICE_CONFIG);
-    if (!geometry->device) {
-        status = lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)",
-                              (int)rtcGetDeviceError(NULL));
-        goto fail;
-    }
     int first_material = 0;
     for (int i = 0; i < n; i++) {
         lf_mesh_data_bounds(&data[i], bounds);
         geometry->n_meshes++;
-        status = take_mesh(geometry, &data[i], (unsigned)i, first_material);
+        lf_status status = take_mesh(geometry, &data[i], (unsigned)i, first_material);
         if (status != LF_OK)
-            goto fail;
+            return status;
         geometry->motions[i] = motion_of(ends, i, data[i].span);
         geometry->lights[i] = data[i].lights;
         geometry->cameras[i] = data[i].cameras;
@@ -445,18 +412,26 @@ lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origi
         first_material += data[i].n_materials;
     }
     memcpy(geometry->bounds, bounds, sizeof bounds);
-    status = take_lists(geometry, data, n);
+    return take_lists(geometry, data, n);
+}
+
+lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origin[3], json_t *key,
+                            lf_geometry **out_geometry, lf_error *err)
+{
+    lf_geometry *geometry;
+    lf_status status = lf_geometry_create(ends[0]->n_meshes, origin, key, &geometry, err);
+    if (status != LF_OK)
+        return status;
+    status = take_meshes(geometry, data, ends);
+    if (status == LF_E_NOMEM)
+        lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
     if (status == LF_OK)
         status = build_bvh(geometry, err);
-    if (status != LF_OK)
-        goto fail;
-    *out_geometry = geometry;
-    return LF_OK;
-fail:
     if (status == LF_E_CANCELLED)
         (void)lf_import_say_stopped("meshes", err);
-    if (status == LF_E_NOMEM && !geometry->embree && geometry->device)
-        lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
-    lf_geometry_unref(geometry);
+    if (status != LF_OK)
+        lf_geometry_unref(geometry);
+    else
+        *out_geometry = geometry;
     return status;
 }

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "render/import/scene/frame_hold.h"
 #include "render/import/scene/keyframes.h"
+#include "render/render.h"
 
 static void check_file(lf_reader *reader, const lf_node *volumes, const lf_volume_desc *desc,
                        const char *folder)

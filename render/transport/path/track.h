@@ -7,6 +7,7 @@
 #define LF_RENDER_TRACK_H
 
 #include "render/transport/light/light.h"
+#include "render/transport/surface/face.h"
 
 typedef struct lf_tracer {
     const lf_scene *scene;
@@ -80,21 +81,6 @@ static inline float lf_behind(float t)
 bool lf_trace_next(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit);
 /* The nearest pane (lf_glass) with t_min < t <= t_max, met for sure. */
 bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit);
-/* A triangle, for many hits. */
-typedef struct lf_face {
-    const lf_mesh *mesh;
-    const lf_material *material;
-    uint32_t triangle, place; /* place: as in lf_hit */
-    lf_vec3 a, n;             /* a corner; unit normal */
-    lf_vec3 to_uv[2];         /* p - a -> barycentric coordinates */
-    lf_vec3 smooth[3];        /* shading normal at a, and what it gains with each of them */
-} lf_face;
-void lf_face_init(lf_face *face, const lf_scene *scene, int mesh, uint32_t triangle);
-/* What a ray along the unit vector w that is known to meet it at p finds there: all of a hit but t.
- */
-void lf_face_hit(const lf_face *face, lf_vec3 p, lf_vec3 w, lf_hit *hit);
-/* The shading normal of that hit alone; w need not be unit. */
-lf_vec3 lf_face_normal(const lf_face *face, lf_vec3 p, lf_vec3 w);
 /* What surfaces between let through: of veils (lf_cover) their share. */
 float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 /* The same for rays of the camera. */

@@ -3,7 +3,7 @@
 #ifndef LF_RENDER_PLACED_HIT_H
 #define LF_RENDER_PLACED_HIT_H
 
-#include "render/transport/path/track.h"
+#include "render/transport/surface/face.h"
 
 /* Everything about a hit but t and what varies along its mesh: where a ray along w meets the
  * triangle of hit->mesh in hit->place at the barycentric coordinates u and v. The point is on the

@@ -1,5 +1,4 @@
-/* Triangles that many rays are known to meet (track.h). */
-#include "render/transport/path/track.h"
+#include "render/transport/surface/face.h"
 
 static lf_vec3 normal_at(const lf_mesh *mesh, uint32_t vertex)
 {
