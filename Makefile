@@ -54,7 +54,7 @@ readers := quiltimport quiltimport-vdb quiltimport-picture
 programs := quiltd quiltctl quiltrender quiltsim quiltbench $(readers)
 rooms := base render quilt device daemon
 # each stands before those whose functions it calls
-libraries := tools server engine render quilt model device base
+libraries := tools server engine papers render quilt model device base
 
 .PHONY: all FORCE
 all:
@@ -130,7 +130,7 @@ libs = $(patsubst %,$(O)/lib%.a,$(1))
 link = $(call say,LD )$(CXX) $(lf_ldflags) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(dep_libs) $(1) $(LDLIBS)
 
 define program
-$(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model,$(libraries))))
+$(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model papers,$(libraries))))
 	$$(call link,$$(link_$(1)))
 endef
 $(foreach p,$(programs),$(eval $(call program,$(p))))

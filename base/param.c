@@ -329,6 +329,9 @@ static lf_status refuse(const lf_param *row, const char *text, lf_error *err)
     size_t used = 0;
     snprintf(where, sizeof where, "--%s", row->option);
     lf_param_argument(row, argument, sizeof argument);
+    for (int i = 0; row->refused_at && row->refused_at(i); i++)
+        if (strcmp(row->refused_at(i), text) == 0)
+            return lf_error_set(err, LF_E_ARG, where, "%s %s", text, row->refusal);
     if (!row->joined)
         return lf_error_set(err, LF_E_ARG, where, "expects %s, not \"%s\"",
                             describe(row, one, sizeof one), text);
@@ -675,6 +678,15 @@ static json_t *default_json(const lf_param *row)
     return value == floor(value) ? json_integer((json_int_t)value) : json_real(value);
 }
 
+/* Words that are refused, each with what is said of it. */
+static bool refuse_in_schema(const lf_param *row, json_t *schema)
+{
+    json_t *refused = row->refused_at ? json_object() : NULL;
+    for (int i = 0; refused && row->refused_at(i); i++)
+        json_object_set_new(refused, row->refused_at(i), json_string(row->refusal));
+    return !row->refused_at || json_object_set_new(schema, "refused", refused) == 0;
+}
+
 static bool describe_schema(const lf_param *row, json_t *schema)
 {
     const char *text = row->about ? row->about : row->help;
@@ -691,7 +703,8 @@ json_t *lf_param_schema(const lf_param *params)
     for (const lf_param *row = params; ok && !is_end(row); row++) {
         json_t *schema = row->name ? row_schema(row) : NULL;
         if (row->name)
-            ok = json_object_set_new(out, row->name, schema) == 0 && describe_schema(row, schema);
+            ok = json_object_set_new(out, row->name, schema) == 0 && describe_schema(row, schema) &&
+                 refuse_in_schema(row, schema);
     }
     if (ok)
         return out;

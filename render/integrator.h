@@ -4,8 +4,9 @@
  * rows, how many passes and when, and owns the film, the pool and the answers. What a worker needs
  * besides the film (a plane, slices, reservoirs, lists of cameras) is the integrator's own. One
  * that comes in several kinds (rows/: how pivots are shared) lists them as entries. A new one is a
- * folder or file with one of these, and a line of the table in integrator.c. Cameras listed one by
- * one have an integrator of their own, with entries of the same names. */
+ * folder or file with one of these, and a line of the table in integrator.c, or of those that a
+ * library adds to it. Cameras listed one by one have an integrator of their own, with entries of
+ * the same names. */
 #ifndef LF_RENDER_INTEGRATOR_H
 #define LF_RENDER_INTEGRATOR_H
 
@@ -80,6 +81,10 @@ typedef struct lf_integrator {
     /* Accepts NULL. */
     void (*destroy)(void *state);
 } lf_integrator;
+
+/* Integrators of a library behind those that are there, NULL behind the last, and the options that
+ * they take (lf_integrator_params). Before any other call; what was added before goes. */
+void lf_integrators_add(const lf_integrator *const *list, const lf_param *params);
 
 /* Adds one worker's counters to *out. */
 static inline void lf_integrator_count(lf_render_stats *out, const lf_tracer *tracer,

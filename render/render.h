@@ -124,22 +124,12 @@ typedef enum lf_estimator {
 const char *lf_estimator_name(int estimator);
 const char *lf_sampler_name(int kind);
 
-/* The mappings of null collisions and the selections of views that the reference integrators know
- * (docs/papers.md), as on the command line; NULL behind the last. */
-const char *lf_shift_name(int shift);
-const char *lf_selection_name(int selection);
-/* What reservoirs are put together with, and with what weights (restir): the same. */
-const char *lf_reuse_name(int reuse);
-const char *lf_reuse_weights_name(int weights);
-
 /* How paths are made and shared. */
 typedef struct lf_integrator_entry {
     const char *name; /* as in --integrator */
     const char *what; /* in a few words */
     bool shares;      /* a path serves more view pixels than its own */
-    bool shifts;      /* it takes settings.shift */
-    bool selects;     /* it takes settings.selection */
-    bool reuses;      /* it takes settings.reuse and settings.weights */
+    unsigned takes;   /* which rows of lf_integrator_params, a bit each */
     /* picture files show its reconstruction unless told otherwise; false: it is there to compare
      * with, or has none */
     bool reconstructs;
@@ -150,6 +140,25 @@ typedef struct lf_integrator_entry {
 const lf_integrator_entry *lf_integrator_at(int index);
 /* The one of this name, NULL = the default. NULL: there is none. */
 const lf_integrator_entry *lf_integrator_named(const char *name);
+/* The reference modes, which are there where a program has them added (papers/papers.h); NULL
+ * behind the last. */
+const char *lf_integrator_reference(int index);
+
+/* What integrators are told beside their names: of the words of each row of lf_integrator_params
+ * one, 0 the first. given: somebody said so. */
+enum { LF_MAX_CHOICES = 4 };
+typedef struct lf_choices {
+    int of[LF_MAX_CHOICES];
+    bool given[LF_MAX_CHOICES];
+} lf_choices;
+/* Options of all integrators that are there, into an lf_choices; `about` is what an integrator that
+ * does not take one "knows no" of. */
+const lf_param *lf_integrator_params(void);
+/* The row of a choice that was given, or is not its first, of which an integrator knows nothing;
+ * NULL: there is none. */
+const lf_param *lf_choices_unfit(const lf_choices *choices, const lf_integrator_entry *entry);
+/* Leaves those out. */
+void lf_choices_fit(lf_choices *choices, const lf_integrator_entry *entry);
 
 /* What is left out where the scene or the view does not need it. One row of lf_skip_at each. */
 typedef enum lf_skip {
@@ -183,12 +192,10 @@ typedef struct lf_render_settings {
     const char *integrator; /* a name of the table; NULL = "mvpt" */
     lf_sampler_kind sampler;
     uint64_t seed;
-    int max_depth; /* longest path in vertices after the camera; 0 = the scene's own limit */
-    unsigned skip; /* of lf_skip: what is left out where it is not needed */
-    bool features; /* the film keeps what the reconstruction needs: 16 bytes a view pixel */
-    /* of lf_shift_name, lf_selection_name, lf_reuse_name and lf_reuse_weights_name; 0, their first,
-     * where the integrator takes none: others are then LF_E_ARG */
-    int shift, selection, reuse, weights;
+    int max_depth;      /* longest path in vertices after the camera; 0 = the scene's own limit */
+    unsigned skip;      /* of lf_skip: what is left out where it is not needed */
+    bool features;      /* the film keeps what the reconstruction needs: 16 bytes a view pixel */
+    lf_choices choices; /* LF_E_ARG: one that the integrator does not take */
 } lf_render_settings;
 
 /* --------------------------------------------------------------------------------- framing -- */

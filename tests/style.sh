@@ -65,7 +65,7 @@ render/cameras: render/render.h render/integrator.h render/scene render/transpor
 render/papers: render/render.h render/integrator.h render/visit_lattice.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/rows/adaptive.h
 render/layers: render/renderer.h render/transport render/transport/path render/plane/rig.h
 render/reconstruct: render/render.h render/film
-render: render/scene render/transport render/transport/path render/transport/lanes render/film render/plane render/rows render/cameras render/papers render/reconstruct
+render: render/scene render/transport render/transport/path render/transport/lanes render/film render/plane render/rows render/cameras render/reconstruct
 quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/kernel
@@ -92,7 +92,7 @@ END
     cat "$1/tests/floors" 2> /dev/null # a tree's own rows: that of breaches has some
 }
 # The headers that other rooms may include, and what looks behind the doors.
-doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|daemon/(output/(options|content|render_job|completion)|engine/loader)\.h'
+doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|render/papers/papers\.h|daemon/(output/(options|content|render_job|completion)|engine/loader)\.h'
 behind_doors='bench/micro[.]c render/(renderer|transport/lanes/suffix_batch)[.]h'
 rooms='base|render|quilt|device|daemon|bench|scenes|tests'
 # The rules below read includes as they are written: from the root, in quotes, and not by another way.
@@ -199,6 +199,30 @@ listed_tests_are_there() {
         !index(programs, $0) { print FILENAME ": " $0 }' - "${lists[@]}")
 }
 
+# Arrows that rooms of render/ must not have: a folder, and a header that nothing in it may include.
+forbidden() {
+    cat << 'END'
+render/scene render/render.h
+render/scene render/transport/surface/surface.h
+render/transport/surface render/transport/light/light.h
+render/transport/light render/transport/path/track.h
+render/transport/path render/transport/lanes/suffix.h
+render/import/scene render/import/reader/said.h
+render/import/scene render/film/film.h
+render/film render/import/scene/scene_parse.h
+render/film render/plane/rig.h
+render/plane render/rows/visit.h
+render/rows render/cameras/any_cameras.h
+render/cameras render/plane/kernel.h
+render/cameras render/papers/general.h
+render/papers render/rows/visit.h
+render/layers render/rows/visit.h
+render/reconstruct render/plane/rig.h
+render render/import/scene/scene_parse.h
+render render/papers/general.h
+END
+}
+
 # A tree in which every rule is broken once.
 make_breaches() {
     mkdir -p "$1"/{render,quilt,tests/quilt,attic,.ci}
@@ -220,6 +244,10 @@ make_breaches() {
     printf '#include "daemon/output/output_internal.h"\n' > "$1/daemon/engine/internal.c"
     printf '#include "render/rows/visit.h"\n' > "$1/daemon/engine/behind.c"
     printf 'double x = ato''f("0x10");\n' > "$1/daemon/engine/number.c"
+    forbidden | while read -r from header; do
+        mkdir -p "$1/$from"
+        printf '#include "%s"\n' "$header" >> "$1/$from/up.c"
+    done
     mkdir -p "$1/daemon/cellar"
     printf '#include "daemon/output/output.h"\n' > "$1/daemon/cellar/new.c"
     printf 'daemon/output: daemon/engine\n' > "$1/tests/floors"
@@ -236,6 +264,10 @@ make_breaches() {
 breaches=$(mktemp -d)
 trap 'rm -rf "$breaches"' EXIT
 make_breaches "$breaches"
+forbidden | while read -r from header; do
+    echo "$from/up.c includes $header"
+done | sort > "$breaches/.forbidden"
+report forbidden "$(upward_includes "$breaches" | sed -E 's/:[0-9]+: / /' | sort | comm -13 - "$breaches/.forbidden")"
 for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
     includes_not_from_the_root own_headers_in_angles foreign_internal_headers floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
     cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there links_that_lead_nowhere sections_in_no_map; do

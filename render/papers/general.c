@@ -243,6 +243,7 @@ static lf_status make_workers(lf_general *g, const lf_film_layout *layout)
 static lf_status create(const lf_integrator_input *input, int index, void **out_state,
                         lf_integrator_needs *out_needs, lf_error *err)
 {
+    const lf_choices *choices = &input->settings->choices;
     const char *refused = unknown(table[index], input->scene, input->settings);
     if (refused)
         return lf_error_set(err, LF_E_ARG, "integrator", "%s renders no %s",
@@ -254,10 +255,11 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     g->film = input->film;
     g->pool = input->pool;
     g->next_map = LF_PILOT_SPP;
-    g->shift = lf_shift_at(input->settings->shift);
+    g->shift = lf_shift_at(choices->of[LF_PAPERS_SHIFT]);
     g->kind = table[index];
-    g->selection =
-        g->kind->entry.selects ? lf_selection_at(input->settings->selection) : &lf_selection_none;
+    g->selection = g->kind->entry.takes & LF_PAPERS_TAKES(SELECTION)
+                       ? lf_selection_at(choices->of[LF_PAPERS_SELECTION])
+                       : &lf_selection_none;
     g->sampler = input->settings->sampler;
     g->max_depth = lf_max_depth(input->scene, input->settings->max_depth);
     g->n_workers = lf_pool_threads(input->pool);

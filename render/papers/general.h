@@ -3,7 +3,7 @@
  *
  * mvpt2022 (docs/papers.md): multi-view path tracing as Fraboni et al. (2022) have it. Media
  * are tracked with one majorant a volume; the null-scattering chain of a base prefix is
- * shifted to every view (settings.shift), views are selected (settings.selection), one suffix from
+ * shifted to every view (--shift), views are selected (--selection), one suffix from
  * the mixture of their lobes is shared, and view j gets it with the weight of equation 23, over the
  * selected views:
  *

@@ -7,7 +7,7 @@
 #ifndef LF_RENDER_MAJORANT_H
 #define LF_RENDER_MAJORANT_H
 
-#include "render/render.h"
+#include "render/papers/papers.h"
 #include "render/scene/scene.h"
 
 /* Where a medium with this majorant lies on a ray; begin < end. */

@@ -80,22 +80,20 @@ const lf_general_kind lf_general_mvpt2022 = {
     .entry = {.name = "mvpt2022",
               .what = "null chains shifted to all views, as in 2022",
               .shares = true,
-              .shifts = true,
-              .selects = true},
+              .takes = LF_PAPERS_TAKES(SHIFT) | LF_PAPERS_TAKES(SELECTION)},
     .weigh = weigh};
 const lf_general_kind lf_general_mismvpt = {
     .entry = {.name = "mismvpt",
               .what = "the same with weights of multiple importance sampling",
               .shares = true,
-              .shifts = true},
+              .takes = LF_PAPERS_TAKES(SHIFT)},
     .mis = true,
     .weigh = weigh};
 const lf_general_kind lf_general_amvpt2022 = {
     .entry = {.name = "amvpt2022",
               .what = "mvpt2022 with more paths where the error is",
               .shares = true,
-              .shifts = true,
-              .selects = true,
+              .takes = LF_PAPERS_TAKES(SHIFT) | LF_PAPERS_TAKES(SELECTION),
               .remembers = true},
     .adaptive = true,
     .weigh = weigh};

@@ -5,6 +5,7 @@
 #include "render/papers/restir.h"
 
 #include "render/papers/alike.h"
+#include "render/papers/papers.h"
 #include "render/papers/restir_state.h"
 
 enum { RESTIR, MVRESTIR, N_ENTRIES };
@@ -12,12 +13,12 @@ enum { RESTIR, MVRESTIR, N_ENTRIES };
 static const lf_integrator_entry entries[N_ENTRIES] = {
     [RESTIR] = {.name = "restir",
                 .what = "reservoirs of paths, each view alone, as in 2021",
-                .reuses = true,
+                .takes = LF_PAPERS_TAKES(REUSE) | LF_PAPERS_TAKES(WEIGHTS),
                 .remembers = true},
     [MVRESTIR] = {.name = "mvrestir",
                   .what = "the same with neighbours in other views",
                   .shares = true,
-                  .reuses = true,
+                  .takes = LF_PAPERS_TAKES(REUSE) | LF_PAPERS_TAKES(WEIGHTS),
                   .remembers = true}};
 
 /* The first is the default, the paper's own. */
@@ -264,22 +265,23 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     if (refused)
         return lf_error_set(err, LF_E_ARG, "integrator", "%s renders no %s", entries[index].name,
                             refused);
-    if (!lf_reuse_name(settings->reuse) || !lf_reuse_weights_name(settings->weights))
+    const int reuse = settings->choices.of[LF_PAPERS_REUSE],
+              weights = settings->choices.of[LF_PAPERS_WEIGHTS];
+    if (!lf_reuse_name(reuse) || !lf_reuse_weights_name(weights))
         return lf_error_set(err, LF_E_ARG, "integrator", "no such reuse or weights");
-    if (reuses[settings->reuse].beside == LF_RESTIR_BLOCKS &&
-        settings->weights != LF_REUSE_UNBIASED)
+    if (reuses[reuse].beside == LF_RESTIR_BLOCKS && weights != LF_REUSE_UNBIASED)
         return lf_error_set(
             err, LF_E_ARG, "integrator",
             "--reuse %s has no biased weights: without its balance they have a pole",
-            reuses[settings->reuse].name);
+            reuses[reuse].name);
     lf_restir *s = lf_calloc(1, sizeof *s);
     if (!s)
         return LF_E_NOMEM;
     s->seen = *input->seen;
     s->film = input->film;
     s->across = index == MVRESTIR;
-    s->reuse = &reuses[settings->reuse];
-    s->weights = (lf_reuse_weights)settings->weights;
+    s->reuse = &reuses[reuse];
+    s->weights = (lf_reuse_weights)weights;
     s->sampler = settings->sampler;
     s->n_workers = lf_pool_threads(input->pool);
     s->space =

@@ -1,7 +1,7 @@
 /* restir (docs/papers.md): Volumetric ReSTIR as Lin, Wyman and Yuksel (2021) have it, each view
  * alone. A visit gives every view pixel that it takes a ray and a reservoir of LF_RESTIR_WALKS
  * walks (light_path.h), puts it together with what an earlier visit of the same half left in the
- * pixel (settings.reuse; M capped) and with those of LF_RESTIR_NEIGHBOURS columns of its row drawn
+ * pixel (--reuse; M capped) and with those of LF_RESTIR_NEIGHBOURS columns of its row drawn
  * within LF_RESTIR_REACH, and adds what all of them bring, corrected by the exact transmittances of
  * the path that is kept (lf_path_sample_radiance), to what the ray sees behind the media. W of the
  * film is n: every answer is N/n. Halves never see each other's reservoirs. What is kept is no part

@@ -19,7 +19,7 @@
 
 #include <stdbool.h>
 
-#include "render/render.h"
+#include "render/papers/papers.h"
 #include "render/transport/path/track.h"
 
 /* What is selected from: n views in their order along the cameras' line. */

@@ -207,6 +207,7 @@ static void media_are_refused(void **state)
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(views_are_taken_by_jacobian_and_lobe),
         cmocka_unit_test(normalisation_by_k_is_off_by_what_theory_says),

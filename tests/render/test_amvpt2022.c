@@ -69,6 +69,7 @@ static void adaptive_answers_agree_with_vpt(void **state)
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(counts_come_out_as_expected),
         cmocka_unit_test(adaptive_answers_agree_with_vpt),

@@ -5,6 +5,7 @@
 #include "tests/testing.h"
 
 #include "render/papers/coarse_grid.h"
+#include "render/papers/papers.h"
 #include "render/papers/reservoir.h"
 #include "render/papers/reuse.h"
 #include "render/transport/lanes/depth.h"
@@ -50,8 +51,8 @@ static lf_renderer *renderer_of(lf_scene *scene, const char *integrator, int w, 
     lf_render_settings settings = *lf_renderer_settings(r);
     settings.integrator = integrator;
     settings.max_depth = max_depth;
-    settings.reuse = index_of(lf_reuse_name, reuse);
-    settings.weights = index_of(lf_reuse_weights_name, weights);
+    settings.choices.of[LF_PAPERS_REUSE] = index_of(lf_reuse_name, reuse);
+    settings.choices.of[LF_PAPERS_WEIGHTS] = index_of(lf_reuse_weights_name, weights);
     lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
     return r;
 }
@@ -406,7 +407,7 @@ static void what_it_does_not_know_is_refused(void **state)
     lf_renderer *r = lf_test_renderer(fog, "vpt", width, height, NULL);
     lf_render_settings settings = *lf_renderer_settings(r);
     lf_error err = {0};
-    settings.reuse = 1;
+    settings.choices.of[LF_PAPERS_REUSE] = 1;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "vpt knows no reuse of reservoirs");
     settings.integrator = "restir";
@@ -417,13 +418,13 @@ static void what_it_does_not_know_is_refused(void **state)
     settings.features = true;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     settings.features = false;
-    settings.reuse = index_of(lf_reuse_name, "vertices");
-    settings.weights = LF_REUSE_BIASED;
+    settings.choices.of[LF_PAPERS_REUSE] = index_of(lf_reuse_name, "vertices");
+    settings.choices.of[LF_PAPERS_WEIGHTS] = LF_REUSE_BIASED;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "--reuse vertices has no biased weights: without its balance "
                                   "they have a pole");
-    settings.weights = LF_REUSE_UNBIASED;
-    settings.reuse = 0;
+    settings.choices.of[LF_PAPERS_WEIGHTS] = LF_REUSE_UNBIASED;
+    settings.choices.of[LF_PAPERS_REUSE] = 0;
     settings.width = settings.height = 4096;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "reservoirs of 2 views of 4096x4096 would take more than 2 GiB: "
@@ -437,6 +438,7 @@ static void what_it_does_not_know_is_refused(void **state)
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weights_of_a_toy_have_closed_means),
         cmocka_unit_test(shares_are_a_partition),
