@@ -306,7 +306,7 @@ static char *describe(const lf_param *row, char *buf, size_t size)
     return buf;
 }
 
-/* ------------------------------------------------------------------------- the command line -- */
+/* -------------------------------------------------------------------------- the command line -- */
 
 char *lf_param_argument(const lf_param *row, char *buf, size_t size)
 {

@@ -417,7 +417,7 @@ static lf_status measure_step(bench *b, const struct step *what, lf_error *err)
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------ suffixes in lanes -- */
+/* ------------------------------------------------------------------------- suffixes in lanes -- */
 
 static void add_bits(uint64_t *hash, const float *x, int n)
 {

@@ -198,7 +198,7 @@ typedef struct lf_render_settings {
     lf_choices choices; /* LF_E_ARG: one that the integrator does not take */
 } lf_render_settings;
 
-/* --------------------------------------------------------------------------------- framing -- */
+/* ----------------------------------------------------------------------------------- framing -- */
 
 /* How deep the picture is, of the boxes of meshes and volumes as far as the middle of the rig sees
  * them through the window; grounds that the scene says to be such go on to the horizon and do not

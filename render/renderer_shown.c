@@ -121,7 +121,7 @@ void lf_renderer_retire_fit(lf_renderer *renderer, const lf_scene *scene,
     renderer->shown = NULL;
 }
 
-/* ------------------------------------------------------------------------------------- fits -- */
+/* -------------------------------------------------------------------------------------- fits -- */
 
 static void follow(const lf_renderer *r, const lf_rig *rig)
 {

@@ -22,8 +22,7 @@
 
 #define LOOK_MS 50 /* between looks at whether all readers are to end */
 
-/* --------------------------------------------------------------------------------- the process --
- */
+/* ------------------------------------------------------------------------------- the process -- */
 
 static struct {
     lf_import_watch_fn look;
@@ -149,8 +148,7 @@ static int end_child(child *reader)
     return how;
 }
 
-/* ----------------------------------------------------------------------------- the conversation --
- */
+/* -------------------------------------------------------------------------- the conversation -- */
 
 static lf_status answer_open(child *reader, const lf_import_reply *ask, lf_import_open_fn open,
                              void *context)

@@ -30,8 +30,7 @@ lf_import_group *lf_import_group_current(void)
     return current;
 }
 
-/* ------------------------------------------------------------------------------------- the end --
- */
+/* ----------------------------------------------------------------------------------- the end -- */
 
 void lf_import_stop(void)
 {
@@ -61,8 +60,7 @@ lf_status lf_import_say_stopped(const char *where, lf_error *err)
     return lf_error_set(err, LF_E_CANCELLED, where, "stopped");
 }
 
-/* ------------------------------------------------------------------------------------ the time --
- */
+/* ---------------------------------------------------------------------------------- the time -- */
 
 static lf_import_group *whole_of(lf_import_group *group)
 {

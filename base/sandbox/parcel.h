@@ -99,8 +99,7 @@ typedef struct lf_parcel_camera {
 /* Bytes of one element of a section. */
 size_t lf_parcel_element_size(lf_parcel_tag tag);
 
-/* -------------------------------------------------------------------------------- writing one --
- */
+/* ------------------------------------------------------------------------------- writing one -- */
 
 typedef struct lf_parcel_writer {
     int fd;
@@ -120,8 +119,7 @@ LF_NODISCARD lf_status lf_parcel_append(lf_parcel_writer *writer, lf_parcel_tag 
 LF_NODISCARD lf_status lf_parcel_seal(lf_parcel_writer *writer, int *out_fd, lf_error *err);
 void lf_parcel_abandon(lf_parcel_writer *writer);
 
-/* ------------------------------------------------------------------------------- taking it over --
- */
+/* ---------------------------------------------------------------------------- taking it over -- */
 
 typedef struct lf_parcel {
     const unsigned char *data; /* mapped */

@@ -21,8 +21,7 @@ static const lf_integrator_entry entries[N_ENTRIES] = {
 /* Paths that find how bright it gets. */
 #define PILOT_PATHS 1024
 
-/* -------------------------------------------------------------------------------- base samples --
- */
+/* ------------------------------------------------------------------------------ base samples -- */
 
 /* Pinholes draw none. */
 static void draw_lens(const lf_pinhole *view, lf_sampler *sampler, float out_lens[2])
@@ -92,8 +91,7 @@ static void look_ahead(void *the_state, int item, int worker_index)
     w->tracer.rays = w->tracer.lookups = w->tracer.nonfinite = 0;
 }
 
-/* ------------------------------------------------------------------------------------- visits --
- */
+/* ------------------------------------------------------------------------------------ visits -- */
 
 static uint64_t key_of(const lf_visit_order *order, int row, int half)
 {
@@ -249,8 +247,7 @@ static lf_status end(void *the_state, const lf_pass *pass, const lf_cancel *canc
     return status;
 }
 
-/* --------------------------------------------------------------------------------- make, free --
- */
+/* -------------------------------------------------------------------------------- make, free -- */
 
 static const lf_integrator_entry *entry(int index)
 {

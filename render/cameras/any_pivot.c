@@ -5,8 +5,7 @@
 
 #include "render/transport/lanes/depth.h"
 
-/* --------------------------------------------------------------------------------- densities --
- */
+/* --------------------------------------------------------------------------------- densities -- */
 
 /* Density of view k's samples at the pivot but for what is lost in media on the way, up to what all
  * of them have in common there, and that way; 0: it sees nothing of it. The base sees its own. */
@@ -70,8 +69,7 @@ static double look(const lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot
     return sum;
 }
 
-/* ----------------------------------------------------------------------------------- suffixes --
- */
+/* ---------------------------------------------------------------------------------- suffixes -- */
 
 static bool view_dependent(const lf_any_cameras *s, const lf_event *event)
 {

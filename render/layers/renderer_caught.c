@@ -4,7 +4,7 @@
 
 #include "render/layers/caught.h"
 
-/* -------------------------------------------------------------------------- a whole picture -- */
+/* --------------------------------------------------------------------------- a whole picture -- */
 
 typedef struct catch_job {
     const lf_renderer *renderer;

@@ -15,8 +15,7 @@ static const lf_general_kind *const table[] = {&lf_general_mvpt2022, &lf_general
                                                &lf_general_amv2019k};
 #define N_KINDS (int)(sizeof table / sizeof table[0])
 
-/* -------------------------------------------------------------------------------- base samples --
- */
+/* ------------------------------------------------------------------------------ base samples -- */
 
 /* Which pixel, and what its sample is worth to it. */
 typedef struct lf_general_pixel {
@@ -53,8 +52,7 @@ static void base_sample(const lf_general *g, lf_general_worker *w, const lf_gene
         w->tracer.nonfinite++;
 }
 
-/* ------------------------------------------------------------------------------------- visits --
- */
+/* ------------------------------------------------------------------------------------ visits -- */
 
 /* A visit under way. */
 typedef struct lf_general_visit {
@@ -174,8 +172,7 @@ static void begin(void *the_state, const lf_pass *pass)
         g->next_map = (double)INFINITY;
 }
 
-/* --------------------------------------------------------------------------------- make, free --
- */
+/* -------------------------------------------------------------------------------- make, free -- */
 
 static const lf_integrator_entry *entry(int index)
 {

@@ -52,8 +52,7 @@ void lf_light_path_segments(const lf_path_space *space, const lf_camera_ray *ray
     out[path->n] = (lf_depth_ray){p, last.w, last.distance};
 }
 
-/* ----------------------------------------------------------------------------------- the walks --
- */
+/* --------------------------------------------------------------------------------- the walks -- */
 
 /* One step of some walks. */
 typedef struct wave {

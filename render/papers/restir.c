@@ -48,8 +48,7 @@ static lf_restir_left *left_of(const lf_restir *s, int row, int half, uint64_t r
     return left;
 }
 
-/* ------------------------------------------------------------------------------------- visits --
- */
+/* ------------------------------------------------------------------------------------ visits -- */
 
 /* As of mvpt2022: each pixel with probability subsets / n_views, each once in any n_views passes.
  */
@@ -165,8 +164,7 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
     return true;
 }
 
-/* --------------------------------------------------------------------------------- make, free --
- */
+/* -------------------------------------------------------------------------------- make, free -- */
 
 const char *lf_reuse_name(int reuse)
 {

@@ -39,8 +39,7 @@ lf_vec3 lf_path_sample_radiance(const lf_path_sample *sample, double depth)
                         : sample->brought;
 }
 
-/* ---------------------------------------------------------------------------------- the walks --
- */
+/* --------------------------------------------------------------------------------- the walks -- */
 
 void lf_path_sample_draw(int n, const lf_light_walk *walks, int taken, lf_tracer *tracer,
                          lf_path_sample *out)
@@ -56,8 +55,7 @@ void lf_path_sample_draw(int n, const lf_light_walk *walks, int taken, lf_tracer
     lf_path_keeper_end(&keeper);
 }
 
-/* ------------------------------------------------------------------------------------- streams --
- */
+/* ----------------------------------------------------------------------------------- streams -- */
 
 /* The target function of stream i's path along the rays of all; out_own: what it brings along the
  * first. */

@@ -61,8 +61,7 @@ static float densities(int n, const float *scale, float *d)
     return total;
 }
 
-/* ------------------------------------------------------------------------------ who is hidden --
- */
+/* ----------------------------------------------------------------------------- who is hidden -- */
 
 /* The same roundings as in intervals, which rise and fall with what they round: a box spans no less
  * than its segments do, so that no ray slips through between two that share an end. */
@@ -165,8 +164,7 @@ static void hide(const lf_section *section, lf_question *q)
     }
 }
 
-/* ------------------------------------------------------------------------------ what is nearest --
- */
+/* --------------------------------------------------------------------------- what is nearest -- */
 
 /* The fan, and what it has met so far. */
 typedef struct fan {

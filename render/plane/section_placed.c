@@ -7,9 +7,7 @@
 
 enum { WIDE = LF_SECTION_WIDE };
 
-/* ------------------------------------------------------------------------------ where views look
- * --
- */
+/* -------------------------------------------------------------------------- where views look -- */
 
 static lf_linear times(const lf_linear *f, double by)
 {
@@ -64,9 +62,7 @@ static lf_box_cut view_of(const lf_rig *rig, const lf_row_plane *plane)
     return cut;
 }
 
-/* --------------------------------------------------------------------------------------- cutting
- * --
- */
+/* ----------------------------------------------------------------------------------- cutting -- */
 
 typedef struct cutting {
     lf_section *section;
@@ -181,8 +177,7 @@ size_t lf_section_cut_placed(lf_section *section, const lf_row_triangles *rows,
     return c.n;
 }
 
-/* --------------------------------------------------------------------------------------- whose --
- */
+/* ------------------------------------------------------------------------------------- whose -- */
 
 static uint32_t end_of(const lf_section_places *places, size_t slot)
 {

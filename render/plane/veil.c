@@ -34,8 +34,7 @@ static veil veil_of(const lf_veils *veils, int segment)
     return out;
 }
 
-/* ------------------------------------------------------------------------------ before a point --
- */
+/* ---------------------------------------------------------------------------- before a point -- */
 
 static void segment_before(const lf_veils *veils, const lf_question *q, int segment, float lo,
                            float hi)
@@ -82,8 +81,7 @@ void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, 
             node_before(veils, WIDE * root + __builtin_ctz(in), &q);
 }
 
-/* --------------------------------------------------------------------------------- along a fan --
- */
+/* ------------------------------------------------------------------------------- along a fan -- */
 
 /* Lines (d, s0 + c d). */
 typedef struct line_fan {

@@ -83,8 +83,7 @@ bool lf_reconstruct_ready(const lf_reconstruction *r)
     return r->ready;
 }
 
-/* ------------------------------------------------------------------------------------- the fit --
- */
+/* ----------------------------------------------------------------------------------- the fit -- */
 
 typedef enum lf_step {
     GATHER,

@@ -197,8 +197,7 @@ static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surfa
     lf_film_note_albedo(&visit->sums, pixel, albedo);
 }
 
-/* ---------------------------------------------------------------------------------- features --
- */
+/* ---------------------------------------------------------------------------------- features -- */
 
 /* Less of a surface is not worth a look at its light. */
 #define LEAST_SEEN 1e-3f

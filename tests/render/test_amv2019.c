@@ -83,7 +83,7 @@ static void weights_come_to_samples(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------- normalised by K -- */
+/* --------------------------------------------------------------------------- normalised by K -- */
 
 /* A wall behind the window, all that is in view, white by half under an even sky: every sample is
  * exactly 0.5, every Jacobian 1. */

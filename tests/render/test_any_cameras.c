@@ -17,8 +17,7 @@ static int replicates(void)
     return getenv("QUILTD_LONG") ? 96 : 12;
 }
 
-/* ------------------------------------------------------------------------------ where they look --
- */
+/* --------------------------------------------------------------------------- where they look -- */
 
 /* Three balls that glow, each in a colour of its own, seen by cameras that look here and there. */
 #define BALLS                                                                                      \
@@ -152,8 +151,7 @@ static void what_is_not_rendered_is_refused_by_name(void **state)
     }
 }
 
-/* ---------------------------------------------------------------------------------- densities --
- */
+/* --------------------------------------------------------------------------------- densities -- */
 
 /* A list whose cameras are those of a track: three, 0.75 apart, each looking straight ahead. */
 #define TRACK "'target': [0, 0.1, 0], 'views': { 'track': { 'count': 3, 'length': 1.5 } }"
@@ -297,8 +295,7 @@ static void depths_are_integrals(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------------- pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* Voxels and fog before a ball on the ground: by rows and by the list. */
 #define THINGS_UNDER(lights)                                                                       \

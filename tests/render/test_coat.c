@@ -167,8 +167,7 @@ static void what_lies_below_does_not_turn_a_coat(void **state)
     undress();
 }
 
-/* ------------------------------------------------------------------------------------ pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* A card aslant under a lamp, coated, whose base leans to its right; a ball beside it. */
 #define SCENE                                                                                      \

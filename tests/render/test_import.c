@@ -25,8 +25,7 @@
 
 static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/* -------------------------------------------------------------------------------- other readers --
- */
+/* ----------------------------------------------------------------------------- other readers -- */
 
 static lf_status import_with(const char *folder, const char *mode, int material, lf_mesh_data *out,
                              lf_error *err)
@@ -345,8 +344,7 @@ static void a_reader_that_hangs_is_ended_when_its_time_is_over(void **state)
     lf_import_limit(0, LF_IMPORT_SECONDS);
 }
 
-/* ---------------------------------------------------------------------------------- its rights --
- */
+/* -------------------------------------------------------------------------------- its rights -- */
 
 static void a_reader_starts_with_the_socket_and_the_file_alone(void **state)
 {
@@ -423,8 +421,7 @@ static void a_reader_ends_with_whoever_asked(void **state)
     assert_false(is_alive(reader));
 }
 
-/* ------------------------------------------------------------------------------- real readers --
- */
+/* ------------------------------------------------------------------------------ real readers -- */
 
 typedef struct concurrent {
     const char *folder;

@@ -20,8 +20,7 @@ enum { CUTS = 50, EDITS = 100 };
 
 static const uint64_t most_memory = (uint64_t)512 << 20;
 
-/* ------------------------------------------------------------------------------------- reading --
- */
+/* ----------------------------------------------------------------------------------- reading -- */
 
 static lf_status read_volume(const char *path, lf_error *err)
 {

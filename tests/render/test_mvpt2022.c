@@ -164,7 +164,7 @@ static void mwis_is_consistent(void **state)
     lf_renderer_destroy(r);
 }
 
-/* ----------------------------------------------------------------------------------- chains -- */
+/* ------------------------------------------------------------------------------------ chains -- */
 
 /* exp(-int extinction), by the midpoint rule. */
 static double transmittance(lf_media_path *path, double length)
@@ -288,8 +288,7 @@ static void what_it_does_not_know_is_refused(void **state)
     lf_renderer_destroy(r);
 }
 
-/* ------------------------------------------------------------------- the selection as printed --
- */
+/* ------------------------------------------------------------------ the selection as printed -- */
 
 enum { many = 45, slab_width = 12, slab_height = 4, first_column = 4, end_column = 8 };
 #define SLAB_G 0.9

@@ -255,7 +255,7 @@ static void another_group_begins_a_part(void **state)
     lf_soup_finish(&other);
 }
 
-/* ------------------------------------------------------------------------------- materials -- */
+/* --------------------------------------------------------------------------------- materials -- */
 
 static void roughness_alone_makes_no_metal(void **state)
 {

@@ -48,8 +48,7 @@ static lf_scene *scene_of(const char *shape, const char *material, bool copies, 
     return lf_test_scene(text);
 }
 
-/* --------------------------------------------------------------------------------------- rays --
- */
+/* -------------------------------------------------------------------------------------- rays -- */
 
 /* Of both scenes the ground is mesh 0. */
 static bool same_place(const lf_scene *placed, const lf_hit *a, const lf_scene *copies,

@@ -57,7 +57,7 @@ static lf_renderer *renderer_of(lf_scene *scene, const char *integrator, int w, 
     return r;
 }
 
-/* ------------------------------------------------------------------------------- reservoirs -- */
+/* -------------------------------------------------------------------------------- reservoirs -- */
 
 /* Streams of a line of numbers 0..9, each of which finds part of them, and a function of them. */
 enum { numbers = 10, streams = 3, candidates = 4 };
@@ -312,8 +312,7 @@ static void pictures_do_not_depend_on_the_number_of_threads(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------- the shortcut --
- */
+/* ------------------------------------------------------------------------------ the shortcut -- */
 
 enum { wide = 32, low = 4, edge = wide / 2, reach = 10, neighbours = 3 };
 

@@ -188,7 +188,7 @@ static void shifts_compose(void **state)
     assert_true(both > 2 * pairs);
 }
 
-/* ------------------------------------------------------------------------------ densities -- */
+/* --------------------------------------------------------------------------------- densities -- */
 
 /* A ray whose media are a part of their majorant, in waves. */
 typedef struct medium {
@@ -372,7 +372,7 @@ static void rays_without_media(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------------- film -- */
+/* -------------------------------------------------------------------------------------- film -- */
 
 /* Where the ray from the lens to a point meets the plane z = 1 before the camera's middle. */
 static void project(const double lens[3], const double p[3], double film[3])

@@ -210,7 +210,7 @@ static void rough_metals_keep_their_colour(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------- principled -- */
+/* -------------------------------------------------------------------------------- principled -- */
 
 static lf_material layered(float metallic, float rough, float ior, float coat, float coat_rough)
 {

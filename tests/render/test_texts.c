@@ -147,8 +147,7 @@ static const struct {
      read_calibration},
 };
 
-/* ------------------------------------------------------------------------------------ variants --
- */
+/* ---------------------------------------------------------------------------------- variants -- */
 
 static void put(written *out, const char *bytes, size_t n)
 {

@@ -66,8 +66,7 @@ static int count_warnings(const said *s, const char *keys, const char *words, in
     return n;
 }
 
-/* ------------------------------------------------------------------------------------- checks --
- */
+/* ------------------------------------------------------------------------------------ checks -- */
 
 /* 4^3 voxels of 0.5, or of a row's own, and not a word. */
 static void is_used(const lf_format_row *row)

@@ -105,8 +105,7 @@ static unsigned losses(const struct aiMaterial *m)
            (is_transparent(m) ? 1u << LF_LOST_TRANSPARENCY : 0);
 }
 
-/* ---------------------------------------------------------------------------------------- all --
- */
+/* --------------------------------------------------------------------------------------- all -- */
 
 static lf_said said_of(const struct aiMaterial *m)
 {

@@ -173,8 +173,7 @@ bool lf_gltf_is_there(const lf_gltf_accessor *accessor)
     return accessor->data || accessor->count <= FEW_ZEROS;
 }
 
-/* ---------------------------------------------------------------------------------- one element --
- */
+/* ------------------------------------------------------------------------------- one element -- */
 
 static float component_at(const unsigned char *at, lf_gltf_type type, bool normalised)
 {

@@ -39,9 +39,7 @@ static lf_status read_part(int fd, uint64_t at, uint64_t n, lf_gltf_bytes *out, 
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------------ uris
- * --
- */
+/* -------------------------------------------------------------------------------------- uris -- */
 
 /* -1: no such digit. */
 static int digit_of(char c)
@@ -161,8 +159,7 @@ lf_status lf_gltf_fetch(const lf_gltf *gltf, const char *uri, uint64_t least, lf
     return status;
 }
 
-/* -------------------------------------------------------------------------------------- buffers --
- */
+/* ----------------------------------------------------------------------------------- buffers -- */
 
 static lf_status load_buffer(lf_gltf *gltf, size_t number, lf_error *err)
 {

@@ -58,9 +58,7 @@ lf_status lf_gltf_visit(lf_gltf_build *build, lf_gltf_visit_fn *visit, void *con
     return status;
 }
 
-/* -------------------------------------------------------------------------------------- counting
- * --
- */
+/* ---------------------------------------------------------------------------------- counting -- */
 
 /* Where other parts have normals, one without has a face's at every corner: the specification's
  * flat shading. */
@@ -108,8 +106,7 @@ static lf_status count(lf_gltf_build *build, const lf_gltf_place *place, void *c
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------- vertices --
- */
+/* ---------------------------------------------------------------------------------- vertices -- */
 
 /* What one primitive is put together with. */
 typedef struct part {
@@ -233,9 +230,7 @@ static void put_vertex(const part *p, size_t v)
         put_tangent(p, &from, &own, to);
 }
 
-/* --------------------------------------------------------------------------------------- filling
- * --
- */
+/* ----------------------------------------------------------------------------------- filling -- */
 
 static void put_part(const part *p)
 {

@@ -119,9 +119,7 @@ static lf_status load_json(lf_gltf *gltf, lf_error *err)
     return json_is_object(gltf->json) ? LF_OK : no_json(&wrong, err);
 }
 
-/* ------------------------------------------------------------------------------ what it requires
- * --
- */
+/* -------------------------------------------------------------------------- what it requires -- */
 
 static const char *const known_extensions[] = {"EXT_mesh_gpu_instancing",
                                                "EXT_meshopt_compression",
@@ -186,8 +184,7 @@ static lf_status check_required(const lf_gltf *gltf, lf_error *err)
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------------ all --
- */
+/* --------------------------------------------------------------------------------------- all -- */
 
 static lf_status make_tables(lf_gltf *gltf, lf_error *err)
 {

@@ -68,8 +68,7 @@ static void take_cover(const json_t *json, lf_said *said)
     said->cutoff = lf_gltf_number(json, "alphaCutoff", 0.5f);
 }
 
-/* ---------------------------------------------------------------------------------- extensions --
- */
+/* -------------------------------------------------------------------------------- extensions -- */
 
 static void take_specular(const lf_gltf *gltf, const json_t *json, lf_said *said)
 {
@@ -217,8 +216,7 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *sai
     said->ior = 1.5f;
 }
 
-/* -------------------------------------------------------------------------------- what is lost --
- */
+/* ------------------------------------------------------------------------------ what is lost -- */
 
 /* What an extension says that is not read; LF_LOST_KINDS: nothing. */
 typedef struct known_extension {

@@ -143,9 +143,7 @@ static const property *find_property(const char *pointer)
     return find_transform(pointer);
 }
 
-/* ------------------------------------------------------------------------------- in the document
- * --
- */
+/* --------------------------------------------------------------------------- in the document -- */
 
 static json_t *member(json_t *of, const char *name, size_t n)
 {
@@ -187,9 +185,7 @@ static lf_status no_memory(lf_error *err)
     return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
 }
 
-/* ------------------------------------------------------------------------------------- its value
- * --
- */
+/* --------------------------------------------------------------------------------- its value -- */
 
 /* What a property comes to: where its keys are, and in whose place. */
 typedef struct place {
@@ -320,8 +316,7 @@ static lf_status put_value(const place *p, lf_error *err)
     }
 }
 
-/* ----------------------------------------------------------------------------------- channels --
- */
+/* ---------------------------------------------------------------------------------- channels -- */
 
 typedef struct following {
     lf_gltf *gltf;

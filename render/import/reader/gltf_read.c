@@ -58,8 +58,7 @@ static lf_status open_meshes(reading *r, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------------------ materials --
- */
+/* --------------------------------------------------------------------------------- materials -- */
 
 static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *context,
                       lf_error *err)
@@ -135,8 +134,7 @@ static lf_status open_materials(reading *r, lf_error *err)
     return lf_gltf_visit(&r->build, look, r, err);
 }
 
-/* ------------------------------------------------------------------------------------------ all --
- */
+/* --------------------------------------------------------------------------------------- all -- */
 
 /* Of what a person may choose, and is not told by the picture. */
 static void warn_of_choices(const reading *r)

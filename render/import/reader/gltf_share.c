@@ -109,8 +109,7 @@ bool lf_gltf_is_shared(lf_gltf_build *build)
            visit_once(build, tally, &s, NULL, NULL) == LF_OK && s.n_once < s.n;
 }
 
-/* -------------------------------------------------------------------------------------- places --
- */
+/* ------------------------------------------------------------------------------------ places -- */
 
 typedef struct placing {
     size_t room, n_left; /* for places; those that are left out */

@@ -77,8 +77,7 @@ lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char
     return (lf_texture){0};
 }
 
-/* ------------------------------------------------------------------------------------ pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* The bytes of an image. LF_E_PATH: its file is not to be had. *out_own: they are the caller's to
  * free. */

@@ -56,7 +56,7 @@ void lf_map_finish(lf_map *map)
     *map = (lf_map){0};
 }
 
-/* ------------------------------------------------------------------------------------ files -- */
+/* ------------------------------------------------------------------------------------- files -- */
 
 static lf_status read_bytes(int fd, uint8_t **out, size_t *out_size, lf_error *err)
 {
@@ -146,7 +146,7 @@ static lf_status find_file(map_reading *r, const lf_map *map, picture_file **out
     return LF_OK;
 }
 
-/* --------------------------------------------------------------------------------- coverage -- */
+/* ---------------------------------------------------------------------------------- coverage -- */
 
 static bool has_holes(const lf_texels *p)
 {
@@ -218,7 +218,7 @@ static void take_cover(map_reading *r, const lf_map *map, picture_file *mask)
     said->cover = LF_COVER_BLEND;
 }
 
-/* ------------------------------------------------------------------------------------- uses -- */
+/* -------------------------------------------------------------------------------------- uses -- */
 
 /* Normals are blue, and about grey otherwise. */
 static bool holds_normals(const lf_texels *p)

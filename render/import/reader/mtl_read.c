@@ -44,8 +44,7 @@ lf_status lf_mtl_find(lf_soup *soup, const char *name, unsigned *out, lf_error *
     return lf_soup_say(soup, said, err);
 }
 
-/* ------------------------------------------------------------------------------------- values --
- */
+/* ------------------------------------------------------------------------------------ values -- */
 
 /* Whether a line's numbers end there. More of them are left out, and counted. */
 static bool ends(mtl *m, const char *at)
@@ -165,7 +164,7 @@ static bool take_model(const char *at, mtl *m)
     return true;
 }
 
-/* --------------------------------------------------------------------------------- pictures -- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 static bool begins(const char *word, size_t n, const char *with)
 {
@@ -288,8 +287,7 @@ static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at,
     return lf_soup_map(m->soup, map, err);
 }
 
-/* -------------------------------------------------------------------------------------- lines --
- */
+/* ------------------------------------------------------------------------------------- lines -- */
 
 static bool take_roughness(const char *at, mtl *m)
 {

@@ -63,8 +63,7 @@ static lf_status take_numbers(obj *o, const char *at, int least, int most, doubl
     return n >= least && lf_line_ends(at) ? LF_OK : bad_number(o, at, expected, err);
 }
 
-/* -------------------------------------------------------------------------------------- points --
- */
+/* ------------------------------------------------------------------------------------ points -- */
 
 /* Of a point that is still to come. Colours count where all have one. */
 static lf_status take_point_colour(obj *o, const double c[3], lf_error *err)
@@ -114,8 +113,7 @@ static lf_status take_uv(obj *o, const char *at, lf_error *err)
     return status == LF_OK ? lf_soup_uv(o->soup, uv, err) : status;
 }
 
-/* --------------------------------------------------------------------------------------- faces --
- */
+/* ------------------------------------------------------------------------------------- faces -- */
 
 /* From 1 on, or from the last one backwards. */
 static bool to_number(int64_t written, size_t n, uint32_t *out)
@@ -216,8 +214,7 @@ static lf_status take_beside(obj *o, const char *at, bool line, lf_error *err)
     return status;
 }
 
-/* ----------------------------------------------------------------------------------- materials --
- */
+/* --------------------------------------------------------------------------------- materials -- */
 
 /* Exporters say the same one again and again: only another begins a part. */
 static lf_status take_name(char **now, const char *name, lf_soup *soup, lf_error *err)
@@ -304,8 +301,7 @@ static lf_status take_libraries(obj *o, char *names, lf_error *err)
     return status;
 }
 
-/* ---------------------------------------------------------------------------------------- lines --
- */
+/* ------------------------------------------------------------------------------------- lines -- */
 
 /* s 1, s on; s off, s 0 */
 static void take_smoothing(obj *o, const char *at)

@@ -12,8 +12,7 @@
 
 enum { MOST_COLUMNS = 16, MOST_HEADER = 4096 };
 
-/* -------------------------------------------------------------------------------------- a place --
- */
+/* ----------------------------------------------------------------------------------- a place -- */
 
 /* A unit quaternion x y z w, scaled along its own axes first. */
 static void turn(const double q[4], const double scale[3], lf_affine *out)
@@ -75,8 +74,7 @@ static lf_status take(lf_place_list *out, const double *v, int columns, const ch
     return LF_OK;
 }
 
-/* ----------------------------------------------------------------------------------------- CSV --
- */
+/* --------------------------------------------------------------------------------------- CSV -- */
 
 /* The numbers of a line, up to one more than a place has; less than 0: something else is there. */
 static int numbers_of(char *line, double *out)
@@ -129,8 +127,7 @@ static lf_status read_csv(lf_input *in, lf_place_list *out, lf_error *err)
     return status == LF_OK && in->status != LF_OK ? lf_input_ended(in, "a line", err) : status;
 }
 
-/* ----------------------------------------------------------------------------------------- NPY --
- */
+/* --------------------------------------------------------------------------------------- NPY -- */
 
 typedef struct npy {
     bool is_double;

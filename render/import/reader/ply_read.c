@@ -38,8 +38,7 @@ static lf_status bad_place(const ply *p, const char *what, lf_error *err)
                               (unsigned long long)lf_input_offset(&p->in), what);
 }
 
-/* ------------------------------------------------------------------------------------- values --
- */
+/* ------------------------------------------------------------------------------------ values -- */
 
 static uint64_t whole_bytes(const unsigned char *bytes, int n, bool big)
 {
@@ -153,8 +152,7 @@ static lf_status read_element_values(ply *p, const lf_ply_element *element, lf_e
     return status;
 }
 
-/* ----------------------------------------------------------------------------------- elements --
- */
+/* ---------------------------------------------------------------------------------- elements -- */
 
 /* Whole numbers are display encoded, others are not. */
 static lf_status take_colour(ply *p, lf_error *err)

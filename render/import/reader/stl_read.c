@@ -24,8 +24,7 @@ static lf_status put_corner(lf_soup *soup, const double at[3], uint32_t *out, lf
     return lf_soup_point(soup, at, err);
 }
 
-/* -------------------------------------------------------------------------------------- binary --
- */
+/* ------------------------------------------------------------------------------------ binary -- */
 
 /* What the last two bytes of facets say: five bits a channel, display encoded. By VisCAM and
  * SolidView the highest bit says that there is a colour; Magics has one of the whole in the title,
@@ -113,8 +112,7 @@ static lf_status read_binary(lf_input *in, bool colours_wanted, lf_soup *soup, l
     return status;
 }
 
-/* ---------------------------------------------------------------------------------------- text --
- */
+/* -------------------------------------------------------------------------------------- text -- */
 
 /* A facet has three corners; a few programs write more. */
 typedef struct facet {
@@ -191,9 +189,7 @@ static lf_status read_text(lf_input *in, lf_soup *soup, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------------------------ both
- * --
- */
+/* -------------------------------------------------------------------------------------- both -- */
 
 /* One whose size does not say that it is binary. */
 static lf_status read_by_words(lf_input *in, const lf_mesh_desc *desc, lf_soup *soup, lf_error *err)

@@ -10,8 +10,7 @@
 #include "render/scene/geometry.h"
 #include "render/scene/vec_double.h"
 
-/* -------------------------------------------------------------------------------- which it is --
- */
+/* ------------------------------------------------------------------------------- which it is -- */
 
 /* The number of the mesh that the framing names; below 0: an error. */
 static int find_mesh(lf_reader *reader, const lf_node *from, const lf_scene_desc *desc)
@@ -91,8 +90,7 @@ static int find_camera(lf_reader *reader, const lf_node *from, const lf_framing 
     return -1;
 }
 
-/* ----------------------------------------------------------------------------- where it stands --
- */
+/* --------------------------------------------------------------------------- where it stands -- */
 
 /* The middle of what of the scene's box lies before the camera, along its axis. */
 static double middle_depth(const lf_scene *scene, const lf_file_camera *camera)

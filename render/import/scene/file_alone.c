@@ -90,8 +90,7 @@ char *lf_alone_file(const char *path, int frame)
     return frame < 0 ? lf_strdup(path) : lf_frame_name(path, frame);
 }
 
-/* ----------------------------------------------------------------------------------- its grids --
- */
+/* --------------------------------------------------------------------------------- its grids -- */
 
 static const char *const burning[] = {"flames",      "flame", "fire", "heat",
                                       "temperature", "burn",  NULL};
@@ -137,8 +136,7 @@ static json_t *make_volume(const char *name, const char *grids)
     return volume;
 }
 
-/* -------------------------------------------------------------------------------- the document --
- */
+/* ------------------------------------------------------------------------------ the document -- */
 
 /* Files for printers are drawn with z up, by custom; all others are taken as y up. */
 static bool is_z_up(const char *path, const lf_alone *how)
@@ -175,8 +173,7 @@ json_t *lf_alone_document(const char *path, int frame, const lf_alone *how, cons
     return document;
 }
 
-/* --------------------------------------------------------------------------------- its camera --
- */
+/* -------------------------------------------------------------------------------- its camera -- */
 
 static bool find_size(const lf_scene *scene, double bounds[2][3], double size[3])
 {
@@ -289,8 +286,7 @@ static json_t *make_file_camera(const lf_scene *scene, double *yaw)
                      cameras->open[0].number, "distance", depth, "cone", CONE);
 }
 
-/* ------------------------------------------------------------------------------------ volumes --
- */
+/* ----------------------------------------------------------------------------------- volumes -- */
 
 /* Grids have all kinds of units. */
 static void scale_density(json_t *volume, const lf_volume *grid, double across)
@@ -323,8 +319,7 @@ static void scale_volume(json_t *volume, const lf_scene *scene)
         scale_heat(emission, &scene->flames.field[0], across);
 }
 
-/* ----------------------------------------------------------------------------------- together --
- */
+/* ---------------------------------------------------------------------------------- together -- */
 
 static lf_alone_look choose_look(const json_t *volume, const lf_alone *how)
 {

@@ -242,7 +242,7 @@ void lf_material_parse(lf_reader *reader, const lf_node *node, lf_scene_desc *de
         lf_material_make_pictured(material);
 }
 
-/* -------------------------------------------------------------------------- those of meshes -- */
+/* --------------------------------------------------------------------------- those of meshes -- */
 
 /* The number of a material that is named at a node of a mesh. */
 static int find_material(lf_reader *reader, const lf_node *root, const lf_node *at,

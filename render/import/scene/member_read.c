@@ -10,7 +10,7 @@
 #define LF_MAX_PATH 4095
 #define MAX_NAMES 32 /* of keys, of endings */
 
-/* ----------------------------------------------------------------------------------- values -- */
+/* ------------------------------------------------------------------------------------ values -- */
 
 int lf_read_type(lf_reader *reader, const lf_node *node, const char *const types[], int fallback)
 {
@@ -147,7 +147,7 @@ void lf_read_value(lf_reader *reader, const lf_node *node, const lf_param *key, 
     read_field(reader, node, key, field);
 }
 
-/* ------------------------------------------------------------------------------------ forms -- */
+/* ------------------------------------------------------------------------------------- forms -- */
 
 bool lf_read_either(lf_reader *reader, const lf_node *node, const char *a, const char *b)
 {

@@ -11,9 +11,7 @@
 #include "render/import/scene/file_identity.h"
 #include "render/import/scene/mesh_take.h"
 
-/* ------------------------------------------------------------------------- files the reader wants
- * --
- */
+/* -------------------------------------------------------------------- files the reader wants -- */
 
 typedef struct asked {
     const lf_roots *roots;
@@ -105,8 +103,7 @@ static void take_warnings(const lf_parcel *parcel, const char *path, lf_warnings
     }
 }
 
-/* ------------------------------------------------------------------------------------ all of it --
- */
+/* --------------------------------------------------------------------------------- all of it -- */
 
 static void put_clip(const lf_clip *clip, lf_import_request *request)
 {

@@ -26,7 +26,7 @@ static bool within(float x, double low, double high)
     return (double)x >= low && (double)x <= high; /* false for NaN */
 }
 
-/* --------------------------------------------------------------------------------- sections -- */
+/* ---------------------------------------------------------------------------------- sections -- */
 
 /* A copy of a section, each of n elements `each` long; *out stays NULL where there is none. */
 static lf_status copy(const lf_parcel *parcel, lf_parcel_tag tag, size_t n, size_t each, void *out,
@@ -81,7 +81,7 @@ static bool counts_fit(const lf_parcel *parcel, lf_mesh_asked asked)
            looks_fit(parcel, positions / 3, asked);
 }
 
-/* -------------------------------------------------------------------------------- materials -- */
+/* --------------------------------------------------------------------------------- materials -- */
 
 static const lf_surface_kind *kind_at(uint32_t place)
 {
@@ -205,7 +205,7 @@ static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_e
     return LF_OK;
 }
 
-/* --------------------------------------------------------------------------------- pictures -- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* Whether the pictures' sizes are possible, and the texels theirs and no more. */
 static bool sizes_fit(const lf_parcel_picture *sizes, size_t n, size_t n_texels)
@@ -246,7 +246,7 @@ lf_status lf_mesh_take_pictures(const lf_parcel *parcel, lf_mesh_data *out, lf_e
     return LF_OK;
 }
 
-/* --------------------------------------------------------------------------------- vertices -- */
+/* ---------------------------------------------------------------------------------- vertices -- */
 
 static bool positions_fit(const lf_mesh_data *data)
 {
@@ -334,7 +334,7 @@ static lf_status take_span(const lf_parcel *parcel, lf_mesh_data *out, lf_error 
     return LF_OK;
 }
 
-/* ----------------------------------------------------------------------------------- lights -- */
+/* ------------------------------------------------------------------------------------ lights -- */
 
 /* false: some of what counts of its kind is out of range. */
 static bool take_light(const lf_parcel_light *from, lf_punctual *out)
@@ -375,7 +375,7 @@ static lf_status take_lights(const lf_parcel *parcel, lf_mesh_data *out, lf_erro
                 : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such lights");
 }
 
-/* ---------------------------------------------------------------------------------- cameras -- */
+/* ----------------------------------------------------------------------------------- cameras -- */
 
 static bool is_unit_double(const double v[3])
 {

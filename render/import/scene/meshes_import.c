@@ -35,8 +35,7 @@ typedef struct importing {
     bool *ordered;
 } importing;
 
-/* ---------------------------------------------------------------------------- what is read once --
- */
+/* ------------------------------------------------------------------------- what is read once -- */
 
 static bool meshes_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
 {
@@ -114,8 +113,7 @@ static lf_status read_places(importing *all, const reading *r, int *out_wrong, l
     return status;
 }
 
-/* --------------------------------------------------------------------------------- all of them --
- */
+/* ------------------------------------------------------------------------------- all of them -- */
 
 static void run_reading(importing *all, int item,
                         lf_status (*read)(importing *all, const reading *r, int *out_wrong,
@@ -223,8 +221,7 @@ static lf_status import_end(const lf_scene_desc *desc, const char *folder, const
     return status;
 }
 
-/* -------------------------------------------------------------------------------- the shutter --
- */
+/* ------------------------------------------------------------------------------- the shutter -- */
 
 /* Whether a mesh is elsewhere when the shutter closes. */
 static bool would_move(const lf_mesh_desc *open, const lf_mesh_desc *close, double span)

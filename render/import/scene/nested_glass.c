@@ -136,7 +136,7 @@ static bool overlaps_others(const parts *all, int which)
     return found;
 }
 
-/* ---------------------------------------------------------------------------------- solids -- */
+/* ------------------------------------------------------------------------------------ solids -- */
 
 /* Parts from first on that are of the same mesh: the open ones of them may enclose something
  * together. */

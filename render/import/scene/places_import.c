@@ -6,8 +6,7 @@
 #include "base/alloc.h"
 #include "render/import/scene/mesh_repeat.h"
 
-/* ----------------------------------------------------------------------------------- checking --
- */
+/* ---------------------------------------------------------------------------------- checking -- */
 
 /* As lf_placed keeps it. */
 static bool is_flat(const lf_affine *place)
@@ -71,8 +70,7 @@ lf_status lf_places_check(const lf_mesh_data *data, const char *where, lf_error 
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------------------ placing --
- */
+/* ----------------------------------------------------------------------------------- placing -- */
 
 /* Each of n places, behind those that the mesh's file has: all of a part together. */
 static lf_status put(lf_mesh_data *data, const lf_affine *place, size_t n, const char *where,

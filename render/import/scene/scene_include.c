@@ -12,8 +12,7 @@
 
 #define MAX_PATH 4095
 
-/* ------------------------------------------------------------------------------------- a file --
- */
+/* ------------------------------------------------------------------------------------ a file -- */
 
 /* text is no JSON; one that does not even begin like an object was never meant to be a scene. */
 static lf_status refuse_text(const char *path, const char *text, const json_error_t *problem,

@@ -44,7 +44,7 @@ static lf_status open_part(const lf_picture_desc *picture, const lf_roots *roots
     return out->key ? LF_OK : lf_error_set(err, LF_E_NOMEM, out->path, "out of memory");
 }
 
-/* ---------------------------------------------------------------------------------- sharing -- */
+/* ----------------------------------------------------------------------------------- sharing -- */
 
 static lf_scene_picture *find_in(const lf_scene *scene, const char *key)
 {
@@ -72,7 +72,7 @@ static char *key_of(const part parts[2], lf_slot slot, lf_texels_use use, float 
     return key;
 }
 
-/* ---------------------------------------------------------------------------------- reading -- */
+/* ----------------------------------------------------------------------------------- reading -- */
 
 static lf_status take_texels(const lf_parcel *parcel, const char *path, lf_texels *out,
                              lf_error *err)

@@ -22,8 +22,7 @@ static lf_status no_memory(const request *r, lf_error *err)
     return lf_error_set(err, LF_E_NOMEM, r->path, "out of memory");
 }
 
-/* ------------------------------------------------------------------------------ what there is --
- */
+/* ----------------------------------------------------------------------------- what there is -- */
 
 /* A field whose grid is as a key says, among so many. */
 static const lf_volume *find_among(const lf_volume *fields, int n, const char *key, bool flows)
@@ -52,8 +51,7 @@ static const lf_volume *find(const lf_grid_source *source, const char *key, bool
     return found ? found : find_in(source->previous, key, flows);
 }
 
-/* ------------------------------------------------------------------------------------ as it is --
- */
+/* ---------------------------------------------------------------------------------- as it is -- */
 
 static lf_status import_grid(const request *r, const char *key, lf_grid **out, lf_error *err)
 {
@@ -92,8 +90,7 @@ static lf_status share_or_import(const lf_grid_source *source, const request *r,
     return status;
 }
 
-/* ---------------------------------------------------------------------------------- as it flows --
- */
+/* ------------------------------------------------------------------------------- as it flows -- */
 
 bool lf_volume_flows(const lf_scene_desc *desc, const lf_volume_desc *volume)
 {
@@ -240,8 +237,7 @@ static lf_status share_or_let_flow(lf_grid_source *source, const lf_volume_desc 
     return status;
 }
 
-/* ---------------------------------------------------------------------------------------- all --
- */
+/* --------------------------------------------------------------------------------------- all -- */
 
 lf_status lf_volume_grid_load(lf_grid_source *source, const lf_volume_desc *volume,
                               const char *path, const char *names, lf_volume *out,

@@ -165,8 +165,7 @@ double lf_depth_along(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, double end)
     return sum;
 }
 
-/* ---------------------------------------------------------------------------------- many rays --
- */
+/* --------------------------------------------------------------------------------- many rays -- */
 
 static double between(double x, double lo, double hi)
 {

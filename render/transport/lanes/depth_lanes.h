@@ -25,8 +25,7 @@ typedef struct walk {
     mask in_cell, waits;            /* neither: there is no ray left for it */
 } walk;
 
-/* ---------------------------------------------------------------------------------- the cells --
- */
+/* --------------------------------------------------------------------------------- the cells -- */
 
 typedef struct corners {
     lanes v[8]; /* [z][y][x] */
@@ -146,8 +145,7 @@ LF_INLINE void take_cell(walk *w, const lf_grid *grid, bool nearest, bool is_sho
     w->waits = either(w->waits, left);
 }
 
-/* --------------------------------------------------------------------------------- the bricks --
- */
+/* -------------------------------------------------------------------------------- the bricks -- */
 
 /* The cell that a place lies in. */
 LF_INLINE void find_cell(walk *w, int i, mask m)
@@ -240,8 +238,7 @@ LF_INLINE void enter(walk *w, const lf_grid *grid)
     }
 }
 
-/* ------------------------------------------------------------------------------------------------
- */
+/* --------------------------------------------------------------------------------------- all -- */
 
 LF_INLINE int64_t trace_with(const lf_grid *grid, bool nearest, bool is_short, float enough,
                              lf_depth_jobs *jobs)

@@ -17,8 +17,7 @@ enum { LEAST_NODES = 16, MOST_NODES = 160 };
 /* Of a picture of the sky: indices are 32 bits. */
 #define MOST_TEXELS (UINT64_C(1) << 29)
 
-/* ---------------------------------------------------------------------------------- the scene --
- */
+/* --------------------------------------------------------------------------------- the scene -- */
 
 /* Mean free paths along the longest edge of a voxel: where there are more, what 16 bits round off
  * in a brick could take more than 1/256 of the light on its way through (grids that are in 16 bits
@@ -215,8 +214,7 @@ static void set_colours(lf_lane_scene *lanes, const lf_scene *scene)
     }
 }
 
-/* ---------------------------------------------------------------------------------- the field --
- */
+/* --------------------------------------------------------------------------------- the field -- */
 
 typedef struct layers {
     lf_lane_field *field;

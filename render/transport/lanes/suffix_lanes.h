@@ -20,8 +20,7 @@ enum { ENOUGH = LF_WIDTH / 2 };
  */
 enum { TEAMS = 2 };
 
-/* ----------------------------------------------------------------------------- through the grid --
- */
+/* -------------------------------------------------------------------------- through the grid -- */
 
 /* Rays through the bricks (track.c's lf_walk). */
 typedef struct walk {
@@ -172,8 +171,7 @@ LF_INLINE lanes control_at(const lf_lane_field *field, const lanes q[3])
            (1.0f / 65535.0f);
 }
 
-/* ---------------------------------------------------------------------------------------- jobs --
- */
+/* -------------------------------------------------------------------------------------- jobs -- */
 
 /* Hands the next jobs to the lanes of `free`; the lanes that got one. Those without are idle. */
 LF_INLINE mask fetch(mask free, int n, int *next, lanes_int *job, turns *w)
@@ -188,8 +186,7 @@ LF_INLINE mask fetch(mask free, int n, int *next, lanes_int *job, turns *w)
     return mask_of(got);
 }
 
-/* --------------------------------------------------------------------------------- shadow rays --
- */
+/* ------------------------------------------------------------------------------- shadow rays -- */
 
 /* Ratio tracking of the shots, with roulette below 1/10, as in track.c. */
 typedef struct shadow {
@@ -292,8 +289,7 @@ LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share
     return most(least(2.0f * share * root(t * (1.0f - t) + 0.06f), all(1.0f)), all(0.05f));
 }
 
-/* --------------------------------------------------------------------------------------- paths --
- */
+/* ------------------------------------------------------------------------------------- paths -- */
 
 typedef struct path {
     walk k;
@@ -655,8 +651,7 @@ static int64_t trace(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_
                                            : trace_even)(scene, paths, memory);
 }
 
-/* -------------------------------------------------------------------------------------- points --
- */
+/* ------------------------------------------------------------------------------------ points -- */
 
 LF_INLINE int64_t light_with(const lf_lane_scene *scene, const lf_lane_points *points,
                              lf_lane_memory *memory, unsigned has)

@@ -25,8 +25,7 @@ static void harmonics(lf_vec3 w, float out[LF_SKY_HARMONICS])
     out[8] = sectoral * (w.x * w.x - w.y * w.y);
 }
 
-/* ---------------------------------------------------------------------------------- projection --
- */
+/* -------------------------------------------------------------------------------- projection -- */
 
 typedef struct projection {
     double sum[LF_SKY_HARMONICS];
@@ -85,8 +84,7 @@ void lf_sky_light_init(lf_sky_light *light, const lf_scene *scene)
         light->white[i] = (float)(order[i] * p.sum[i]);
 }
 
-/* ----------------------------------------------------------------------------------- look-ups --
- */
+/* ---------------------------------------------------------------------------------- look-ups -- */
 
 float lf_sky_light_white(const lf_sky_light *light, lf_vec3 n)
 {

@@ -26,8 +26,7 @@ struct lf_sunlight {
     star stars[LF_SUNLIGHT_LIGHTS];
 };
 
-/* ------------------------------------------------------------------------------- make, release --
- */
+/* ----------------------------------------------------------------------------- make, release -- */
 
 static bool is_sun(const lf_light *light)
 {
@@ -177,8 +176,7 @@ void lf_sunlight_destroy(lf_sunlight *sunlight)
     lf_free(sunlight);
 }
 
-/* ----------------------------------------------------------------------------------- look-ups --
- */
+/* ---------------------------------------------------------------------------------- look-ups -- */
 
 void lf_sunlight_face_init(lf_sunlight_face *face, const lf_sunlight *sunlight, lf_vec3 n)
 {

@@ -102,8 +102,7 @@ static lf_status find_bounds(job *j, double largest, lf_pool *pool, bounds *out)
     return status;
 }
 
-/* ----------------------------------------------------------------------------------- z-buffer --
- */
+/* ---------------------------------------------------------------------------------- z-buffer -- */
 
 static void raise_texel(lf_sunlight_texel *texel, float height)
 {
@@ -186,8 +185,7 @@ static void draw_item(void *context, int item, int worker)
     for_chunk(context, item, put_triangle);
 }
 
-/* -------------------------------------------------------------------------------------- edges --
- */
+/* ------------------------------------------------------------------------------------- edges -- */
 
 static float height_at(const lf_sunlight_map *map, int x, int y)
 {
@@ -270,8 +268,7 @@ static lf_status find_edges(job *j, lf_pool *pool)
     return status;
 }
 
-/* --------------------------------------------------------------------------------- make, free --
- */
+/* -------------------------------------------------------------------------------- make, free -- */
 
 static void place(job *j, const bounds *whole, const bounds *seen, int texels)
 {
@@ -362,8 +359,7 @@ void lf_sunlight_map_finish(lf_sunlight_map *map)
     *map = (lf_sunlight_map){0};
 }
 
-/* ----------------------------------------------------------------------------------- look-ups --
- */
+/* ---------------------------------------------------------------------------------- look-ups -- */
 
 /* A point on the map, its height raised by the bias. */
 typedef struct place_on_map {

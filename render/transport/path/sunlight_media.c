@@ -104,8 +104,7 @@ void lf_sunlight_media_finish(lf_sunlight_media *media)
     *media = (lf_sunlight_media){0};
 }
 
-/* ----------------------------------------------------------------------------------- look-ups --
- */
+/* ---------------------------------------------------------------------------------- look-ups -- */
 
 lf_vec3 lf_sunlight_media_node(const lf_sunlight_media *media, const int node[3])
 {

@@ -176,9 +176,7 @@ float lf_loss_smooth(float ior, float alpha, float *out_scale)
     return part;
 }
 
-/* ------------------------------------------------------------------------------------- the table
- * --
- */
+/* --------------------------------------------------------------------------------- the table -- */
 
 /* Nodes: roughness from that of LF_ALPHA_MIN to 1 in even steps; metal first, then index 1 to 3,
  * and beyond even steps of its logarithm. */

@@ -389,8 +389,7 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
     return has_far_lobe(&l) ? add_far(&l, &s, o, i, pdf, f) : pdf;
 }
 
-/* -------------------------------------------------------------------------------------- deltas --
- */
+/* ------------------------------------------------------------------------------------ deltas -- */
 
 /* What a smooth dielectric reflects, glass and what is not. */
 static lf_vec3 mirrored_by_dielectric(const lf_material *m, bool front, float cos_o)
@@ -453,8 +452,7 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
     return n;
 }
 
-/* ------------------------------------------------------------------------------------- the kind --
- */
+/* ---------------------------------------------------------------------------------- the kind -- */
 
 static float metal_rest(float albedo, double loss)
 {

@@ -44,8 +44,7 @@ float lf_sheen_eval(float roughness, lf_vec3 wo, lf_vec3 wi)
            ((1.0f + lambda(wo.z, alpha) + lambda(wi.z, alpha)) * 4.0f * wo.z);
 }
 
-/* ------------------------------------------------------------------------------------- albedo --
- */
+/* ------------------------------------------------------------------------------------ albedo -- */
 
 /* Over roughness and the root of the cosine, which is where the table bends. */
 enum { SIDE = 24, STEPS = 32 };
