@@ -20,6 +20,10 @@ grep_code() { # tree, grep arguments
 tabs_and_trailing_blanks() { grep_code "$1" $'\t|[ \t]$'; }
 # what .clang-format is told not to touch has the same width
 long_lines() { grep_code "$1" '^.{101,}'; }
+# A rule between the sections of a file is one line, which the formatter does not break: its end is at column 100.
+broken_section_rules() { grep_code "$1" '^/\* -{8}' | grep -vE ':/\* -+ [^-].* -- \*/$'; grep_code "$1" '^/\* -{8}.* -- \*/$' | awk '{ sub(/^[^:]*:[0-9]*:/, "") } length($0) != 100'; }
+# An expression that clang-format took for a template: `i<n && * p> 0`. The other way round (`*p > 0 && i < n`) it does not.
+torn_expressions() { grep_code "$1" '[a-z0-9_]<[a-z0-9_][^>"]*&& \* [a-z]'; }
 # Pointers are asked as `p` and `!p`.
 pointers_compared() { grep_code "$1" '[!=]= NULL\b|\bNULL [!=]=' | grep -v '^tests/arm64/cmocka.h:'; }
 # A block's first declarations and what follows them stand together.
@@ -235,6 +239,7 @@ make_breaches() {
         printf '}\n'
     } > "$1/render/bad.c"
     printf '%0701d' 0 | tr 0 '\n' > "$1/render/long.c"
+    printf '/* %090d name --\n */\nint t = i<2 * N && * left> zero;\n' 0 | sed 's/0/-/g' > "$1/render/torn.c"
     printf 'struct lf_wide {\n    int a%s;\n};\n' "$(seq -s ', a' 31)" > "$1/render/wide.h"
     printf 'struct lf_twice {\n    int x;\n};\n' | tee "$1/render/once.h" > "$1/quilt/twice.h"
     mkdir -p "$1/daemon/engine"
@@ -268,7 +273,7 @@ forbidden | while read -r from header; do
     echo "$from/up.c includes $header"
 done | sort > "$breaches/.forbidden"
 report forbidden "$(upward_includes "$breaches" | sed -E 's/:[0-9]+: / /' | sort | comm -13 - "$breaches/.forbidden")"
-for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
+for rule in tabs_and_trailing_blanks long_lines broken_section_rules torn_expressions pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
     includes_not_from_the_root own_headers_in_angles foreign_internal_headers floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
     cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there links_that_lead_nowhere sections_in_no_map; do
     if [ -z "$($rule "$breaches")" ]; then
