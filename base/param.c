@@ -280,11 +280,8 @@ static void join_words(const lf_param *row, const char *last, char *buf, size_t 
 {
     for (int i = 0; word_of(row, i); i++) {
         const size_t used = strlen(buf);
-        snprintf(buf + used, size - used, "%s%s",
-                 i == 0                         ? ""
-                 : last && !word_of(row, i + 1) ? last
-                                                : ", ",
-                 word_of(row, i));
+        const char *between = i == 0 ? "" : last && !word_of(row, i + 1) ? last : ", ";
+        snprintf(buf + used, size - used, "%s%s", between, word_of(row, i));
     }
 }
 
@@ -678,15 +675,6 @@ static json_t *default_json(const lf_param *row)
     return value == floor(value) ? json_integer((json_int_t)value) : json_real(value);
 }
 
-/* Words that are refused, each with what is said of it. */
-static bool refuse_in_schema(const lf_param *row, json_t *schema)
-{
-    json_t *refused = row->refused_at ? json_object() : NULL;
-    for (int i = 0; refused && row->refused_at(i); i++)
-        json_object_set_new(refused, row->refused_at(i), json_string(row->refusal));
-    return !row->refused_at || json_object_set_new(schema, "refused", refused) == 0;
-}
-
 static bool describe_schema(const lf_param *row, json_t *schema)
 {
     const char *text = row->about ? row->about : row->help;
@@ -703,8 +691,7 @@ json_t *lf_param_schema(const lf_param *params)
     for (const lf_param *row = params; ok && !is_end(row); row++) {
         json_t *schema = row->name ? row_schema(row) : NULL;
         if (row->name)
-            ok = json_object_set_new(out, row->name, schema) == 0 && describe_schema(row, schema) &&
-                 refuse_in_schema(row, schema);
+            ok = json_object_set_new(out, row->name, schema) == 0 && describe_schema(row, schema);
     }
     if (ok)
         return out;
