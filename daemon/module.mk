@@ -3,6 +3,7 @@
 quiltd_srcs := $(call wild,daemon/tools/quiltd.c)
 quiltctl_srcs := $(call wild,daemon/tools/quiltctl.c)
 quiltrender_srcs := $(call wild,daemon/tools/quiltrender.c)
+libs_quiltrender := $(filter-out model,$(libraries))
 quiltsim_srcs := $(call wild,daemon/tools/quiltsim.c)
 tools_srcs := $(filter-out $(quiltd_srcs) $(quiltctl_srcs) $(quiltrender_srcs) $(quiltsim_srcs),$(call wild,daemon/tools/*.c))
 server_srcs := $(foreach f,server show wire,$(call wild,daemon/$(f)/*.c))

@@ -286,7 +286,6 @@ void lf_method_render_set(lf_call *call)
     }
     bool over = controls.threads != before.threads ||
                 !same_name(options.integrator, server->options.integrator);
-    lf_options_fit_integrator(&options);
     server->options = options;
     lf_engine_set_controls(server->engine, &controls);
     /* Features, which a film that was begun without them lacks. */

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/import/import.h"
+#include "base/sandbox/import.h"
 #include "daemon/server/methods.h"
 
 /* What is read by its name. */

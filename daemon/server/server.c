@@ -15,8 +15,8 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/frame_name.h"
-#include "base/import/import.h"
 #include "base/log.h"
+#include "base/sandbox/import.h"
 #include "base/wakeup.h"
 #include "daemon/threads/turns.h"
 

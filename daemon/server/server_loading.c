@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "base/import/import.h"
 #include "base/log.h"
+#include "base/sandbox/import.h"
 #include "base/thread.h"
 #include "daemon/server/server.h"
 
@@ -54,8 +54,7 @@ json_t *lf_server_reading_json(lf_server *server)
     return reading;
 }
 
-/* ------------------------------------------------------------------------------ as it is told --
- */
+/* ----------------------------------------------------------------------------- as it is told -- */
 
 static lf_load *find_load(const lf_server *server, int64_t id)
 {

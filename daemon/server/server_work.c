@@ -153,8 +153,7 @@ bool lf_server_parse_later(lf_server *server, lf_client *client, const char *tex
     return true;
 }
 
-/* -------------------------------------------------------------------------------- the threads --
- */
+/* ------------------------------------------------------------------------------- the threads -- */
 
 lf_status lf_server_make_work(lf_server *server)
 {

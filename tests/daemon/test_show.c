@@ -14,8 +14,7 @@
 
 enum { WIDTH = 8, HEIGHT = 4, WAIT_S = 60 };
 
-/* ------------------------------------------------------------------------------- the hardware --
- */
+/* ------------------------------------------------------------------------------ the hardware -- */
 
 #define SPEC "usb:1-1"
 
@@ -203,8 +202,7 @@ int __wrap_pthread_join(pthread_t thread, void **out)
     return __real_pthread_join(thread, out);
 }
 
-/* ---------------------------------------------------------------------------------- the owner --
- */
+/* --------------------------------------------------------------------------------- the owner -- */
 
 /* Answers. */
 static char it[] = "it", that[] = "that", them[] = "them", first[] = "first", second[] = "second";
@@ -371,8 +369,7 @@ static void pull_out(void)
     lf_wakeup_signal(opened_panel->wakeup);
 }
 
-/* ---------------------------------------------------------------------------------- the facts --
- */
+/* --------------------------------------------------------------------------------- the facts -- */
 
 static void a_panel_is_told_from_its_lens_to_its_buttons(void **state)
 {
