@@ -76,7 +76,8 @@ daemon/threads:
 daemon/output:
 daemon/engine: daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
-daemon/server: daemon/engine daemon/show daemon/threads daemon/wire
+daemon/parts: daemon/engine daemon/threads
+daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
 daemon/tools: daemon/output daemon/wire daemon/server
 base:
 base/import: base
@@ -100,6 +101,13 @@ foreign_internal_headers() {
         awk -F'[:"]' '{ from = $1; sub(/\/[^\/]*$/, "", from); to = $4; sub(/\/[^\/]*$/, "", to)
             if (from != to) print $1 ":" $2 ": includes " $4 }'
 }
+# The objects of daemon/parts (NAME.h, NAME.c, NAME_*.[ch]) see neither the server nor each other.
+parts_apart() {
+    sources "$1" -path 'daemon/parts/*.[ch]' | (cd "$1" && xargs -r -d '\n' grep -nHoE '#include "daemon/(parts|server)/[a-z_]+\.h"') |
+        awk -F'[:"]' '{ from = $1; to = $4; sub(/[._][^/]*$/, "", from); sub(/[._][^/]*$/, "", to); if (from != to) print $1 ":" $2 ": includes " $4 }'
+}
+# The server's struct is seen by its own files alone.
+server_seen_from_outside() { grep_code "$1" '\blf_server\b' | grep -vE '^daemon/server/'; }
 floors_in_a_circle() {
     floors "$1" | awk '{ folder = $1; sub(/:$/, "", folder); for (i = 2; i <= NF; i++) print folder, $i }' | { tsort > /dev/null; } 2>&1
 }
@@ -214,7 +222,8 @@ make_breaches() {
     printf '#include "daemon/output/output_internal.h"\n' > "$1/daemon/engine/internal.c"
     printf '#include "render/rows/visit.h"\n' > "$1/daemon/engine/behind.c"
     printf 'double x = ato''f("0x10");\n' > "$1/daemon/engine/number.c"
-    mkdir -p "$1/daemon/cellar"
+    mkdir -p "$1/daemon/parts" "$1/daemon/cellar"
+    printf '#include "daemon/parts/watch.h"\nstruct lf_server *owner;\n' > "$1/daemon/parts/play_more.c"
     printf '#include "daemon/output/output.h"\n' > "$1/daemon/cellar/new.c"
     printf 'daemon/output: daemon/engine\n' > "$1/tests/floors"
     printf '__attribute__((target_''clones("avx2"))) int y;' > "$1/quilt/cloned.cc"
@@ -231,7 +240,7 @@ breaches=$(mktemp -d)
 trap 'rm -rf "$breaches"' EXIT
 make_breaches "$breaches"
 for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
-    includes_not_from_the_root own_headers_in_angles foreign_internal_headers floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
+    includes_not_from_the_root own_headers_in_angles foreign_internal_headers parts_apart server_seen_from_outside floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
     cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there links_that_lead_nowhere sections_in_no_map; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"

@@ -3,7 +3,7 @@
 #ifndef LF_DAEMON_METHODS_H
 #define LF_DAEMON_METHODS_H
 
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 typedef struct lf_method {
     const char *name;
@@ -49,6 +49,8 @@ void lf_method_camera_orbit(lf_call *call);
 void lf_method_camera_fit(lf_call *call);
 void lf_method_render_set(lf_call *call);
 /* methods_time.c */
+/* Which frame is shown, and what is played, as `status` shows it; null: no scene. */
+json_t *lf_time_json(const lf_server *server);
 void lf_method_time_set(lf_call *call);
 void lf_method_time_play(lf_call *call);
 void lf_method_time_stop(lf_call *call);

@@ -85,7 +85,7 @@ static void add_content(const lf_server *server, json_t *status)
         else
             json_object_set_new(status, "cone",
                                 json_real(camera->cone * (180 / 3.14159265358979323846)));
-        json_object_set_new(status, "time", lf_server_time_json(server));
+        json_object_set_new(status, "time", lf_time_json(server));
         json_object_set_new(status, "depth_budget", depth_json(content));
         json_object_set_new(status, "seed", seed_json(content->settings.seed));
         json_object_set_new(status, "integrator",

@@ -1,4 +1,4 @@
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 #include <errno.h>
 #include <math.h>
@@ -68,7 +68,7 @@ static void leave_soon(lf_server *server)
 /* Rendering and saving have come to their ends. */
 static bool is_settled(lf_server *server)
 {
-    return lf_engine_stopped(server->engine) && !server->saved.saving;
+    return lf_engine_stopped(server->engine) && !lf_saver_is_busy(server->saver);
 }
 
 /* The batch in progress, or a save, is still not over: it gets more time, or none. */
@@ -81,7 +81,7 @@ static int on_batch_timer(sd_event_source *source, uint64_t usec, void *context)
     }
     if (lf_time_now() - server->life.stopped_at > MOST_SECONDS) {
         lf_log(LF_LOG_WARNING, "%s has taken %d s: it is cancelled",
-               server->saved.saving ? "saving" : "the batch in progress", MOST_SECONDS);
+               lf_saver_is_busy(server->saver) ? "saving" : "the batch in progress", MOST_SECONDS);
         lf_engine_stop(server->engine, true);
         leave_soon(server);
         return 0;
@@ -101,7 +101,9 @@ static void begin_way_down(lf_server *server)
     sd_notify(0, "STOPPING=1");
     lf_clients_close_listener(server->clients);
     lf_server_unlisten(server);
-    (void)lf_server_end_jobs(server);
+    lf_play_stop(server->play);
+    lf_saver_stop(server->saver);
+    lf_jobs_end(server->jobs);
     lf_engine_stop(server->engine, !saves);
     if (saves) {
         sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d", BATCH_MORE_USEC);
@@ -110,6 +112,13 @@ static void begin_way_down(lf_server *server)
     } else {
         leave_soon(server);
     }
+}
+
+/* Exports, or a save, are under way. */
+static bool has_jobs(const lf_server *server)
+{
+    lf_job_told job;
+    return lf_saver_is_busy(server->saver) || lf_jobs_at(server->jobs, 0, &job);
 }
 
 bool lf_server_is_stopping(const lf_server *server)
@@ -124,7 +133,7 @@ void lf_server_shutdown(lf_server *server)
         return;
     if (!lf_server_is_stopping(server))
         begin_way_down(server);
-    if (lf_engine_stopped(server->engine) && !server->jobs &&
+    if (lf_engine_stopped(server->engine) && !has_jobs(server) &&
         lf_loader_pending(server->loader) == 0)
         leave(server);
 }
@@ -133,10 +142,10 @@ void lf_server_shutdown(lf_server *server)
 static void save_last(lf_server *server)
 {
     if (is_settled(server))
-        lf_server_save_state_now(server);
+        lf_saver_save_now(server->saver);
     else if (server->config.state_dir)
         lf_log(LF_LOG_WARNING, "the accumulation is not saved: %s did not come to an end",
-               server->saved.saving ? "an earlier save" : "rendering");
+               lf_saver_is_busy(server->saver) ? "an earlier save" : "rendering");
 }
 
 /* Ends what is left; threads that cannot be joined in time are left to the kernel. */
@@ -150,7 +159,7 @@ static void finish(lf_server *server)
         end = fmax(end, lf_time_now() + CLOSE_SECONDS);
     bool closed = lf_show_drain(server->show, end);
     lf_inbox_read(&server->inbox, server); /* and since then */
-    if (closed && lf_engine_stopped(server->engine) && !server->jobs &&
+    if (closed && lf_engine_stopped(server->engine) && !has_jobs(server) &&
         lf_loader_pending(server->loader) == 0)
         return;
     lf_engine_abandon(server->engine);
@@ -166,7 +175,6 @@ static void destroy(lf_server *server)
     lf_server_release_loads(server);
     lf_loader_destroy(server->loader);
     lf_engine_destroy(server->engine);
-    lf_states_destroy(server->saved.states);
     lf_server_end_work(server);
     lf_server_fail_waits(server, &over, false);
     if (server->inbox.event_fd >= 0)
@@ -175,20 +183,19 @@ static void destroy(lf_server *server)
     lf_clients_destroy(server->clients);
     lf_server_unlisten(server);
     lf_show_destroy(server->show);
-    lf_server_end_watch(server);
+    lf_watch_destroy(server->watch);
     lf_server_drop_button_work(server);
-    lf_server_drop_play(server);
+    lf_play_destroy(server->play);
+    lf_jobs_destroy(server->jobs);
+    lf_saver_destroy(server->saver);
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
     sd_event_source_disable_unref(server->life.card.timer);
-    sd_event_source_disable_unref(server->saved.timer);
     sd_event_source_disable_unref(server->waits.more);
     sd_event_unref(server->event);
     lf_content_unref(server->content);
     lf_roots_finish(&server->roots);
     lf_free(server->export_root);
-    if (server->state_fd >= 0)
-        close(server->state_fd);
     if (server->engine_fd >= 0)
         close(server->engine_fd);
 }
@@ -257,10 +264,8 @@ static lf_status make_folders(lf_server *server, lf_error *err)
         char *folder = NULL;
         status = make_folder("--state", server->config.state_dir, &folder, err);
         lf_free(folder);
-        if (status == LF_OK)
-            status = lf_server_open_states(server, err);
     }
-    return status;
+    return status == LF_OK ? lf_server_make_saver(server, err) : status;
 }
 
 static int on_inbox(sd_event_source *source, int fd, uint32_t events, void *context)
@@ -271,6 +276,15 @@ static int on_inbox(sd_event_source *source, int fd, uint32_t events, void *cont
     (void)events;
     lf_inbox_read_some(&server->inbox, server, TASKS_A_TURN);
     return 0;
+}
+
+static lf_status make_loop(lf_server *server, lf_error *err)
+{
+    server->engine_fd = lf_wakeup_make();
+    return sd_event_new(&server->event) >= 0 && server->engine_fd >= 0 &&
+                   lf_inbox_init(&server->inbox) == LF_OK
+               ? LF_OK
+               : lf_error_set(err, LF_E_IO, "event loop", "cannot be made");
 }
 
 static lf_status make_threads(lf_server *server, lf_error *err)
@@ -285,22 +299,19 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         .guides = options->guides,
         .reconstruct = options->reconstruct,
     };
-    server->engine_fd = lf_wakeup_make();
-    if (sd_event_new(&server->event) < 0 || server->engine_fd < 0 ||
-        lf_inbox_init(&server->inbox) != LF_OK)
-        return lf_error_set(err, LF_E_IO, "event loop", "cannot be made");
     lf_status status = lf_response_codes(&server->response, &controls.codes, err);
     controls.has_codes = true;
     if (status == LF_OK)
         status = lf_engine_create(&controls, server->engine_fd, &server->engine, err);
     if (status != LF_OK)
         return status;
-    lf_engine_keep_states(server->engine, server->saved.states);
+    lf_engine_keep_states(server->engine, lf_saver_states(server->saver));
     status = lf_loader_create(server->engine, &server->roots, &server->inbox, &server->loader);
     status = status == LF_OK ? lf_server_make_waits(server) : status;
     status = status == LF_OK ? lf_server_make_work(server) : status;
     status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_play(server) : status;
+    status = status == LF_OK ? lf_server_make_jobs(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
     status = status == LF_OK ? lf_server_make_card(server) : status;
     status = status == LF_OK ? lf_server_make_button_work(server) : status;
@@ -318,7 +329,7 @@ static void on_client_gone(void *context, uint64_t client)
     lf_server *server = context;
     if (server->life.phase == LF_PHASE_LEAVING)
         return;
-    lf_server_end_jobs_of(server, client);
+    lf_jobs_end_of(server->jobs, client);
     lf_server_end_loads_of_gone(server);
 }
 
@@ -418,13 +429,14 @@ int lf_server_run(const lf_server_config *config)
     if (!server)
         return LF_EXIT_FAILED;
     *server = (lf_server){
-        .config = *config, .engine_fd = -1, .lock_fd = -1, .state_fd = -1, .inbox.event_fd = -1};
+        .config = *config, .engine_fd = -1, .lock_fd = -1, .inbox.event_fd = -1};
     server->options = config->options;
     server->response = config->response;
     server->life.started = lf_time_now();
     lf_error err;
     prepare_process();
-    lf_status status = make_folders(server, &err);
+    lf_status status = make_loop(server, &err);
+    status = status == LF_OK ? make_folders(server, &err) : status;
     status = status == LF_OK ? make_threads(server, &err) : status;
     status = status == LF_OK ? lf_server_install(server, &err) : status;
     status = status == LF_OK ? open_socket(server, &err) : status;

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 
 #include "base/alloc.h"
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 /* Presses between two loads count together: who presses faster than scenes load gets to the last
  * one, and a panel whose buttons chatter keeps nothing else from being done. */

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 /* Loads that are quicker show no card. */
 #define LATE_USEC 1000000

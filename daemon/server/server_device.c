@@ -1,7 +1,7 @@
 /* The panel as clients see it: what the show tells, and what is said of it on the socket. */
 #include "base/alloc.h"
 #include "base/log.h"
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 /* -------------------------------------------------------------------------------------- told -- */
 

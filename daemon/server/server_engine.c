@@ -6,18 +6,12 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "base/wakeup.h"
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 /* Of one client, at a time. */
 #define MAX_WAITS 64
 /* Answered at a time. */
 #define WAITS_A_TURN 64
-
-const char *lf_level_name(lf_level level)
-{
-    static const char *const names[] = {"none", "coarse", "complete", "converged"};
-    return names[level];
-}
 
 const char *lf_server_picture_name(const lf_shown *shown)
 {
@@ -287,7 +281,7 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
                                    "passes", shown->passes));
     }
     answer_waits(server);
-    lf_server_play_shown(server);
+    lf_play_shown(server->play, shown->generation, shown->level);
     lf_server_tell_card(server);
 }
 
@@ -302,7 +296,7 @@ int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *
     lf_engine_state before = server->last.state;
     lf_engine_get_status(server->engine, &server->last);
     lf_show_pump(server->show);
-    lf_server_start_jobs(server);
+    lf_jobs_start(server->jobs);
     if (server->last.state != before)
         lf_server_tell_status(server);
     if (lf_server_is_stopping(server) && lf_engine_stopped(server->engine))
@@ -349,6 +343,15 @@ static json_t *load_answer(const lf_server *server, const lf_load *load)
     return answer;
 }
 
+/* What is played goes on with the same file, read again. */
+static void play_file(lf_server *server, bool same)
+{
+    if (same && server->content->scene && lf_scene_has_frames(server->content->scene))
+        lf_play_again(server->play);
+    else
+        lf_play_stop(server->play);
+}
+
 static void load_succeeded(lf_server *server, lf_load *load)
 {
     if (load->committed) {
@@ -358,16 +361,17 @@ static void load_succeeded(lf_server *server, lf_load *load)
         load->content = NULL;
         server->generation = load->generation;
         if (load->restored > 0)
-            lf_server_state_restored(server, load->generation, load->restored);
+            lf_saver_restored(server->saver, &(lf_saved){.generation = load->generation,
+                                                         .passes = load->restored});
         if (!load->goes_on)
-            lf_server_save_later(server);
+            lf_saver_begin(server->saver);
         lf_server_notify(server, LF_EVENT_SCENE, "scene",
                          json_pack("{s:I, s:o}", "generation", (json_int_t)load->generation, "file",
                                    lf_rpc_text(server->content->file)));
         if (load->kind == LF_LOAD_FILE) {
             server->life.words = load->words;
             lf_server_file_shown(server, load->browsed);
-            lf_server_play_file(server, same);
+            play_file(server, same);
             server->error.status = LF_OK;
             lf_server_watch(server);
             lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->content->file,
@@ -413,7 +417,7 @@ static void on_load_done(void *reader, lf_task *task)
     else
         load_failed(server, load);
     if (load->played)
-        lf_server_played(server, load);
+        lf_play_loaded(server->play, load->generation, load->status == LF_OK ? NULL : &load->err);
     bool browsed = load->browsed;
     bool plain = load->kind == LF_LOAD_FILE && !load->deferred && !browsed;
     if (browsed && !lf_server_is_stopping(server))

@@ -6,7 +6,7 @@
 #include "base/import/import.h"
 #include "base/log.h"
 #include "base/thread.h"
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 /* A client hears of what takes longer than that, so often. */
 #define TELL_USEC 500000

@@ -5,7 +5,7 @@
 
 #include "base/errno_text.h"
 #include "base/log.h"
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 #define USEC_PER_S UINT64_C(1000000)
 /* How much longer systemd is asked to wait for the first scene, every STATUS_USEC. */
@@ -101,9 +101,7 @@ lf_status lf_server_install(lf_server *server, lf_error *err)
     if (r >= 0 && getenv("NOTIFY_SOCKET"))
         r = sd_event_add_time_relative(event, NULL, CLOCK_MONOTONIC, STATUS_USEC, 0,
                                        on_status_timer, server);
-    if (r >= 0 && server->config.watch)
-        r = lf_server_begin_watch(server);
-    return r >= 0 ? LF_OK
-                  : lf_error_set(err, LF_E_IO, "event loop", "cannot be set up: %s",
-                                 lf_errno_text(-r));
+    if (r < 0)
+        return lf_error_set(err, LF_E_IO, "event loop", "cannot be set up: %s", lf_errno_text(-r));
+    return server->config.watch ? lf_server_make_watch(server, err) : LF_OK;
 }

@@ -14,7 +14,7 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/log.h"
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 #define SYSTEM_SOCKET "/run/quiltd/control.sock"
 #define SYSTEM_GROUP "quiltd"

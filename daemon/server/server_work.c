@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 #include "daemon/threads/worker.h"
 
 struct lf_work {

@@ -15,6 +15,7 @@
 #include "base/escape.h"
 #include "base/thread.h"
 #include "daemon/server/server.h"
+#include "daemon/wire/client.h"
 
 /* A line of the daemon's: at most 1 MiB. */
 #define MAX_ANSWER (LF_RPC_MAX_LINE + 4096)
