@@ -167,7 +167,7 @@ void lf_job_write(lf_job *job)
     bool has_fds = asked->n_fds > 0;
     if (!asked->kind) {
         job->status = write_state(job);
-    } else if (lf_export_is_drawn(asked)) {
+    } else if (asked->kind->is_drawn) {
         job->status = write_snapshot(job, NULL);
     } else {
         lf_snapshot snapshot;

@@ -189,10 +189,17 @@ void lf_method_wait(lf_call *call)
         return;
     }
     lf_deferred *deferred = lf_defer(call);
-    if (deferred)
-        lf_server_wait(server, deferred, generation,
-                       level_of(json_string_value(json_object_get(call->params, "for"))),
-                       json_number_value(json_object_get(call->params, "timeout")));
+    if (!deferred)
+        return;
+    const lf_wait wait = {
+        .call = deferred,
+        .client = lf_deferred_client(deferred),
+        .generation = generation,
+        .level = level_of(json_string_value(json_object_get(call->params, "for"))),
+        .seconds = json_number_value(json_object_get(call->params, "timeout")),
+    };
+    if (lf_waits_add(server->waits, &wait, &err) != LF_OK)
+        lf_deferred_fail(deferred, &err, false);
 }
 
 void lf_method_subscribe(lf_call *call)

@@ -24,8 +24,5 @@ typedef struct lf_server_config {
 
 /* Runs the daemon; returns the exit code. */
 int lf_server_run(const lf_server_config *config);
-/* $QUILTD_SOCKET, else $XDG_RUNTIME_DIR/quiltd.sock, else /run/quiltd/control.sock, for index 0, 1,
- * 2 (those that are not set are left out); false behind the last. */
-bool lf_default_socket(int index, char *out, size_t size);
 
 #endif

@@ -17,7 +17,9 @@ static const char *name_of(const char *path)
 /* Of the scene that is being rendered or loaded. */
 static const char *scene_name(const lf_server *server)
 {
-    const char *file = server->content ? server->content->file : lf_server_loading_file(server);
+    const lf_load *load = lf_loading_first(server->loading);
+    const char *file = server->content ? server->content->file : NULL;
+    file = file || !load ? file : lf_loading_file(load);
     file = file ? file : server->config.scene;
     return file ? name_of(file) : "a scene";
 }

@@ -1,6 +1,5 @@
 /* Exports: what a call's words say, checked as far as it can be before anything is written, and
  * what clients hear of the jobs (daemon/parts/jobs.h). */
-#include <stdio.h>
 #include <string.h>
 
 #include "base/alloc.h"
@@ -271,7 +270,7 @@ static void on_told(void *context, const lf_job_told *job)
     lf_client *client = lf_clients_find(server->clients, job->asker->client);
     if (client && (*lf_client_flags(client) & LF_EVENT_EXPORT) == 0)
         lf_client_send(client, lf_rpc_notification("export", json_incref(params)));
-    lf_server_notify(server, LF_EVENT_EXPORT, "export", params);
+    lf_notify(server->clients, LF_EVENT_EXPORT, "export", params);
 }
 
 static void on_ended(void *context, const lf_asker *asker)

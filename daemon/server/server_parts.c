@@ -1,4 +1,5 @@
-/* What is played, saved and watched (daemon/parts), and what follows from what these tell. */
+/* What is played, saved, watched, waited for and read (daemon/parts), and what follows from what
+ * these tell. */
 #include "base/alloc.h"
 #include "daemon/server/server_internal.h"
 
@@ -84,25 +85,103 @@ lf_status lf_server_make_watch(lf_server *server, lf_error *err)
     return status;
 }
 
-/* What lies under the names of files that were passed is not those files. */
-void lf_server_watch(lf_server *server)
+/* ------------------------------------------------------------------------------------ waiting --
+ */
+
+/* A frame may be shown before the loader's word has come that its scene is shown, and whoever
+ * waits asks for that next. */
+static lf_wait_state on_state(void *context, const lf_wait *wait)
 {
-    const lf_content *content = server->content;
-    const char *file = content ? content->file : server->config.scene;
-    const lf_scene *scene = content ? content->scene : NULL;
-    int n_included = 0;
-    size_t n = 0;
-    if (!file || !server->watch)
-        return;
-    while (scene && lf_scene_included(scene, n_included))
-        n_included++;
-    const char **files = lf_calloc((size_t)n_included + 1, sizeof *files);
-    bool is_passed = content && content->is_passed;
-    if (files && !is_passed)
-        files[n++] = file;
-    for (int i = 0; files && !is_passed && i < n_included; i++)
-        if (!lf_passed_has(content->passed, lf_scene_included(scene, i)))
-            files[n++] = lf_scene_included(scene, i);
-    lf_watch_files(server->watch, files, n);
-    lf_free((void *)files);
+    const lf_server *server = context;
+    const lf_shown *shown = &server->shown;
+    if (server->generation < shown->generation || shown->generation < wait->generation ||
+        shown->level < wait->level)
+        return LF_WAIT_ON;
+    return lf_show_keeps(server->show, wait->generation, wait->level) ? LF_WAIT_OVER
+                                                                      : LF_WAIT_SHOWN;
+}
+
+static bool on_is_vain(void *context, const lf_wait *wait)
+{
+    (void)context;
+    return lf_deferred_is_vain(wait->call);
+}
+
+/* There is no picture, and none is being made. */
+static const lf_error *on_failed(void *context)
+{
+    const lf_server *server = context;
+    bool failed = server->life.phase != LF_PHASE_LEAVING && !server->content &&
+                  server->error.status != LF_OK && !server->life.held &&
+                  lf_loader_pending(server->loader) == 0;
+    return failed ? &server->error : NULL;
+}
+
+static void on_unwritten(void *context)
+{
+    const lf_server *server = context;
+    lf_show_await_files(server->show);
+}
+
+static void on_answered(void *context, const lf_wait *wait)
+{
+    const lf_server *server = context;
+    lf_deferred_reply(wait->call,
+                      json_pack("{s:I, s:s}", "generation", (json_int_t)server->shown.generation,
+                                "level", lf_level_name(server->shown.level)));
+}
+
+static void on_late(void *context, const lf_wait *wait)
+{
+    const lf_server *server = context;
+    lf_error err;
+    (void)lf_error_set(&err, LF_E_TIMEOUT, "wait", "not %s within %g s%s",
+                       lf_level_name(wait->level), wait->seconds,
+                       lf_engine_get_controls(server->engine).paused
+                           ? ": rendering is paused (render.set paused=false)"
+                           : "");
+    lf_deferred_fail(wait->call, &err, false);
+}
+
+static void on_ended(void *context, const lf_wait *wait, const lf_error *err, bool scene)
+{
+    (void)context;
+    lf_deferred_fail(wait->call, err, scene);
+}
+
+lf_status lf_server_make_waits(lf_server *server)
+{
+    static const lf_waits_events events = {.state = on_state,
+                                           .is_vain = on_is_vain,
+                                           .failed = on_failed,
+                                           .unwritten = on_unwritten,
+                                           .answered = on_answered,
+                                           .late = on_late,
+                                           .ended = on_ended};
+    return lf_waits_create(server->event, &events, server, &server->waits);
+}
+
+/* ------------------------------------------------------------------------------------ reading --
+ */
+
+/* A half-closed connection stays for its answer. */
+static bool on_vain_load(void *context, const lf_load *load)
+{
+    (void)context;
+    return load->deferred && lf_deferred_is_vain(load->deferred);
+}
+
+static void on_reads(void *context, int64_t id, const lf_load_reading *reading)
+{
+    const lf_server *server = context;
+    json_t *params = lf_reading_json(reading);
+    if (params)
+        json_object_set_new(params, "job", json_integer((json_int_t)id));
+    lf_notify(server->clients, LF_EVENT_SCENE, "scene.load", params);
+}
+
+lf_status lf_server_make_loading(lf_server *server)
+{
+    static const lf_loading_events events = {.is_vain = on_vain_load, .reads = on_reads};
+    return lf_loading_create(server->event, server->loader, &events, server, &server->loading);
 }

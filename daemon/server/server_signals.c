@@ -4,7 +4,7 @@
 #include <systemd/sd-daemon.h>
 
 #include "base/errno_text.h"
-#include "base/log.h"
+#include "base/thread.h"
 #include "daemon/server/server_internal.h"
 
 #define USEC_PER_S UINT64_C(1000000)
@@ -13,34 +13,6 @@
 #define STATUS_USEC (5 * USEC_PER_S)
 
 /* ----------------------------------------------------------------------------------- systemd -- */
-
-void lf_server_tell_status(lf_server *server)
-{
-    lf_engine_status now;
-    lf_engine_get_status(server->engine, &now);
-    char error[sizeof server->error + 32];
-    bool failed = !server->content && server->error.status != LF_OK;
-    const char *problem = lf_show_problem(server->show);
-    sd_notifyf(0, "STATUS=%s%s%s, generation %" PRId64 ", %.1f passes; panel %s%s%s",
-               lf_server_state_name(server), failed ? ": " : "",
-               failed ? lf_error_format(&server->error, error, sizeof error) : "", now.generation,
-               now.passes, lf_show_spec(server->show), problem ? ": " : "", problem ? problem : "");
-}
-
-void lf_server_ready(lf_server *server)
-{
-    if (!server->life.ready_sent) {
-        server->life.ready_sent = true;
-        sd_notify(0, "READY=1");
-    }
-    lf_server_tell_status(server);
-}
-
-void lf_server_reloaded(lf_server *server)
-{
-    if (server->life.reloads > 0 && --server->life.reloads == 0)
-        sd_notify(0, "READY=1");
-}
 
 static int on_status_timer(sd_event_source *source, uint64_t usec, void *context)
 {
