@@ -1,5 +1,5 @@
 /* What a client's lines ask for. */
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 #include <string.h>
 

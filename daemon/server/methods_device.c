@@ -1,7 +1,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 void lf_method_device_list(lf_call *call)
 {

@@ -1,4 +1,4 @@
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 void lf_method_job_cancel(lf_call *call)
 {

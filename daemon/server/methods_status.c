@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/import/import.h"
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 /* What is read by its name. */
 static json_t *folders_json(const lf_server *server)

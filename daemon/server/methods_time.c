@@ -1,5 +1,5 @@
 /* Which frame of the scene is shown, and playing them. */
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 json_t *lf_time_json(const lf_server *server)
 {
