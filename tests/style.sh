@@ -271,6 +271,13 @@ without_vzeroupper() { # objects
         [ ! -e "$o" ] || objdump -d --no-show-raw-insn "$o" | grep -qm 1 vzeroupper || echo "$o"
     done
 }
+# Files of a folder call each other in one direction: of two of them at most one calls the other, by whatever way. hello lists the
+# table that it stands in.
+calls_in_a_circle() { # what nm -A says of them
+    sed -E 's|^.*/([^/]*)\.c\.o:|\1 |' "$1" | awk '$2 == "U" { used[$1, $3] } $3 == "T" { where[$4] = $1 }
+        END { for (u in used) { split(u, of, SUBSEP); if (of[2] in where && where[of[2]] != of[1]) print of[1], where[of[2]] } }' |
+        grep -vx 'methods_table methods_status' | { tsort > /dev/null; } 2>&1
+}
 # What reads files from outside is not in the programs that go on when it ends.
 reading_libraries() { # programs
     local p
@@ -292,6 +299,21 @@ if command -v "${CC:-gcc}" > /dev/null && [ "$(uname -m)" = x86_64 ]; then
         report without_vzeroupper "$(without_vzeroupper "$out"/*/*/*_avx2.c.o "$out"/*/*/*_avx512.c.o)"
     else
         report without_vzeroupper "the rule does not notice a breach of it"
+    fi
+fi
+if command -v "${CC:-gcc}" > /dev/null; then
+    for name in one:two two:one; do
+        printf 'void %s(void);\nvoid %s(void);\nvoid %s(void) { %s(); }\n' "${name%:*}" "${name#*:}" "${name%:*}" "${name#*:}" > "$breaches/${name%:*}.c"
+        "${CC:-gcc}" -c -o "$breaches/${name%:*}.c.o" "$breaches/${name%:*}.c"
+    done
+    nm -A "$breaches"/{one,two}.c.o > "$breaches/circle.names"
+    if [ -n "$(calls_in_a_circle "$breaches/circle.names")" ]; then
+        for room in server parts; do
+            (cd "$src" && printf '%s\n' daemon/"$room"/*.c) | sed "s|.*|$out/&.o|" | xargs nm -A 2> /dev/null > "$breaches/$room.names"
+        done
+        report calls_in_a_circle "$(calls_in_a_circle "$breaches/server.names")$(calls_in_a_circle "$breaches/parts.names")"
+    else
+        report calls_in_a_circle "the rule does not notice a breach of it"
     fi
 fi
 case ${BUILD:-release} in
