@@ -36,8 +36,7 @@ static void attach_views(lf_engine *engine, lf_frame *frame, const lf_views8 *vi
     double now = lf_time_now();
     bool news = frame->generation != look->views_generation || frame->level != look->views_level;
     if (!views || !engine->now.panel.views ||
-        !(final || news || now - look->views_at > VIEWS_SECONDS ||
-          (waiting && waiting->has_views)))
+        !(final || news || now - look->views_at > VIEWS_SECONDS || (waiting && waiting->has_views)))
         return;
     look->views_at = now;
     if (lf_mailbox_attach(engine->mailbox, frame, views)) {

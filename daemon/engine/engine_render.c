@@ -277,8 +277,8 @@ static bool frame_can_wait(lf_engine *engine)
         return true;
     const lf_frame *ready = lf_mailbox_waiting(engine->mailbox);
     return ready && ready->generation == engine->generation &&
-                ready->panel == engine->now.panel.number && ready->level == engine->level &&
-                (ready->level >= LF_LEVEL_COMPLETE || !complete) && ready->level != LF_LEVEL_NONE;
+           ready->panel == engine->now.panel.number && ready->level == engine->level &&
+           (ready->level >= LF_LEVEL_COMPLETE || !complete) && ready->level != LF_LEVEL_NONE;
 }
 
 /* Native samples for pixels that no shared path has reached: first so many that a coarse frame is

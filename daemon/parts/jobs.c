@@ -16,10 +16,11 @@
 lf_status lf_jobs_create(const lf_jobs_home *home, const lf_jobs_events *events, void *context,
                          lf_jobs **out_jobs)
 {
-    lf_jobs *jobs = *out_jobs = lf_calloc(1, sizeof *jobs);
+    lf_jobs *jobs = lf_calloc(1, sizeof *jobs);
     if (!jobs)
         return LF_E_NOMEM;
     *jobs = (lf_jobs){.home = *home, .events = *events, .context = context};
+    *out_jobs = jobs;
     return LF_OK;
 }
 
@@ -175,8 +176,7 @@ void lf_jobs_end(lf_jobs *jobs)
     }
 }
 
-/* ------------------------------------------------------------------------------------ running --
- */
+/* ----------------------------------------------------------------------------------- running -- */
 
 static void *job_main(void *context)
 {
@@ -239,8 +239,7 @@ void lf_jobs_start(lf_jobs *jobs)
     }
 }
 
-/* ------------------------------------------------------------------------------------- adding --
- */
+/* ------------------------------------------------------------------------------------ adding -- */
 
 lf_status lf_jobs_check_room(const lf_jobs *jobs, int others, lf_error *err)
 {

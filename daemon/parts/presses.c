@@ -27,10 +27,11 @@ struct lf_presses {
 lf_status lf_presses_create(const lf_presses_events *events, void *context,
                             lf_presses **out_presses)
 {
-    lf_presses *presses = *out_presses = lf_calloc(1, sizeof *presses);
+    lf_presses *presses = lf_calloc(1, sizeof *presses);
     if (!presses)
         return LF_E_NOMEM;
     *presses = (lf_presses){.events = *events, .context = context};
+    *out_presses = presses;
     return LF_OK;
 }
 

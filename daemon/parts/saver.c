@@ -94,8 +94,7 @@ static bool has_news(const lf_saver *saver, lf_saved *out_now)
             out_now->passes > saver->saved.passes);
 }
 
-/* --------------------------------------------------------------------------- from time to time --
- */
+/* ------------------------------------------------------------------------- from time to time -- */
 
 static void end_save(lf_saver *saver)
 {
@@ -168,8 +167,7 @@ bool lf_saver_is_busy(const lf_saver *saver)
     return saver->busy;
 }
 
-/* ---------------------------------------------------------------------------------- at the end --
- */
+/* -------------------------------------------------------------------------------- at the end -- */
 
 void lf_saver_stop(lf_saver *saver)
 {

@@ -38,8 +38,7 @@ static void forget(entry *e)
     lf_free(e);
 }
 
-/* ----------------------------------------------------------------------------------- answered --
- */
+/* ---------------------------------------------------------------------------------- answered -- */
 
 static void answer(entry *e)
 {
@@ -143,8 +142,7 @@ static int on_late(sd_event_source *source, uint64_t usec, void *context)
     return 0;
 }
 
-/* ------------------------------------------------------------------------------------- adding --
- */
+/* ------------------------------------------------------------------------------------ adding -- */
 
 lf_status lf_waits_add(lf_waits *waits, const lf_wait *wait, lf_error *err)
 {
@@ -174,15 +172,18 @@ lf_status lf_waits_add(lf_waits *waits, const lf_wait *wait, lf_error *err)
 lf_status lf_waits_create(sd_event *event, const lf_waits_events *events, void *context,
                           lf_waits **out_waits)
 {
-    lf_waits *waits = *out_waits = lf_calloc(1, sizeof *waits);
+    lf_waits *waits = lf_calloc(1, sizeof *waits);
     if (!waits)
         return LF_E_NOMEM;
     *waits = (lf_waits){.event = event, .events = *events, .context = context};
     /* with the time 0 a timer is due at once, and yet behind what was there before */
-    return sd_event_add_time(event, &waits->more, CLOCK_MONOTONIC, 0, 1, on_more, waits) >= 0 &&
-                   sd_event_source_set_enabled(waits->more, SD_EVENT_OFF) >= 0
-               ? LF_OK
-               : LF_E_NOMEM;
+    if (sd_event_add_time(event, &waits->more, CLOCK_MONOTONIC, 0, 1, on_more, waits) < 0 ||
+        sd_event_source_set_enabled(waits->more, SD_EVENT_OFF) < 0) {
+        lf_waits_destroy(waits);
+        return LF_E_NOMEM;
+    }
+    *out_waits = waits;
+    return LF_OK;
 }
 
 void lf_waits_destroy(lf_waits *waits)

@@ -5,9 +5,10 @@
 static bool on_browse(void *context, const char *from, int step)
 {
     lf_load *load = lf_load_create(LF_LOAD_FILE);
-    if (load)
-        load->file = lf_strdup(from);
-    if (!load || !load->file) {
+    if (!load)
+        return false;
+    load->file = lf_strdup(from);
+    if (!load->file) {
         lf_load_destroy(load);
         return false;
     }

@@ -260,8 +260,7 @@ void lf_server_watch(lf_server *server)
     lf_free((void *)files);
 }
 
-/* -------------------------------------------------------------------------------- at the start --
- */
+/* ------------------------------------------------------------------------------ at the start -- */
 
 static void load_first(lf_server *server, const char *scene)
 {

@@ -85,8 +85,7 @@ lf_status lf_server_make_watch(lf_server *server, lf_error *err)
     return status;
 }
 
-/* ------------------------------------------------------------------------------------ waiting --
- */
+/* ----------------------------------------------------------------------------------- waiting -- */
 
 /* A frame may be shown before the loader's word has come that its scene is shown, and whoever
  * waits asks for that next. */
@@ -161,8 +160,7 @@ lf_status lf_server_make_waits(lf_server *server)
     return lf_waits_create(server->event, &events, server, &server->waits);
 }
 
-/* ------------------------------------------------------------------------------------ reading --
- */
+/* ----------------------------------------------------------------------------------- reading -- */
 
 /* A half-closed connection stays for its answer. */
 static bool on_vain_load(void *context, const lf_load *load)
