@@ -67,6 +67,13 @@ wrap_test_video_stopped := -Wl,--wrap=poll,--wrap=nanosleep
 # a slow disk, saves that come soon
 wrap_test_save := -Wl,--wrap=fsync,--wrap=sd_event_add_time_relative
 
+# timers that are due soon
+wrap_test_saver := -Wl,--wrap=sd_event_add_time_relative
+wrap_test_watch := -Wl,--wrap=sd_event_add_time_relative
+
+# a clock of the test's own
+wrap_test_play := -Wl,--wrap=lf_time_now,--wrap=sd_event_source_set_time_relative
+
 # a display, an EEPROM and a udev of the test's own
 wrap_test_auto := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open lf_find_touches access \
  $(addprefix sd_device_,monitor_attach_event monitor_start get_action get_subsystem get_devnum get_property_value))

@@ -87,7 +87,8 @@ daemon/threads:
 daemon/output:
 daemon/engine: daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
-daemon/server: daemon/engine daemon/show daemon/threads daemon/wire
+daemon/parts: daemon/output/content.h daemon/engine daemon/threads daemon/wire
+daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
 daemon/tools: daemon/output daemon/wire daemon/server
 base:
 base/sandbox: base
@@ -110,6 +111,13 @@ foreign_internal_headers() {
         awk -F'[:"]' '{ from = $1; sub(/\/[^\/]*$/, "", from); to = $4; sub(/\/[^\/]*$/, "", to)
             if (from != to) print $1 ":" $2 ": includes " $4 }'
 }
+# The objects of daemon/parts (NAME.h, NAME.c, NAME_*.[ch]) see neither the server nor each other.
+parts_apart() {
+    sources "$1" -path 'daemon/parts/*.[ch]' | (cd "$1" && xargs -r -d '\n' grep -nHoE '#include "daemon/(parts|server)/[a-z_]+\.h"') |
+        awk -F'[:"]' '{ from = $1; to = $4; sub(/[._][^/]*$/, "", from); sub(/[._][^/]*$/, "", to); if (from != to) print $1 ":" $2 ": includes " $4 }'
+}
+# The server's struct is seen by its own files alone.
+server_seen_from_outside() { grep_code "$1" '\blf_server\b' | grep -vE '^daemon/server/'; }
 floors_in_a_circle() {
     floors "$1" | awk '{ folder = $1; sub(/:$/, "", folder); for (i = 2; i <= NF; i++) print folder, $i }' | { tsort > /dev/null; } 2>&1
 }
@@ -253,7 +261,8 @@ make_breaches() {
         mkdir -p "$1/$from"
         printf '#include "%s"\n' "$header" >> "$1/$from/up.c"
     done
-    mkdir -p "$1/daemon/cellar"
+    mkdir -p "$1/daemon/parts" "$1/daemon/cellar"
+    printf '#include "daemon/parts/watch.h"\nstruct lf_server *owner;\n' > "$1/daemon/parts/play_more.c"
     printf '#include "daemon/output/output.h"\n' > "$1/daemon/cellar/new.c"
     printf 'daemon/output: daemon/engine\n' > "$1/tests/floors"
     printf '__attribute__((target_''clones("avx2"))) int y;' > "$1/quilt/cloned.cc"
@@ -274,7 +283,7 @@ forbidden | while read -r from header; do
 done | sort > "$breaches/.forbidden"
 report forbidden "$(upward_includes "$breaches" | sed -E 's/:[0-9]+: / /' | sort | comm -13 - "$breaches/.forbidden")"
 for rule in tabs_and_trailing_blanks long_lines broken_section_rules torn_expressions pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
-    includes_not_from_the_root own_headers_in_angles foreign_internal_headers floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
+    includes_not_from_the_root own_headers_in_angles foreign_internal_headers parts_apart server_seen_from_outside floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
     cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there links_that_lead_nowhere sections_in_no_map; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
@@ -305,6 +314,13 @@ without_vzeroupper() { # objects
         [ ! -e "$o" ] || objdump -d --no-show-raw-insn "$o" | grep -qm 1 vzeroupper || echo "$o"
     done
 }
+# Files of a folder call each other in one direction: of two of them at most one calls the other, by whatever way. hello lists the
+# table that it stands in.
+calls_in_a_circle() { # what nm -A says of them
+    sed -E 's|^.*/([^/]*)\.c\.o:|\1 |' "$1" | awk '$2 == "U" { used[$1, $3] } $3 == "T" { where[$4] = $1 }
+        END { for (u in used) { split(u, of, SUBSEP); if (of[2] in where && where[of[2]] != of[1]) print of[1], where[of[2]] } }' |
+        grep -vx 'methods_table methods_status' | { tsort > /dev/null; } 2>&1
+}
 # What reads files from outside is not in the programs that go on when it ends.
 reading_libraries() { # programs
     local p
@@ -326,6 +342,21 @@ if command -v "${CC:-gcc}" > /dev/null && [ "$(uname -m)" = x86_64 ]; then
         report without_vzeroupper "$(without_vzeroupper "${isa_objects[@]}")"
     else
         report without_vzeroupper "the rule does not notice a breach of it"
+    fi
+fi
+if command -v "${CC:-gcc}" > /dev/null; then
+    for name in one:two two:one; do
+        printf 'void %s(void);\nvoid %s(void);\nvoid %s(void) { %s(); }\n' "${name%:*}" "${name#*:}" "${name%:*}" "${name#*:}" > "$breaches/${name%:*}.c"
+        "${CC:-gcc}" -c -o "$breaches/${name%:*}.c.o" "$breaches/${name%:*}.c"
+    done
+    nm -A "$breaches"/{one,two}.c.o > "$breaches/circle.names"
+    if [ -n "$(calls_in_a_circle "$breaches/circle.names")" ]; then
+        for room in server parts; do
+            (cd "$src" && printf '%s\n' daemon/"$room"/*.c) | sed "s|.*|$out/&.o|" | xargs nm -A 2> /dev/null > "$breaches/$room.names"
+        done
+        report calls_in_a_circle "$(calls_in_a_circle "$breaches/server.names")$(calls_in_a_circle "$breaches/parts.names")"
+    else
+        report calls_in_a_circle "the rule does not notice a breach of it"
     fi
 fi
 case ${BUILD:-release} in

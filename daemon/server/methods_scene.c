@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 void lf_method_queue(lf_call *call, lf_load *load)
 {

@@ -1,4 +1,4 @@
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 #include <pthread.h>
 #include <string.h>

@@ -2,6 +2,7 @@
 #include "tests/daemon/live.h"
 
 #include "daemon/server/methods.h"
+#include "daemon/wire/rpc.h"
 
 static int count_words(const char *text)
 {

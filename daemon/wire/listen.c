@@ -1,3 +1,5 @@
+#include "daemon/wire/listen.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <grp.h>
@@ -14,7 +16,6 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/log.h"
-#include "daemon/server/server.h"
 
 #define SYSTEM_SOCKET "/run/quiltd/control.sock"
 #define SYSTEM_GROUP "quiltd"
@@ -126,9 +127,10 @@ static lf_status bind_and_listen(const char *path, const struct sockaddr_un *add
     return lf_error_set(err, LF_E_IO, path, "cannot listen: %s", lf_errno_text(why));
 }
 
-lf_status lf_server_listen(lf_server *server, int *out_fd, lf_error *err)
+lf_status lf_listen(const char *socket, lf_listener *out, int *out_fd, lf_error *err)
 {
     int n = sd_listen_fds(1);
+    *out = (lf_listener){.lock_fd = -1};
     if (n > 1 || (n == 1 && sd_is_socket_unix(SD_LISTEN_FDS_START, SOCK_STREAM, 1, NULL, 0) <= 0))
         return lf_error_set(err, LF_E_ARG, "systemd",
                             "handed over something else than one listening Unix stream socket");
@@ -138,35 +140,33 @@ lf_status lf_server_listen(lf_server *server, int *out_fd, lf_error *err)
         return LF_OK;
     }
     char path[512];
-    if (server->config.socket)
-        snprintf(path, sizeof path, "%s", server->config.socket);
+    if (socket)
+        snprintf(path, sizeof path, "%s", socket);
     else
         (void)lf_default_socket(0, path, sizeof path);
     struct sockaddr_un address;
     lf_status status = address_of(path, &address, err);
     if (status == LF_OK)
-        status = take_lock(path, &server->lock_fd, err);
+        status = take_lock(path, &out->lock_fd, err);
     if (status == LF_OK)
         status = clear_name(path, &address, err);
     if (status == LF_OK)
         status = bind_and_listen(path, &address, out_fd, err);
     if (status == LF_OK)
-        server->socket_path = lf_strdup(path);
+        out->path = lf_strdup(path);
     return status;
 }
 
-void lf_server_unlisten(lf_server *server)
+void lf_unlisten(lf_listener *listener)
 {
-    if (server->socket_path) {
+    if (listener->path) {
         char lock[sizeof((struct sockaddr_un *)0)->sun_path + 8];
-        snprintf(lock, sizeof lock, "%s.lock", server->socket_path);
-        unlink(server->socket_path);
+        snprintf(lock, sizeof lock, "%s.lock", listener->path);
+        unlink(listener->path);
         unlink(lock);
-        lf_free(server->socket_path);
-        server->socket_path = NULL;
+        lf_free(listener->path);
     }
-    if (server->lock_fd >= 0) {
-        close(server->lock_fd);
-        server->lock_fd = -1;
-    }
+    if (listener->lock_fd >= 0)
+        close(listener->lock_fd);
+    *listener = (lf_listener){.lock_fd = -1};
 }

@@ -1,5 +1,5 @@
-/* --watch: the file shown is loaded again when it, or a scene file that it includes, changes on
- * disk. */
+#include "daemon/parts/watch.h"
+
 #include <errno.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -8,8 +8,8 @@
 
 #include "base/alloc.h"
 #include "base/errno_text.h"
+#include "base/file.h"
 #include "base/log.h"
-#include "daemon/server/server.h"
 
 /* Editors write a file in several steps; it is read when it has been quiet for so long. */
 #define QUIET_USEC 100000
@@ -21,6 +21,9 @@ typedef struct watched {
 } watched;
 
 struct lf_watch {
+    lf_watch_events events;
+    void *context;
+    sd_event *event;
     int fd; /* inotify's */
     int n;
     watched *files;
@@ -29,11 +32,10 @@ struct lf_watch {
 
 static int on_quiet(sd_event_source *source, uint64_t usec, void *context)
 {
-    lf_server *server = context;
+    const lf_watch *watch = context;
     (void)source;
     (void)usec;
-    if (!lf_server_is_stopping(server))
-        lf_server_reload(server);
+    watch->events.changed(watch->context);
     return 0;
 }
 
@@ -60,8 +62,7 @@ static bool names_file(const lf_watch *watch, const char *bytes, size_t n)
 
 static int on_watch(sd_event_source *source, int fd, uint32_t events, void *context)
 {
-    lf_server *server = context;
-    lf_watch *watch = server->watch;
+    lf_watch *watch = context;
     char bytes[4096];
     ssize_t n = read(fd, bytes, sizeof bytes);
     (void)source;
@@ -69,8 +70,8 @@ static int on_watch(sd_event_source *source, int fd, uint32_t events, void *cont
     if (n > 0 && names_file(watch, bytes, (size_t)n)) {
         sd_event_source_disable_unref(watch->timer);
         watch->timer = NULL;
-        (void)sd_event_add_time_relative(server->event, &watch->timer, CLOCK_MONOTONIC, QUIET_USEC,
-                                         0, on_quiet, server);
+        (void)sd_event_add_time_relative(watch->event, &watch->timer, CLOCK_MONOTONIC, QUIET_USEC,
+                                         0, on_quiet, watch);
     }
     return 0;
 }
@@ -103,45 +104,36 @@ static void add(lf_watch *watch, const char *file)
     lf_free(folder);
 }
 
-void lf_server_watch(lf_server *server)
+void lf_watch_files(lf_watch *watch, const char *const *files, size_t n)
 {
-    lf_watch *watch = server->watch;
-    const char *file = server->content ? server->content->file : server->config.scene;
-    const lf_scene *scene = server->content ? server->content->scene : NULL;
-    size_t n = 1;
-    if (!file || !watch)
-        return;
     forget(watch);
-    if (server->content && server->content->is_passed)
-        return; /* what stands under its name here is not that file */
-    while (scene && lf_scene_included(scene, (int)n - 1))
-        n++;
-    watch->files = lf_calloc(n, sizeof *watch->files);
-    if (!watch->files)
-        return;
-    add(watch, file);
-    for (size_t i = 1; i < n; i++)
-        if (!lf_passed_has(server->content->passed, lf_scene_included(scene, (int)i - 1)))
-            add(watch, lf_scene_included(scene, (int)i - 1));
+    watch->files = n > 0 ? lf_calloc(n, sizeof *watch->files) : NULL;
+    for (size_t i = 0; watch->files && i < n; i++)
+        add(watch, files[i]);
 }
 
-int lf_server_begin_watch(lf_server *server)
+lf_status lf_watch_create(sd_event *event, const lf_watch_events *events, void *context,
+                          lf_watch **out_watch, lf_error *err)
 {
     lf_watch *watch = lf_calloc(1, sizeof *watch);
     if (!watch)
-        return -ENOMEM;
-    *watch = (lf_watch){.fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK)};
-    server->watch = watch;
-    if (watch->fd < 0)
-        return -errno;
-    int r = sd_event_add_io(server->event, &watch->io, watch->fd, EPOLLIN, on_watch, server);
-    lf_server_watch(server);
-    return r;
+        return lf_error_set(err, LF_E_NOMEM, "--watch", "out of memory");
+    *watch = (lf_watch){.events = *events,
+                        .context = context,
+                        .event = event,
+                        .fd = inotify_init1(IN_CLOEXEC | IN_NONBLOCK)};
+    int r = watch->fd < 0 ? -errno : 0;
+    r = r < 0 ? r : sd_event_add_io(event, &watch->io, watch->fd, EPOLLIN, on_watch, watch);
+    if (r < 0) {
+        lf_watch_destroy(watch);
+        return lf_error_set(err, LF_E_IO, "event loop", "cannot be set up: %s", lf_errno_text(-r));
+    }
+    *out_watch = watch;
+    return LF_OK;
 }
 
-void lf_server_end_watch(lf_server *server)
+void lf_watch_destroy(lf_watch *watch)
 {
-    lf_watch *watch = server->watch;
     if (!watch)
         return;
     sd_event_source_disable_unref(watch->io);
@@ -150,5 +142,4 @@ void lf_server_end_watch(lf_server *server)
     if (watch->fd >= 0)
         close(watch->fd);
     lf_free(watch);
-    server->watch = NULL;
 }
