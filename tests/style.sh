@@ -292,9 +292,10 @@ for rule in tabs_and_trailing_blanks long_lines broken_section_rules torn_expres
     fi
 done
 
-# What the object files show. C names that other files see begin with lf_.
-foreign_names() {
-    nm -A -g --defined-only "$out"/lib*.a 2> /dev/null | awk '$2 ~ /^[0-9a-f]+$/ && $3 ~ /^[TDBRC]$/ && $4 !~ /^(lf_|_Z|__|DW\.|_?asan)/ { print $1, $4 }'
+# What the object files show. C names that other files see begin with lf_, private ones of daemon/engine and daemon/output with their folder.
+foreign_names() { # objects, libraries
+    nm -A -g --defined-only "$@" 2> /dev/null |
+        awk '$2 ~ /^[TDBRC]$/ && $3 !~ /^(lf_|engine_|output_|_Z|__|DW\.|_?asan)/ { sub(/:[0-9a-f]*$/, "", $1); print $1, $3 }'
 }
 mapfile -t isa_objects < <(find "$out"/render "$out"/quilt -name '*_avx2.c.o' -o -name '*_avx512.c.o' | sort)
 # A file compiled for one instruction set holds functions and one table: a writable global there might be initialised, and an
@@ -329,7 +330,6 @@ reading_libraries() { # programs
         ! nm "$out/$p" 2> /dev/null | grep -qE ' [Tt] _Z' || echo "$p holds C++ of ours"
     done
 }
-report foreign_names "$(foreign_names)"
 if [ -n "$(reading_libraries quiltimport)" ] && [ -n "$(reading_libraries quiltimport-vdb)" ]; then
     report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltsim quiltbench)"
 else
@@ -338,6 +338,11 @@ fi
 if command -v "${CC:-gcc}" > /dev/null && [ "$(uname -m)" = x86_64 ]; then
     printf '#include <immintrin.h>\nvoid f(float *p) { _mm256_storeu_ps(p, _mm256_add_ps(_mm256_loadu_ps(p), _mm256_loadu_ps(p))); }\n' > "$breaches/upper.c"
     "${CC:-gcc}" -O2 -mavx2 -mno-vzeroupper -c -o "$breaches/upper.o" "$breaches/upper.c"
+    if [ -n "$(foreign_names "$breaches/upper.o")" ]; then
+        report foreign_names "$(foreign_names "$out"/lib*.a)"
+    else
+        report foreign_names "the rule does not notice a breach of it"
+    fi
     if [ -n "$(without_vzeroupper "$breaches/upper.o")" ]; then
         report without_vzeroupper "$(without_vzeroupper "${isa_objects[@]}")"
     else
