@@ -130,10 +130,9 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
 }
 
 /* What a surface that ray k meets at depth z sends on of sunlight, which there is. */
-static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k, float z,
-                         const lf_fan_face *face)
+static float sunlight_of(const lf_visit *visit, int k, float z, const lf_fan_face *face)
 {
-    const lf_sunlight *sunlight = plan->order.sunlight;
+    const lf_sunlight *sunlight = visit->sunlight;
     lf_hit hit;
     lf_vec3 along;
     if (!lf_sunlight_has_suns(sunlight)) {
@@ -209,7 +208,7 @@ static void see_veil(const lf_exits *e, int k, int segment, float z, float share
 {
     lf_scratch *w = e->visit->worker;
     const lf_section *section = &w->veil.section;
-    const bool sun = e->plan->order.sunlight, albedo = e->visit->sums.albedo;
+    const bool sun = e->visit->sunlight, albedo = e->visit->sums.albedo;
     float met[LF_ALBEDO_NUMBERS];
     const float nearness = lf_nearness(e->visit->rig->distance, z);
     memcpy(met, no_albedo, sizeof met);
@@ -221,7 +220,7 @@ static void see_veil(const lf_exits *e, int k, int segment, float z, float share
         else if (albedo)
             albedo_at(e->visit, k, z, face, off, met);
         if (sun && !pane)
-            out->light += share * sunlight_of(e->plan, e->visit, k, z, face);
+            out->light += share * sunlight_of(e->visit, k, z, face);
     }
     out->cover += share;
     const float part = share / out->cover, apart = nearness - out->nearness;
@@ -283,8 +282,8 @@ static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, con
         feature.spread =
             sqrtf(medium * (feature.spread * feature.spread + feature.surface * (apart * apart)));
         feature.nearness = wall + medium * apart;
-        if (feature.surface > LEAST_SEEN && e->plan->order.sunlight)
-            feature.light = feature.surface * sunlight_of(e->plan, visit, k, worker->z_end[k],
+        if (feature.surface > LEAST_SEEN && e->visit->sunlight)
+            feature.light = feature.surface * sunlight_of(visit, k, worker->z_end[k],
                                                           face_of(visit, worker->met.segment[k]));
     }
     const float surface = feature.surface > LEAST_SEEN ? feature.surface : 0.0f;
@@ -320,13 +319,13 @@ bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
     return true;
 }
 
-bool lf_exits_sky(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out)
+bool lf_exits_sky(const lf_visit *visit, lf_vec3 *out)
 {
-    const lf_scene *scene = plan->scene;
+    const lf_scene *scene = visit->scene;
     float sky[3];
     if (scene->backdrop.given)
         *out = lf_backdrop_at(&scene->backdrop, lf_rig_height_between(visit->rig, visit->plane.my));
-    else if (plan->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_constant(scene, sky))
+    else if (visit->plan->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_constant(scene, sky))
         *out = lf_v3(sky[0], sky[1], sky[2]);
     else
         return false;
@@ -427,20 +426,21 @@ static void correct(const lf_visit *visit, float density, int from, int to)
 }
 
 /* The fan's rays [from, to) through the media. */
-static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bool features)
+static void march(const lf_visit *visit, int from, int to)
 {
+    lf_scratch *w = visit->worker;
     const float *x0 = w->x0 + from, *slope = w->slope + from, *z_end = w->z_end + from;
-    w->met.moments.distance = plan->rig->distance;
+    w->met.moments.distance = visit->rig->distance;
     w->met.moments.first = from;
-    if (features)
-        lf_media_moments_of(&w->media, plan->kernels, to - from, x0, slope, z_end, w->length + from,
-                            w->tau + from, &w->met.moments);
-    else if (!plan->scene->looks.chromatic)
-        lf_media_depths(&w->media, plan->kernels, to - from, x0, slope, z_end, w->tau + from, -1,
+    if (visit->sums.feature)
+        lf_media_moments_of(&w->media, visit->kernels, to - from, x0, slope, z_end,
+                            w->length + from, w->tau + from, &w->met.moments);
+    else if (!visit->scene->looks.chromatic)
+        lf_media_depths(&w->media, visit->kernels, to - from, x0, slope, z_end, w->tau + from, -1,
                         NULL);
-    if (!plan->scene->looks.chromatic)
+    if (!visit->scene->looks.chromatic)
         return;
-    lf_media_depths_of_channels(&w->media, plan->kernels, to - from, x0, slope, z_end,
+    lf_media_depths_of_channels(&w->media, visit->kernels, to - from, x0, slope, z_end,
                                 w->channels.tau, -1, NULL);
     for (int i = 0; i < 3 * (to - from); i++)
         w->channels.factor[i] = 1.0f;
@@ -474,17 +474,18 @@ static void follow(const lf_exits *e, int column, int from, int to, const float 
     const lf_visit *visit = e->visit;
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    float film = lf_outlines_column(e->key, column, e->index, e->plane),
+    float film = lf_outlines_column(visit->number.key, column, visit->number.index, e->plane),
           xw = rig->x0 + ((float)column + film) * rig->dx, lx = 0.0f;
     if (visit->plane.lens_chord > 0.0f)
-        lx = (2.0f * lf_outlines_lens(e->key, column, e->index, e->plane) - 1.0f) *
+        lx = (2.0f * lf_outlines_lens(visit->number.key, column, visit->number.index, e->plane) -
+              1.0f) *
              visit->plane.lens_chord;
     aim(visit, xw, lx);
     if (visit->triangles && from < to)
         lf_section_nearest(&w->section, visit->triangles, rig, meeting(rig, xw, lx), to - from,
                            w->x0 + from, w->z_end + from, w->met.segment + from);
     if (w->media.n_here > 0 && from < to)
-        march(e->plan, w, from, to, visit->sums.feature);
+        march(visit, from, to);
     for (int k = from; k < to && (e->corrected || e->veiled); k++)
         w->factor[k] = 1.0f;
     if (e->corrected && from < to)
@@ -493,20 +494,22 @@ static void follow(const lf_exits *e, int column, int from, int to, const float 
         veil(e, meeting(rig, xw, lx), from, to, off);
     if (w->shine.flames.n_here > 0)
         shine(visit, meeting(rig, xw, lx), from, to,
-              lf_sampler_radical(lf_hash64(lf_hash64(e->key, 16), (uint64_t)column), e->index));
+              lf_sampler_radical(lf_hash64(lf_hash64(e->visit->number.key, 16), (uint64_t)column),
+                                 e->visit->number.index));
 }
 
 void lf_exits_fan(const lf_exits *e, int column, int first, int end)
 {
     const lf_visit *visit = e->visit;
     const lf_rig *rig = visit->rig;
-    const lf_scene *scene = e->plan->scene;
+    const lf_scene *scene = e->visit->scene;
     lf_scratch *w = visit->worker;
     int from, to;
     lanes_of(&w->reach, rig->n_views, column, &from, &to);
     from = from > first ? from : first;
     to = to < end ? to : end;
-    const float off[2] = {(e->quarter - lf_outlines_column(e->key, column, e->index, e->plane)) *
+    const float off[2] = {(e->quarter - lf_outlines_column(visit->number.key, column,
+                                                           visit->number.index, e->plane)) *
                               rig->dx / rig->distance,
                           e->down};
     follow(e, column, from, to, off);

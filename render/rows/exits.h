@@ -7,10 +7,7 @@
 
 /* What the fans of a row share. */
 typedef struct lf_exits {
-    const lf_visit_plan *plan;
     const lf_visit *visit;
-    uint64_t key;
-    uint32_t index;
     lf_vec3 sky;   /* where it is constant */
     float density; /* of the points of correction weights */
     bool constant, corrected, veiled;
@@ -30,6 +27,6 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end);
 bool lf_exits_next_groups(uint32_t *left, int n_views, int *first, int *end);
 
 /* The sky of a row's rays where it is one; false: each looks for its own. */
-bool lf_exits_sky(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out);
+bool lf_exits_sky(const lf_visit *visit, lf_vec3 *out);
 
 #endif

@@ -23,6 +23,7 @@
 #include "render/transport/sunlight.h"
 
 struct lf_visit;
+struct lf_visit_plan;
 struct lf_pivot;
 struct lf_suffix;
 struct lf_queue;
@@ -156,8 +157,15 @@ typedef struct lf_pivot {
     lf_sampler *sampler; /* goes on with the pivot's own dimensions */
 } lf_pivot;
 
+/* Which visit of its row: all that it draws follows from this. */
+typedef struct lf_visit_number {
+    uint64_t key;   /* of its half's random numbers */
+    uint32_t index; /* its number in its half */
+} lf_visit_number;
+
 /* One visit of one row: what the integrators need of it. */
 typedef struct lf_visit {
+    const struct lf_visit_plan *plan;
     const lf_scene *scene;
     const lf_rig *rig;
     const lf_kernels *kernels;
@@ -169,7 +177,8 @@ typedef struct lf_visit {
     struct lf_queue *queue; /* the plan's, while base samples are drawn; else NULL */
     lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
-    int row;
+    int row, half;
+    lf_visit_number number;
     bool outlines; /* this visit takes more film points where worker->met.outlines says so */
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
@@ -209,9 +218,7 @@ typedef struct lf_suffix {
 
 /* The points that a visit draws about its lights in media; weight: its native samples a pixel.
  * false = cancelled. */
-struct lf_visit_plan;
-bool lf_glow_visit(const struct lf_visit_plan *plan, lf_visit *visit, float weight,
-                   const lf_cancel *cancel);
+bool lf_glow_visit(lf_visit *visit, float weight, const lf_cancel *cancel);
 /* lf_glow_row_ratio at a pivot where base samples have the density sum exp(-depth), as in
  * lf_kernels.densities. */
 float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light *light, int view,
@@ -311,18 +318,16 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
  */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
-/* B and q of one row for this visit (exits_row.c), into the visit's sums; index is its number in
- * its half. What a coarse visit finds is that of slices, which nothing corrects; between two fans
- * (LF_EXITS_COARSE) it is interpolated in views without an edge there, between the film points that
- * columns would have had. between: of a coarse visit, nothing is looked for where
- * worker->met.smooth says so (between.h); q is -1 there. */
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
-                  bool between);
+/* B and q of one row for this visit (exits_row.c), into the visit's sums. What a coarse visit finds
+ * is that of slices, which nothing corrects; between two fans (LF_EXITS_COARSE) it is interpolated
+ * in views without an edge there, between the film points that columns would have had. between: of
+ * a coarse visit, nothing is looked for where worker->met.smooth says so (between.h); q is -1
+ * there. */
+void lf_exits_row(const lf_visit *visit, bool between);
 
 /* The film points of the row's outlines in another of their planes, which has been cut
  * (outlines.h). */
-void lf_exits_outlines(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key,
-                       uint32_t index, int plane);
+void lf_exits_outlines(const lf_visit *visit, int plane);
 
 /* True when the camera sees the same light wherever it meets nothing. */
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);

@@ -1,0 +1,75 @@
+/* The plane of a visit, at its moment, and what it cuts. */
+#include "render/rows/outlines.h"
+#include "render/rows/visit_steps.h"
+
+/* The lights in the media of the row, as seen in its plane. */
+static void cut_glows(lf_visit *visit)
+{
+    lf_scratch *w = visit->worker;
+    int base = 0;
+    for (int k = 0; k < visit->rig->n_views && w->media.n_here > 0; k++)
+        base += w->reach.end[k] - w->reach.first[k];
+    lf_glow_row_init(&w->glows, visit->scene, visit->rig, &visit->plane, &w->media, (float)base,
+                     visit->sharing->entry.shares ? 1.0f : (float)visit->rig->n_views);
+}
+
+static void cut_meshes(const lf_visit *visit)
+{
+    lf_scratch *w = visit->worker;
+    bool veils = visit->scene->looks.veiled;
+    lf_section_cut(&w->section, visit->triangles, visit->scene, visit->rig, visit->row,
+                   &visit->plane, veils ? LF_CUT_OPAQUE : LF_CUT_ALL);
+    if (veils)
+        lf_section_cut(&w->veil.section, visit->triangles, visit->scene, visit->rig, visit->row,
+                       &visit->plane, LF_CUT_VEILS);
+}
+
+lf_veils lf_visit_veils(const lf_visit *visit)
+{
+    return (lf_veils){&visit->worker->veil.section, visit->triangles, visit->scene, visit->rig,
+                      &visit->plane};
+}
+
+void lf_visit_set_moment(lf_visit *visit, lf_visit_number number)
+{
+    const lf_visit_plan *plan = visit->plan;
+    float time = lf_sampler_radical(lf_hash64(number.key, 17), number.index);
+    if (lf_has_fault(visit, LF_FAULT_NO_TIME))
+        time = 0.5f;
+    lf_moment_set(plan->moment, plan->moving, time);
+    visit->worker->tracer.time = time;
+    if (lf_has_fault(visit, LF_FAULT_OTHER_TIME))
+        visit->worker->tracer.time = 1.0f - time;
+}
+
+void lf_visit_cut(lf_visit *visit, lf_visit_number number, int plane)
+{
+    const lf_visit_plan *plan = visit->plan;
+    const uint64_t key = number.key;
+    const uint32_t index = number.index;
+    lf_scratch *w = visit->worker;
+    const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index),
+                           lf_sampler_radical(lf_hash64(key, 2), index)};
+    const float phase[2] = {lf_sampler_radical(lf_hash64(key, 15), index),
+                            lf_sampler_radical(lf_hash64(key, 4), index)};
+    const float offset = lf_outlines_row(lf_hash64(key, 0), index, plane);
+    lf_rig_row_plane(visit->rig, (float)visit->row + offset, lens, &visit->plane);
+    lf_media_cut(&w->media, plan->frame, visit->scene->volumes, visit->rig, &visit->plane, phase,
+                 visit->kernels, &w->tracer.lookups);
+    lf_media_cut(&w->shine.flames, plan->flames, visit->scene->flames.field, visit->rig,
+                 &visit->plane, phase, visit->kernels, &w->tracer.lookups);
+    if (visit->triangles)
+        cut_meshes(visit);
+    if (plan->skip & LF_SKIP_BACKGROUND)
+        lf_reach_of(&w->reach, visit->scene, visit->rig, &visit->plane, &w->media,
+                    &w->shine.flames);
+    else
+        lf_reach_whole(&w->reach, visit->rig);
+    cut_glows(visit);
+}
+
+int lf_visit_planes(const lf_visit_plan *plan, int64_t index)
+{
+    const bool outlines = plan->triangles && plan->film->layout.has_features && !plan->order.coarse;
+    return outlines ? lf_outlines_planes((uint32_t)index) : 1;
+}
