@@ -205,12 +205,9 @@ static void choose_quarter(lf_exits *e)
 /* What is said of a visit's plane. */
 static lf_exits begin(const lf_visit *visit)
 {
-    const bool coarse = visit->plan->order.coarse;
     lf_scratch *w = visit->worker;
     lf_exits e = {.visit = visit};
     e.constant = lf_exits_sky(visit, &e.sky);
-    e.corrected =
-        !coarse && lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
     e.density = lf_correction_exit_density(contributions(visit->plan), visit->sums.feature);
     e.veiled = visit->scene->looks.veiled;
     choose_quarter(&e);

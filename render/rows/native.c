@@ -1,6 +1,7 @@
 #include "render/rows/native.h"
 
 #include "render/rows/adaptive.h"
+#include "render/rows/prefix_factor.h"
 #include "render/transport/delta_chain.h"
 #include "render/transport/surface_glass.h"
 #include "render/transport/surface_texture.h"
@@ -36,8 +37,8 @@ void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance)
 static lf_vec3 weight_of(const lf_visit *visit, int view, size_t pixel, const lf_pivot *pivot)
 {
     lf_vec3 channels;
-    float weight = visit->weight * native_weight(visit, pixel) *
-                   lf_visit_correction(visit, view, pivot, &channels);
+    float weight =
+        visit->weight * native_weight(visit, pixel) * lf_prefix_own(visit, view, pivot, &channels);
     return lf_scale(channels, weight);
 }
 

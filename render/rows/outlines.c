@@ -119,7 +119,7 @@ static void look(const lf_visit *visit, const row_edge *edge, int column, uint32
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    const int lanes = lf_rig_lanes(rig);
     const float s = (rig->x0 + (float)column * rig->dx) / rig->distance;
     lf_section_nearest(edge->section, visit->triangles, rig, s, lanes, rig->b, w->z_end,
                        w->met.segment);

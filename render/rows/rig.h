@@ -122,4 +122,10 @@ static inline float lf_rig_spread(const lf_rig *rig)
     return 0.5f * lf_min(rig->dx, fabsf(rig->dy)) / rig->distance;
 }
 
+/* Lanes that hold all views: a multiple of LF_LANES. */
+static inline int lf_rig_lanes(const lf_rig *rig)
+{
+    return (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+}
+
 #endif

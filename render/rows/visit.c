@@ -1,4 +1,5 @@
 /* A visit of a row: plane, slice, exits, base samples. What is the same for every integrator. */
+#include "render/rows/extinction.h"
 #include "render/rows/outlines.h"
 #include "render/rows/queue.h"
 #include "render/rows/visit_steps.h"
@@ -65,67 +66,6 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
             radiance = lf_madd(radiance, 1.0f / pdf, lf_mul(f, arriving));
     }
     return radiance;
-}
-
-/* D R over the mean of D of the base's own ray, a channel each; R stands in factor[c * LF_LANES]
- * for what the pivot's place makes of it, and is completed here where `corrected`. */
-static lf_vec3 own_channels(const lf_visit *visit, const lf_pivot *pivot, lf_rays *ray,
-                            bool corrected, float factor)
-{
-    lf_scratch *w = visit->worker;
-    float tau[3 * LF_LANES], r[3 * LF_LANES], d[3], sum = 0.0f, least = INFINITY;
-    float length = sqrtf(1.0f + visit->plane.my * visit->plane.my + ray->slope[0] * ray->slope[0]);
-    bool medium = pivot->event.kind == LF_EVENT_MEDIUM;
-    lf_media_depths_of_channels(&w->media, visit->kernels, LF_LANES, ray->x0, ray->slope,
-                                ray->z_end, tau, -1, NULL);
-    for (int i = 0; i < 3 * LF_LANES; i++)
-        r[i] = factor;
-    ray->channels = true;
-    if (corrected)
-        lf_correction_transmittance(&w->media, ray, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, r);
-    for (int c = 0; c < 3; c++) {
-        d[c] = medium ? w->media.item[pivot->medium].colour[c] : 1.0f;
-        least = lf_min(least, d[c] > 0.0f ? tau[c * LF_LANES] : INFINITY);
-    }
-    for (int c = 0; c < 3; c++)
-        sum += d[c] *= expf(length * (least - lf_max(tau[c * LF_LANES], least)));
-    return lf_scale(lf_v3(d[0] * r[0], d[1] * r[LF_LANES], d[2] * r[2 * LF_LANES]), 3.0f / sum);
-}
-
-float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot,
-                          lf_vec3 *out_channels)
-{
-    lf_scratch *w = visit->worker;
-    bool corrected =
-        lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
-    *out_channels = lf_v3(1.0f, 1.0f, 1.0f);
-    if (!corrected && !visit->scene->looks.chromatic)
-        return 1.0f;
-    float x0 = visit->rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, factor = 1.0f;
-    float lanes[4][LF_LANES];
-    if (corrected && pivot->event.kind == LF_EVENT_MEDIUM &&
-        w->media.item[pivot->medium].kind == LF_MEDIUM_SLICE) {
-        float sampled = lf_slice_density(&w->media.item[pivot->medium].slice, x0, slope, pivot->z);
-        float density = lf_correction_density(&w->media, pivot->medium, visit->scene,
-                                              pivot->event.p, sampled, &w->tracer);
-        factor = sampled > 0.0f ? density / sampled : 1.0f;
-    }
-    if (!(factor > 0.0f))
-        return 0.0f;
-    for (int k = 0; k < LF_LANES; k++) {
-        lanes[0][k] = x0;
-        lanes[1][k] = slope;
-        lanes[2][k] = pivot->z;
-        lanes[3][k] = factor;
-    }
-    lf_rays ray = {visit->scene, visit->rig, &visit->plane, visit->kernels, LF_LANES,
-                   lanes[0],     lanes[1],   lanes[2],      0.0f,           false};
-    if (visit->scene->looks.chromatic) {
-        *out_channels = own_channels(visit, pivot, &ray, corrected, factor);
-        return 1.0f;
-    }
-    lf_correction_transmittance(&w->media, &ray, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, lanes[3]);
-    return lanes[3][0];
 }
 
 /* ------------------------------------------------------------------------------------- visit -- */
@@ -204,11 +144,13 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
         lf_counts_row(plan->counts, visit->row, visit->worker->expected);
         visit->expected = visit->worker->expected;
     }
-    lf_channels *channels = &visit->worker->channels;
-    int lanes = (views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    visit->extinction =
+        plan->scene->looks.chromatic ? &lf_extinction_chromatic : &lf_extinction_grey;
+    lf_scratch *w = visit->worker;
     for (int c = 0; c < 3; c++)
-        channels->received[c] =
-            plan->scene->looks.chromatic ? channels->density + c * lanes : visit->worker->density;
+        w->channels.received[c] = visit->extinction->channels > 1
+                                      ? w->channels.density + c * lf_rig_lanes(plan->rig)
+                                      : w->density;
 }
 
 /* The first column of the lattice. */

@@ -27,6 +27,8 @@ struct lf_visit_plan;
 struct lf_pivot;
 struct lf_suffix;
 struct lf_queue;
+struct lf_extinction;
+struct lf_prefix_factor;
 
 /* How what a base sample finds is spread over the views. A member of the table (rows.c) is one
  * file. */
@@ -163,6 +165,14 @@ typedef struct lf_visit_number {
     uint32_t index; /* its number in its half */
 } lf_visit_number;
 
+/* The factors of a plane (prefix_factor.h). */
+enum { LF_PREFIX_FACTORS = 3 };
+typedef struct lf_prefix_list {
+    int n;
+    bool received, along; /* one of them has such a function */
+    const struct lf_prefix_factor *factor[LF_PREFIX_FACTORS];
+} lf_prefix_list;
+
 /* One visit of one row: what the integrators need of it. */
 typedef struct lf_visit {
     const struct lf_visit_plan *plan;
@@ -177,6 +187,8 @@ typedef struct lf_visit {
     struct lf_queue *queue; /* the plan's, while base samples are drawn; else NULL */
     lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
+    lf_prefix_list prefix; /* of this plane */
+    const struct lf_extinction *extinction;
     int row, half;
     lf_visit_number number;
     bool outlines; /* this visit takes more film points where worker->met.outlines says so */
@@ -228,6 +240,9 @@ float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light
 void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth,
                      lf_suffix *suffix);
 
+/* Sets worker->local to the directions from a hit to the views (mvpt.c). */
+void lf_fan_look_back(const lf_visit *visit, const lf_hit *hit);
+
 /* All of a pivot but where it will be. The hit, most of its memory, is left alone: rays write it.
  */
 void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler);
@@ -244,11 +259,8 @@ void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, 
 lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
                            lf_vec3 wo);
 
-/* R of the base's own ray up to the pivot (correction.h): what a sample weighs that only its own
- * pixel receives. *out_channels: times this in each of them, D R over the mean of D in chromatic
- * media, else 1. */
-float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot,
-                          lf_vec3 *out_channels);
+/* Lanes [from, to) of the worker as rays from the cameras. */
+lf_rays lf_visit_rays(const lf_visit *visit, int from, int to);
 
 /* The veils of the visit's plane. */
 lf_veils lf_visit_veils(const lf_visit *visit);
@@ -284,6 +296,13 @@ typedef enum lf_fault {
 #else
 #define lf_has_fault(holder, fault) ((void)(holder), false)
 #endif
+
+/* Where view k of the worker's lanes receives what a pivot sends it: [view][column]. */
+static inline size_t lf_visit_pixel(const lf_visit *visit, int k)
+{
+    int view = lf_has_fault(visit, LF_FAULT_SWAPPED_VIEWS) ? visit->rig->n_views - 1 - k : k;
+    return (size_t)view * (size_t)visit->rig->width + (size_t)visit->worker->column[k];
+}
 
 /* Everything that one visit of a row does. */
 typedef struct lf_visit_plan {

@@ -1,4 +1,5 @@
 /* Base samples: a ray of one view, from its film point to the pivot that it finds. */
+#include "render/rows/extinction.h"
 #include "render/rows/native.h"
 #include "render/rows/queue.h"
 #include "render/rows/visit_steps.h"
@@ -83,7 +84,7 @@ static lf_collision collide(const lf_visit *visit, base_ray *ray)
     lf_scratch *w = visit->worker;
     const bool forced = is_forced(visit, ray);
     const int channel =
-        visit->scene->looks.chromatic ? (int)(3.0f * lf_sampler_1d(&ray->sampler)) : 0;
+        visit->extinction->channels > 1 ? (int)(3.0f * lf_sampler_1d(&ray->sampler)) : 0;
     return lf_media_collide(&w->media, &ray->line, channel, ray->u[1], forced, &w->tracer);
 }
 

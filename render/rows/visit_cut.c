@@ -1,5 +1,7 @@
 /* The plane of a visit, at its moment, and what it cuts. */
+#include "render/rows/extinction.h"
 #include "render/rows/outlines.h"
+#include "render/rows/prefix_factor.h"
 #include "render/rows/visit_steps.h"
 
 /* The lights in the media of the row, as seen in its plane. */
@@ -22,6 +24,20 @@ static void cut_meshes(const lf_visit *visit)
     if (veils)
         lf_section_cut(&w->veil.section, visit->triangles, visit->scene, visit->rig, visit->row,
                        &visit->plane, LF_CUT_VEILS);
+}
+
+lf_rays lf_visit_rays(const lf_visit *visit, int from, int to)
+{
+    const lf_scratch *w = visit->worker;
+    return (lf_rays){.scene = visit->scene,
+                     .rig = visit->rig,
+                     .plane = &visit->plane,
+                     .kernels = visit->kernels,
+                     .n = to - from,
+                     .x0 = w->x0 + from,
+                     .slope = w->slope + from,
+                     .z_end = w->z_end + from,
+                     .channels = visit->extinction->channels > 1};
 }
 
 lf_veils lf_visit_veils(const lf_visit *visit)
@@ -66,6 +82,7 @@ void lf_visit_cut(lf_visit *visit, lf_visit_number number, int plane)
     else
         lf_reach_whole(&w->reach, visit->rig);
     cut_glows(visit);
+    lf_prefix_find(visit);
 }
 
 int lf_visit_planes(const lf_visit_plan *plan, int64_t index)

@@ -9,16 +9,16 @@ typedef struct film_points {
     int tries; /* samples of a pixel, at most; 0: what is left counts as dark from now on */
 } film_points;
 
-/* Takes native samples in a pixel until it is no hole, the first at its film point. false =
+/* Takes native samples in a hole, the first at its film point, until it is none: *out_hole. false =
  * cancelled. */
 static bool fill_pixel(lf_visit *visit, const film_points *at, const lf_film_half halves[2],
-                       int view, int column, const lf_cancel *cancel)
+                       int view, int column, bool *out_hole, const lf_cancel *cancel)
 {
     const double *n = visit->plan->film->rows[visit->row].n;
     const size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
     const uint64_t key = at->number.key;
     const uint32_t index = at->number.index;
-    for (int i = 0; i < at->tries && lf_film_is_hole(halves, n, pixel); i++) {
+    for (int i = 0; i < at->tries && *out_hole; i++) {
         const lf_base base = {
             .view = view,
             .column = column,
@@ -28,6 +28,7 @@ static bool fill_pixel(lf_visit *visit, const film_points *at, const lf_film_hal
         if (lf_cancelled(cancel))
             return false;
         lf_base_sample(visit, &base);
+        *out_hole = lf_film_is_hole(halves, n, pixel);
     }
     return true;
 }
@@ -49,11 +50,12 @@ static bool fill(lf_visit *visit, const film_points *at, int *out_left, const lf
             if (visit->expected && !(visit->expected[pixel] > 0.0f))
                 continue;
             const bool far = column - filled >= visit->plan->order.hole_reach;
-            if (far && !fill_pixel(visit, at, halves, view, column, cancel))
-                return false;
-            const bool hole = lf_film_is_hole(halves, n, pixel), settled = far && at->tries == 0;
+            const bool settled = far && at->tries == 0;
+            bool hole = lf_film_is_hole(halves, n, pixel);
             if (hole && settled)
                 lf_film_settle(&halves[visit->half], pixel);
+            else if (hole && far && !fill_pixel(visit, at, halves, view, column, &hole, cancel))
+                return false;
             *out_left += hole && far;
             filled = hole && !settled ? filled : column;
         }
@@ -67,7 +69,7 @@ static bool replay(lf_visit *visit, int64_t now, const lf_film_stream *from, int
                    const lf_cancel *cancel)
 {
     enum { REPLAYS = 8 };
-    for (int i = 0; i<2 * REPLAYS && * left> 0; i++) {
+    for (int i = 0; *left > 0 && i < 2 * REPLAYS; i++) {
         const int half = i % 2 ? 1 - visit->half : visit->half;
         const int64_t index = (int64_t)from->rows[visit->row].visits[half] - 1 - i / 2;
         film_points at = {.number = {lf_visit_key(lf_film_stream_random(from), visit->row, half),
@@ -77,7 +79,7 @@ static bool replay(lf_visit *visit, int64_t now, const lf_film_stream *from, int
                   end = index >= 0 ? lf_visit_planes(visit->plan, index) : 0;
         if (first < end && visit->plan->moment)
             lf_visit_set_moment(visit, at.number);
-        for (at.plane = first; at.plane<end && * left> 0; at.plane++) {
+        for (at.plane = first; *left > 0 && at.plane < end; at.plane++) {
             lf_visit_cut(visit, at.number, at.plane);
             if (!fill(visit, &at, left, cancel))
                 return false;
