@@ -188,11 +188,12 @@ static lf_status prepare(bench *b, lf_error *err)
     b->worker = b->rows->workers[0];
     b->worker->tracer.scene = b->renderer->scene;
     b->worker->tracer.rng = lf_hash64(a->options.seed, 1);
-    b->lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    b->lanes = lf_rig_lanes(rig);
     lf_rig_row_plane(rig, 0.5f * (float)rig->height, (float[2]){0.5f, 0.5f}, &b->plane);
-    const float phase[2] = {0.5f, 0.5f};
-    lf_media_cut(&b->worker->media, &b->rows->frame, b->renderer->scene->volumes, rig, &b->plane,
-                 phase, lf_kernels_get(), &b->worker->tracer.lookups);
+    const lf_media_plane at = {
+        .rig = rig, .plane = &b->plane, .kernels = lf_kernels_get(), .phase = {0.5f, 0.5f}};
+    lf_media_cut(&b->worker->media, &b->rows->frame, b->renderer->scene->volumes, &at,
+                 &b->worker->tracer.lookups);
     draw_fans(b);
     if (b->n_fans < N_FANS)
         return lf_error_set(

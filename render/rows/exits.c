@@ -11,14 +11,14 @@
 #include "render/transport/surface_texture.h"
 
 /* The triangle of a segment, kept in one of n faces. */
-static const lf_fan_face *face_in(const lf_visit *visit, const lf_section *section,
-                                  lf_fan_face *faces, int n, int segment)
+static const lf_fan_face *face_in(const lf_visit *visit, const lf_row_cut *cut, lf_fan_face *faces,
+                                  int n, int segment)
 {
     lf_fan_face *face = &faces[segment % n];
     /* rays find other segments of the same number */
-    if (face->segment != segment || section->rays.on) {
+    if (face->segment != segment || cut->section->rays.on) {
         face->segment = segment;
-        lf_section_face(section, visit->triangles, visit->scene, segment, &face->face);
+        lf_section_face(cut, segment, &face->face);
         if (visit->sunlight)
             lf_sunlight_face_init(&face->sunlight, visit->sunlight, face->face.n);
         if (visit->sums.albedo)
@@ -30,7 +30,8 @@ static const lf_fan_face *face_in(const lf_visit *visit, const lf_section *secti
 static const lf_fan_face *face_of(const lf_visit *visit, int segment)
 {
     lf_scratch *w = visit->worker;
-    return face_in(visit, &w->section, w->met.face, LF_FAN_FACES, segment);
+    const lf_row_cut section = lf_visit_section(visit);
+    return face_in(visit, &section, w->met.face, LF_FAN_FACES, segment);
 }
 
 /* Where ray k is at depth z. */
@@ -56,7 +57,8 @@ static bool meets_back(const lf_visit *visit, int k)
 {
     const lf_scratch *w = visit->worker;
     lf_face face;
-    lf_section_face(&w->section, visit->triangles, visit->scene, w->met.segment[k], &face);
+    const lf_row_cut section = lf_visit_section(visit);
+    lf_section_face(&section, w->met.segment[k], &face);
     return lf_dot(face.n, lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f)) > 0.0f;
 }
 
@@ -182,13 +184,13 @@ static void see_veil(const lf_exits *e, int k, int segment, float z, float share
                      const float off[2], lf_veil_seen *out)
 {
     lf_scratch *w = e->visit->worker;
-    const lf_section *section = &w->veil.section;
+    const lf_row_cut veils = lf_visit_veils(e->visit);
     const bool sun = e->visit->sunlight, albedo = e->visit->sums.albedo;
     float met[LF_ALBEDO_NUMBERS];
     const float nearness = lf_nearness(e->visit->rig->distance, z);
     memcpy(met, no_albedo, sizeof met);
     if (segment >= 0 && (sun || albedo)) {
-        const lf_fan_face *face = face_in(e->visit, section, w->veil.face, LF_VEIL_FACES, segment);
+        const lf_fan_face *face = face_in(e->visit, &veils, w->veil.face, LF_VEIL_FACES, segment);
         const bool pane = face->face.material->glass.is_pane;
         if (pane) /* it counts in q and W, and sends nothing */
             memset(met, 0, sizeof met);
@@ -370,12 +372,12 @@ void lf_exits_veils(const lf_exits *e, const lf_exit_fan *fan)
 {
     lf_scratch *w = e->visit->worker;
     const int from = fan->from;
-    const lf_veils veils = lf_visit_veils(e->visit);
+    const lf_row_cut veils = lf_visit_veils(e->visit);
     const bool features = e->visit->sums.feature;
     for (int k = from; k < fan->to; k++)
         w->veil.mirrored[k] = false;
-    lf_veils_along(&veils, fan->s0, fan->rays.n, w->x0 + from, w->z_end + from, w->factor + from,
-                   w->veil.mirrored + from, features ? w->veil.walk.ray + from : NULL);
+    lf_veils_along(&veils, &fan->lines, w->z_end + from, w->factor + from, w->veil.mirrored + from,
+                   features ? w->veil.walk.ray + from : NULL);
     for (int k = from; k < fan->to && features; k++)
         see_veils(e, k, fan->off);
 }
@@ -394,8 +396,8 @@ static void shine(const lf_visit *visit, const lf_exit_fan *fan, float u)
                               .corrected = !lf_has_fault(visit, LF_FAULT_NO_CORRECTION),
                               .veils = veiled ? &w->veil.walk : NULL};
     if (veiled) {
-        const lf_veils veils = lf_visit_veils(visit);
-        lf_veils_begin(&w->veil.walk, &veils, fan->s0, rays.n, rays.x0, rays.z_end);
+        const lf_row_cut veils = lf_visit_veils(visit);
+        lf_veils_begin(&w->veil.walk, &veils, &fan->lines, rays.z_end);
     }
     lf_shine_fan(&sources, u, &w->tracer, &w->shine, w->shine.light + from);
 }
@@ -406,9 +408,10 @@ static void follow(const lf_exits *e, int column, const lf_exit_fan *fan)
     const lf_visit *visit = e->visit;
     const int from = fan->from;
     lf_scratch *w = visit->worker;
-    if (visit->triangles)
-        lf_section_nearest(&w->section, visit->triangles, visit->rig, fan->s0, fan->rays.n,
-                           w->x0 + from, w->z_end + from, w->met.segment + from);
+    if (visit->triangles) {
+        const lf_row_cut section = lf_visit_section(visit);
+        lf_section_nearest(&section, &fan->lines, w->z_end + from, w->met.segment + from);
+    }
     if (w->media.n_here > 0) {
         w->met.moments.distance = visit->rig->distance;
         w->met.moments.first = from;
@@ -435,12 +438,12 @@ static lf_exit_fan begin_fan(const lf_exits *e, int column, int first, int end)
     if (visit->plane.lens_chord > 0.0f)
         lx = (2.0f * lf_outlines_lens(number->key, column, number->index, e->plane) - 1.0f) *
              visit->plane.lens_chord;
-    lf_exit_fan fan = {.s0 = meeting(rig, xw, lx),
-                       .off = {(e->quarter - film) * rig->dx / rig->distance, e->down}};
+    lf_exit_fan fan = {.off = {(e->quarter - film) * rig->dx / rig->distance, e->down}};
     lanes_of(&visit->worker->reach, rig->n_views, column, &fan.from, &fan.to);
     fan.from = fan.from > first ? fan.from : first;
     fan.to = fan.to < end ? fan.to : end;
     fan.rays = lf_visit_rays(visit, fan.from, fan.to);
+    fan.lines = (lf_lines){meeting(rig, xw, lx), fan.rays.n, fan.rays.x0};
     aim(visit, xw, lx);
     return fan;
 }

@@ -21,10 +21,10 @@ typedef struct lf_exits {
 
 /* The rays of a column's fan that may meet anything. */
 typedef struct lf_exit_fan {
-    int from, to; /* lanes of the worker */
-    float s0;     /* of the point through which they run (lf_section_nearest) */
-    float off[2]; /* from their slopes to those at which albedo is looked up */
-    lf_rays rays; /* the same */
+    int from, to;   /* lanes of the worker */
+    lf_rays rays;   /* the same … */
+    lf_lines lines; /* … and once more */
+    float off[2];   /* from their slopes to those at which albedo is looked up */
 } lf_exit_fan;
 
 /* What alpha surfaces and panes do to them (prefix_factor.h): multiplies worker->factor, and finds

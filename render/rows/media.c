@@ -41,8 +41,7 @@ void lf_media_finish(lf_media *media)
 }
 
 void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume *volumes,
-                  const lf_rig *rig, const lf_row_plane *plane, const float phase[2],
-                  const lf_kernels *kernels, int64_t *lookups)
+                  const lf_media_plane *at, int64_t *lookups)
 {
     media->n_here = 0;
     for (int i = 0; i < media->n; i++) {
@@ -54,12 +53,13 @@ void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume 
         m->colour[1] = colour.y;
         m->colour[2] = colour.z;
         if (m->kind == LF_MEDIUM_SLICE) {
-            *lookups +=
-                lf_slice_fill(&m->slice, &frame->item[i].slice, volume, rig, plane, phase, kernels);
+            *lookups += lf_slice_fill(&m->slice, &frame->item[i].slice, volume, at->rig, at->plane,
+                                      at->phase, at->kernels);
             here = m->slice.first <= m->slice.last;
         } else {
-            here = m->kind == LF_MEDIUM_VOXELS ? lf_voxels_cut(&m->voxels, volume, rig, plane)
-                                               : lf_body_cut(&m->body, volume, rig, plane);
+            here = m->kind == LF_MEDIUM_VOXELS
+                       ? lf_voxels_cut(&m->voxels, volume, at->rig, at->plane)
+                       : lf_body_cut(&m->body, volume, at->rig, at->plane);
         }
         if (here)
             media->here[media->n_here++] = i;
@@ -224,8 +224,8 @@ void lf_media_moments_of(const lf_media *media, const lf_rays *rays, const float
                          float *tau, lf_media_moments *out)
 {
     const lf_kernels *kernels = rays->kernels;
-    const float *x0 = rays->x0, *slope = rays->slope, *z_end = rays->z_end;
     const int first = out->first, n = rays->n;
+    const lf_feature_rays of = {n, rays->x0, rays->slope, rays->z_end, length, out->distance};
     float sum[3][LF_MAX_LANES], *const sums[3] = {sum[0], sum[1], sum[2]};
     lf_media_moments other, *to = out;
     memset(tau, 0, sizeof *tau * (size_t)n);
@@ -233,14 +233,12 @@ void lf_media_moments_of(const lf_media *media, const lf_rays *rays, const float
         const lf_medium *medium = &media->item[media->here[i]];
         if (medium->kind == LF_MEDIUM_BODY) {
             float *const lanes[3] = {to->met + first, to->nearness + first, to->spread + first};
-            kernels->within(&medium->body, n, x0, slope, z_end, length, out->distance, tau, lanes);
+            kernels->within(&medium->body, &of, tau, lanes);
         } else {
             if (medium->kind == LF_MEDIUM_SLICE)
-                kernels->moments(&medium->slice, n, x0, slope, z_end, length, out->distance, tau,
-                                 sums);
+                kernels->moments(&medium->slice, &of, tau, sums);
             else
-                lf_voxels_moments(&medium->voxels, n, x0, slope, z_end, length, out->distance, tau,
-                                  sums);
+                lf_voxels_moments(&medium->voxels, &of, tau, sums);
             moments_of(n, sums, first, to);
         }
         if (to == &other && any(other.met + first, n))

@@ -78,11 +78,17 @@ void lf_media_frame_init(lf_media_frame *frame, const lf_volume *volumes, int n,
 LF_NODISCARD lf_status lf_media_init(lf_media *media, const lf_media_frame *frame);
 void lf_media_finish(lf_media *media);
 
-/* Cuts the volumes with the row's plane; phase[2] in [0,1) moves the slices' samples and planes.
- * Adds the look-ups made to *lookups. */
+/* A row's plane, as volumes are cut with it. */
+typedef struct lf_media_plane {
+    const lf_rig *rig;
+    const lf_row_plane *plane;
+    const lf_kernels *kernels;
+    float phase[2]; /* in [0,1), moves the slices' samples and planes */
+} lf_media_plane;
+
+/* Cuts the volumes. Adds the look-ups made to *lookups. */
 void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume *volumes,
-                  const lf_rig *rig, const lf_row_plane *plane, const float phase[2],
-                  const lf_kernels *kernels, int64_t *lookups);
+                  const lf_media_plane *at, int64_t *lookups);
 
 /* The first collision of a base ray in the extinction of one channel (0 .. 2), u in [0,1) (further
  * numbers from the tracer). forced: with certainty where there is anything to collide with. */

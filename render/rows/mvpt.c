@@ -44,8 +44,8 @@ static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
     lf_scratch *w = visit->worker;
     const float seen[2] = {base >= 0 ? w->scale[base] : 0.0f, w->scale[0]};
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
-    lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on,
-                    lf_rig_lanes(visit->rig), w->x0, w->scale);
+    const lf_row_cut section = lf_visit_section(visit);
+    lf_section_hide(&section, pivot->event.p, on, lf_rig_lanes(visit->rig), w->x0, w->scale);
     lf_prefix_between(visit, pivot);
     if (base >= 0 && !(w->scale[base] > 0.0f)) {
         w->base_hidden++;

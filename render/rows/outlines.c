@@ -121,13 +121,14 @@ static void look(const lf_visit *visit, const row_edge *edge, int column, uint32
     lf_scratch *w = visit->worker;
     const int lanes = lf_rig_lanes(rig);
     const float s = (rig->x0 + (float)column * rig->dx) / rig->distance;
-    lf_section_nearest(edge->section, visit->triangles, rig, s, lanes, rig->b, w->z_end,
-                       w->met.segment);
+    lf_row_cut cut = {edge->section, visit->triangles, visit->scene, rig, &edge->plane};
+    const lf_lines lines = {s, lanes, rig->b};
+    lf_section_nearest(&cut, &lines, w->z_end, w->met.segment);
     for (int k = 0; k < lanes; k++)
         out->through[k] = 1.0f;
     if (edge->veils) {
-        const lf_veils veils = {edge->veils, visit->triangles, visit->scene, rig, &edge->plane};
-        lf_veils_along(&veils, s, lanes, rig->b, w->z_end, out->through, w->veil.mirrored, NULL);
+        cut.section = edge->veils;
+        lf_veils_along(&cut, &lines, w->z_end, out->through, w->veil.mirrored, NULL);
     }
     for (int k = 0; k < rig->n_views; k++) {
         const int segment = w->met.segment[k];

@@ -12,7 +12,7 @@ static bool has_veils(const lf_visit *visit)
 static void veils_between(const lf_visit *visit, const lf_pivot *pivot)
 {
     lf_scratch *w = visit->worker;
-    const lf_veils veils = lf_visit_veils(visit);
+    const lf_row_cut veils = lf_visit_veils(visit);
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
     lf_veils_before(&veils, pivot->event.p, on, lf_rig_lanes(visit->rig), w->x0, w->scale);
 }

@@ -262,8 +262,9 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
 /* Lanes [from, to) of the worker as rays from the cameras. */
 lf_rays lf_visit_rays(const lf_visit *visit, int from, int to);
 
-/* The veils of the visit's plane. */
-lf_veils lf_visit_veils(const lf_visit *visit);
+/* The meshes in the visit's plane, but for veils; and those. */
+lf_row_cut lf_visit_section(const lf_visit *visit);
+lf_row_cut lf_visit_veils(const lf_visit *visit);
 
 /* True when the pixel (view, column) has a base sample in this visit: each with probability subsets
  * / n_views, each column as often as any other, all of them after a whole cycle. */

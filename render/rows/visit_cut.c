@@ -40,10 +40,19 @@ lf_rays lf_visit_rays(const lf_visit *visit, int from, int to)
                      .channels = visit->extinction->channels > 1};
 }
 
-lf_veils lf_visit_veils(const lf_visit *visit)
+static lf_row_cut cut_of(const lf_visit *visit, const lf_section *section)
 {
-    return (lf_veils){&visit->worker->veil.section, visit->triangles, visit->scene, visit->rig,
-                      &visit->plane};
+    return (lf_row_cut){section, visit->triangles, visit->scene, visit->rig, &visit->plane};
+}
+
+lf_row_cut lf_visit_section(const lf_visit *visit)
+{
+    return cut_of(visit, &visit->worker->section);
+}
+
+lf_row_cut lf_visit_veils(const lf_visit *visit)
+{
+    return cut_of(visit, &visit->worker->veil.section);
 }
 
 void lf_visit_set_moment(lf_visit *visit, lf_visit_number number)
@@ -66,14 +75,16 @@ void lf_visit_cut(lf_visit *visit, lf_visit_number number, int plane)
     lf_scratch *w = visit->worker;
     const float lens[2] = {lf_sampler_radical(lf_hash64(key, 1), index),
                            lf_sampler_radical(lf_hash64(key, 2), index)};
-    const float phase[2] = {lf_sampler_radical(lf_hash64(key, 15), index),
-                            lf_sampler_radical(lf_hash64(key, 4), index)};
+    const lf_media_plane at = {.rig = visit->rig,
+                               .plane = &visit->plane,
+                               .kernels = visit->kernels,
+                               .phase = {lf_sampler_radical(lf_hash64(key, 15), index),
+                                         lf_sampler_radical(lf_hash64(key, 4), index)}};
     const float offset = lf_outlines_row(lf_hash64(key, 0), index, plane);
     lf_rig_row_plane(visit->rig, (float)visit->row + offset, lens, &visit->plane);
-    lf_media_cut(&w->media, plan->frame, visit->scene->volumes, visit->rig, &visit->plane, phase,
-                 visit->kernels, &w->tracer.lookups);
-    lf_media_cut(&w->shine.flames, plan->flames, visit->scene->flames.field, visit->rig,
-                 &visit->plane, phase, visit->kernels, &w->tracer.lookups);
+    lf_media_cut(&w->media, plan->frame, visit->scene->volumes, &at, &w->tracer.lookups);
+    lf_media_cut(&w->shine.flames, plan->flames, visit->scene->flames.field, &at,
+                 &w->tracer.lookups);
     if (visit->triangles)
         cut_meshes(visit);
     if (plan->skip & LF_SKIP_BACKGROUND)
