@@ -2,7 +2,7 @@
 
 #include "render/rows/extinction.h"
 
-/* ------------------------------------------------------------------------- alpha and panes -- */
+/* --------------------------------------------------------------------------- alpha and panes -- */
 
 static bool has_veils(const lf_visit *visit)
 {
@@ -40,7 +40,7 @@ static void pane_at(const lf_visit *visit, const lf_pivot *pivot)
 /* Along rays and before pivots they are veils. */
 static const lf_prefix_factor panes = {.applies = has_panes, .at = pane_at};
 
-/* ------------------------------------------------------------------------------ corrections -- */
+/* ------------------------------------------------------------------------------- corrections -- */
 
 static bool has_slices(const lf_visit *visit)
 {
@@ -93,7 +93,7 @@ static void correct_along(const lf_exits *e, const lf_exit_fan *fan)
 static const lf_prefix_factor corrections = {
     .applies = has_slices, .received = correct, .along = correct_along};
 
-/* --------------------------------------------------------------------------------- the list -- */
+/* ---------------------------------------------------------------------------------- the list -- */
 
 static const lf_prefix_factor *const factors[LF_PREFIX_FACTORS] = {&corrections, &veils, &panes};
 
@@ -123,7 +123,7 @@ bool lf_prefix_received(const lf_visit *visit, const lf_pivot *pivot, const lf_r
     return there;
 }
 
-/* -------------------------------------------------------------------------- one view's own -- */
+/* ---------------------------------------------------------------------------- one view's own -- */
 
 void lf_own_ray_init(lf_own_ray *out, const lf_visit *visit, int view, const lf_pivot *pivot)
 {

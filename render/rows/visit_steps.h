@@ -16,7 +16,7 @@ static inline uint64_t lf_visit_key(uint64_t random, int row, int half)
     return lf_hash64(lf_hash64(random, (uint64_t)row), (uint64_t)half);
 }
 
-/* ------------------------------------------------------------------------- visit_lattice.c -- */
+/* ----------------------------------------------------------------------------- visit_views.c -- */
 
 /* A step coprime to n near n times 1 - 1/golden ratio: neighbouring columns take distant views. */
 int lf_lattice_step(int n);
@@ -28,7 +28,7 @@ int lf_lattice_inverse(int step, int n);
  * in any n passes, however they were cut into visits. */
 int lf_lattice_view(const lf_visit *visit, int column, int j);
 
-/* ----------------------------------------------------------------------------- visit_cut.c -- */
+/* ------------------------------------------------------------------------------- visit_cut.c -- */
 
 /* Draws the moment of a visit of what moves (lf_visit_plan.moment). */
 void lf_visit_set_moment(lf_visit *visit, lf_visit_number number);
@@ -39,7 +39,7 @@ void lf_visit_cut(lf_visit *visit, lf_visit_number number, int plane);
 /* Planes in which a visit finds B and q, at most; index is its number in its half. */
 int lf_visit_planes(const lf_visit_plan *plan, int64_t index);
 
-/* ---------------------------------------------------------------------------- visit_base.c -- */
+/* ------------------------------------------------------------------------------ visit_base.c -- */
 
 /* A base sample to be taken. */
 typedef struct lf_base {
@@ -53,7 +53,7 @@ typedef struct lf_base {
 /* Takes it: spreads the pivot that it finds over the views, and adds its native samples. */
 void lf_base_sample(lf_visit *visit, const lf_base *base);
 
-/* --------------------------------------------------------------------------- visit_holes.c -- */
+/* ----------------------------------------------------------------------------- visit_holes.c -- */
 
 /* Fills the holes of a row: in the plane of the visit that has just been (now: its number in its
  * half; < 0: none has), where most are found at once, then in those of earlier visits, one of which
