@@ -19,8 +19,8 @@ static const lf_fan_face *face_in(const lf_visit *visit, const lf_row_cut *cut, 
     if (face->segment != segment || cut->section->rays.on) {
         face->segment = segment;
         lf_section_face(cut, segment, &face->face);
-        if (visit->sunlight)
-            lf_sunlight_face_init(&face->sunlight, visit->sunlight, face->face.n);
+        if (visit->plan->order.sunlight)
+            lf_sunlight_face_init(&face->sunlight, visit->plan->order.sunlight, face->face.n);
         if (visit->sums.albedo)
             lf_face_albedo_init(&face->albedo, &face->face);
     }
@@ -109,7 +109,7 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
 /* What a surface that ray k meets at depth z sends on of sunlight, which there is. */
 static float sunlight_of(const lf_visit *visit, int k, float z, const lf_fan_face *face)
 {
-    const lf_sunlight *sunlight = visit->sunlight;
+    const lf_sunlight *sunlight = visit->plan->order.sunlight;
     lf_hit hit;
     lf_vec3 along;
     if (!lf_sunlight_has_suns(sunlight)) {
@@ -184,7 +184,7 @@ static void see_veil(const lf_exits *e, int k, int segment, float z, float share
 {
     lf_scratch *w = e->visit->worker;
     const lf_row_cut veils = lf_visit_veils(e->visit);
-    const bool sun = e->visit->sunlight, albedo = e->visit->sums.albedo;
+    const bool sun = e->visit->plan->order.sunlight, albedo = e->visit->sums.albedo;
     float met[LF_ALBEDO_NUMBERS];
     const float nearness = lf_nearness(e->visit->rig->distance, z);
     memcpy(met, no_albedo, sizeof met);
@@ -258,7 +258,7 @@ static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, con
         feature.spread =
             sqrtf(medium * (feature.spread * feature.spread + feature.surface * (apart * apart)));
         feature.nearness = wall + medium * apart;
-        if (feature.surface > LEAST_SEEN && e->visit->sunlight)
+        if (feature.surface > LEAST_SEEN && e->visit->plan->order.sunlight)
             feature.light = feature.surface * sunlight_of(visit, k, worker->z_end[k],
                                                           face_of(visit, worker->met.segment[k]));
     }

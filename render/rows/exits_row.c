@@ -212,7 +212,8 @@ static lf_exits begin(const lf_visit *visit)
     choose_quarter(&e);
     for (int k = 0; k < LF_MAX_LANES; k++)
         w->met.segment[k] = -1; /* and so it stays without meshes */
-    for (int i = 0; i < LF_FAN_FACES && (visit->sunlight || visit->scene->looks.varied); i++)
+    for (int i = 0; i < LF_FAN_FACES && (visit->plan->order.sunlight || visit->scene->looks.varied);
+         i++)
         w->met.face[i].segment = -1;
     for (int i = 0; i < LF_VEIL_FACES && e.veiled; i++)
         w->veil.face[i].segment = -1;

@@ -58,7 +58,7 @@ static void chain_begin(const lf_visit *visit, int view, const lf_pivot *pivot, 
                 my = visit->plane.my;
     *out = (lf_delta_chain){.tracer = &visit->worker->tracer,
                             .max_depth = visit->max_depth,
-                            .sunlight = visit->sunlight,
+                            .sunlight = visit->plan->order.sunlight,
                             .apart = apart,
                             .tinted = visit->worker->sums.albedo,
                             .distance = visit->rig->distance,
@@ -181,8 +181,8 @@ void lf_natives_of_surface(lf_visit *visit, int view, int column, const lf_pivot
     if (visit->scene->looks.veiled)
         add_glow_of_veil(visit, view, column, pivot);
     lf_shade(&pivot->event.hit, lf_scale(pivot->event.w, -1.0f), &shading);
-    if (visit->pilot && shading.n_deltas > 0)
-        lf_counts_mark_delta(visit->pilot, visit->row, view, column);
+    if (visit->plan->pilot && shading.n_deltas > 0)
+        lf_counts_mark_delta(visit->plan->pilot, visit->row, view, column);
     chain_begin(visit, view, pivot, stands_apart(visit, pivot), &chain);
     for (int i = 0; i < shading.n_deltas; i++)
         lf_delta_chain_follow(&chain, &pivot->event, &shading.delta[i], 1.0f);

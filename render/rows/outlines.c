@@ -154,7 +154,8 @@ static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool 
  * much of itself in a pixel, and under suns edges of shadows. */
 static uint32_t comparable_triangles(const lf_visit *visit)
 {
-    const bool suns = visit->sunlight && lf_sunlight_has_suns(visit->sunlight);
+    const bool suns =
+        visit->plan->order.sunlight && lf_sunlight_has_suns(visit->plan->order.sunlight);
     return suns ? 0 : visit->triangles->mesh_start[visit->scene->n_meshes];
 }
 

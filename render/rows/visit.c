@@ -136,8 +136,6 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
     visit->more = plan->order.subsets > 0
                       ? (float)(visit->mirror_rounds * views) / (float)plan->order.subsets
                       : 0.0f;
-    visit->pilot = plan->pilot;
-    visit->sunlight = plan->order.sunlight;
     visit->faults = plan->order.faults;
     visit->worker->tracer.scene = plan->scene;
     if (plan->counts) {

@@ -6,7 +6,6 @@
 
 #include "render/film/film.h"
 #include "render/integrator.h"
-#include "render/plane/correction.h"
 #include "render/plane/media.h"
 #include "render/plane/reach.h"
 #include "render/plane/section.h"
@@ -200,8 +199,6 @@ typedef struct lf_visit {
      * everywhere. 0 in pixels that nobody reads: they are sampled by nobody, missing in everybody's
      * sum, and receive nothing. */
     const float *expected;
-    const lf_counts *pilot;             /* as in lf_visit_plan */
-    const struct lf_sunlight *sunlight; /* lf_visit_order's */
     /* native samples of its own that each pixel of worker->mirrors gets, beyond base samples or in
      * their place (visit.c); and the same in units of subsets / n_views */
     int mirror_rounds;
