@@ -22,7 +22,7 @@ fuzz_libs_places := meshes render base
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
 # Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/rows/visit.h).
-test_faults_render := $(patsubst %,render/rows/%.c,exits exits_row glow_visit mvpt visit)
+test_faults_render := $(patsubst %,render/rows/%.c,exits extinction_chromatic extinction_grey glow_visit mvpt prefix_factor visit visit_cut)
 
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
