@@ -33,7 +33,12 @@ $(foreach f,$(patsubst %.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.
 endif
 
 # a reader of the test's own, which gives up the same rights
-$(addprefix $(O)/tests/render/,test_import test_import_group test_import_shares): $(O)/base/sandbox/confine.c.o
+own_readers := $(addprefix render/,test_import test_import_group test_import_shares)
+$(addprefix $(O)/tests/,$(own_readers)): $(O)/base/sandbox/confine.c.o
+# Tests that are no part of their folder's program, as those with a wrap_ are not: with objects of their own, or who are asked for the
+# files of a mesh.
+alone_tests := $(own_readers) $(addprefix render/,test_obj_read $(patsubst %,test_gltf_%,extensions formats material pointer pointer_frames \
+ pointer_told read))
 
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))

@@ -195,12 +195,12 @@ sections_in_no_map() {
     done
 }
 empty_assertions() { grep_code "$1" 'assert_true\((1|true)\)|assert_int_equal\(([0-9]+), \2\)'; }
-# CI's lists name programs that are there.
 # Numbers are read by base/number.h; texts of the kernel and of our own may be read by a pattern. HDR headers are older than the rule.
 numbers_by_the_library() {
     grep_code "$1" '\b(strto(d|f|ld|l|ul|ll|ull|imax|umax)|ato[ifl]|f?s?scanf)\(' |
         grep -vE '^(tests|scenes)/|^base/(number|image_hdr)\.c:|^device/(model/vhci|sim/sim_unplug|drm/kms)\.c:'
 }
+# CI's lists name programs, and tests of programs, that are there.
 listed_tests_are_there() {
     local list lists=()
     for list in statistics threads longest; do
@@ -209,6 +209,9 @@ listed_tests_are_there() {
     (cd "$1" && find tests -name 'test_*.c' -o -name '*.sh' | awk '
         FILENAME == "-" { programs = programs "\n" $0; next }
         !index(programs, $0) { print FILENAME ": " $0 }' - "${lists[@]}")
+    [ ! -e "$1/.ci/repeated" ] || while IFS=': ' read -r program name; do
+        grep -qs "cmocka_unit_test[a-z_]*($name[,)]" "$1/$program.c" || echo ".ci/repeated: $program: $name"
+    done < "$1/.ci/repeated"
 }
 
 # Arrows that rooms of render/ must not have: a folder, and a header that nothing in it may include.
