@@ -210,7 +210,7 @@ listed_tests_are_there() {
         FILENAME == "-" { programs = programs "\n" $0; next }
         !index(programs, $0) { print FILENAME ": " $0 }' - "${lists[@]}")
     [ ! -e "$1/.ci/repeated" ] || while IFS=': ' read -r program name; do
-        grep -qs "cmocka_unit_test[a-z_]*($name[,)]" "$1/$program.c" || echo ".ci/repeated: $program: $name"
+        grep -qs "cmocka_unit_test[a-z_]*(${name}[,)]" "$1/$program.c" || echo ".ci/repeated: $program: $name"
     done < "$1/.ci/repeated"
 }
 
