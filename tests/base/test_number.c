@@ -78,9 +78,9 @@ static void what_is_behind_a_number_is_told(void **state)
         const char *text, *points;
         double value;
         const char *rest;
-    } cases[] = {{"3.1+e2", ".", 3.1, "+e2"}, {"0x10", ".", 0, "x10"},   {"1,5", ".", 1, ",5"},
-                 {"1,5", ".,", 1.5, ""},      {"1e5x", ".", 1e5, "x"},   {"2e", ".", 2, "e"},
-                 {"7.png", ".", 7, "png"},    {"1,2,3", ".,", 1.2, ",3"}};
+    } cases[] = {{"3.1+e2", ".", 3.1, "+e2"}, {"0x10", ".", 0, "x10"},  {"1,5", ".", 1, ",5"},
+                 {"1,5", ".,", 1.5, ""},      {"1e5x", ".", 1e5, "x"},  {"2e", ".", 2, "e"},
+                 {"2ex", ".", 2, "ex"},       {"7.png", ".", 7, "png"}, {"1,2,3", ".,", 1.2, ",3"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         double value;
         const char *rest = lf_decimal_read(cases[i].text, cases[i].points, &value);

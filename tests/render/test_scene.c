@@ -27,9 +27,8 @@ static lf_scene *make_scene(const char *text, const char *folder, const lf_scene
     return scene;
 }
 
-#define DEGREE (M_PI / 180.0)
-
 /* ----------------------------------------------------------------------------------- parsing -- */
+#define DEGREE (M_PI / 180.0)
 
 static void an_empty_scene_has_the_defaults_of_the_manual(void **state)
 {
