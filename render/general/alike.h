@@ -9,6 +9,10 @@
 #include "render/transport/light.h"
 #include "render/transport/sampler.h"
 
+/* What all of them support; those that have surfaces, more. */
+#define LF_REFERENCE_SUPPORT                                                                       \
+    (LF_TRAITS_PLAIN_MEDIA | LF_TRAITS_LIGHT | LF_TRAIT_LENS | LF_TRAIT_VIEW_BLUR)
+
 /* Which pixels a visit takes: each with probability subsets / n_views, each once in any n_views
  * passes. Column u = first, first + column_step, … takes the views u + start + j, j < subsets;
  * start is uniform in a half's first visit and runs on. */
@@ -38,21 +42,6 @@ static inline lf_vec3 lf_rig_sky(const lf_rig *rig, const lf_scene *seen, lf_vec
     if (seen->backdrop.given)
         return lf_backdrop_at(&seen->backdrop, lf_rig_height_between(rig, my));
     return lf_light_seen(seen, w);
-}
-
-/* What no reference mode knows, in words behind "renders no"; NULL: nothing of it is there. */
-static inline const char *lf_reference_unknown(const lf_scene *scene,
-                                               const lf_render_settings *settings)
-{
-    if (scene->flames.n > 0)
-        return "volumes that emit; the scene has some";
-    if (scene->looks.chromatic)
-        return "extinction that has a colour; the scene's has";
-    if (scene->looks.moving || settings->camera.moves)
-        return "motion; something moves while the shutter is open";
-    if (settings->features)
-        return "reconstructed pictures (--reconstruct off) or depth";
-    return NULL;
 }
 
 #endif

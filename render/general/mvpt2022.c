@@ -1,4 +1,5 @@
 /* Volumetric Multi-View Rendering (Fraboni et al. 2022): which views share, and equation 23. */
+#include "render/general/alike.h"
 #include "render/general/count.h"
 #include "render/general/prefix.h"
 
@@ -81,13 +82,15 @@ const lf_general_kind lf_general_mvpt2022 = {
               .what = "null chains shifted to all views, as in 2022",
               .shares = true,
               .shifts = true,
-              .selects = true},
+              .selects = true,
+              .supports = LF_GENERAL_SUPPORT | LF_REFERENCE_SUPPORT},
     .weigh = weigh};
 const lf_general_kind lf_general_mismvpt = {
     .entry = {.name = "mismvpt",
               .what = "the same with weights of multiple importance sampling",
               .shares = true,
-              .shifts = true},
+              .shifts = true,
+              .supports = LF_GENERAL_SUPPORT | LF_REFERENCE_SUPPORT},
     .mis = true,
     .weigh = weigh};
 const lf_general_kind lf_general_amvpt2022 = {
@@ -96,6 +99,7 @@ const lf_general_kind lf_general_amvpt2022 = {
               .shares = true,
               .shifts = true,
               .selects = true,
-              .remembers = true},
+              .remembers = true,
+              .supports = LF_GENERAL_SUPPORT | LF_REFERENCE_SUPPORT},
     .adaptive = true,
     .weigh = weigh};

@@ -36,45 +36,65 @@ static bool has_tinting_texture(const lf_material *m)
                            (m->metallic > 0.0f && m->textures->pyramid[LF_SLOT_METAL_ROUGH]));
 }
 
-void lf_scene_look(lf_scene *scene)
+static lf_traits mesh_traits(const lf_mesh *mesh)
+{
+    const lf_traits coloured = LF_TRAIT_VARYING | LF_TRAIT_VARYING_ALBEDO | LF_TRAIT_VERTEX_COLOURS;
+    return LF_TRAIT_SURFACES | (mesh->colours ? coloured : 0) |
+           (mesh->hidden ? LF_TRAIT_HIDDEN_MESHES : 0) |
+           (mesh->close.vertices ? LF_TRAIT_MOTION : 0) | (mesh->placed ? LF_TRAIT_INSTANCES : 0) |
+           (mesh->catcher ? LF_TRAIT_CATCHERS : 0) | (mesh->reflects ? LF_TRAIT_REFLECTIONS : 0);
+}
+
+static lf_traits glass_traits(const lf_material *m)
+{
+    const lf_glass *glass = &m->glass;
+    const bool solid = m->is_solid && m->transmission > 0.0f,
+               filled = lf_max3(glass->absorption) > 0.0f || lf_max3(glass->scattering) > 0.0f;
+    return (glass->is_pane ? LF_TRAIT_THIN_GLASS : 0) |
+           (m->is_solid && glass->is_rough ? LF_TRAIT_ROUGH_GLASS : 0) |
+           (solid && filled ? LF_TRAIT_FILLED_GLASS : 0) |
+           (glass->subsurface > 0.0f ? LF_TRAIT_SUBSURFACE : 0);
+}
+
+static lf_traits material_traits(const lf_material *m)
+{
+    return glass_traits(m) | (m->has_delta ? LF_TRAIT_MIRRORS : 0) |
+           (m->textures || m->brush.strength > 0.0f ? LF_TRAIT_VARYING : 0) |
+           (has_tinting_texture(m) ? LF_TRAIT_VARYING_ALBEDO : 0) |
+           (m->cover != LF_COVER_OPAQUE ? LF_TRAIT_ALPHA : 0) |
+           (lf_max3(m->emission) > 0.0f ? LF_TRAIT_EMISSION : 0) |
+           (m->kind->view_dependent ? LF_TRAIT_VIEW_LOBES : 0);
+}
+
+static lf_traits volume_traits(const lf_volume *volume)
+{
+    const bool chromatic = lf_volume_is_there(volume) && lf_max3(volume->colour) > 0.0f;
+    return LF_TRAIT_MEDIA | (lf_volume_is_isotropic(volume) ? 0 : LF_TRAIT_VIEW_LOBES) |
+           (volume->kind == LF_VOLUME_GRID ? 0 : LF_TRAIT_HOMOGENEOUS_MEDIA) |
+           (volume->nearest ? LF_TRAIT_NEAREST_VOXELS : 0) |
+           (chromatic ? LF_TRAIT_CHROMATIC_MEDIA : 0) |
+           (volume->albedo_fields ? LF_TRAIT_VARYING_MEDIA : 0) |
+           (volume->second.share > 0.0f ? LF_TRAIT_TWO_LOBES : 0) |
+           (volume->way || volume->steps ? LF_TRAIT_MOTION : 0);
+}
+
+void lf_scene_find_traits(lf_scene *scene)
 {
     bool used[LF_MAX_MATERIALS] = {false};
+    lf_traits found = scene->flames.n > 0 ? LF_TRAIT_VOLUME_EMISSION : 0;
+    found |= scene->backdrop.given ? LF_TRAIT_BACKDROP : 0;
     colour_panes(scene);
     for (int i = 0; i < scene->n_meshes; i++) {
         mark_used(&scene->meshes[i], used);
-        scene->looks.varied |= !!scene->meshes[i].colours;
-        scene->looks.coloured |= !!scene->meshes[i].colours;
-        scene->looks.tinted |= !!scene->meshes[i].colours;
-        scene->looks.hidden |= scene->meshes[i].hidden;
-        scene->looks.moving |= !!scene->meshes[i].close.vertices;
-        scene->looks.placed |= !!scene->meshes[i].placed;
-        scene->looks.caught |= scene->meshes[i].catcher;
-        scene->looks.reflected |= scene->meshes[i].reflects;
+        found |= mesh_traits(&scene->meshes[i]);
     }
-    for (int m = 0; m < scene->n_materials; m++) {
-        const lf_material *material = &scene->materials[m];
-        scene->has_delta |= used[m] && material->has_delta;
-        scene->looks.varied |= used[m] && (material->textures || material->brush.strength > 0.0f);
-        scene->looks.tinted |= used[m] && has_tinting_texture(material);
-        scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
-                               (lf_max3(material->glass.absorption) > 0.0f ||
-                                lf_max3(material->glass.scattering) > 0.0f);
-        scene->looks.fleshy |= used[m] && material->glass.subsurface > 0.0f;
-        scene->looks.frosted |= used[m] && lf_is_sided(material);
-        scene->looks.paned |= used[m] && material->glass.is_pane;
-        scene->looks.veiled |= used[m] && lf_is_veil(material);
-        scene->has_emission |= used[m] && lf_max3(material->emission) > 0.0f;
-        scene->has_view_lobes |= used[m] && material->kind->view_dependent;
-    }
-    scene->looks.filled |= scene->looks.fleshy;
+    for (int m = 0; m < scene->n_materials; m++)
+        found |= used[m] ? material_traits(&scene->materials[m]) : 0;
     for (int i = 0; i < scene->n_lights; i++)
-        scene->looks.moving |= !!scene->lights[i].way;
-    for (int i = 0; i < scene->n_volumes; i++) {
-        const lf_volume *volume = &scene->volumes[i];
-        scene->has_view_lobes |= !lf_volume_is_isotropic(volume);
-        scene->looks.moving |= volume->way || volume->steps;
-        scene->looks.chromatic |= lf_volume_is_there(volume) && lf_max3(volume->colour) > 0.0f;
-    }
+        found |= scene->lights[i].way ? LF_TRAIT_MOTION : 0;
+    for (int i = 0; i < scene->n_volumes; i++)
+        found |= volume_traits(&scene->volumes[i]);
     for (int i = 0; i < scene->flames.n; i++)
-        scene->looks.moving |= !!scene->flames.field[i].steps;
+        found |= scene->flames.field[i].steps ? LF_TRAIT_MOTION : 0;
+    scene->traits |= found;
 }

@@ -1,4 +1,4 @@
-/* What a scene has that most lack, found once it is complete; private to render/. */
+/* The traits of a scene (traits.h), found once it is complete; private to render/. */
 #ifndef LF_RENDER_SCENE_LOOKS_H
 #define LF_RENDER_SCENE_LOOKS_H
 
@@ -10,8 +10,8 @@ static inline bool lf_volume_is_there(const lf_volume *volume)
     return volume->sigma_max > 0.0f;
 }
 
-/* Sets looks, has_delta, has_emission and has_view_lobes by what the meshes, lights and volumes of
- * a scene are. Materials that nothing is made of do not count. */
-void lf_scene_look(lf_scene *scene);
+/* Adds to scene->traits what its meshes, materials and volumes are; materials that nothing is made
+ * of do not count. lf_lights_commit adds those of its lights, lf_nest_glass that of its glass. */
+void lf_scene_find_traits(lf_scene *scene);
 
 #endif

@@ -45,7 +45,7 @@ static void hit_of(const lf_visit *visit, int k, float z, const lf_fan_face *fac
 {
     const lf_vec3 p = place_of(visit, k, z, out_along);
     lf_face_hit(&face->face, p, *out_along, out);
-    if (visit->scene->looks.varied && lf_is_varied(out->mesh, out->material))
+    if (lf_has(visit->scene, LF_TRAIT_VARYING) && lf_is_varied(out->mesh, out->material))
         lf_hit_vary(out, lf_rig_spread(visit->rig) * z);
 }
 
@@ -335,7 +335,7 @@ bool lf_exits_sky(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out
 
 bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
 {
-    if (scene->flames.n > 0 || scene->looks.chromatic)
+    if (scene->flames.n > 0 || lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA))
         return false;
     for (int i = 0; i < scene->n_materials && scene->embree; i++) {
         const lf_material *m = &scene->materials[i];
@@ -421,7 +421,7 @@ static void correct(const lf_visit *visit, float density, int from, int to)
                     w->slope + from,
                     w->z_end + from,
                     0.0f,
-                    visit->scene->looks.chromatic};
+                    lf_has(visit->scene, LF_TRAIT_CHROMATIC_MEDIA)};
     lf_correction_transmittance(&w->media, &rays, density, 0.5f, &w->tracer,
                                 rays.channels ? w->channels.factor : w->factor + from);
 }
@@ -435,10 +435,10 @@ static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bo
     if (features)
         lf_media_moments_of(&w->media, plan->kernels, to - from, x0, slope, z_end, w->length + from,
                             w->tau + from, &w->met.moments);
-    else if (!plan->scene->looks.chromatic)
+    else if (!lf_has(plan->scene, LF_TRAIT_CHROMATIC_MEDIA))
         lf_media_depths(&w->media, plan->kernels, to - from, x0, slope, z_end, w->tau + from, -1,
                         NULL);
-    if (!plan->scene->looks.chromatic)
+    if (!lf_has(plan->scene, LF_TRAIT_CHROMATIC_MEDIA))
         return;
     lf_media_depths_of_channels(&w->media, plan->kernels, to - from, x0, slope, z_end,
                                 w->channels.tau, -1, NULL);
@@ -450,7 +450,7 @@ static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bo
 static void shine(const lf_visit *visit, float s0, int from, int to, float u)
 {
     lf_scratch *w = visit->worker;
-    const bool veiled = visit->scene->looks.veiled;
+    const bool veiled = lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
     const lf_rays rays = {visit->scene, visit->rig,      &visit->plane,   visit->kernels, to - from,
                           w->x0 + from, w->slope + from, w->z_end + from, 0.0f,           false};
     const lf_shine sources = {.media = &w->media,
@@ -519,7 +519,7 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end)
         size_t pixel = (size_t)k * (size_t)rig->width + (size_t)column;
         float weight = (e->corrected || e->veiled) && reached ? w->factor[k] : 1.0f, through, lost;
         lf_vec3 transmittance;
-        if (scene->looks.chromatic) {
+        if (lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA)) {
             lost = lost_of_channels(w, k, k - from, to - from, weight, &transmittance);
         } else {
             lost = lost_in(w->tau[k] * w->length[k], weight, &through);

@@ -58,7 +58,8 @@ static bool sees_texture(const lf_exits *e, const lf_fan_end *at, int k)
 {
     const int material = at->material[k];
     return e->visit->sums.albedo && material >= 0 &&
-           (e->plan->scene->looks.coloured || e->plan->scene->materials[material].textures);
+           (lf_has(e->plan->scene, LF_TRAIT_VERTEX_COLOURS) ||
+            e->plan->scene->materials[material].textures);
 }
 
 /* Whether an edge runs between two columns of view k: what is seen there would be torn to a ramp.
@@ -208,11 +209,12 @@ static lf_exits begin(const lf_visit_plan *plan, const lf_visit *visit, uint64_t
     e.corrected = !plan->order.coarse && lf_correction_needed(&w->media) &&
                   !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
     e.density = lf_correction_exit_density(contributions(plan), visit->sums.feature);
-    e.veiled = plan->scene->looks.veiled;
+    e.veiled = lf_has(plan->scene, LF_TRAITS_SEEN_THROUGH);
     choose_quarter(&e);
     for (int k = 0; k < LF_MAX_LANES; k++)
         w->met.segment[k] = -1; /* and so it stays without meshes */
-    for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->looks.varied); i++)
+    for (int i = 0;
+         i < LF_FAN_FACES && (plan->order.sunlight || lf_has(plan->scene, LF_TRAIT_VARYING)); i++)
         w->met.face[i].segment = -1;
     for (int i = 0; i < LF_VEIL_FACES && e.veiled; i++)
         w->veil.face[i].segment = -1;

@@ -50,7 +50,7 @@ static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
     lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on,
                     lanes_of(visit->rig), w->x0, w->scale);
-    if (visit->scene->looks.veiled) {
+    if (lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH)) {
         const lf_veils veils = lf_visit_veils(visit);
         lf_veils_before(&veils, pivot->event.p, on, lanes_of(visit->rig), w->x0, w->scale);
     }
@@ -72,7 +72,7 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
         w->tau[k] = 0.0f;
     if (w->media.n_here == 0)
         return;
-    if (visit->scene->looks.chromatic)
+    if (lf_has(visit->scene, LF_TRAIT_CHROMATIC_MEDIA))
         lf_media_depths_of_channels(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end,
                                     w->channels.tau, surface ? -1 : pivot->medium, w->sigma);
     else
@@ -194,9 +194,16 @@ static bool correct(const lf_visit *visit, const lf_pivot *pivot)
         return false;
     for (int k = 0; k < n; k++)
         w->factor[k] = medium && w->density[k] > 0.0f ? truth / w->sigma[k] : 1.0f;
-    lf_rays rays = {
-        visit->scene, visit->rig, &visit->plane, visit->kernels, n,
-        w->x0,        w->slope,   w->z_end,      0.0f,           visit->scene->looks.chromatic};
+    lf_rays rays = {visit->scene,
+                    visit->rig,
+                    &visit->plane,
+                    visit->kernels,
+                    n,
+                    w->x0,
+                    w->slope,
+                    w->z_end,
+                    0.0f,
+                    lf_has(visit->scene, LF_TRAIT_CHROMATIC_MEDIA)};
     if (rays.channels) {
         correct_channels(visit, &rays);
         return true;
@@ -274,7 +281,7 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
         y = lf_v3(0.0f, 0.0f, 0.0f);
     }
     float scale = pivot->boost / sum;
-    if (visit->scene->looks.chromatic)
+    if (lf_has(visit->scene, LF_TRAIT_CHROMATIC_MEDIA))
         spread_channels(visit, y, scale);
     else
         spread_colour(visit, y, scale);
@@ -433,7 +440,7 @@ static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
         return;
     for (int t = 0; t < f->n_terms; t++)
         tinted[t] = lf_mul(radiance, f->colour[t]);
-    if (visit->scene->looks.chromatic) {
+    if (lf_has(visit->scene, LF_TRAIT_CHROMATIC_MEDIA)) {
         add_coloured_lobes(visit, f, tinted);
         return;
     }
@@ -591,7 +598,7 @@ static float fan(lf_visit *visit, int base, int column, const lf_pivot *pivot)
     if (pivot->is_pane)
         met_by_chance(visit, pivot);
     float sum;
-    if (visit->scene->looks.chromatic)
+    if (lf_has(visit->scene, LF_TRAIT_CHROMATIC_MEDIA))
         sum = mean_densities(visit, pivot);
     else if (w->media.n_here > 0)
         sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
@@ -676,7 +683,8 @@ static void balance_mvpt(lf_visit *visit, int view, int column, const lf_pivot *
 const lf_sharing lf_sharing_mvpt = {.entry = {.name = "mvpt",
                                               .what = "every path serves all views that see it",
                                               .shares = true,
-                                              .reconstructs = true},
+                                              .reconstructs = true,
+                                              .supports = LF_ROWS_SUPPORT},
                                     .suffixes = 4,
                                     .pivot = pivot_mvpt,
                                     .glow = glow_mvpt,
@@ -685,7 +693,8 @@ const lf_sharing lf_sharing_amvpt = {.entry = {.name = "amvpt",
                                                .what = "mvpt with more paths where the error is",
                                                .shares = true,
                                                .reconstructs = true,
-                                               .remembers = true},
+                                               .remembers = true,
+                                               .supports = LF_ROWS_SUPPORT},
                                      .suffixes = 4,
                                      .adaptive = true,
                                      .pivot = pivot_mvpt,

@@ -99,7 +99,7 @@ typedef struct row_edge {
 static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge, row_edge *out)
 {
     static const float no_lens[2] = {0.5f, 0.5f};
-    const bool veiled = plan->scene->looks.veiled;
+    const bool veiled = lf_has(plan->scene, LF_TRAITS_SEEN_THROUGH);
     lf_scratch *w = visit->worker;
     out->section = edge == 0 ? &w->section : &w->met.outlines.edge;
     out->veils = edge == 0 ? &w->veil.section : &w->met.outlines.veils;

@@ -70,7 +70,7 @@ void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, 
     if (visit->worker->glows.n > 0 && suffix->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
         suffix->found_light = lf_light_of_hit(visit->scene, &next.hit);
     suffix->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
-    if (visit->scene->looks.filled)
+    if (lf_has(visit->scene, LF_TRAITS_FILLED))
         suffix->found = lf_mul(suffix->found, lf_path_absorbed(visit->scene, &next));
 }
 
@@ -83,7 +83,7 @@ void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf
     out->has_light = lf_light_draw(visit->scene, pivot->event.p, u, &out->light);
     if (out->has_light)
         out->light_visible = lf_path_visible(&visit->worker->tracer, &pivot->event, &out->light);
-    if (out->has_light && visit->scene->looks.filled)
+    if (out->has_light && lf_has(visit->scene, LF_TRAITS_FILLED))
         out->light.radiance = lf_mul(
             out->light.radiance, lf_path_absorbed_light(visit->scene, &pivot->event, &out->light));
     lf_suffix_redraw(visit, pivot, wo, out);
@@ -141,7 +141,7 @@ float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot
     bool corrected =
         lf_correction_needed(&w->media) && !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
     *out_channels = lf_v3(1.0f, 1.0f, 1.0f);
-    if (!corrected && !visit->scene->looks.chromatic)
+    if (!corrected && !lf_has(visit->scene, LF_TRAIT_CHROMATIC_MEDIA))
         return 1.0f;
     float x0 = visit->rig->b[view] + pivot->lx, slope = (pivot->x - x0) / pivot->z, factor = 1.0f;
     float lanes[4][LF_LANES];
@@ -162,7 +162,7 @@ float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot
     }
     lf_rays ray = {visit->scene, visit->rig, &visit->plane, visit->kernels, LF_LANES,
                    lanes[0],     lanes[1],   lanes[2],      0.0f,           false};
-    if (visit->scene->looks.chromatic) {
+    if (lf_has(visit->scene, LF_TRAIT_CHROMATIC_MEDIA)) {
         *out_channels = own_channels(visit, pivot, &ray, corrected, factor);
         return 1.0f;
     }
@@ -231,18 +231,19 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
     bool shared = surface && (event->hit.material->has_lobe || pane);
     bool native = surface && (shared || event->hit.material->has_delta);
     lf_hit first;
-    if (visit->scene->looks.paned && plan->order.cover && !native)
+    if (lf_has(visit->scene, LF_TRAIT_THIN_GLASS) && plan->order.cover && !native)
         native =
             lf_trace_pane(&worker->tracer, eye, w, 0.0f, surface ? event->hit.t : INFINITY, &first);
     if (surface)
         ray.z_end = event->hit.t / ray.length;
     /* Rays that end on a scattering surface are tracked natively also where collisions are forced.
      */
-    int channel = plan->scene->looks.chromatic ? (int)(3.0f * lf_sampler_1d(&sampler)) : 0;
+    int channel =
+        lf_has(plan->scene, LF_TRAIT_CHROMATIC_MEDIA) ? (int)(3.0f * lf_sampler_1d(&sampler)) : 0;
     lf_collision collision = lf_media_collide(&worker->media, &ray, channel, jitter[1],
                                               plan->order.cover && !native, &worker->tracer);
     bool natives = native_only || lf_natives_by_base(visit, view, column);
-    if (visit->scene->looks.paned && natives && visit->sums.native) {
+    if (lf_has(visit->scene, LF_TRAIT_THIN_GLASS) && natives && visit->sums.native) {
         float t_end = surface ? event->hit.t : INFINITY;
         if (collision.z < INFINITY)
             t_end = collision.z * ray.length;
@@ -283,7 +284,7 @@ static void base_sample(const lf_visit_plan *plan, lf_visit *visit, int view, in
 static int mirror_rounds(const lf_visit_plan *plan)
 {
     enum { MIRROR_TIMES = 6 };
-    if (!plan->scene->has_delta || plan->order.column_step > 1)
+    if (!lf_has(plan->scene, LF_TRAIT_MIRRORS) || plan->order.column_step > 1)
         return 0;
     return MIRROR_TIMES * plan->order.subsets < 2 * plan->rig->n_views ? 1 : 2;
 }
@@ -302,7 +303,7 @@ static void cut_glows(lf_visit *visit)
 static void cut_meshes(const lf_visit_plan *plan, const lf_visit *visit)
 {
     lf_scratch *w = visit->worker;
-    bool veils = plan->scene->looks.veiled;
+    bool veils = lf_has(plan->scene, LF_TRAITS_SEEN_THROUGH);
     lf_section_cut(&w->section, plan->triangles, plan->scene, plan->rig, visit->row, &visit->plane,
                    veils ? LF_CUT_OPAQUE : LF_CUT_ALL);
     if (veils)
@@ -398,8 +399,9 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
     lf_channels *channels = &visit->worker->channels;
     int lanes = (plan->rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
     for (int c = 0; c < 3; c++)
-        channels->received[c] =
-            plan->scene->looks.chromatic ? channels->density + c * lanes : visit->worker->density;
+        channels->received[c] = lf_has(plan->scene, LF_TRAIT_CHROMATIC_MEDIA)
+                                    ? channels->density + c * lanes
+                                    : visit->worker->density;
 }
 
 static uint64_t key_of(uint64_t random, int row, int half)

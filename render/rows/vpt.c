@@ -60,7 +60,7 @@ static float density(const lf_visit *visit, int view, const lf_pivot *pivot, flo
         z_end[i] = pivot->z;
     }
     float length = sqrtf(1.0f + visit->plane.my * visit->plane.my + slope[0] * slope[0]);
-    if (visit->scene->looks.chromatic) {
+    if (lf_has(visit->scene, LF_TRAIT_CHROMATIC_MEDIA)) {
         lf_media_depths_of_channels(&visit->worker->media, visit->kernels, LF_LANES, x0, slope,
                                     z_end, tau, pivot->medium, sigma);
         return mean_density(visit, pivot, tau, length, out_depth) * sigma[0] * pivot->z * length;
@@ -110,7 +110,7 @@ static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_
 }
 
 const lf_sharing lf_sharing_vpt = {
-    .entry = {.name = "vpt", .what = "each view alone", .shares = false},
+    .entry = {.name = "vpt", .what = "each view alone", .supports = LF_ROWS_SUPPORT},
     .suffixes = 2,
     .pivot = pivot_vpt,
     .glow = glow_vpt,
