@@ -6,6 +6,8 @@
  * control as well. A trait without a scene here fails. */
 #include "tests/testing.h"
 
+#include "base/alloc.h"
+#include "base/file.h"
 #include "render/papers/papers.h"
 #include "render/transport/lanes/lane_scene.h"
 #include "tests/stat/fixture.h"
@@ -60,7 +62,8 @@ enum {
     "'skin': { 'type': 'principled', 'roughness': 0.5, 'albedo': 0.9, 'subsurface': 1, 'subsurface_radius': 0.4 }, " \
     "'stone': { 'type': 'principled', 'roughness': 0.5, 'albedo': 0.9 }"
 
-#define FOG(words) "'fog': { 'shape': 'box', 'albedo': 0.8, 'transform': { 'scale': 0.7 }" words " }"
+/* @m: a box, or where lanes are to serve it a grid of a box */
+#define FOG(words) "'fog': { @m, 'albedo': 0.8" words " }"
 #define GRID(words) "'block': { 'file': '@g'" words ", 'transform': { 'scale': 0.2, 'translate': [-0.7, -0.7, -0.7] } }"
 
 /* Parts of a scene; NULL: nothing, of light the sky. */
@@ -107,7 +110,7 @@ static const struct {
     {LF_TRAIT_TWO_LOBES,
      {.volumes = FOG(", 'g': 0.9, 'second_g': -0.9, 'second_share': 0.7"), .lights = SUN},
      {.volumes = FOG(", 'g': 0.9"), .lights = SUN}},
-    {LF_TRAIT_VOLUME_EMISSION, {.volumes = FOG(", 'emission': 0.5")}, {.volumes = FOG("")}},
+    {LF_TRAIT_VOLUME_EMISSION, {.volumes = FOG(", 'emission': @e")}, {.volumes = FOG("")}},
     {LF_TRAIT_SUNS, {.volumes = FOG(""), .lights = SUN}, {.volumes = FOG("")}},
     {LF_TRAIT_SKY_PICTURES, {.volumes = FOG(""), .lights = "'s': { 'type': 'studio' }"}, {.volumes = FOG("")}},
     {LF_TRAIT_LAMPS, {.volumes = FOG(""), .lights = POINT("[0.5, 2, 1]")}, {.volumes = FOG("")}},
@@ -117,8 +120,8 @@ static const struct {
      {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { 'scale': 0.5, 'translate': "
                 "{ 'keys': [[1, [-0.5, 0, 0]], [2, [0.9, 0, 0]]] } } }", .camera = ", 'shutter': 1"},
      {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { 'scale': 0.5, 'translate': [-0.5, 0, 0] } }"}},
-    {LF_TRAIT_LENS, {.volumes = FOG(", 'density': 4"), .camera = ", 'lens_radius': 0.5, 'focus_distance': 2"}, {.volumes = FOG(", 'density': 4")}},
-    {LF_TRAIT_VIEW_BLUR, {.volumes = FOG(", 'density': 4"), .camera = ", 'view_blur': 2"}, {.volumes = FOG(", 'density': 4")}},
+    {LF_TRAIT_LENS, {.volumes = FOG(""), .camera = ", 'lens_radius': 0.5, 'focus_distance': 2"}, {.volumes = FOG("")}},
+    {LF_TRAIT_VIEW_BLUR, {.volumes = FOG(""), .camera = ", 'view_blur': 2"}, {.volumes = FOG("")}},
     {LF_TRAIT_LISTED_CAMERAS, {.volumes = FOG("")}, {.volumes = FOG(""), .camera = ", 'fov_y': 30"}},
     {LF_TRAIT_FEATURES, {.volumes = FOG("")}, {0}},
 };
@@ -147,44 +150,68 @@ static void write_cards(const char *folder)
     snprintf(folder_of, sizeof folder_of, "%s", folder);
 }
 
-/* The text with the names of files in the place of @g, @c and @p. */
-static void fill(const char *text, char *out, size_t size)
+/* What stands for @g, @c, @p, @m and @e: names of files, the medium and its emission. */
+static void expand(char mark, bool grid, char *out, size_t size)
 {
-    char grid[PATH_MAX];
-    assert_non_null(realpath(lf_test_built("testdata/colours.vdb"), grid));
+    char file[PATH_MAX];
+    assert_non_null(realpath(lf_test_built("testdata/colours.vdb"), file));
+    if (mark == 'm' && grid)
+        snprintf(out, size,
+                 "'file': '%s', 'scale': 1.5, 'transform': { 'scale': 0.18, 'translate': [-0.63, "
+                 "-0.63, -0.63] }",
+                 file);
+    else if (mark == 'm')
+        snprintf(out, size, "'shape': 'box', 'density': 1.5, 'transform': { 'scale': 0.7 }");
+    else
+        snprintf(out, size, "%s",
+                 mark == 'g'           ? file
+                 : mark == 'c'         ? "coloured.ply"
+                 : mark == 'p'         ? "plain.ply"
+                 : mark == 'e' && grid ? "{ 'grid': 'density' }"
+                                       : "0.5");
+}
+
+static void fill(const char *text, bool grid, char *out, size_t size)
+{
     size_t n = 0;
-    for (; *text && n + 1 < size; text++) {
-        const char *name = text[0] != '@'   ? NULL
-                           : text[1] == 'g' ? grid
-                           : text[1] == 'c' ? "coloured.ply"
-                                            : "plain.ply";
-        if (name)
-            n += (size_t)snprintf(out + n, size - n, "%s", name), text++;
-        else
+    for (; *text && n + 1 < size; text++)
+        if (*text == '@') {
+            expand(*++text, grid, out + n, size - n);
+            n += strlen(out + n);
+        } else
             out[n++] = *text;
-    }
     assert_true(n + 1 < size);
     out[n] = '\0';
 }
 
-static const char * or (const char *text, const char *other)
+static const char *given(const char *text, const char *other)
 {
     return text ? text : other;
 }
 
-static lf_scene *scene_of(const parts *p, bool listed, const char *more_volumes)
+/* What a scene is made of besides its parts. */
+typedef struct setting {
+    bool listed, grid; /* its cameras, its medium */
+} setting;
+
+static void say(const parts *p, setting in, char *out, size_t size)
 {
-    char text[8192], filled[16384];
-    const char *volumes = or (p->volumes, "");
+    char text[8192];
     snprintf(text, sizeof text,
              "{ 'quiltd': 1, 'render': { 'max_depth': 12 }, 'camera': { 'position': [0, 0.6, 5], "
-             "'aspect': 1.5, %s%s%s }, 'volumes': { %s%s }, 'meshes': { %s }, 'materials': { %s }, "
+             "'aspect': 1.5, %s%s%s }, 'volumes': { %s }, 'meshes': { %s }, 'materials': { %s }, "
              "'lights': { %s }%s }",
-             p->camera && strstr(p->camera, "fov_y") ? "" : "'fov_y': 24, ", listed ? LIST : TRACK,
-             or (p->camera, ""), volumes, more_volumes, or (p->meshes, ""), MATERIALS,
-             or (p->lights, SKY), or (p->more, ""));
-    fill(text, filled, sizeof filled);
-    return lf_test_scene_in(folder_of, filled, NULL);
+             p->camera && strstr(p->camera, "fov_y") ? "" : "'fov_y': 24, ",
+             in.listed ? LIST : TRACK, given(p->camera, ""), given(p->volumes, ""),
+             given(p->meshes, ""), MATERIALS, given(p->lights, SKY), given(p->more, ""));
+    fill(text, in.grid, out, size);
+}
+
+static lf_scene *scene_of(const parts *p, setting in)
+{
+    char text[16384];
+    say(p, in, text, sizeof text);
+    return lf_test_scene_in(folder_of, text, NULL);
 }
 
 /* ---------------------------------------------------------------------------------- pictures -- */
@@ -215,8 +242,7 @@ static lf_renderer *renderer_of(lf_scene *scene, const lf_render_settings *setti
 static lf_estimator answer_of(const lf_renderer *r)
 {
     const char *name = lf_renderer_settings(r)->integrator;
-    const bool selects =
-        lf_integrator_named(name)->takes & LF_PAPERS_TAKES(SELECTION);
+    const bool selects = lf_integrator_named(name)->takes & LF_PAPERS_TAKES(SELECTION);
     return selects ? LF_ESTIMATOR_MWIS : LF_ESTIMATOR_MIS;
 }
 
@@ -231,10 +257,12 @@ static void render(lf_renderer *r, uint64_t salt, lf_blocks *out)
     }
 }
 
-static void reference(const parts *p, uint64_t salt, lf_blocks *out)
+/* By vpt, path by path. */
+static void reference(const parts *p, setting in, uint64_t salt, lf_blocks *out)
 {
-    lf_scene *scene = scene_of(p, false, "");
-    const lf_render_settings settings = settings_of(scene, "vpt", 0);
+    lf_scene *scene = scene_of(p, in);
+    lf_render_settings settings = settings_of(scene, "vpt", 0);
+    settings.skip &= ~(unsigned)LF_SKIP_PATHS;
     lf_error err = {0};
     lf_renderer *r = renderer_of(scene, &settings, &err);
     if (!r)
@@ -281,10 +309,17 @@ static void assert_refused(const lf_error *err, const lf_integrator_entry *entry
                     words);
 }
 
-/* Renders it where it is supported, and looks at the error where it is not. */
-static bool try(int row, const lf_integrator_entry *entry, bool listed, const truth *t)
+static void assert_not_read(const parts *p, setting in, const char *pointer)
 {
-    lf_scene *scene = scene_of(&rows[row].with, listed, "");
+    char text[16384];
+    say(p, in, text, sizeof text);
+    lf_test_assert_refused(folder_of, text, pointer, "");
+}
+
+/* Renders it where it is supported, and looks at the error where it is not. */
+static bool hold(int row, const lf_integrator_entry *entry, bool listed, const truth *t)
+{
+    lf_scene *scene = scene_of(&rows[row].with, (setting){.listed = listed});
     const lf_render_settings settings = settings_of(scene, entry->name, rows[row].bit);
     const lf_traits has = scene->traits | lf_view_traits(&settings);
     const bool view = rows[row].bit == LF_TRAIT_FEATURES;
@@ -323,14 +358,58 @@ static void every_trait_is_rendered_right_or_refused(void **state)
         truth t = {.trait = name_of(rows[row].bit)};
         int rendered = 0, n = 0;
         bool listed;
-        reference(&rows[row].with, 1, &t.with);
-        reference(&rows[row].without, 2, &t.without);
+        reference(&rows[row].with, (setting){0}, 1, &t.with);
+        reference(&rows[row].without, (setting){0}, 2, &t.without);
         for (const lf_integrator_entry *entry; (entry = lf_support_at(n, &listed)); n++)
-            rendered += try(row, entry, listed, &t);
+            if (listed && rows[row].bit == LF_TRAIT_VIEW_BLUR)
+                assert_not_read(&rows[row].with, (setting){.listed = true}, "/camera/view_blur");
+            else
+                rendered += hold(row, entry, listed, &t);
         print_message("%s: rendered by %d of %d\n", t.trait, rendered, n);
         assert_true(rendered > 0 && n <= most_integrators);
         lf_blocks_finish(&t.with);
         lf_blocks_finish(&t.without);
+    }
+}
+
+/* The row's scene, with a medium of one grid where it has none. */
+static parts with_grid(const parts *p)
+{
+    parts out = *p;
+    out.volumes = given(p->volumes, FOG(""));
+    return out;
+}
+
+/* Lanes draw the suffixes of pivots in media alone: they are held to what vpt is without them. */
+static void lanes_serve_what_they_support(void **state)
+{
+    (void)state;
+    for (int row = 0; row < N_ROWS; row++) {
+        const parts with = with_grid(&rows[row].with),
+                    without =
+                        rows[row].with.volumes ? rows[row].without : with_grid(&rows[row].without);
+        truth t = {.trait = name_of(rows[row].bit)};
+        const setting in = {.grid = rows[row].bit != LF_TRAIT_HOMOGENEOUS_MEDIA};
+        lf_scene *scene = scene_of(&with, in);
+        const bool serves = !(scene->traits & ~LF_LANES_SUPPORT);
+        const lf_render_settings settings = settings_of(scene, "mvpt", rows[row].bit);
+        lf_error err = {0};
+        lf_blocks seen;
+        print_message("%s: %s lanes\n", t.trait, serves ? "in" : "not in");
+        assert_true(lf_lane_scene_serves(scene) == serves);
+        if (serves) {
+            lf_renderer *r = renderer_of(scene, &settings, &err);
+            reference(&with, in, 4, &t.with);
+            reference(&without, in, 5, &t.without);
+            assert_non_null(r->lanes);
+            render(r, 6, &seen);
+            assert_right(&seen, &t, "lanes");
+            lf_renderer_destroy(r);
+            lf_blocks_finish(&seen);
+            lf_blocks_finish(&t.with);
+            lf_blocks_finish(&t.without);
+        }
+        lf_scene_unref(scene);
     }
 }
 
@@ -344,8 +423,8 @@ static void every_trait_has_a_scene_that_has_it(void **state)
     }
     for (int row = 0; row < N_ROWS; row++) {
         const bool listed = rows[row].bit == LF_TRAIT_LISTED_CAMERAS;
-        lf_scene *with = scene_of(&rows[row].with, listed, ""),
-                 *without = scene_of(&rows[row].without, false, "");
+        lf_scene *with = scene_of(&rows[row].with, (setting){.listed = listed}),
+                 *without = scene_of(&rows[row].without, (setting){0});
         const lf_render_settings a = settings_of(with, "vpt", rows[row].bit),
                                  b = settings_of(without, "vpt", 0);
         if (!((with->traits | lf_view_traits(&a)) & rows[row].bit) ||
@@ -361,11 +440,78 @@ static void every_trait_has_a_scene_that_has_it(void **state)
     assert_true(seen == all);
 }
 
+/* ------------------------------------------------------------------------------------ manual -- */
+
+/* A column of the table: those beside each other that support the same. */
+static int end_of_column(int first)
+{
+    bool listed, next_listed;
+    const lf_integrator_entry *entry = lf_support_at(first, &listed), *next;
+    int i = first + 1;
+    while ((next = lf_support_at(i, &next_listed)) && next->supports == entry->supports &&
+           next_listed == listed)
+        i++;
+    return i;
+}
+
+static void add(char *text, size_t size, const char *words)
+{
+    assert_true(strlen(text) + strlen(words) < size);
+    strcat(text, words);
+}
+
+static void add_head(char *text, size_t size)
+{
+    bool listed;
+    add(text, size, "| |");
+    for (int i = 0; lf_support_at(i, &listed); i = end_of_column(i)) {
+        const int end = end_of_column(i);
+        for (int k = i; k < end; k++) {
+            add(text, size, k > i ? ", `" : " `");
+            add(text, size, lf_support_at(k, &listed)->name);
+            add(text, size, "`");
+        }
+        add(text, size, listed ? " of listed cameras |" : " |");
+    }
+    add(text, size, " lanes |\n|---|");
+    for (int i = 0; lf_support_at(i, &listed); i = end_of_column(i))
+        add(text, size, "---|");
+    add(text, size, "---|\n");
+}
+
+static void the_table_of_the_manual_is_that_of_the_masks(void **state)
+{
+    (void)state;
+    char table[8192] = "", *page = NULL;
+    size_t n = 0;
+    bool listed;
+    lf_error err = {0};
+    add_head(table, sizeof table);
+    for (int t = 0; lf_trait_at(t); t++) {
+        add(table, sizeof table, "| ");
+        add(table, sizeof table, lf_trait_at(t)->name);
+        add(table, sizeof table, " |");
+        for (int i = 0; lf_support_at(i, &listed); i = end_of_column(i))
+            add(table, sizeof table,
+                lf_support_at(i, &listed)->supports & lf_trait_at(t)->bit ? " yes |" : " |");
+        add(table, sizeof table, lf_trait_at(t)->bit & LF_LANES_SUPPORT ? " yes |\n" : " |\n");
+    }
+    lf_assert_ok(lf_file_read(lf_test_source("docs/traits.md"), NULL, 1 << 20, &page, &n, &err),
+                 &err);
+    if (!strstr(page, table)) {
+        fputs(table, stdout);
+        fail_msg("docs/traits.md has another table than this");
+    }
+    lf_free(page);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_trait_has_a_scene_that_has_it),
         cmocka_unit_test(every_trait_is_rendered_right_or_refused),
+        cmocka_unit_test(lanes_serve_what_they_support),
+        cmocka_unit_test(the_table_of_the_manual_is_that_of_the_masks),
     };
     char *folder = lf_test_folder();
     lf_papers_add();
