@@ -117,8 +117,7 @@ lf_status lf_integrator_find(const lf_render_settings *settings,
     return lf_error_set(err, LF_E_ARG, "integrator", "\"%s\" is none of %s", name, known);
 }
 
-/* ------------------------------------------------------------------------------------- traits --
- */
+/* ------------------------------------------------------------------------------------ traits -- */
 
 const lf_integrator_entry *lf_support_at(int index, bool *out_listed)
 {

@@ -36,36 +36,51 @@ enum {
     "{ 'position': [0.75, 0.6, 5], 'target': [0.75, 0.1, 0] } ] }"
 
 #define SKY "'sky': { 'type': 'environment', 'radiance': [0.4, 0.5, 0.7] }"
-#define SUN SKY ", 'sun': { 'type': 'distant', 'direction': [0.5, -0.7, 0.5], 'irradiance': 2, 'angle': 8 }"
+#define SUN SKY ", 'sun': { 'type': 'distant', 'direction': [0.5, -0.7, 0.5], 'irradiance': " \
+    "2, 'angle': 8 }"
 #define BEHIND SKY ", 'sun': { 'type': 'distant', 'direction': [0.2, -0.2, -1], 'irradiance': 6 }"
-#define POINT(at, bright) SKY ", 'lamp': { 'type': 'point', 'position': " at ", 'intensity': " bright " }"
+#define POINT(at, bright) \
+    SKY ", 'lamp': { 'type': 'point', 'position': " at ", 'intensity': " bright " }"
 #define RECTANGLE(seen) \
-    SKY ", 'lamp': { 'type': 'rectangle', 'position': [0, 0.5, 0], 'direction': [0, -0.7, 0.7], 'radiance': 3, 'visible': " seen " }"
+    SKY ", 'lamp': { 'type': 'rectangle', 'position': [0, 0.5, 0], 'direction': [0, -0.7, " \
+    "0.7], 'radiance': 3, 'visible': " seen " }"
 
-#define GROUND "'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 4, 'translate': [0, -1, 0] } }"
-#define BALL(of) GROUND ", 'ball': { 'shape': 'sphere', 'material': '" of "', 'transform': { 'scale': 0.7 } }"
-#define CARD(of) GROUND ", 'card': { 'shape': 'quad', 'material': '" of "', 'transform': { 'rotate': [80, 0, 0], 'scale': 0.8 } }"
+#define GROUND "'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 4, " \
+    "'translate': [0, -1, 0] } }"
+#define BALL(of) GROUND ", 'ball': { 'shape': 'sphere', 'material': '" of "', 'transform': { " \
+    "'scale': 0.7 } }"
+#define CARD(of) GROUND ", 'card': { 'shape': 'quad', 'material': '" of "', 'transform': { " \
+    "'rotate': [80, 0, 0], 'scale': 0.8 } }"
 #define CATCHER(what) \
-    "'ground': { 'shape': 'quad', 'material': 'glaze', 'catcher': " what ", 'transform': { 'scale': 4, 'translate': [0, -0.7, 0] } }, " \
+    "'ground': { 'shape': 'quad', 'material': 'glaze', 'catcher': " what ", 'transform': { " \
+    "'scale': 4, 'translate': [0, -0.7, 0] } }, " \
     "'ball': { 'shape': 'sphere', 'material': 'clay', 'transform': { 'scale': 0.6 } }"
 #define QUADS(of, more) \
-    GROUND ", 'a': { 'shape': 'quad', 'material': '" of "', 'transform': { 'rotate': [180, 0, 0], 'scale': 0.6, 'translate': [0, 0.9, 0] } }" more
+    GROUND ", 'a': { 'shape': 'quad', 'material': '" of "', 'transform': { 'rotate': [180, " \
+    "0, 0], 'scale': 0.6, 'translate': [0, 0.9, 0] } }" more
 #define MATERIALS \
-    "'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'white': { 'albedo': 0.9 }, 'shining': { 'albedo': 0.5, 'emission': 1 }, " \
+    "'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'white': { 'albedo': 0.9 }, 'shining': { " \
+    "'albedo': 0.5, 'emission': 1 }, " \
     "'lamp': { 'albedo': 0, 'emission': 3 }, 'bright': { 'albedo': 0, 'emission': 6 }, " \
-    "'mirror': { 'type': 'conductor', 'albedo': 0.9, 'roughness': 0 }, 'glaze': { 'type': 'plastic', 'albedo': 0.2, 'roughness': 0.2 }, " \
+    "'mirror': { 'type': 'conductor', 'albedo': 0.9, 'roughness': 0 }, 'glaze': { 'type': " \
+    "'plastic', 'albedo': 0.2, 'roughness': 0.2 }, " \
     "'half': { 'albedo': 0.1, 'alpha': 0.5 }, 'whole': { 'albedo': 0.1 }, " \
-    "'sheet': { 'type': 'principled', 'roughness': 0, 'albedo': 0.4, 'transmission': 1, 'glass': 'sheet' }, " \
+    "'sheet': { 'type': 'principled', 'roughness': 0, 'albedo': 0.4, 'transmission': 1, " \
+    "'glass': 'sheet' }, " \
     "'rough': { 'type': 'principled', 'roughness': 0.4, 'albedo': 1, 'transmission': 1 }, " \
     "'clear': { 'type': 'principled', 'roughness': 0, 'albedo': 1, 'transmission': 1 }, " \
-    "'dark': { 'type': 'principled', 'roughness': 0, 'albedo': 1, 'transmission': 1, 'absorption': 2 }, " \
-    "'water': { 'type': 'principled', 'roughness': 0, 'albedo': 0.4, 'transmission': 1, 'ior': 2.2 }, " \
-    "'skin': { 'type': 'principled', 'roughness': 0.5, 'albedo': 0.9, 'subsurface': 1, 'subsurface_radius': 0.4 }, " \
+    "'dark': { 'type': 'principled', 'roughness': 0, 'albedo': 1, 'transmission': 1, " \
+    "'absorption': 2 }, " \
+    "'water': { 'type': 'principled', 'roughness': 0, 'albedo': 0.4, 'transmission': 1, " \
+    "'ior': 2.2 }, " \
+    "'skin': { 'type': 'principled', 'roughness': 0.5, 'albedo': 0.9, 'subsurface': 1, " \
+    "'subsurface_radius': 0.4 }, " \
     "'stone': { 'type': 'principled', 'roughness': 0.5, 'albedo': 0.9 }"
 
 /* @m: a box, or where lanes are to serve it a grid of a box */
 #define FOG(words) "'fog': { @m, 'albedo': 0.8" words " }"
-#define GRID(words) "'block': { 'file': '@g'" words ", 'transform': { 'scale': 0.2, 'translate': [-0.7, -0.7, -0.7] } }"
+#define GRID(words) "'block': { 'file': '@g'" words ", 'transform': { 'scale': 0.2, " \
+    "'translate': [-0.7, -0.7, -0.7] } }"
 
 /* Parts of a scene; NULL: nothing, of light the sky. */
 typedef struct parts {
@@ -78,52 +93,69 @@ static const struct {
 } rows[] = {
     {LF_TRAIT_SURFACES, {.meshes = GROUND}, {0}},
     {LF_TRAIT_INSTANCES,
-     {.meshes = "'ball': { 'shape': 'sphere', 'material': 'clay', 'instances': [{ 'scale': 0.4, 'translate': [-0.6, 0, 0] }, "
+     {.meshes = "'ball': { 'shape': 'sphere', 'material': 'clay', 'instances': [{ 'scale': "
+    "0.4, 'translate': [-0.6, 0, 0] }, "
                 "{ 'scale': 0.4, 'translate': [0.6, 0, 0] }] }"},
      {.meshes = BALL("clay")}},
     {LF_TRAIT_HIDDEN_MESHES, {.lights = RECTANGLE("false")}, {.lights = RECTANGLE("true")}},
     {LF_TRAIT_VARYING | LF_TRAIT_VARYING_ALBEDO | LF_TRAIT_VERTEX_COLOURS,
      {.meshes = "'c': { 'file': '@c' }"}, {.meshes = "'c': { 'file': '@p' }"}},
     {LF_TRAIT_MIRRORS, {.meshes = BALL("mirror")}, {.meshes = BALL("whole")}},
-    {LF_TRAIT_VIEW_LOBES, {.volumes = FOG(", 'g': -0.8"), .lights = BEHIND}, {.volumes = FOG(""), .lights = BEHIND}},
+    {LF_TRAIT_VIEW_LOBES, {.volumes = FOG(", 'g': -0.8"), .lights = BEHIND},
+    {.volumes = FOG(""), .lights = BEHIND}},
     {LF_TRAIT_EMISSION, {.meshes = BALL("shining")}, {.meshes = BALL("clay")}},
     {LF_TRAIT_OVERLAPS,
-     {.meshes = QUADS("lamp", ", 'b': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': 0.6, 'translate': [0, 0.9, 0] } }")},
+     {.meshes = QUADS("lamp", ", 'b': { 'shape': 'quad', 'material': 'lamp', 'transform': { "
+    "'scale': 0.6, 'translate': [0, 0.9, 0] } }")},
      {.meshes = QUADS("bright", "")}},
     {LF_TRAIT_ALPHA, {.meshes = CARD("half")}, {.meshes = CARD("whole")}},
     {LF_TRAIT_THIN_GLASS, {.meshes = CARD("sheet")}, {.meshes = GROUND}},
     {LF_TRAIT_ROUGH_GLASS, {.meshes = BALL("rough")}, {.meshes = BALL("whole")}},
     {LF_TRAIT_FILLED_GLASS, {.meshes = BALL("dark")}, {.meshes = BALL("clear")}},
     {LF_TRAIT_NESTED_GLASS,
-     {.meshes = BALL("clear") ", 'in': { 'shape': 'sphere', 'material': 'water', 'transform': { 'scale': 0.6 } }"},
+     {.meshes = BALL("clear") ", 'in': { 'shape': 'sphere', 'material': 'water', "
+    "'transform': { 'scale': 0.6 } }"},
      {.meshes = BALL("clear")}},
-    {LF_TRAIT_SUBSURFACE, {.meshes = BALL("skin"), .lights = SUN}, {.meshes = BALL("stone"), .lights = SUN}},
-    {LF_TRAIT_CATCHERS, {.meshes = CATCHER("true"), .more = ", 'backdrop': 0.8"}, {.meshes = CATCHER("false"), .more = ", 'backdrop': 0.8"}},
+    {LF_TRAIT_SUBSURFACE, {.meshes = BALL("skin"), .lights = SUN}, {.meshes = BALL("stone"),
+    .lights = SUN}},
+    {LF_TRAIT_CATCHERS, {.meshes = CATCHER("true"), .more = ", 'backdrop': 0.8"},
+    {.meshes = CATCHER("false"), .more = ", 'backdrop': 0.8"}},
     /* what they reflect is found beside the picture, whose integrator sees a catcher */
-    {LF_TRAIT_REFLECTIONS, {.meshes = CATCHER("'reflection'"), .more = ", 'backdrop': 0.8"}, {.meshes = CATCHER("false"), .more = ", 'backdrop': 0.8"}},
+    {LF_TRAIT_REFLECTIONS, {.meshes = CATCHER("'reflection'"), .more = ", 'backdrop': 0.8"},
+    {.meshes = CATCHER("false"), .more = ", 'backdrop': 0.8"}},
     {LF_TRAIT_MEDIA, {.volumes = GRID(", 'scale': 2, 'albedo': 0.8")}, {0}},
     {LF_TRAIT_HOMOGENEOUS_MEDIA, {.volumes = FOG("")}, {0}},
     {LF_TRAIT_NEAREST_VOXELS,
      {.volumes = GRID(", 'albedo': 0.1, 'scale': 50, 'interpolation': 'nearest'")},
      {.volumes = GRID(", 'albedo': 0.1, 'scale': 50")}},
-    {LF_TRAIT_CHROMATIC_MEDIA, {.volumes = FOG(", 'sigma_t': [0.2, 0.6, 2]")}, {.volumes = FOG(", 'sigma_t': 2")}},
-    {LF_TRAIT_VARYING_MEDIA, {.volumes = GRID(", 'scale': 2, 'albedo': { 'grid': 'Cd' }")}, {.volumes = GRID(", 'scale': 2, 'albedo': 0.1")}},
+    {LF_TRAIT_CHROMATIC_MEDIA, {.volumes = FOG(", 'sigma_t': [0.2, 0.6, 2]")},
+    {.volumes = FOG(", 'sigma_t': 2")}},
+    {LF_TRAIT_VARYING_MEDIA, {.volumes = GRID(", 'scale': 2, 'albedo': { 'grid': 'Cd' }")},
+    {.volumes = GRID(", 'scale': 2, 'albedo': 0.1")}},
     {LF_TRAIT_TWO_LOBES,
      {.volumes = FOG(", 'g': 0.8, 'second_g': -0.8, 'second_share': 0.7"), .lights = BEHIND},
      {.volumes = FOG(", 'g': 0.8"), .lights = BEHIND}},
     {LF_TRAIT_VOLUME_EMISSION, {.volumes = FOG(", 'emission': @e")}, {.volumes = FOG("")}},
     {LF_TRAIT_SUNS, {.volumes = FOG(""), .lights = SUN}, {.volumes = FOG("")}},
-    {LF_TRAIT_SKY_PICTURES, {.volumes = FOG(""), .lights = "'s': { 'type': 'studio' }"}, {.volumes = FOG("")}},
-    {LF_TRAIT_LAMPS, {.volumes = FOG(""), .lights = POINT("[0.5, 2, 1]", "12")}, {.volumes = FOG("")}},
-    {LF_TRAIT_EQUIANGULAR, {.volumes = FOG(""), .lights = POINT("[0, 0, 0]", "6")}, {.volumes = FOG("")}},
+    {LF_TRAIT_SKY_PICTURES, {.volumes = FOG(""), .lights = "'s': { 'type': 'studio' }"},
+    {.volumes = FOG("")}},
+    {LF_TRAIT_LAMPS, {.volumes = FOG(""), .lights = POINT("[0.5, 2, 1]", "12")},
+    {.volumes = FOG("")}},
+    {LF_TRAIT_EQUIANGULAR, {.volumes = FOG(""), .lights = POINT("[0, 0, 0]", "6")},
+    {.volumes = FOG("")}},
     {LF_TRAIT_BACKDROP, {.volumes = FOG(""), .more = ", 'backdrop': 1.5"}, {.volumes = FOG("")}},
     {LF_TRAIT_MOTION,
-     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { 'scale': 0.5, 'translate': "
-                "{ 'keys': [[1, [-0.5, 0, 0]], [2, [0.9, 0, 0]]] } } }", .camera = ", 'shutter': 1"},
-     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { 'scale': 0.5, 'translate': [-0.5, 0, 0] } }"}},
-    {LF_TRAIT_LENS, {.volumes = FOG(""), .camera = ", 'lens_radius': 1, 'focus_distance': 1.5"}, {.volumes = FOG("")}},
+     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { "
+    "'scale': 0.5, 'translate': "
+                "{ 'keys': [[1, [-0.5, 0, 0]], [2, [0.9, 0, 0]]] } } }", .camera = ", "
+    "'shutter': 1"},
+     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { "
+    "'scale': 0.5, 'translate': [-0.5, 0, 0] } }"}},
+    {LF_TRAIT_LENS, {.volumes = FOG(""), .camera = ", 'lens_radius': 1, 'focus_distance': "
+    "1.5"}, {.volumes = FOG("")}},
     {LF_TRAIT_VIEW_BLUR, {.volumes = FOG(""), .camera = ", 'view_blur': 4"}, {.volumes = FOG("")}},
-    {LF_TRAIT_LISTED_CAMERAS, {.volumes = FOG("")}, {.volumes = FOG(""), .camera = ", 'fov_y': 30"}},
+    {LF_TRAIT_LISTED_CAMERAS, {.volumes = FOG("")}, {.volumes = FOG(""), .camera = ", "
+    "'fov_y': 30"}},
     {LF_TRAIT_FEATURES, {.volumes = FOG("")}, {0}},
 };
 /* clang-format on */
