@@ -78,42 +78,76 @@ const lf_integrator_entry *lf_integrator_named(const char *name)
     return lf_integrator_at(i);
 }
 
-/* Of cameras listed one by one. */
-static lf_status find_of_list(const char *name, int *out_index, lf_error *err)
+/* Of cameras listed one by one; its names are others' as well. */
+static const lf_integrator *const lists = &lf_integrator_any_cameras;
+
+static int index_of(const lf_integrator *integrator, const char *name)
 {
-    const lf_integrator *any = &lf_integrator_any_cameras;
-    char known[128] = "";
-    for (int i = 0; any->entry(i); i++) {
-        const char *has = any->entry(i)->name;
-        if (!name || strcmp(name, has) == 0) {
-            *out_index = i;
-            return LF_OK;
-        }
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", has);
-    }
-    return lf_error_set(err, LF_E_ARG, "integrator",
-                        "cameras listed one by one are rendered by one of %s, not by \"%s\"", known,
-                        name);
+    int i = 0;
+    while (integrator->entry(i) && strcmp(integrator->entry(i)->name, name) != 0)
+        i++;
+    return integrator->entry(i) ? i : -1;
+}
+
+/* Adds a name to a list of them. */
+static void add_name(char *names, size_t size, const char *name)
+{
+    const size_t used = strlen(names);
+    snprintf(names + used, size - used, "%s%s", used ? ", " : "", name);
 }
 
 lf_status lf_integrator_find(const lf_render_settings *settings,
                              const lf_integrator **out_integrator, int *out_index, lf_error *err)
 {
-    const char *name = settings->integrator;
+    const char *name = settings->integrator ? settings->integrator : lf_integrator_at(0)->name;
+    const int listed = settings->camera.list ? index_of(lists, name) : -1;
     char known[128] = "";
-    if (settings->camera.list) {
-        *out_integrator = &lf_integrator_any_cameras;
-        return find_of_list(name, out_index, err);
+    if (listed >= 0) {
+        *out_integrator = lists;
+        *out_index = listed;
+        return LF_OK;
     }
     for (int i = 0; lf_integrator_at(i); i++) {
-        const char *has = lf_integrator_at(i)->name;
-        if (!name || strcmp(name, has) == 0) {
+        if (strcmp(name, lf_integrator_at(i)->name) == 0) {
             *out_integrator = whose(i, out_index);
             return LF_OK;
         }
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", has);
+        add_name(known, sizeof known, lf_integrator_at(i)->name);
     }
     return lf_error_set(err, LF_E_ARG, "integrator", "\"%s\" is none of %s", name, known);
+}
+
+/* ------------------------------------------------------------------------------------ traits -- */
+
+const lf_integrator_entry *lf_support_at(int index, bool *out_listed)
+{
+    const lf_integrator_entry *entry = lf_integrator_at(index);
+    for (int i = 0; !entry && lf_integrator_at(i); i++)
+        index--;
+    *out_listed = !entry;
+    return entry ? entry : lists->entry(index);
+}
+
+lf_traits lf_view_traits(const lf_render_settings *settings)
+{
+    const lf_camera *camera = &settings->camera;
+    return (camera->moves ? LF_TRAIT_MOTION : 0) | (camera->lens_radius > 0.0 ? LF_TRAIT_LENS : 0) |
+           (camera->view_blur > 0.0 ? LF_TRAIT_VIEW_BLUR : 0) |
+           (camera->list ? LF_TRAIT_LISTED_CAMERAS : 0) |
+           (settings->features ? LF_TRAIT_FEATURES : 0);
+}
+
+lf_status lf_integrator_check(const lf_integrator_entry *entry, const lf_scene *scene,
+                              const lf_render_settings *settings, lf_error *err)
+{
+    const lf_traits has = scene->traits | lf_view_traits(settings);
+    char text[400], others[128] = "";
+    bool listed;
+    if (!lf_traits_missing(has, entry->supports, entry->name, text, sizeof text))
+        return LF_OK;
+    for (int i = 0; (entry = lf_support_at(i, &listed)); i++)
+        if (listed == !!settings->camera.list && !(has & ~entry->supports))
+            add_name(others, sizeof others, entry->name);
+    return lf_error_set(err, LF_E_ARG, "integrator", "%s%s%s", text, *others ? "; use one of " : "",
+                        others);
 }

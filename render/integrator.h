@@ -99,10 +99,20 @@ static inline void lf_integrator_count(lf_render_stats *out, const lf_tracer *tr
     out->suffixes_cut += tracer->suffixes_cut;
 }
 
-/* The one that renders such a camera by settings->integrator. LF_E_ARG for an unknown name, with
- * err naming those that exist; NULL is the default. */
+/* The one that settings->integrator names, of such a camera where there is one. LF_E_ARG for an
+ * unknown name, with err naming those that exist; NULL is the default. */
 LF_NODISCARD lf_status lf_integrator_find(const lf_render_settings *settings,
                                           const lf_integrator **out_integrator, int *out_index,
                                           lf_error *err);
+
+/* All of them, each with what it supports, those of cameras listed one by one last; NULL behind
+ * them. */
+const lf_integrator_entry *lf_support_at(int index, bool *out_listed);
+/* The traits of a view. */
+lf_traits lf_view_traits(const lf_render_settings *settings);
+/* LF_E_ARG, naming what is missing and who has it, unless the integrator supports all traits of the
+ * scene and its view. */
+LF_NODISCARD lf_status lf_integrator_check(const lf_integrator_entry *entry, const lf_scene *scene,
+                                           const lf_render_settings *settings, lf_error *err);
 
 #endif

@@ -46,6 +46,7 @@
 #include "base/param.h"
 #include "base/thread.h"
 #include "render/scene/handle.h"
+#include "render/scene/traits.h"
 #include "render/transport/sampler.h"
 
 /* ------------------------------------------------------------------------------------- scene -- */
@@ -134,6 +135,8 @@ typedef struct lf_integrator_entry {
      * with, or has none */
     bool reconstructs;
     bool remembers; /* more than its film: lf_renderer_passes_after does not take it */
+    /* What a scene and its picture may have: others are refused (lf_renderer_create) */
+    lf_traits supports;
 } lf_integrator_entry;
 
 /* The first is the default; NULL behind the last. */

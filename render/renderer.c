@@ -76,7 +76,9 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
     if (unfit)
         return lf_error_set(err, LF_E_ARG, "integrator", "%s knows no %s", fresh->name,
                             unfit->about);
-    status = make_lanes(r, scene, settings->skip & fresh->integrator->skips, &fresh->lanes);
+    status = lf_integrator_check(entry, scene, settings, err);
+    if (status == LF_OK)
+        status = make_lanes(r, scene, settings->skip & fresh->integrator->skips, &fresh->lanes);
     const lf_integrator_input input = {
         scene, &seen, settings, r->pool, fresh->lanes, lf_kernels_get()->suffixes, &r->film};
     if (status == LF_OK)
@@ -314,7 +316,8 @@ lf_status lf_renderer_pass_fans(lf_renderer *renderer, const lf_cancel *cancel)
         return LF_E_STATE;
     /* what lights in media and veils send out natively is no fan's to find */
     const lf_scene *scene = renderer->scene;
-    if (scene->glows.n > 0 || (scene->looks.veiled && scene->has_emission))
+    if (scene->glows.n > 0 ||
+        (lf_has(scene, LF_TRAITS_SEEN_THROUGH) && lf_has(scene, LF_TRAIT_EMISSION)))
         return LF_OK;
     return run(&job);
 }

@@ -33,10 +33,10 @@ unsigned lf_skip_found(const lf_scene *scene)
     float sky[3];
     unsigned found = LF_SKIP_BACKGROUND;
     found |= scene->embree ? 0 : LF_SKIP_SURFACES;
-    found |= scene->has_delta ? 0 : LF_SKIP_DELTA_LOBES;
-    found |= scene->has_view_lobes ? 0 : LF_SKIP_VIEW_LOBES;
-    found |= scene->has_emission ? 0 : LF_SKIP_EMISSION;
-    found |= !scene->has_delta && scene->glows.n == 0 && lf_exits_uniform(scene, sky)
+    found |= lf_has(scene, LF_TRAIT_MIRRORS) ? 0 : LF_SKIP_DELTA_LOBES;
+    found |= lf_has(scene, LF_TRAIT_VIEW_LOBES) ? 0 : LF_SKIP_VIEW_LOBES;
+    found |= lf_has(scene, LF_TRAIT_EMISSION) ? 0 : LF_SKIP_EMISSION;
+    found |= !lf_has(scene, LF_TRAIT_MIRRORS) && scene->glows.n == 0 && lf_exits_uniform(scene, sky)
                  ? LF_SKIP_KNOWN_LIGHT
                  : 0;
     found |= lf_lane_scene_serves(scene) ? LF_SKIP_PATHS : 0;
@@ -60,9 +60,9 @@ lf_status lf_skip_scene(const lf_scene *scene, unsigned skip, lf_scene *out,
     }
     memcpy((char *)out + from, (const char *)scene + from, sizeof *scene - from);
     out->embree = empty ? empty->embree : scene->embree;
-    out->has_delta |= !(skip & LF_SKIP_DELTA_LOBES);
-    out->has_view_lobes |= !(skip & LF_SKIP_VIEW_LOBES);
-    out->has_emission |= !(skip & LF_SKIP_EMISSION);
+    out->traits |= skip & LF_SKIP_DELTA_LOBES ? 0 : LF_TRAIT_MIRRORS;
+    out->traits |= skip & LF_SKIP_VIEW_LOBES ? 0 : LF_TRAIT_VIEW_LOBES;
+    out->traits |= skip & LF_SKIP_EMISSION ? 0 : LF_TRAIT_EMISSION;
     *out_empty = empty;
     return LF_OK;
 }

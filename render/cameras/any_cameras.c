@@ -11,12 +11,18 @@
 
 enum { MVPT, VPT, N_ENTRIES };
 
+#define SUPPORT                                                                                    \
+    (LF_TRAITS_PLAIN_SURFACES | LF_TRAITS_PLAIN_MEDIA | LF_TRAITS_LIGHT | LF_TRAIT_LENS |          \
+     LF_TRAIT_LISTED_CAMERAS)
+
 static const lf_integrator_entry entries[N_ENTRIES] = {
     [MVPT] = {.name = "mvpt",
               .what = "every path serves all views that see it",
               .shares = true,
-              .remembers = true}, /* what rows have given others, while a pass is under way */
-    [VPT] = {.name = "vpt", .what = "every view for itself", .remembers = true}};
+              .remembers = true, /* what rows have given others, while a pass is under way */
+              .supports = SUPPORT},
+    [VPT] = {
+        .name = "vpt", .what = "every view for itself", .remembers = true, .supports = SUPPORT}};
 
 /* Paths that find how bright it gets. */
 #define PILOT_PATHS 1024
@@ -176,7 +182,7 @@ static lf_depth_ray follow(const lf_any_cameras *s, lf_any_worker *w, int view, 
     out->light = lf_v3(0.0f, 0.0f, 0.0f);
     if (!out->met)
         out->light = sky_of(s, of, d, v);
-    else if (s->seen.has_emission)
+    else if (lf_has(&s->seen, LF_TRAIT_EMISSION))
         out->light = lf_light_hit(&s->seen, eye, &hit, &pdf);
     return (lf_depth_ray){eye, d, (double)(out->met ? hit.t : INFINITY)};
 }
@@ -254,29 +260,6 @@ static const lf_integrator_entry *entry(int index)
     return index >= 0 && index < N_ENTRIES ? &entries[index] : NULL;
 }
 
-/* What it does not know, in words behind "render no"; NULL: it knows all. */
-static const char *unknown(const lf_scene *scene, const lf_render_settings *settings)
-{
-    const lf_looks *looks = &scene->looks;
-    if (scene->has_delta)
-        return "mirrors and smooth coats yet; a surface of the scene is one";
-    if (looks->veiled || looks->frosted || looks->filled || looks->fleshy)
-        return "glass, alpha and subsurface yet; a surface of the scene has some";
-    if (looks->caught)
-        return "catchers of shadows yet; the scene has one";
-    if (scene->flames.n > 0)
-        return "volumes that emit yet; the scene has some";
-    if (looks->chromatic)
-        return "extinction that has a colour yet; the scene's has";
-    if (looks->moving || settings->camera.moves)
-        return "motion yet; something moves while the shutter is open";
-    if (settings->camera.view_blur > 0.0)
-        return "view_blur: they have no neighbours";
-    if (settings->features)
-        return "reconstructed pictures (--reconstruct off) or depth";
-    return NULL;
-}
-
 static void destroy(void *the_state)
 {
     lf_any_cameras *s = the_state;
@@ -348,10 +331,6 @@ static void set_up(lf_any_cameras *s, const lf_integrator_input *input, int inde
 static lf_status create(const lf_integrator_input *input, int index, void **out_state,
                         lf_integrator_needs *out_needs, lf_error *err)
 {
-    const char *refused = unknown(input->scene, input->settings);
-    if (refused)
-        return lf_error_set(err, LF_E_ARG, "camera.views", "cameras listed one by one render no %s",
-                            refused);
     lf_any_cameras *s = lf_calloc(1, sizeof *s);
     if (!s)
         return LF_E_NOMEM;

@@ -57,7 +57,7 @@ lf_vec3 lf_catch_reflection(lf_tracer *tracer, const lf_catch_pixel *pixel, int 
 /* Whether catchers change the pictures of a scene. */
 static inline bool lf_catch_shows(const lf_scene *scene)
 {
-    return scene->looks.caught && scene->backdrop.given;
+    return lf_has(scene, LF_TRAIT_CATCHERS) && scene->backdrop.given;
 }
 /* What is seen behind the catchers of a row. */
 lf_vec3 lf_catch_behind(const lf_scene *scene, const lf_rig *rig, int row);

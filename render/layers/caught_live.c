@@ -114,7 +114,7 @@ lf_status lf_caught_begin(lf_caught **caught, const lf_renderer *renderer)
 {
     const int n_views = renderer->settings.camera.n_views, width = renderer->settings.width,
               height = renderer->settings.height;
-    const bool reflects = renderer->scene->looks.reflected;
+    const bool reflects = lf_has(renderer->scene, LF_TRAIT_REFLECTIONS);
     lf_caught *c = *caught;
     if (c && (!lf_catch_shows(renderer->scene) || !!c->reflected != reflects ||
               c->n_views != n_views || c->width != width || c->height != height)) {

@@ -47,7 +47,7 @@ static void catch_row(void *context, int row, int worker)
                 scene, lf_catch_met(&renderer->film, near,
                                     (size_t)view * (size_t)rig->width + (size_t)column));
             lf_catch_take(out, (float)lf_catch_shade(&tracer, &pixel, n, open), backdrop);
-            if (scene->looks.reflected)
+            if (lf_has(scene, LF_TRAIT_REFLECTIONS))
                 lf_catch_put(out, lf_catch_reflection(&tracer, &pixel, n));
         }
 }

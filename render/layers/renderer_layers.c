@@ -189,7 +189,7 @@ static void shadow(const layer_job *job, int row, const row_of_film *film, size_
     const int n = lf_catch_points(film->total);
     lf_tracer tracer = {.scene = scene};
     (void)pixels;
-    for (int view = 0; view < job->rig.n_views && scene->looks.caught; view++)
+    for (int view = 0; view < job->rig.n_views && lf_has(scene, LF_TRAIT_CATCHERS); view++)
         for (int column = 0; column < job->rig.width; column++, out += stride) {
             const lf_catch_pixel pixel =
                 lf_catch_pixel_of(job->renderer, &job->rig, view, row, column);
@@ -206,7 +206,7 @@ static void reflection(const layer_job *job, int row, const row_of_film *film, s
     const int n = lf_catch_points(film->total);
     lf_tracer tracer = {.scene = scene};
     (void)pixels;
-    for (int view = 0; view < job->rig.n_views && scene->looks.reflected; view++)
+    for (int view = 0; view < job->rig.n_views && lf_has(scene, LF_TRAIT_REFLECTIONS); view++)
         for (int column = 0; column < job->rig.width; column++, out += stride) {
             const lf_catch_pixel pixel =
                 lf_catch_pixel_of(job->renderer, &job->rig, view, row, column);

@@ -140,19 +140,19 @@ const lf_general_kind lf_general_amv2019 = {
     .entry = {.name = "amv2019",
               .what = "surfaces shared by Jacobian and lobe, as in 2019",
               .shares = true,
-              .remembers = true},
+              .remembers = true,
+              .supports = LF_GENERAL_SUPPORT},
     .adaptive = true,
-    .no_media = true,
     .map = lf_variation_map,
     .weigh = weigh};
 const lf_general_kind lf_general_amv2019k = {
     .entry = {.name = "amv2019k",
               .what = "the same normalised by K, as printed: biased",
               .shares = true,
-              .remembers = true},
+              .remembers = true,
+              .supports = LF_GENERAL_SUPPORT},
     .mis = true,
     .adaptive = true,
-    .no_media = true,
     .normalises = true,
     .map = lf_variation_map,
     .weigh = weigh};

@@ -179,20 +179,6 @@ static const lf_integrator_entry *entry(int index)
     return index >= 0 && index < N_KINDS ? &table[index]->entry : NULL;
 }
 
-/* What it does not know, in words behind "renders no"; NULL: it knows all. */
-static const char *unknown(const lf_general_kind *kind, const lf_scene *scene,
-                           const lf_render_settings *settings)
-{
-    if (kind->no_media && scene->n_volumes > 0)
-        return "media, of which 2019 knows none; the scene has some";
-    if (scene->looks.veiled)
-        return "surfaces that are not there whole (alpha, panes); the scene has some";
-    const char *all = lf_reference_unknown(scene, settings);
-    if (!all && lf_media_path_depth_bound(scene) > LF_MAX_NULL_DEPTH)
-        return "media of more than 2900 mean free paths of their largest extinction";
-    return all;
-}
-
 static void destroy(void *the_state)
 {
     lf_general *g = the_state;
@@ -241,10 +227,11 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                         lf_integrator_needs *out_needs, lf_error *err)
 {
     const lf_choices *choices = &input->settings->choices;
-    const char *refused = unknown(table[index], input->scene, input->settings);
-    if (refused)
-        return lf_error_set(err, LF_E_ARG, "integrator", "%s renders no %s",
-                            table[index]->entry.name, refused);
+    if (lf_media_path_depth_bound(input->scene) > LF_MAX_NULL_DEPTH)
+        return lf_error_set(err, LF_E_ARG, "integrator",
+                            "%s renders no media of more than 2900 mean free paths of their "
+                            "largest extinction",
+                            table[index]->entry.name);
     lf_general *g = lf_calloc(1, sizeof *g);
     if (!g)
         return LF_E_NOMEM;
@@ -264,7 +251,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
         g->shift && g->selection
             ? lf_rig_init(&g->rig, input->settings, input->scene->origin, err)
             : lf_error_set(err, LF_E_ARG, "integrator", "no such shift or selection");
-    const bool delta = g->seen.has_delta;
+    const bool delta = lf_has(&g->seen, LF_TRAIT_MIRRORS);
     const lf_integrator_needs needs = {.layout = {.n_views = g->rig.n_views,
                                                   .width = g->rig.width,
                                                   .height = g->rig.height,

@@ -1,4 +1,5 @@
 /* Volumetric Multi-View Rendering (Fraboni et al. 2022): which views share, and equation 23. */
+#include "render/papers/alike.h"
 #include "render/papers/count.h"
 #include "render/papers/prefix.h"
 
@@ -80,13 +81,15 @@ const lf_general_kind lf_general_mvpt2022 = {
     .entry = {.name = "mvpt2022",
               .what = "null chains shifted to all views, as in 2022",
               .shares = true,
-              .takes = LF_PAPERS_TAKES(SHIFT) | LF_PAPERS_TAKES(SELECTION)},
+              .takes = LF_PAPERS_TAKES(SHIFT) | LF_PAPERS_TAKES(SELECTION),
+              .supports = LF_GENERAL_SUPPORT | LF_REFERENCE_SUPPORT},
     .weigh = weigh};
 const lf_general_kind lf_general_mismvpt = {
     .entry = {.name = "mismvpt",
               .what = "the same with weights of multiple importance sampling",
               .shares = true,
-              .takes = LF_PAPERS_TAKES(SHIFT)},
+              .takes = LF_PAPERS_TAKES(SHIFT),
+              .supports = LF_GENERAL_SUPPORT | LF_REFERENCE_SUPPORT},
     .mis = true,
     .weigh = weigh};
 const lf_general_kind lf_general_amvpt2022 = {
@@ -94,6 +97,7 @@ const lf_general_kind lf_general_amvpt2022 = {
               .what = "mvpt2022 with more paths where the error is",
               .shares = true,
               .takes = LF_PAPERS_TAKES(SHIFT) | LF_PAPERS_TAKES(SELECTION),
-              .remembers = true},
+              .remembers = true,
+              .supports = LF_GENERAL_SUPPORT | LF_REFERENCE_SUPPORT},
     .adaptive = true,
     .weigh = weigh};

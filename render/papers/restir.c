@@ -14,12 +14,14 @@ static const lf_integrator_entry entries[N_ENTRIES] = {
     [RESTIR] = {.name = "restir",
                 .what = "reservoirs of paths, each view alone, as in 2021",
                 .takes = LF_PAPERS_TAKES(REUSE) | LF_PAPERS_TAKES(WEIGHTS),
-                .remembers = true},
+                .remembers = true,
+                .supports = LF_REFERENCE_SUPPORT},
     [MVRESTIR] = {.name = "mvrestir",
                   .what = "the same with neighbours in other views",
                   .shares = true,
                   .takes = LF_PAPERS_TAKES(REUSE) | LF_PAPERS_TAKES(WEIGHTS),
-                  .remembers = true}};
+                  .remembers = true,
+                  .supports = LF_REFERENCE_SUPPORT}};
 
 /* The first is the default, the paper's own. */
 static const lf_restir_reuse reuses[] = {
@@ -183,17 +185,6 @@ static const lf_integrator_entry *entry(int index)
     return index >= 0 && index < N_ENTRIES ? &entries[index] : NULL;
 }
 
-/* What it does not know, in words behind "renders no"; NULL: it knows all. */
-static const char *unknown(const lf_scene *scene, const lf_render_settings *settings)
-{
-    if (scene->n_meshes > 0)
-        return "surfaces yet; the scene has some";
-    const char *all = lf_reference_unknown(scene, settings);
-    if (!all && lf_max_depth(scene, settings->max_depth) > LF_MAX_PATH_VERTICES)
-        return "paths of more than 16 vertices (--max-depth 16 or less)";
-    return all;
-}
-
 static void destroy(void *the_state)
 {
     lf_restir *s = the_state;
@@ -259,10 +250,10 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
                         lf_integrator_needs *out_needs, lf_error *err)
 {
     const lf_render_settings *settings = input->settings;
-    const char *refused = unknown(input->scene, settings);
-    if (refused)
-        return lf_error_set(err, LF_E_ARG, "integrator", "%s renders no %s", entries[index].name,
-                            refused);
+    if (lf_max_depth(input->scene, settings->max_depth) > LF_MAX_PATH_VERTICES)
+        return lf_error_set(err, LF_E_ARG, "integrator",
+                            "%s renders no paths of more than 16 vertices (--max-depth 16 or less)",
+                            entries[index].name);
     const int reuse = settings->choices.of[LF_PAPERS_REUSE],
               weights = settings->choices.of[LF_PAPERS_WEIGHTS];
     if (!lf_reuse_name(reuse) || !lf_reuse_weights_name(weights))

@@ -13,7 +13,7 @@ typedef struct shared {
 static lf_vec3 emitted_by(const lf_general *g, const lf_prefix *p)
 {
     float pdf;
-    return p->event.kind == LF_EVENT_SURFACE && g->seen.has_emission
+    return p->event.kind == LF_EVENT_SURFACE && lf_has(&g->seen, LF_TRAIT_EMISSION)
                ? lf_light_hit(&g->seen, p->event.p, &p->event.hit, &pdf)
                : lf_v3(0.0f, 0.0f, 0.0f);
 }

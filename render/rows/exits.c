@@ -48,7 +48,7 @@ static void hit_of(const lf_visit *visit, int k, float z, const lf_fan_face *fac
 {
     const lf_vec3 p = place_of(visit, k, z, out_along);
     lf_face_hit(&face->face, p, *out_along, out);
-    if (visit->scene->looks.varied && lf_is_varied(out->mesh, out->material))
+    if (lf_has(visit->scene, LF_TRAIT_VARYING) && lf_is_varied(out->mesh, out->material))
         lf_hit_vary(out, lf_rig_spread(visit->rig) * z);
 }
 
@@ -310,7 +310,7 @@ bool lf_exits_sky(const lf_visit *visit, lf_vec3 *out)
 
 bool lf_exits_uniform(const lf_scene *scene, float out_sky[3])
 {
-    if (scene->flames.n > 0 || scene->looks.chromatic)
+    if (scene->flames.n > 0 || lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA))
         return false;
     for (int i = 0; i < scene->n_materials && scene->embree; i++) {
         const lf_material *m = &scene->materials[i];
@@ -386,7 +386,7 @@ static void shine(const lf_visit *visit, const lf_exit_fan *fan, float u)
 {
     lf_scratch *w = visit->worker;
     const int from = fan->from;
-    const bool veiled = visit->scene->looks.veiled;
+    const bool veiled = lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
     lf_rays rays = fan->rays;
     rays.channels = false;
     const lf_shine sources = {.media = &w->media,

@@ -57,7 +57,8 @@ static bool sees_texture(const lf_exits *e, const lf_fan_end *at, int k)
 {
     const int material = at->material[k];
     return e->visit->sums.albedo && material >= 0 &&
-           (e->visit->scene->looks.coloured || e->visit->scene->materials[material].textures);
+           (lf_has(e->visit->scene, LF_TRAIT_VERTEX_COLOURS) ||
+            e->visit->scene->materials[material].textures);
 }
 
 /* Whether an edge runs between two columns of view k: what is seen there would be torn to a ramp.
@@ -208,11 +209,12 @@ static lf_exits begin(const lf_visit *visit)
     lf_exits e = {.visit = visit};
     e.constant = lf_exits_sky(visit, &e.sky);
     e.density = lf_correction_exit_density(contributions(visit->plan), visit->sums.feature);
-    e.veiled = visit->scene->looks.veiled;
+    e.veiled = lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
     choose_quarter(&e);
     for (int k = 0; k < LF_MAX_LANES; k++)
         w->met.segment[k] = -1; /* and so it stays without meshes */
-    for (int i = 0; i < LF_FAN_FACES && (visit->plan->order.sunlight || visit->scene->looks.varied);
+    for (int i = 0; i < LF_FAN_FACES &&
+                    (visit->plan->order.sunlight || lf_has(visit->scene, LF_TRAIT_VARYING));
          i++)
         w->met.face[i].segment = -1;
     for (int i = 0; i < LF_VEIL_FACES && e.veiled; i++)

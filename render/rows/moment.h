@@ -16,7 +16,7 @@ typedef struct lf_moving {
 /* Something is elsewhere when the shutter closes. */
 static inline bool lf_moving_moves(const lf_moving *moving)
 {
-    return moving->scene->looks.moving || moving->settings.camera.moves;
+    return lf_has(moving->scene, LF_TRAIT_MOTION) || moving->settings.camera.moves;
 }
 
 typedef struct lf_moment {

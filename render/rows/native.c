@@ -178,7 +178,7 @@ void lf_natives_of_surface(lf_visit *visit, int view, int column, const lf_pivot
     lf_delta_chain chain;
     if (!visit->sums.native)
         return;
-    if (visit->scene->looks.veiled)
+    if (lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH))
         add_glow_of_veil(visit, view, column, pivot);
     lf_shade(&pivot->event.hit, lf_scale(pivot->event.w, -1.0f), &shading);
     if (visit->plan->pilot && shading.n_deltas > 0)

@@ -97,7 +97,7 @@ typedef struct row_edge {
 static void cut_edge(const lf_visit *visit, int edge, row_edge *out)
 {
     static const float no_lens[2] = {0.5f, 0.5f};
-    const bool veiled = visit->scene->looks.veiled;
+    const bool veiled = lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
     lf_scratch *w = visit->worker;
     out->section = edge == 0 ? &w->section : &w->met.outlines.edge;
     out->veils = edge == 0 ? &w->veil.section : &w->met.outlines.veils;

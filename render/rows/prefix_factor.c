@@ -6,7 +6,7 @@
 
 static bool has_veils(const lf_visit *visit)
 {
-    return visit->scene->looks.veiled;
+    return lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
 }
 
 static void veils_between(const lf_visit *visit, const lf_pivot *pivot)
@@ -23,7 +23,7 @@ static const lf_prefix_factor veils = {
 
 static bool has_panes(const lf_visit *visit)
 {
-    return visit->scene->looks.paned;
+    return lf_has(visit->scene, LF_TRAIT_THIN_GLASS);
 }
 
 /* A pane is met by the share of each view's light that does not come through. */

@@ -48,7 +48,7 @@ static void free_workers(lf_scratch **workers, int n)
 static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layout)
 {
     int n = rows->n_workers;
-    const bool mirrors = rows->seen.has_delta,
+    const bool mirrors = lf_has(&rows->seen, LF_TRAIT_MIRRORS),
                outlines = layout->has_features && rows->triangles.first;
     lf_scratch **workers = lf_calloc((size_t)n, sizeof *workers);
     for (int i = 0; workers && i < n; i++) {
@@ -65,10 +65,12 @@ static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layo
             lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
             lf_section_init(&workers[i]->section, rows->triangles.longest,
                             rows->triangles.n_places) != LF_OK ||
-            (outlines && lf_outlines_init(&workers[i]->met.outlines, &rows->triangles,
-                                          rows->seen.looks.veiled, layout) != LF_OK) ||
+            (outlines &&
+             lf_outlines_init(&workers[i]->met.outlines, &rows->triangles,
+                              lf_has(&rows->seen, LF_TRAITS_SEEN_THROUGH), layout) != LF_OK) ||
             lf_section_init(&workers[i]->veil.section,
-                            rows->seen.looks.veiled ? rows->triangles.longest : 0,
+                            lf_has(&rows->seen, LF_TRAITS_SEEN_THROUGH) ? rows->triangles.longest
+                                                                        : 0,
                             rows->triangles.n_places) != LF_OK) {
             free_workers(workers, n);
             return NULL;
@@ -123,8 +125,8 @@ static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
 static lf_film_layout film_layout(const lf_scene *scene, const lf_render_settings *settings,
                                   const lf_rig *rig, float sky[3])
 {
-    bool native =
-        scene->has_delta || scene->glows.n > 0 || (scene->looks.veiled && scene->has_emission);
+    bool native = lf_has(scene, LF_TRAIT_MIRRORS) || scene->glows.n > 0 ||
+                  (lf_has(scene, LF_TRAITS_SEEN_THROUGH) && lf_has(scene, LF_TRAIT_EMISSION));
     bool uniform = !native && settings->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_uniform(scene, sky),
          grids = false;
     for (int i = 0; i < scene->n_volumes; i++)
@@ -132,13 +134,14 @@ static lf_film_layout film_layout(const lf_scene *scene, const lf_render_setting
     return (lf_film_layout){.n_views = rig->n_views,
                             .width = rig->width,
                             .height = rig->height,
-                            .has_w2 = scene->has_view_lobes,
+                            .has_w2 = lf_has(scene, LF_TRAIT_VIEW_LOBES),
                             .has_native = native,
                             .has_known = !uniform,
-                            .has_delta = scene->has_delta,
+                            .has_delta = lf_has(scene, LF_TRAIT_MIRRORS),
                             .has_signed = grids,
                             .has_features = settings->features,
-                            .has_albedo = settings->features && scene->looks.tinted};
+                            .has_albedo =
+                                settings->features && lf_has(scene, LF_TRAIT_VARYING_ALBEDO)};
 }
 
 /* Where surfaces have edges a picture needs many row offsets and film points of B and q, which all

@@ -29,7 +29,7 @@ void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, 
     if (visit->worker->glows.n > 0 && suffix->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
         suffix->found_light = lf_light_of_hit(visit->scene, &next.hit);
     suffix->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
-    if (visit->scene->looks.filled)
+    if (lf_has(visit->scene, LF_TRAITS_FILLED))
         suffix->found = lf_mul(suffix->found, lf_path_absorbed(visit->scene, &next));
 }
 
@@ -42,7 +42,7 @@ void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf
     out->has_light = lf_light_draw(visit->scene, pivot->event.p, u, &out->light);
     if (out->has_light)
         out->light_visible = lf_path_visible(&visit->worker->tracer, &pivot->event, &out->light);
-    if (out->has_light && visit->scene->looks.filled)
+    if (out->has_light && lf_has(visit->scene, LF_TRAITS_FILLED))
         out->light.radiance = lf_mul(
             out->light.radiance, lf_path_absorbed_light(visit->scene, &pivot->event, &out->light));
     lf_suffix_redraw(visit, pivot, wo, out);
@@ -76,7 +76,7 @@ lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const l
 static int mirror_rounds(const lf_visit_plan *plan)
 {
     enum { MIRROR_TIMES = 6 };
-    if (!plan->scene->has_delta || plan->order.column_step > 1)
+    if (!lf_has(plan->scene, LF_TRAIT_MIRRORS) || plan->order.column_step > 1)
         return 0;
     return MIRROR_TIMES * plan->order.subsets < 2 * plan->rig->n_views ? 1 : 2;
 }
@@ -142,8 +142,8 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
         lf_counts_row(plan->counts, visit->row, visit->worker->expected);
         visit->expected = visit->worker->expected;
     }
-    visit->extinction =
-        plan->scene->looks.chromatic ? &lf_extinction_chromatic : &lf_extinction_grey;
+    visit->extinction = lf_has(plan->scene, LF_TRAIT_CHROMATIC_MEDIA) ? &lf_extinction_chromatic
+                                                                      : &lf_extinction_grey;
     lf_scratch *w = visit->worker;
     for (int c = 0; c < 3; c++)
         w->channels.received[c] = visit->extinction->channels > 1

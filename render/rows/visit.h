@@ -29,6 +29,13 @@ struct lf_queue;
 struct lf_extinction;
 struct lf_prefix_factor;
 
+/* All but cameras that are no rig. */
+#define LF_ROWS_SUPPORT                                                                            \
+    (LF_TRAITS_PLAIN_SURFACES | LF_TRAITS_GLASS | LF_TRAITS_SEEN_THROUGH | LF_TRAIT_CATCHERS |     \
+     LF_TRAIT_REFLECTIONS | LF_TRAITS_PLAIN_MEDIA | LF_TRAIT_CHROMATIC_MEDIA |                     \
+     LF_TRAIT_VOLUME_EMISSION | LF_TRAITS_LIGHT | LF_TRAIT_MOTION | LF_TRAIT_LENS |                \
+     LF_TRAIT_VIEW_BLUR | LF_TRAIT_FEATURES)
+
 /* How what a base sample finds is spread over the views. A member of the table (rows.c) is one
  * file. */
 typedef struct lf_sharing {

@@ -75,7 +75,7 @@ static bool is_forced(const lf_visit *visit, const base_ray *ray)
     if (!visit->plan->order.cover || ray->shared ||
         (ray->surface && event->hit.material->has_delta))
         return false;
-    return !visit->scene->looks.paned ||
+    return !lf_has(visit->scene, LF_TRAIT_THIN_GLASS) ||
            !lf_trace_pane(&visit->worker->tracer, ray->eye, event->w, 0.0f, t_end, &first);
 }
 
@@ -139,7 +139,7 @@ void lf_base_sample(lf_visit *visit, const lf_base *base)
     const lf_collision at = collide(visit, &ray);
     const bool collides = at.z < INFINITY,
                natives = base->native_only || lf_natives_by_base(visit, view, column);
-    if (visit->scene->looks.paned && natives && visit->sums.native) {
+    if (lf_has(visit->scene, LF_TRAIT_THIN_GLASS) && natives && visit->sums.native) {
         const float t_end = collides      ? at.z * ray.line.length
                             : ray.surface ? ray.pivot.event.hit.t
                                           : INFINITY;

@@ -18,7 +18,7 @@ static void cut_glows(lf_visit *visit)
 static void cut_meshes(const lf_visit *visit)
 {
     lf_scratch *w = visit->worker;
-    bool veils = visit->scene->looks.veiled;
+    bool veils = lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
     lf_section_cut(&w->section, visit->triangles, visit->scene, visit->rig, visit->row,
                    &visit->plane, veils ? LF_CUT_OPAQUE : LF_CUT_ALL);
     if (veils)

@@ -85,7 +85,7 @@ static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_
 }
 
 const lf_sharing lf_sharing_vpt = {
-    .entry = {.name = "vpt", .what = "each view alone", .shares = false},
+    .entry = {.name = "vpt", .what = "each view alone", .supports = LF_ROWS_SUPPORT},
     .suffixes = 2,
     .pivot = pivot_vpt,
     .glow = glow_vpt,

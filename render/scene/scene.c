@@ -66,10 +66,9 @@ void lf_scene_unref(lf_scene *scene)
         release(&scene->flames.field[i]);
     for (int i = 0; i < scene->n_lights; i++)
         lf_light_finish(&scene->lights[i]);
-    for (int i = 0; i < LF_OWN_SLOTS * scene->looks.n_own_textures; i++)
-        lf_scene_picture_unref(
-            scene->looks.own_textures[i / LF_OWN_SLOTS].picture[i % LF_OWN_SLOTS]);
-    lf_free(scene->looks.own_textures);
+    for (int i = 0; i < LF_OWN_SLOTS * scene->n_own_textures; i++)
+        lf_scene_picture_unref(scene->own_textures[i / LF_OWN_SLOTS].picture[i % LF_OWN_SLOTS]);
+    lf_free(scene->own_textures);
     lf_geometry_unref(scene->geometry);
     lf_free(scene->file.views);
     lf_free(scene->volumes);
@@ -78,8 +77,8 @@ void lf_scene_unref(lf_scene *scene)
     lf_free(scene->lights);
     lf_free(scene->meshes);
     lf_free(scene->materials);
-    lf_free(scene->looks.solids);
-    lf_free(scene->looks.touching);
+    lf_free(scene->nested.solids);
+    lf_free(scene->nested.touching);
     lf_warnings_finish(&scene->warnings);
     bool large = scene->file.bytes >= LF_SCENE_LARGE_BYTES;
     json_decref(scene->json);
@@ -141,7 +140,7 @@ bool lf_scene_has_frames(const lf_scene *scene)
 
 bool lf_scene_has_catchers(const lf_scene *scene)
 {
-    return scene->looks.caught;
+    return lf_has(scene, LF_TRAIT_CATCHERS);
 }
 
 const char *lf_scene_warning(const lf_scene *scene, int index)

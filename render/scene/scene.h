@@ -16,6 +16,7 @@
 #include "render/scene/handle.h"
 #include "render/scene/shape.h"
 #include "render/scene/texture.h"
+#include "render/scene/traits.h"
 #include "render/scene/vec.h"
 #include "render/scene/warnings.h"
 
@@ -504,33 +505,15 @@ typedef struct lf_touching {
     uint32_t other_triangle;
 } lf_touching;
 
-/* What some of its surfaces and volumes are, and most scenes lack. */
-typedef struct lf_looks {
-    bool varied;    /* something varies along a mesh */
-    bool tinted;    /* ... and some surface's albedo does */
-    bool coloured;  /* ... of a mesh whose vertices have colours */
-    bool veiled;    /* some surface may not be there whole, or is a pane */
-    bool hidden;    /* some mesh is hidden from the camera */
-    bool filled;    /* some glass absorbs or scatters, or there is flesh */
-    bool frosted;   /* some solid glass is rough, or flesh: hits say from which side they are */
-    bool fleshy;    /* some closed mesh holds flesh (flesh.h) */
-    bool moving;    /* something is elsewhere when the shutter closes */
-    bool chromatic; /* sigma_t of some volume is not the same for all channels */
-    bool caught;    /* some mesh is a catcher of shadows */
-    bool reflected; /* ... and some one of what it reflects */
-    bool paned;     /* some sheet is a pane */
-    bool placed;    /* some mesh stands in many places */
-    bool nested;    /* solid glass stands in solid glass: */
-    /* [n_meshes][n_materials] owned: which solid such triangles belong to (nest.h); -1: they part
-     * glass from air, or nothing from nothing */
+/* Solid glass that stands in solid glass (nest.h); all zero where there is none. Owned. */
+typedef struct lf_nesting {
+    /* [n_meshes][n_materials]: which solid such triangles belong to; -1: they part glass from air,
+     * or nothing from nothing */
     int16_t *solids;
-    /* [n_touching] owned: of its solids, by mesh and triangle; each pair both ways */
+    /* [n_touching] of its solids, by mesh and triangle; each pair both ways */
     lf_touching *touching;
     int n_touching;
-    /* owned: of the materials of the scene file, in its order */
-    int n_own_textures;
-    lf_own_textures *own_textures;
-} lf_looks;
+} lf_nesting;
 
 struct lf_scene {
     atomic_int refs;
@@ -561,14 +544,19 @@ struct lf_scene {
     lf_warnings warnings; /* of its parts and of the whole */
 
     /* What integrators are specialised by. */
-    bool has_delta; /* some material has a delta lobe */
-    lf_looks looks;
-    bool has_emission; /* some material emits */
-    /* faces of lamps share their place with others: next event counts the one that a ray meets */
-    bool has_overlaps;
-    bool has_view_lobes; /* some lobe depends on the view: g != 0, all surfaces but diffuse */
+    lf_traits traits;
+    lf_nesting nested;
+    /* [n_own_textures] owned: of the materials of the scene file, in its order */
+    lf_own_textures *own_textures;
+    int n_own_textures;
 };
 #define LF_DEFAULT_MAX_DEPTH 1024
+
+/* Whether it has any of these traits. */
+static inline bool lf_has(const lf_scene *scene, lf_traits any)
+{
+    return scene->traits & any;
+}
 
 /* Path vertices: what is wanted, else (0) what the scene says, else the default. */
 static inline int lf_max_depth(const lf_scene *scene, int wanted)

@@ -21,6 +21,8 @@ static inline lf_scene *lf_test_grid_scene(const char *text, lf_grid *grid, doub
     v->kind = LF_VOLUME_GRID;
     v->grid = grid;
     v->nearest = nearest;
+    scene->traits &= ~LF_TRAIT_HOMOGENEOUS_MEDIA;
+    scene->traits |= nearest ? LF_TRAIT_NEAREST_VOXELS : 0;
     v->sigma_scale = sigma;
     v->sigma_max = sigma * grid->max_value;
     v->voxel = (float)voxel;

@@ -200,7 +200,8 @@ static void media_are_refused(void **state)
     settings.integrator = "amv2019";
     lf_assert_status(lf_renderer_restart(r, scene, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what,
-                        "amv2019 renders no media, of which 2019 knows none; the scene has some");
+                        "amv2019 does not support participating media; the scene has some; "
+                        "use one of mvpt, vpt, amvpt, mvpt2022, mismvpt, amvpt2022");
     lf_renderer_destroy(r);
     lf_scene_unref(scene);
 }

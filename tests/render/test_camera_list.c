@@ -124,10 +124,10 @@ static void what_is_not_rendered_is_refused_by_name(void **state)
          "'meshes': {'b': {'shape': 'sphere', 'material': 'm'}}",
          NULL, "glass"},
         {"'volumes': {'v': {'shape': 'box', 'density': 1, 'sigma_t': [0.2, 0.5, 1]}}", NULL,
-         "colour"},
+         "chromatic extinction"},
         {"'volumes': {'v': {'shape': 'box', 'density': 1, 'emission': 1}}", NULL, "emit"},
-        {"'volumes': {}", "amvpt", "one of mvpt, vpt"},
-        {"'volumes': {}", "mvpt2022", "one of mvpt, vpt"}};
+        {"'volumes': {}", "amvpt", "listed one by one; the scene has some; use one of mvpt, vpt"},
+        {"'volumes': {}", "mvpt2022", "of mvpt, vpt"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         char text[512];
         lf_error err;

@@ -103,7 +103,7 @@ static lf_scene *scene_of(const char *pattern, medium kind, int channel, double 
                           ? lf_test_scene(text)
                           : lf_test_grid_scene(text, lf_test_grid(lf_test_rough, 12, 12, 12), 0.15,
                                                0.4, 2.0f * sigma, kind == NEAREST);
-    assert_int_equal(scene->looks.chromatic, !(scale > 0.0));
+    assert_int_equal(lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA), !(scale > 0.0));
     free(text);
     return scene;
 }

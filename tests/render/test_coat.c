@@ -196,7 +196,7 @@ static lf_scene *lacquered(bool coat)
     mesh->tangents = dress.tangents;
     m->textures = &dress.textures;
     lf_material_prepare(m);
-    scene->looks.varied = true;
+    scene->traits |= LF_TRAIT_VARYING;
     return scene;
 }
 

@@ -229,9 +229,9 @@ static void no_ray_that_embree_refuses_comes_to_it(void **state)
         assert_false(lf_trace_surface(&tracer, wrong[i], o, INFINITY, &hit));
         assert_false(lf_trace_next(&tracer, o, wrong[i], 0.0f, INFINITY, &hit));
         assert_true(lf_trace_occluded(&tracer, o, wrong[i], INFINITY));
-        scene->looks.veiled = true;
+        scene->traits |= LF_TRAIT_ALPHA;
         assert_float_equal(lf_trace_passed(&tracer, o, wrong[i], INFINITY), 0.0, 0.0);
-        scene->looks.veiled = false;
+        scene->traits &= ~LF_TRAIT_ALPHA;
     }
     assert_true(lf_trace_surface(&tracer, o, (lf_vec3){0.0f, 0.0f, -1.0f}, INFINITY, &hit));
     lf_scene_unref(scene);

@@ -374,7 +374,7 @@ static void thin_out(lf_scene *scene, float alpha)
         scene->materials[i].cover = LF_COVER_BLEND;
         scene->materials[i].alpha = alpha;
     }
-    scene->looks.veiled = true;
+    scene->traits |= LF_TRAIT_ALPHA;
 }
 
 /* A sheet of alpha 0.4 in the middle of the slab, another of 0.3 before it. */

@@ -103,7 +103,7 @@ static void whole_voxels_are_the_blob_carried_as_a_whole(void **state)
         NULL);
     assert_non_null(flows->volumes[0].steps);
     assert_int_equal(flows->volumes[0].steps->n, 2);
-    assert_true(flows->looks.moving);
+    assert_true(lf_has(flows, LF_TRAIT_MOTION));
     int there = 0;
     for (int step = 0; step < 2; step++)
         for (int n = 0; n < points; n++) {
@@ -640,7 +640,7 @@ static void steps_are_shared_and_the_subject_knows_them(void **state)
     assert_true(json_equal(a->subject, b->subject));
     assert_false(json_equal(a->subject, c->subject));
     assert_true(json_equal(d->subject, e->subject));
-    assert_false(d->looks.moving || d->volumes[0].steps);
+    assert_false(lf_has(d, LF_TRAIT_MOTION) || d->volumes[0].steps);
     assert_string_equal(d->volumes[0].grid->digest.text, a->volumes[0].grid->digest.text);
     lf_scene *all[] = {a, b, c, d, e};
     for (int i = 0; i < 5; i++)

@@ -159,7 +159,7 @@ static void they_move_as_their_nodes_do(void **state)
     const lf_light *moving = &open->lights[1];
     assert_non_null(moving->way);
     assert_null(open->lights[2].way);
-    assert_true(open->looks.moving);
+    assert_true(lf_has(open, LF_TRAIT_MOTION));
     lf_assert_close(moving->way->open[0].number[0], 14, 0, 1e-5);
     lf_assert_close(moving->way->close[0].number[0], 16, 0, 1e-5);
     lf_assert_close((double)moving->position.x + open->origin[0], 15, 0, 1e-5);

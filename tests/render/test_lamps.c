@@ -128,7 +128,7 @@ static void a_lamp_in_the_place_of_another_is_one_lamp(void **state)
                                                     "0.3, 'translate': [0.4, 1, 0.3]}}"};
     (void)state;
     lf_scene *scene = floor_below(".", lamps[1]);
-    assert_true(scene->has_overlaps &&
+    assert_true(lf_has(scene, LF_TRAIT_OVERLAPS) &&
                 strstr(lf_scene_warning(scene, 0),
                        "mesh \"a\": faces of it that glow lie in one place with faces of"));
     lf_scene_unref(scene);

@@ -427,8 +427,8 @@ static void what_does_not_move_a_face_leaves_the_geometry_shared(void **state)
     assert_ptr_equal(first->geometry, brighter->geometry);
     assert_ptr_equal(first->geometry, hidden->geometry);
     assert_ptr_not_equal(first->geometry, larger->geometry);
-    assert_true(hidden->meshes[1].hidden && !first->meshes[1].hidden && hidden->looks.hidden &&
-                !first->looks.hidden);
+    assert_true(hidden->meshes[1].hidden && !first->meshes[1].hidden &&
+                lf_has(hidden, LF_TRAIT_HIDDEN_MESHES) && !lf_has(first, LF_TRAIT_HIDDEN_MESHES));
     assert_int_equal(first->n_lights, 2);
     lf_assert_close(brighter->lights[1].radiance.x, 9.0 / (4.0 * M_PI * M_PI), 1e-6, 0.0);
     lf_scene_unref(first);

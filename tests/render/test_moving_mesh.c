@@ -93,7 +93,7 @@ static void an_open_shutter_sees_it_move(void **state)
     write_files(*state);
     lf_scene *scene = open_in(*state, 7, "", "walk.gltf", NULL);
     const lf_mesh *mesh = &scene->meshes[0];
-    assert_true(scene->looks.moving);
+    assert_true(lf_has(scene, LF_TRAIT_MOTION));
     for (int i = 0; i < 3 * mesh->n_vertices; i++)
         lf_assert_close((double)(mesh->close.vertices[i] - mesh->vertices[i]), i % 3 ? 0 : 1, 0,
                         1e-5);
@@ -108,7 +108,7 @@ static void an_open_shutter_sees_it_move(void **state)
     lf_scene_unref(scene);
     lf_scene_unref(again);
     scene = open_in(*state, 7, "", "still.gltf", NULL);
-    assert_false(scene->looks.moving);
+    assert_false(lf_has(scene, LF_TRAIT_MOTION));
     lf_scene_unref(scene);
 }
 

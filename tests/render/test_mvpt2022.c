@@ -278,12 +278,15 @@ static void what_it_does_not_know_is_refused(void **state)
     settings.integrator = "mvpt2022";
     settings.features = true;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(err.what,
-                        "mvpt2022 renders no reconstructed pictures (--reconstruct off) or depth");
+    assert_string_equal(
+        err.what, "mvpt2022 does not support reconstruction and depth; the picture asks for it "
+                  "(--reconstruct off does not); use one of mvpt, vpt, amvpt");
     settings.features = false;
     lf_scene *flames = lf_test_scene(LF_TEST_FLAMES("3", ""));
     lf_assert_status(lf_renderer_restart(r, flames, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(err.what, "mvpt2022 renders no volumes that emit; the scene has some");
+    assert_string_equal(err.what,
+                        "mvpt2022 does not support volumes that emit; the scene has some; "
+                        "use one of mvpt, vpt, amvpt");
     lf_scene_unref(flames);
     lf_renderer_destroy(r);
 }

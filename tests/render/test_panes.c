@@ -51,7 +51,7 @@ static void as_other_surfaces(lf_scene *scene)
 {
     for (int i = 0; i < scene->n_materials; i++)
         scene->materials[i].glass.is_pane = false;
-    scene->looks.veiled = false;
+    scene->traits &= ~LF_TRAITS_SEEN_THROUGH;
 }
 
 static void schedule(lf_renderer *r)
@@ -63,7 +63,7 @@ static void pictures(const char *text, bool panes, lf_estimator estimator, uint6
                      lf_blocks *out)
 {
     lf_scene *scene = lf_test_scene(text);
-    assert_true(scene->looks.veiled);
+    assert_true(lf_has(scene, LF_TRAITS_SEEN_THROUGH));
     if (!panes)
         as_other_surfaces(scene);
     lf_renderer *r = lf_test_renderer(scene, panes ? "mvpt" : "vpt", width, height, NULL);

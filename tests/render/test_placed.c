@@ -95,7 +95,8 @@ static void rays_find_what_they_find_in_copies(void **state)
                  *copies = scene_of(shapes[i], "glaze", true, 0.0, "3", ALL),
                  *beside = scene_of(shapes[i], "glaze", true, 0.02, "3", ALL);
         int found;
-        assert_true(placed->looks.placed && placed->n_meshes == 2 && copies->n_meshes == 25);
+        assert_true(lf_has(placed, LF_TRAIT_INSTANCES) && placed->n_meshes == 2 &&
+                    copies->n_meshes == 25);
         int wrong = differences(placed, copies, 20000, &found);
         if (wrong > 10 || found < 3000)
             fail_msg("%d of %d hits are others (%s)", wrong, found, shapes[i]);
@@ -540,7 +541,7 @@ static void lights_are_copies(void **state)
         area[0] += (double)placed->lights[i].area;
     for (int i = 0; i < copies->n_lights; i++)
         area[1] += (double)copies->lights[i].area;
-    assert_false(placed->looks.placed);
+    assert_false(lf_has(placed, LF_TRAIT_INSTANCES));
     assert_int_equal(placed->meshes[1].n_triangles, n_places * copies->meshes[1].n_triangles);
     lf_assert_close(area[0], area[1], 1e-5, 0.0);
     lf_scene_unref(placed);

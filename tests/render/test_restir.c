@@ -430,7 +430,7 @@ static void what_it_does_not_know_is_refused(void **state)
                                   "--reuse spatial keeps none");
     lf_scene *ball = lf_test_scene(LF_TEST_BENT("3", ""));
     lf_assert_status(lf_renderer_restart(r, ball, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(err.what, "restir renders no surfaces yet; the scene has some");
+    assert_non_null(strstr(err.what, "restir does not support surfaces; the scene has some"));
     lf_scene_unref(ball);
     lf_renderer_destroy(r);
 }

@@ -103,7 +103,8 @@ static void lights_and_materials_arrive_in_their_units(void **state)
     assert_true(material->kind == &lf_surface_plastic && material->albedo.z == 0.3f &&
                 material->roughness == 0.4f);
     assert_true(material->ior == 1.7f && material->emission.y == 2);
-    assert_true(scene->has_emission && scene->has_view_lobes && !scene->has_delta);
+    assert_true(lf_has(scene, LF_TRAIT_EMISSION) && lf_has(scene, LF_TRAIT_VIEW_LOBES) &&
+                !lf_has(scene, LF_TRAIT_MIRRORS));
     lf_scene_unref(scene);
 }
 
@@ -136,9 +137,9 @@ static void only_materials_in_use_set_the_flags(void **state)
             "\"meshes\": {\"q\": {\"shape\": \"cube\", \"material\": \"%s\"}}}",
             used ? "mirror" : "a");
         lf_scene *scene = make_scene(text, ".", NULL);
-        assert_int_equal(scene->has_delta, used);
-        assert_int_equal(scene->has_view_lobes, used);
-        assert_false(scene->has_emission);
+        assert_int_equal(lf_has(scene, LF_TRAIT_MIRRORS), used);
+        assert_int_equal(lf_has(scene, LF_TRAIT_VIEW_LOBES), used);
+        assert_false(lf_has(scene, LF_TRAIT_EMISSION));
         lf_scene_unref(scene);
     }
 }

@@ -201,13 +201,13 @@ static void roughness_and_metal_share_a_slot(void **state)
                              QUAD "," SKY ", 'materials': {'m': {'type': 'plastic', 'roughness': "
                                   "{'file': 'rough.png'}}}",
                              NULL);
-    const lf_texels *texels = &both->looks.own_textures[0].picture[LF_SLOT_METAL_ROUGH]->texels;
+    const lf_texels *texels = &both->own_textures[0].picture[LF_SLOT_METAL_ROUGH]->texels;
     assert_true(texels->width == 2 && texels->height == 1);
     assert_true(texels->rgba[1] == 100 && texels->rgba[5] == 200);
     assert_true(texels->rgba[2] == 7 && texels->rgba[6] == 7);
     assert_true(both->materials[0].roughness == LF_LEAST_ROUGHNESS);
     assert_true(both->materials[0].metallic == 0.5f);
-    assert_int_equal(one->looks.own_textures[0].picture[LF_SLOT_METAL_ROUGH]->texels.rgba[2], 255);
+    assert_int_equal(one->own_textures[0].picture[LF_SLOT_METAL_ROUGH]->texels.rgba[2], 255);
     assert_non_null(one->materials[0].kind->vary);
     lf_scene_unref(both);
     lf_scene_unref(one);
@@ -409,7 +409,7 @@ static lf_scene *patched(const char *folder, const char *material, const lf_scen
 
 static const lf_scene_picture *base_of(const lf_scene *scene)
 {
-    return scene->looks.own_textures[0].picture[LF_SLOT_BASE];
+    return scene->own_textures[0].picture[LF_SLOT_BASE];
 }
 
 static void a_patch_reads_what_it_changes_and_nothing_else(void **state)

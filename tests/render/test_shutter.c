@@ -421,7 +421,7 @@ static void what_stands_still_is_the_same_with_a_shutter(void **state)
              *open = scene_of(", 'shutter': 0.5", STILL, "", closed);
     assert_ptr_equal(open->geometry, closed->geometry);
     assert_true(json_equal(open->subject, closed->subject));
-    assert_false(open->looks.moving);
+    assert_false(lf_has(open, LF_TRAIT_MOTION));
     double *a = lf_test_picture_by(closed, width, height, 2),
            *b = lf_test_picture_by(open, width, height, 2);
     assert_memory_equal(a, b, width * height * n_views * sizeof *a);
@@ -438,8 +438,8 @@ static void a_mesh_is_read_where_it_is_at_both_ends(void **state)
              *open = scene_of(", 'shutter': 0.5, 'shutter_open': -0.25", MOVING, "", closed),
              *longer = scene_of(", 'shutter': 0.75, 'shutter_open': -0.25", MOVING, "", open),
              *again = scene_of(", 'shutter': 0.5, 'shutter_open': -0.25", MOVING, "", open);
-    assert_true(open->looks.moving);
-    assert_false(closed->looks.moving);
+    assert_true(lf_has(open, LF_TRAIT_MOTION));
+    assert_false(lf_has(closed, LF_TRAIT_MOTION));
     const lf_mesh *mesh = &open->meshes[1];
     assert_null(open->meshes[0].close.vertices);
     for (int i = 0; i < 3 * mesh->n_vertices; i++)
@@ -469,7 +469,7 @@ static void the_subject_knows_where_a_volume_goes(void **state)
     lf_scene *closed = scene_of("", STILL, right, NULL), *shut = scene_of("", STILL, left, NULL),
              *open = scene_of(", 'shutter': 0.5", STILL, right, NULL),
              *other = scene_of(", 'shutter': 0.5", STILL, left, NULL);
-    assert_true(open->looks.moving && !closed->looks.moving);
+    assert_true(lf_has(open, LF_TRAIT_MOTION) && !lf_has(closed, LF_TRAIT_MOTION));
     assert_true(json_equal(closed->subject, shut->subject));
     assert_false(json_equal(open->subject, closed->subject));
     assert_false(json_equal(open->subject, other->subject));

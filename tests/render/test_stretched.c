@@ -130,7 +130,7 @@ static void lamps_in_one_place_are_found_however_far_the_scene_reaches(void **st
                      "%s, 'z': {'shape': 'cube', 'transform': {'translate': [%s, 0, 0]}}",
                      cases[i].meshes, far[k]);
             lf_scene *scene = scene_of(*state, meshes);
-            if (scene->has_overlaps != cases[i].overlap)
+            if (lf_has(scene, LF_TRAIT_OVERLAPS) != cases[i].overlap)
                 fail_msg("case %d with a cube at %s", i, far[k]);
             lf_scene_unref(scene);
         }

@@ -57,8 +57,8 @@ static void clothe(lf_scene *scene, int number, lf_cover cover, const lf_texture
     m->cover = cover;
     m->alpha = 1.0f;
     m->cutoff = 0.5f;
-    scene->looks.varied = true;
-    scene->looks.veiled = cover != LF_COVER_OPAQUE;
+    scene->traits &= ~LF_TRAIT_ALPHA;
+    scene->traits |= LF_TRAIT_VARYING | (cover != LF_COVER_OPAQUE ? LF_TRAIT_ALPHA : 0);
 }
 
 static void undress(lf_scene *scene)
@@ -379,7 +379,7 @@ static void sheets_let_through_the_product_of_what_they_lack(void **state)
             scene->materials[m].alpha = m == 0 ? 0.5f : 0.25f;
             lf_material_prepare(&scene->materials[m]);
         }
-        scene->looks.veiled = true;
+        scene->traits |= LF_TRAIT_ALPHA;
         lf_renderer *r = lf_test_renderer(scene, integrators[i], 16, 12, NULL);
         lf_test_cycles(r, 2);
         double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);
@@ -429,7 +429,7 @@ static lf_scene *hang(const curtain *c)
     lf_scene *scene = lf_test_scene(text);
     clothe(scene, 0, c->cover, &plain);
     lf_material_prepare(&scene->materials[scene->meshes[0].material]);
-    scene->has_delta = scene->has_delta || scene->materials[scene->meshes[0].material].has_delta;
+    scene->traits |= scene->materials[scene->meshes[0].material].has_delta ? LF_TRAIT_MIRRORS : 0;
     return scene;
 }
 

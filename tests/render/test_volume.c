@@ -312,7 +312,7 @@ static void a_fog_ball_is_homogeneous_inside_its_ellipsoid(void **state)
     lf_assert_close(v->bounds_max.x, 2, 1e-5, 0);
     lf_assert_close(v->bounds_max.y, 1, 1e-5, 0);
     lf_assert_close(v->bounds_min.z, -3, 1e-5, 0);
-    assert_true(scene->has_view_lobes);
+    assert_true(lf_has(scene, LF_TRAIT_VIEW_LOBES));
     lf_scene_unref(scene);
 }
 
@@ -326,7 +326,7 @@ static void a_turned_fog_box_keeps_its_corners(void **state)
     assert_true(lf_volume_sigma_t(v, lf_v3(0.9f, 0.9f, 0)) == 0.0f);
     lf_assert_close(v->bounds_max.x, sqrt(2.0), 1e-5, 0);
     lf_assert_close(v->bounds_max.z, 1, 1e-5, 0);
-    assert_false(scene->has_view_lobes);
+    assert_false(lf_has(scene, LF_TRAIT_VIEW_LOBES));
     lf_scene_unref(scene);
 }
 

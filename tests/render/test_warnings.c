@@ -117,7 +117,8 @@ static void what_a_gltf_material_loses_is_said(void **state)
         "a.gltf: 1 light is not used",
     };
     assert_lines(scene, words, sizeof words / sizeof *words);
-    assert_false(scene->has_emission); /* what glows by a texture would glow all over */
+    assert_false(
+        lf_has(scene, LF_TRAIT_EMISSION)); /* what glows by a texture would glow all over */
     lf_scene_unref(scene);
     /* Where the scene says what the mesh is made of, the file's materials are not missed. */
     scene = scene_of(*state, "'m': {'file': 'a.gltf', 'material': 'lamp'}", NULL);
@@ -228,7 +229,7 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
     assert_int_equal(scene->meshes[1].n_triangles, 0);
     assert_int_equal(scene->meshes[2].n_triangles, 2);
     assert_int_equal(scene->meshes[3].n_triangles, 1);
-    assert_false(scene->has_emission);
+    assert_false(lf_has(scene, LF_TRAIT_EMISSION));
     /* What is shared with the scene before is said again. */
     lf_scene *next = scene_of(*state,
                               "'one': {'shape': 'quad', 'material': 'lamp'}, 'two': {'shape': "
@@ -241,7 +242,7 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
                                "[0, 180, 0]}}",
                                next);
     assert_ptr_equal(after->geometry, next->geometry);
-    assert_true(says(next, words[1]) && says(after, words[1]) && after->has_emission);
+    assert_true(says(next, words[1]) && says(after, words[1]) && lf_has(after, LF_TRAIT_EMISSION));
     lf_scene_unref(after);
     lf_scene_unref(next);
     lf_scene_unref(scene);
@@ -272,7 +273,7 @@ static void assert_overlap(const char *folder, const char *meshes, const char *w
 {
     lf_scene *scene = scene_of(folder, meshes, NULL);
     assert_lines(scene, &words, words ? 1 : 0);
-    assert_int_equal(scene->has_overlaps, words ? 1 : 0);
+    assert_int_equal(lf_has(scene, LF_TRAIT_OVERLAPS), words ? 1 : 0);
     lf_scene_unref(scene);
 }
 

@@ -227,13 +227,13 @@ static int16_t number_of(const parts *all, const part *p)
 static bool fill(lf_scene *scene, const parts *all)
 {
     size_t n = (size_t)scene->n_meshes * (size_t)scene->n_materials;
-    scene->looks.solids = lf_calloc(n, sizeof *scene->looks.solids);
-    if (!scene->looks.solids)
+    scene->nested.solids = lf_calloc(n, sizeof *scene->nested.solids);
+    if (!scene->nested.solids)
         return false;
-    memset(scene->looks.solids, 0xff, n * sizeof *scene->looks.solids);
+    memset(scene->nested.solids, 0xff, n * sizeof *scene->nested.solids);
     for (int i = 0; i < all->n; i++) {
         const part *p = &all->item[i];
-        scene->looks.solids[p->mesh * scene->n_materials + p->material] = number_of(all, p);
+        scene->nested.solids[p->mesh * scene->n_materials + p->material] = number_of(all, p);
     }
     return true;
 }
@@ -248,7 +248,7 @@ static bool is_about(const lf_scene *scene, const part *p, lf_vec3 eye)
     const lf_vec3 w = lf_v3(0.36f, 0.48f, 0.8f);
     while (lf_trace_next(&tracer, eye, w, t, INFINITY, &hit)) {
         const ptrdiff_t mesh = hit.mesh - scene->meshes, m = hit.material - scene->materials;
-        if (scene->looks.solids[mesh * scene->n_materials + m] == p->number)
+        if (scene->nested.solids[mesh * scene->n_materials + m] == p->number)
             left += hit.front ? -1 : 1;
         t = lf_behind(hit.t);
     }
@@ -297,9 +297,9 @@ bool lf_nest_glass(lf_scene *scene, const lf_scene_desc *desc, lf_warnings *warn
         n_glasses += is_solid_glass(&scene->materials[m]);
     for (int i = 0; i < scene->n_meshes && n_glasses > 0 && fine; i++)
         fine = add_mesh(scene, i, &all);
-    for (int i = 0; i < all.n && fine && !scene->looks.nested; i++)
-        scene->looks.nested = overlaps_others(&all, i);
-    if (fine && scene->looks.nested) {
+    for (int i = 0; i < all.n && fine && !lf_has(scene, LF_TRAIT_NESTED_GLASS); i++)
+        scene->traits |= overlaps_others(&all, i) ? LF_TRAIT_NESTED_GLASS : 0;
+    if (fine && lf_has(scene, LF_TRAIT_NESTED_GLASS)) {
         for (int i = 0; i < all.n;)
             i = close_mesh(scene, &all, i);
         for (int i = 0; i < all.n; i++)

@@ -29,7 +29,7 @@ static double volume_of(const lf_mesh *mesh)
 
 void lf_warn_of_open_flesh(const lf_scene *scene, const lf_scene_desc *desc, lf_warnings *warnings)
 {
-    for (int i = 0; i < scene->n_meshes && scene->looks.fleshy; i++) {
+    for (int i = 0; i < scene->n_meshes && lf_has(scene, LF_TRAIT_SUBSURFACE); i++) {
         const lf_mesh *mesh = &scene->meshes[i];
         const char *name = desc->meshes[i].name;
         if (!is_fleshy(scene, mesh))

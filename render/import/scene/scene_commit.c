@@ -16,9 +16,9 @@
 #include "render/import/scene/nested_glass.h"
 #include "render/import/scene/open_flesh.h"
 #include "render/import/scene/placing.h"
-#include "render/import/scene/scene_looks.h"
 #include "render/import/scene/scene_materials.h"
 #include "render/import/scene/scene_subject.h"
+#include "render/import/scene/scene_traits.h"
 #include "render/import/scene/unused_grids.h"
 #include "render/import/scene/volume_grids.h"
 #include "render/import/scene/volume_place.h"
@@ -511,7 +511,7 @@ static void find_overlaps(const commit *c)
             other = lf_light_has_faces(light) ? lf_mesh_light_overlap(scene, light).mesh : -1;
         if (other < 0)
             continue;
-        scene->has_overlaps = true;
+        scene->traits |= LF_TRAIT_OVERLAPS;
         /* Two lamps find each other: one line, whose words are the same for both. */
         bool second = other < mesh && is_lamp(scene, other);
         const lf_mesh_desc *of = &c->desc->meshes[second ? other : mesh],
@@ -641,7 +641,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         out_of_memory(&c);
         return;
     }
-    lf_scene_look(scene);
+    lf_scene_find_traits(scene);
     if (!lf_nest_glass(scene, desc, &scene->warnings))
         out_of_memory(&c);
     if (goes_on(&c))

@@ -32,7 +32,7 @@ static void out_of_memory(const making *m)
 /* Of the scene's material number i, which is called name. */
 static void load_pictures(const making *m, int i, const char *name)
 {
-    lf_own_textures *own = &m->scene->looks.own_textures[i];
+    lf_own_textures *own = &m->scene->own_textures[i];
     const lf_pictures_desc *pictures = &m->desc->pictures[i];
     for (int slot = 0; slot < LF_OWN_SLOTS && m->reader->status == LF_OK; slot++) {
         const lf_picture_desc *parts = pictures->slot[slot];
@@ -60,18 +60,17 @@ static void load_all_pictures(const making *m)
     const char *name;
     json_t *value;
     int i = 0;
-    scene->looks.own_textures =
-        lf_calloc((size_t)m->desc->n_materials, sizeof *scene->looks.own_textures);
-    if (!scene->looks.own_textures) {
+    scene->own_textures = lf_calloc((size_t)m->desc->n_materials, sizeof *scene->own_textures);
+    if (!scene->own_textures) {
         out_of_memory(m);
         return;
     }
-    scene->looks.n_own_textures = m->desc->n_materials;
+    scene->n_own_textures = m->desc->n_materials;
     json_object_foreach(json_object_get(m->root->value, "materials"), name, value)
     {
         load_pictures(m, i, name);
         if (lf_has_pictures(&m->desc->pictures[i]))
-            scene->materials[m->n_own + i].textures = &scene->looks.own_textures[i].textures;
+            scene->materials[m->n_own + i].textures = &scene->own_textures[i].textures;
         i++;
     }
 }

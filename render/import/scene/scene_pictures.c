@@ -48,9 +48,8 @@ static lf_status open_part(const lf_picture_desc *picture, const lf_roots *roots
 
 static lf_scene_picture *find_in(const lf_scene *scene, const char *key)
 {
-    for (int i = 0; scene && i < LF_OWN_SLOTS * scene->looks.n_own_textures; i++) {
-        lf_scene_picture *had =
-            scene->looks.own_textures[i / LF_OWN_SLOTS].picture[i % LF_OWN_SLOTS];
+    for (int i = 0; scene && i < LF_OWN_SLOTS * scene->n_own_textures; i++) {
+        lf_scene_picture *had = scene->own_textures[i / LF_OWN_SLOTS].picture[i % LF_OWN_SLOTS];
         if (had && strcmp(had->key, key) == 0) {
             atomic_fetch_add_explicit(&had->refs, 1, memory_order_relaxed);
             return had;

@@ -101,7 +101,7 @@ static bool put_pictures(json_t *doc, const lf_scene *scene, const lf_scene_desc
     json_object_foreach(json_object_get(doc, "materials"), name, said)
     {
         for (int part = 0; part < 2 * LF_OWN_SLOTS && done; part++) {
-            const lf_scene_picture *had = scene->looks.own_textures[i].picture[part / 2];
+            const lf_scene_picture *had = scene->own_textures[i].picture[part / 2];
             const char *key = lf_picture_keys[part / 2][part % 2];
             if (!desc->pictures[i].slot[part / 2][part % 2].file)
                 continue;

@@ -29,7 +29,7 @@ typedef struct flats {
 static int16_t solid_of(const lf_scene *scene, int mesh, int triangle)
 {
     int m = lf_mesh_material(&scene->meshes[mesh], (uint32_t)triangle);
-    return scene->looks.solids[mesh * scene->n_materials + m];
+    return scene->nested.solids[mesh * scene->n_materials + m];
 }
 
 static bool is_fixed(const lf_mesh *mesh)
@@ -180,8 +180,8 @@ bool lf_touching_find(lf_scene *scene)
     }
     if (fine && all.n_pairs > 0) {
         qsort(all.pairs, all.n_pairs, sizeof *all.pairs, by_triangle);
-        scene->looks.touching = all.pairs;
-        scene->looks.n_touching = (int)all.n_pairs;
+        scene->nested.touching = all.pairs;
+        scene->nested.n_touching = (int)all.n_pairs;
     } else {
         lf_free(all.pairs);
     }

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "render/import/scene/scene_looks.h"
+#include "render/import/scene/scene_traits.h"
 #include "render/scene/vec_double.h"
 
 /* Volume space -> world. */

@@ -33,14 +33,14 @@ static float deepest_voxel(const lf_volume *v)
     return longest * v->sigma_max;
 }
 
+/* Of one grid. */
 static bool serves_volume(const lf_volume *v)
 {
     uint64_t framed = 1;
-    for (int i = 0; i < 3 && v->kind == LF_VOLUME_GRID; i++)
+    for (int i = 0; i < 3; i++)
         framed *= (uint64_t)v->grid->bricks[i] + 2;
-    return v->kind == LF_VOLUME_GRID && !v->nearest && !v->way && !v->steps && !v->albedo_fields &&
-           v->second.share == 0.0f && v->sigma_max > 0.0f && deepest_voxel(v) <= MOST_DEPTH &&
-           framed < INT32_MAX && (uint64_t)v->grid->n_bricks * LF_BRICK_STRIDE < MOST_VALUES;
+    return v->sigma_max > 0.0f && deepest_voxel(v) <= MOST_DEPTH && framed < INT32_MAX &&
+           (uint64_t)v->grid->n_bricks * LF_BRICK_STRIDE < MOST_VALUES;
 }
 
 static bool has_picture(const lf_light *light)
@@ -68,13 +68,12 @@ static bool serves_picture(const lf_environment *picture)
     return (uint64_t)picture->width * (uint64_t)picture->height < MOST_TEXELS;
 }
 
+/* Of lights at infinity. */
 static bool serves_lights(const lf_scene *scene)
 {
     int drawn[2] = {0, 0};
     for (int i = 0; i < scene->n_lights; i++) {
         const lf_light *l = &scene->lights[i];
-        if (i >= scene->n_lights_infinite || l->way)
-            return false;
         if (l->environment && !serves_picture(l->environment))
             return false;
         drawn[has_picture(l)] += counts(l, has_picture(l));
@@ -82,18 +81,10 @@ static bool serves_lights(const lf_scene *scene)
     return drawn[0] <= 1 && drawn[1] <= 1;
 }
 
-/* Rays meet what is there for sure, and no path ends inside of anything. */
-static bool serves_surfaces(const lf_looks *looks)
-{
-    /* panes are veils, and flesh fills */
-    return !looks->veiled && !looks->filled && !looks->nested;
-}
-
 bool lf_lane_scene_serves(const lf_scene *scene)
 {
-    return scene->n_volumes == 1 && serves_volume(&scene->volumes[0]) &&
-           serves_surfaces(&scene->looks) && !scene->looks.chromatic && !scene->looks.moving &&
-           scene->flames.n == 0 && scene->glows.n == 0 && serves_lights(scene);
+    return !(scene->traits & ~LF_LANES_SUPPORT) && scene->n_volumes == 1 &&
+           serves_volume(&scene->volumes[0]) && serves_lights(scene);
 }
 
 static void put(float out[3], lf_vec3 v)

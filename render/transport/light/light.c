@@ -195,6 +195,21 @@ static void set_select(lf_scene *scene)
     }
 }
 
+static lf_traits light_traits(const lf_scene *scene)
+{
+    lf_traits found = scene->glows.n > 0 ? LF_TRAIT_EQUIANGULAR : 0;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const lf_light *light = &scene->lights[i];
+        if (i >= scene->n_lights_infinite)
+            found |= LF_TRAIT_LAMPS;
+        else if (light->environment)
+            found |= LF_TRAIT_SKY_PICTURES;
+        else if (lf_max3(light->irradiance) > 0.0f)
+            found |= LF_TRAIT_SUNS;
+    }
+    return found;
+}
+
 lf_status lf_lights_commit(lf_scene *scene, lf_error *err)
 {
     for (int i = 0; i < scene->n_lights; i++)
@@ -207,5 +222,6 @@ lf_status lf_lights_commit(lf_scene *scene, lf_error *err)
     order_by_kind(scene);
     set_select(scene);
     lf_glows_commit(scene);
+    scene->traits |= light_traits(scene);
     return LF_OK;
 }

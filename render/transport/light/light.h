@@ -51,9 +51,9 @@ const lf_light *lf_light_of_hit(const lf_scene *scene, const lf_hit *hit);
 bool lf_scene_has_light_sampling(const lf_scene *scene);
 
 /* Called once the scene's volumes, meshes, materials and bounds stand: makes the mesh lights and
- * appends them, orders the lights by kind, lets each work out what it needs, and sets what the
- * comment below names. On failure the lights made so far stay in the scene and are released with
- * it.
+ * appends them, orders the lights by kind, lets each work out what it needs, sets what the
+ * comment below names, and adds the traits of lights to scene->traits. On failure the lights made
+ * so far stay in the scene and are released with it.
  *
  * Sampling tables of an environment (pdf proportional to what a texel has above the picture's mean,
  * times solid angle: 0 elsewhere, though it shines there) and of a mesh light, and the lights'

@@ -5,8 +5,9 @@
 
 static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t)
 {
-    return tracer->scene->looks.chromatic ? lf_mean3(lf_track_transmittances(tracer, o, w, t))
-                                          : lf_track_transmittance(tracer, o, w, t);
+    return lf_has(tracer->scene, LF_TRAIT_CHROMATIC_MEDIA)
+               ? lf_mean3(lf_track_transmittances(tracer, o, w, t))
+               : lf_track_transmittance(tracer, o, w, t);
 }
 
 void lf_trace_caught(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, lf_hit *hit, float *out_passed)
@@ -121,7 +122,7 @@ lf_vec3 lf_catcher_reflection(lf_tracer *tracer, const lf_hit *hit, lf_vec3 w, c
         if (pdf > 0.0f && lf_max3(f) > 0.0f && lf_dot(hit->ng, wi) > 0.0f)
             sum = lf_add(
                 sum, lf_mul(lf_scale(f, 1.0f / pdf), arriving(tracer, &event, wi, pdf, max_depth)));
-        if (tracer->scene->has_emission)
+        if (lf_has(tracer->scene, LF_TRAIT_EMISSION))
             sum = lf_add(sum, direct(tracer, &event, wo));
     }
     tracer->width = tracer->spread = 0.0f; /* as rays of the camera here have them */

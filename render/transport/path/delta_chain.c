@@ -122,7 +122,7 @@ static void arrive(lf_delta_chain *c, const lf_event *from, lf_vec3 wi, lf_vec3 
         scatter(c, &next, beta, way, depth);
         return;
     }
-    if (scene->looks.chromatic)
+    if (lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA))
         beta = lf_mul(beta, next.channels);
     for (int i = 0; i < shading.n_deltas; i++)
         branch(c, &next, &shading.delta[i], beta, way, depth);

@@ -1,7 +1,7 @@
 /* Flesh: what fills a closed mesh whose surface has subsurface (skin, wax, marble), a homogeneous
  * medium in which light is scattered many times before it leaves again (Chiang, Kutz and Burley
  * 2016, Practical and Controllable Subsurface Scattering for Production Path Tracing). Private to
- * render/transport/; only scenes with looks.fleshy ask.
+ * render/transport/; only scenes with LF_TRAIT_SUBSURFACE ask.
  *
  * Light enters by a lobe that is even but for the cosine (surface_principled.c), walks from
  * collision to collision, and leaves by such a lobe where it meets the mesh from within; nothing is

@@ -17,7 +17,7 @@ static const lf_material *beyond(const lf_event *from, lf_vec3 w)
 const lf_material *lf_interior_beyond(const lf_scene *scene, const lf_event *from, lf_vec3 w)
 {
     const lf_material *in = beyond(from, w);
-    return scene->looks.nested ? lf_nest_beyond_is(scene, from, w, in) : in;
+    return lf_has(scene, LF_TRAIT_NESTED_GLASS) ? lf_nest_beyond_is(scene, from, w, in) : in;
 }
 
 static lf_vec3 extinction(const lf_material *m)
@@ -36,7 +36,7 @@ float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec
     const lf_material *in = beyond(from, w);
     if (out->surface < INFINITY && !out->hit.front && is_filled(out->hit.material))
         in = out->hit.material;
-    if (tracer->scene->looks.nested)
+    if (lf_has(tracer->scene, LF_TRAIT_NESTED_GLASS))
         in = lf_nest_before_is(tracer->scene, from, w, out, in);
     if (!(out->surface < INFINITY))
         in = NULL; /* no face ends it: the mesh is not closed */

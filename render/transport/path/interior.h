@@ -1,7 +1,7 @@
 /* What fills solid glass: a homogeneous medium of its own absorption and scattering, each of them a
  * colour per scene unit (milk, smoke in glass, coloured glass). It fills what lies between faces:
  * beyond a face that is entered, and before one that is met from within. Private to
- * render/transport/. Only scenes with looks.filled ask. */
+ * render/transport/. Only scenes with LF_TRAITS_FILLED ask. */
 #ifndef LF_RENDER_INTERIOR_H
 #define LF_RENDER_INTERIOR_H
 

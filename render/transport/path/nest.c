@@ -7,8 +7,8 @@
 /* -1: of none, or of one whose faces are met as if in air. */
 static int solid_of(const lf_scene *scene, const lf_hit *hit)
 {
-    return scene->looks.solids[(hit->mesh - scene->meshes) * scene->n_materials +
-                               (hit->material - scene->materials)];
+    return scene->nested.solids[(hit->mesh - scene->meshes) * scene->n_materials +
+                                (hit->material - scene->materials)];
 }
 
 /* Where it is in the list, n: nowhere. */
@@ -64,12 +64,12 @@ static bool is_in(const lf_mesh *mesh, uint32_t triangle, lf_vec3 p, lf_vec3 n, 
 }
 
 /* Where the pairs of a triangle begin. */
-static int first_touching(const lf_looks *looks, int mesh, uint32_t triangle)
+static int first_touching(const lf_nesting *nested, int mesh, uint32_t triangle)
 {
-    int low = 0, high = looks->n_touching;
+    int low = 0, high = nested->n_touching;
     while (low < high) {
         const int middle = (low + high) / 2;
-        const lf_touching *t = &looks->touching[middle];
+        const lf_touching *t = &nested->touching[middle];
         if (t->mesh < mesh || (t->mesh == mesh && t->triangle < triangle))
             low = middle + 1;
         else
@@ -90,21 +90,21 @@ typedef struct faces {
 
 static void add_touching(const lf_scene *scene, const lf_hit *hit, faces *out)
 {
-    const lf_looks *looks = &scene->looks;
+    const lf_nesting *nested = &scene->nested;
     const int mesh = (int)(hit->mesh - scene->meshes);
-    for (int i = first_touching(looks, mesh, hit->triangle);
-         i < looks->n_touching && looks->touching[i].mesh == mesh &&
-         looks->touching[i].triangle == hit->triangle && out->n < MOST_FACES;
+    for (int i = first_touching(nested, mesh, hit->triangle);
+         i < nested->n_touching && nested->touching[i].mesh == mesh &&
+         nested->touching[i].triangle == hit->triangle && out->n < MOST_FACES;
          i++) {
-        const lf_mesh *other = &scene->meshes[looks->touching[i].other];
-        const uint32_t triangle = looks->touching[i].other_triangle;
+        const lf_mesh *other = &scene->meshes[nested->touching[i].other];
+        const uint32_t triangle = nested->touching[i].other_triangle;
         const uint16_t material = lf_mesh_material(other, triangle);
         float along;
         if (!is_in(other, triangle, hit->p, hit->ng, &along))
             continue;
         out->item[out->n].of = (lf_nested){
             .solid =
-                (uint16_t)looks->solids[looks->touching[i].other * scene->n_materials + material],
+                (uint16_t)nested->solids[nested->touching[i].other * scene->n_materials + material],
             .material = material};
         out->item[out->n++].front = along > 0.0f;
     }
@@ -122,7 +122,7 @@ static faces faces_at(const lf_scene *scene, const lf_hit *hit)
                                  .material = (uint16_t)(hit->material - scene->materials)};
     out.item[0].front = hit->front;
     out.n = 1;
-    if (scene->looks.n_touching > 0)
+    if (scene->nested.n_touching > 0)
         add_touching(scene, hit, &out);
     return out;
 }
@@ -208,7 +208,7 @@ static float behind(const lf_scene *scene, const lf_hit *hit, lf_vec3 w)
     const lf_vec3 off = lf_sub(lf_offset(scene, hit->p, hit->ng, w, 0.0f), hit->p);
     const float cosine = fabsf(lf_dot(hit->ng, w)),
                 way = lf_length(off) / lf_max(cosine, 1e-3f * lf_length(w));
-    return lf_behind(hit->t + (scene->looks.n_touching > 0 ? way : 0.0f));
+    return lf_behind(hit->t + (scene->nested.n_touching > 0 ? way : 0.0f));
 }
 
 bool lf_nest_trace(lf_tracer *tracer, const lf_event *from, lf_vec3 o, lf_vec3 w, float t_max,

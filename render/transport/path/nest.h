@@ -1,9 +1,9 @@
 /* Solids of glass that stand in each other or overlap (a bottle, the water in it): which of them a
  * path is inside of, and so what lies on either side of a face (Schmidt and Budge 2002, Simple
  * Nested Dielectrics in Ray Traced Images). In a place the solid of the greatest number is there
- * (lf_looks.solids): that of the greater "priority", and of the same the smaller one. A face on
- * both sides of which is the same is not there. Private to render/. Only scenes with looks.nested
- * ask.
+ * (lf_nesting.solids): that of the greater "priority", and of the same the smaller one. A face on
+ * both sides of which is the same is not there. Private to render/. Only scenes with
+ * LF_TRAIT_NESTED_GLASS ask.
  */
 #ifndef LF_RENDER_NEST_H
 #define LF_RENDER_NEST_H

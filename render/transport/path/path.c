@@ -7,18 +7,18 @@
 /* Whether the path came here through flesh, from where no light sample was drawn. */
 static bool is_in_flesh(const lf_scene *scene, const lf_event *event)
 {
-    return scene->looks.fleshy && event->flesh.of;
+    return lf_has(scene, LF_TRAIT_SUBSURFACE) && event->flesh.of;
 }
 
 /* lf_path_next of a path that carries beta. */
 static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
                        lf_event *out)
 {
-    if (tracer->scene->looks.fleshy) {
+    if (lf_has(tracer->scene, LF_TRAIT_SUBSURFACE)) {
         out->flesh = lf_flesh_beyond(from, w);
         if (out->flesh.of) {
             lf_flesh_walk(tracer, from, w, beta, out);
-            if (tracer->scene->looks.nested)
+            if (lf_has(tracer->scene, LF_TRAIT_NESTED_GLASS))
                 lf_nest_after_flesh(tracer->scene, from, w, out);
             return;
         }
@@ -30,7 +30,7 @@ static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_ve
     tracer->width = from->kind == LF_EVENT_SURFACE && from->hit.varies ? from->hit.width : 0.0f;
     out->kind = LF_EVENT_ESCAPE;
     out->w = w;
-    if (tracer->scene->looks.nested
+    if (lf_has(tracer->scene, LF_TRAIT_NESTED_GLASS)
             ? lf_nest_trace(tracer, from, o, w, t_max, &out->nest, &out->hit)
             : lf_trace_surface(tracer, o, w, t_max, &out->hit)) {
         out->kind = LF_EVENT_SURFACE;
@@ -40,9 +40,9 @@ static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_ve
     out->from = o;
     out->surface = t_max;
     float way = t_max;
-    if (tracer->scene->looks.filled)
+    if (lf_has(tracer->scene, LF_TRAITS_FILLED))
         way = lf_min(lf_interior_way(tracer, from, w, beta, out), t_max);
-    out->t = tracer->scene->looks.chromatic
+    out->t = lf_has(tracer->scene, LF_TRAIT_CHROMATIC_MEDIA)
                  ? lf_track_channels(tracer, o, w, way, beta, &out->volume, &out->channels)
                  : lf_track_collision(tracer, o, w, way, &out->volume);
     if (way < t_max && out->t >= way) {
@@ -53,7 +53,7 @@ static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_ve
         out->kind = LF_EVENT_MEDIUM;
         out->p = lf_madd(o, out->t, w);
     }
-    if (tracer->scene->looks.filled)
+    if (lf_has(tracer->scene, LF_TRAITS_FILLED))
         lf_interior_weigh(beta, out);
 }
 
@@ -64,18 +64,18 @@ void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *
 
 static lf_vec3 channels_of(const lf_scene *scene, const lf_event *event)
 {
-    return scene->looks.chromatic ? event->channels : lf_v3(1.0f, 1.0f, 1.0f);
+    return lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA) ? event->channels : lf_v3(1.0f, 1.0f, 1.0f);
 }
 
 lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event)
 {
-    return scene->looks.filled ? event->left : lf_v3(1.0f, 1.0f, 1.0f);
+    return lf_has(scene, LF_TRAITS_FILLED) ? event->left : lf_v3(1.0f, 1.0f, 1.0f);
 }
 
 lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
                                const lf_light_sample *light)
 {
-    const lf_material *in = scene->looks.filled && light->distance < INFINITY
+    const lf_material *in = lf_has(scene, LF_TRAITS_FILLED) && light->distance < INFINITY
                                 ? lf_interior_beyond(scene, event, light->wi)
                                 : NULL;
     return in ? lf_interior_left(in, light->distance) : lf_v3(1.0f, 1.0f, 1.0f);
@@ -173,7 +173,7 @@ static bool meets_lamp(lf_tracer *tracer, const lf_event *event, lf_vec3 o,
     const lf_vec3 d = lf_sub(light->point, o);
     lf_hit hit;
     lf_nest nest;
-    const bool met = tracer->scene->looks.nested
+    const bool met = lf_has(tracer->scene, LF_TRAIT_NESTED_GLASS)
                          ? lf_nest_trace(tracer, event, o, d, INFINITY, &nest, &hit)
                          : lf_trace_surface(tracer, o, d, INFINITY, &hit);
     return met && hit.mesh == light->mesh && hit.triangle == light->triangle;
@@ -185,7 +185,7 @@ static float passed_from(lf_tracer *tracer, const lf_event *event, lf_vec3 o, lf
 {
     lf_hit hit;
     lf_nest nest;
-    if (!tracer->scene->looks.nested)
+    if (!lf_has(tracer->scene, LF_TRAIT_NESTED_GLASS))
         return lf_trace_passed(tracer, o, d, t_max);
     return lf_nest_trace(tracer, event, o, d, t_max, &nest, &hit) ? 0.0f : 1.0f;
 }
@@ -198,7 +198,7 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
         if (lf_hit_leads_astray(&event->hit, light->wi) &&
             !(lf_hit_folds(&event->hit) && lf_has_far_lobe(event->hit.material)))
             return 0.0f;
-        if (tracer->scene->looks.fleshy && lf_flesh_beyond(event, light->wi).of)
+        if (lf_has(tracer->scene, LF_TRAIT_SUBSURFACE) && lf_flesh_beyond(event, light->wi).of)
             return 0.0f;
         o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi, 0.0f);
     }
@@ -210,12 +210,12 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
                    o);
         t_max = 1.0f - 1e-6f;
     }
-    float passed = tracer->scene->has_overlaps && light->mesh
+    float passed = lf_has(tracer->scene, LF_TRAIT_OVERLAPS) && light->mesh
                        ? (float)meets_lamp(tracer, event, o, light)
                        : passed_from(tracer, event, o, d, t_max);
     if (!(passed > 0.0f))
         return 0.0f;
-    if (!tracer->scene->looks.chromatic)
+    if (!lf_has(tracer->scene, LF_TRAIT_CHROMATIC_MEDIA))
         return passed * lf_track_transmittance(tracer, event->p, light->wi, light->distance);
     light->radiance = lf_mul(light->radiance,
                              lf_track_transmittances(tracer, event->p, light->wi, light->distance));
@@ -229,7 +229,7 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
     lf_vec3 found = lf_v3(0.0f, 0.0f, 0.0f);
     if (event->kind == LF_EVENT_ESCAPE)
         found = lf_light_escape(scene, event->w, out_light_pdf);
-    else if (event->kind == LF_EVENT_SURFACE && scene->has_emission)
+    else if (event->kind == LF_EVENT_SURFACE && lf_has(scene, LF_TRAIT_EMISSION))
         found = lf_light_hit(scene, from->p, &event->hit, out_light_pdf);
     if (is_in_flesh(scene, event)) {
         *out_light_pdf = 0.0f;
@@ -237,7 +237,7 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
             event->hit.material == event->flesh.of) /* what its own face emits leaves it outwards */
             return lf_v3(0.0f, 0.0f, 0.0f);
     }
-    return scene->looks.chromatic ? lf_mul(found, event->channels) : found;
+    return lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA) ? lf_mul(found, event->channels) : found;
 }
 
 static float extinction(const lf_scene *scene, lf_vec3 p)
@@ -276,7 +276,8 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
 {
     const lf_vec3 nothing = lf_v3(0.0f, 0.0f, 0.0f);
     const lf_scene *scene = tracer->scene;
-    if (scene->glows.n == 0 || (scene->looks.filled && next->interior) || is_in_flesh(scene, next))
+    if (scene->glows.n == 0 || (lf_has(scene, LF_TRAITS_FILLED) && next->interior) ||
+        is_in_flesh(scene, next))
         return nothing; /* what fills glass is not looked up there */
     const lf_glow *glow = pick_glow(scene, lf_rng(tracer));
     lf_glow_segment segment;
@@ -287,7 +288,7 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
     float t = lf_glow_segment_draw(&segment, lf_rng(tracer)), pdf;
     const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
     event.p = lf_madd(next->from, t, next->w);
-    if (scene->looks.nested)
+    if (lf_has(scene, LF_TRAIT_NESTED_GLASS))
         event.nest = next->nest;
     float sigma = t < next->surface ? extinction(scene, event.p) : 0.0f;
     const lf_light *from = &scene->lights[glow->light];
@@ -301,7 +302,7 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
         return nothing;
     lf_vec3 scattered =
         lf_mul(scattered_by_volumes(scene, event.p, next->w, &light), light.radiance);
-    if (scene->looks.chromatic)
+    if (lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA))
         scattered = lf_mul(scattered, lf_track_transmittances(tracer, next->from, next->w, t));
     else
         weight *= lf_track_transmittance(tracer, next->from, next->w, t);
@@ -313,7 +314,7 @@ static float beside_glow(const lf_scene *scene, const lf_event *event, const lf_
 {
     lf_glow_segment segment;
     if (event->kind != LF_EVENT_MEDIUM || light->glow == 0 ||
-        (scene->looks.filled && event->interior))
+        (lf_has(scene, LF_TRAITS_FILLED) && event->interior))
         return 1.0f;
     const lf_glow *glow = &scene->glows.item[light->glow - 1];
     if (!lf_glow_segment_init(&segment, scene, glow, event->from, event->w))
@@ -338,7 +339,7 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     float weight =
         lf_path_visible(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
     weight *= beside_glow(tracer->scene, event, light.light);
-    if (tracer->scene->looks.filled)
+    if (lf_has(tracer->scene, LF_TRAITS_FILLED))
         light.radiance =
             lf_mul(light.radiance, lf_path_absorbed_light(tracer->scene, event, &light));
     return lf_scale(lf_mul(f, light.radiance), weight);
@@ -353,7 +354,7 @@ static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next, lf_vec3 beta)
         return lf_v3(0.0f, 0.0f, 0.0f);
     const float t = lf_min(next->t, next->surface);
     lf_dimming dimming;
-    const bool is_dimmed = tracer->scene->looks.filled && next->interior;
+    const bool is_dimmed = lf_has(tracer->scene, LF_TRAITS_FILLED) && next->interior;
     if (is_dimmed)
         dimming = lf_interior_dimming(next->interior, beta);
     return lf_mul(channels_of(tracer->scene, next),
@@ -407,7 +408,7 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
         next_event(tracer, here, wi, beta, next);
         if (tracer->scene->flames.n > 0)
             fire = lf_mul(beta, emitted(tracer, next, beta));
-        if (tracer->scene->looks.filled)
+        if (lf_has(tracer->scene, LF_TRAITS_FILLED))
             beta = lf_mul(beta, lf_path_absorbed(tracer->scene, next));
         float light_pdf;
         lf_vec3 found = lf_path_light_found(tracer->scene, here, next, &light_pdf);
@@ -419,7 +420,7 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
             radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, next)));
         if (next->kind == LF_EVENT_ESCAPE)
             break;
-        if (tracer->scene->looks.chromatic)
+        if (lf_has(tracer->scene, LF_TRAIT_CHROMATIC_MEDIA))
             beta = lf_mul(beta, next->channels);
         here = next;
     }

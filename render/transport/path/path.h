@@ -31,12 +31,12 @@ typedef struct lf_event {
     /* In chromatic scenes: of each channel, what comes here by the density with which tracking in
      * one of them or the other does (lf_track_channels). */
     lf_vec3 channels;
-    /* ... and in scenes with looks.filled: the glass that it lies in, NULL: none, and what light
-     * along it is to be multiplied by (interior.h). */
+    /* ... and in scenes with LF_TRAITS_FILLED: the glass that it lies in, NULL: none, and what
+     * light along it is to be multiplied by (interior.h). */
     const lf_material *interior;
     lf_vec3 left;
-    lf_nest nest; /* in scenes with looks.nested: of solids about that segment */
-    /* In scenes with looks.fleshy: through which the path came here. */
+    lf_nest nest; /* in scenes with LF_TRAIT_NESTED_GLASS: of solids about that segment */
+    /* In scenes with LF_TRAIT_SUBSURFACE: through which the path came here. */
     lf_flesh flesh;
 } lf_event;
 #define LF_INTERIOR (-1)

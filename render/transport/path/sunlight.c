@@ -39,7 +39,7 @@ static bool has_suns(const lf_scene *scene)
     bool found = false;
     for (int i = 0; i < scene->n_lights_infinite; i++)
         found = found || is_sun(&scene->lights[i]);
-    return found && !scene->looks.placed;
+    return found && !lf_has(scene, LF_TRAIT_INSTANCES);
 }
 
 static float grey_of(const lf_material *m)
@@ -59,7 +59,8 @@ static bool sky_tells(const lf_scene *scene)
         shines = shines || sky;
         varies = varies || is_sun(light) || (sky && light->kind->varies(light));
     }
-    for (int i = 1; i < scene->n_materials && shines && !scene->looks.tinted; i++)
+    for (int i = 1; i < scene->n_materials && shines && !lf_has(scene, LF_TRAIT_VARYING_ALBEDO);
+         i++)
         varies = varies || grey_of(&scene->materials[i]) != grey_of(&scene->materials[0]);
     return varies;
 }
@@ -216,7 +217,7 @@ bool lf_sunlight_share(const lf_sunlight *sunlight, int i, lf_vec3 p, lf_vec3 n,
 float lf_sunlight_of_sky(const lf_sunlight *sunlight, lf_vec3 n, const lf_material *material)
 {
     const float white = lf_sky_light_white(&sunlight->sky, n);
-    return sunlight->scene->looks.tinted ? white : white * grey_of(material);
+    return lf_has(sunlight->scene, LF_TRAIT_VARYING_ALBEDO) ? white : white * grey_of(material);
 }
 
 float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face *face,

@@ -65,7 +65,7 @@ float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face 
 /* Whether it is of suns, so that place and textures of a surface count. */
 bool lf_sunlight_has_suns(const lf_sunlight *sunlight);
 /* Without suns: what a matte surface with the normal n reflects, mean of the channels. Where
- * lf_scene_looks.tinted, films divide by albedo: then it is white, else as the material. */
+ * LF_TRAIT_VARYING_ALBEDO, films divide by albedo: then it is white, else as the material. */
 float lf_sunlight_of_sky(const lf_sunlight *sunlight, lf_vec3 n, const lf_material *material);
 
 /* Without suns: the mean over all normals of what a white matte surface reflects in this scene. 0

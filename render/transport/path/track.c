@@ -72,7 +72,7 @@ static void find_hit(const lf_scene *scene, const struct RTCRayHit *rh, lf_vec3 
     hit->t = rh->ray.tfar;
     if (rh->hit.geomID < (unsigned)scene->n_meshes) {
         const lf_mesh *mesh = &scene->meshes[rh->hit.geomID];
-        if (scene->looks.placed && mesh->placed) {
+        if (lf_has(scene, LF_TRAIT_INSTANCES) && mesh->placed) {
             lf_placed_hit(scene, mesh, rh->hit.primID, rh->hit.instID[0], rh->hit.u, rh->hit.v, w,
                           hit);
             return;
@@ -153,10 +153,10 @@ static bool trace(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_
         if (!meets(tracer, &rh))
             return false;
         find_hit(scene, &rh, o, w, hit);
-    } while (scene->looks.veiled && !is_there(tracer, hit, w, &rh.ray, t_max));
-    if (scene->looks.varied && lf_is_varied(hit->mesh, hit->material))
+    } while (lf_has(scene, LF_TRAITS_SEEN_THROUGH) && !is_there(tracer, hit, w, &rh.ray, t_max));
+    if (lf_has(scene, LF_TRAIT_VARYING) && lf_is_varied(hit->mesh, hit->material))
         lf_hit_vary(hit, averaged_at(tracer, hit->t));
-    if (scene->looks.frosted)
+    if (lf_has(scene, LF_TRAITS_SIDED))
         tell_side(hit);
     return true;
 }
@@ -214,14 +214,15 @@ bool lf_trace_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_hit 
 
 float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
 {
-    if (tracer->scene->looks.veiled)
+    if (lf_has(tracer->scene, LF_TRAITS_SEEN_THROUGH))
         return passed_by(tracer, o, w, t_max, false);
     return lf_trace_occluded(tracer, o, w, t_max) ? 0.0f : 1.0f;
 }
 
 float lf_trace_passed_seen(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
 {
-    if (tracer->scene->looks.veiled || tracer->scene->looks.hidden)
+    if (lf_has(tracer->scene, LF_TRAITS_SEEN_THROUGH) ||
+        lf_has(tracer->scene, LF_TRAIT_HIDDEN_MESHES))
         return passed_by(tracer, o, w, t_max, true);
     return lf_trace_occluded(tracer, o, w, t_max) ? 0.0f : 1.0f;
 }
