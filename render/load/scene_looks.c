@@ -54,12 +54,12 @@ void lf_scene_look(lf_scene *scene)
     for (int m = 0; m < scene->n_materials; m++) {
         const lf_material *material = &scene->materials[m];
         scene->has_delta |= used[m] && material->has_delta;
-        scene->looks.varied |= used[m] && (material->textures || material->brush.strength > 0.0f);
+        scene->looks.varied |= used[m] && (material->textures || material->anisotropy > 0.0f);
         scene->looks.tinted |= used[m] && has_tinting_texture(material);
-        scene->looks.filled |= used[m] && material->is_solid && material->transmission > 0.0f &&
-                               (lf_max3(material->glass.absorption) > 0.0f ||
-                                lf_max3(material->glass.scattering) > 0.0f);
-        scene->looks.fleshy |= used[m] && material->glass.subsurface > 0.0f;
+        scene->looks.filled |=
+            used[m] && material->is_solid && material->transmission > 0.0f &&
+            (lf_max3(material->absorption) > 0.0f || lf_max3(material->scattering) > 0.0f);
+        scene->looks.fleshy |= used[m] && material->subsurface > 0.0f;
         scene->looks.frosted |= used[m] && lf_is_sided(material);
         scene->looks.paned |= used[m] && material->glass.is_pane;
         scene->looks.veiled |= used[m] && lf_is_veil(material);

@@ -84,7 +84,7 @@ lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
 /* Of the medium of a collision. */
 static float phase_of(const lf_scene *scene, const lf_event *event, lf_vec3 w, lf_vec3 wi)
 {
-    return event->volume == LF_INTERIOR ? lf_phase_between(event->interior->glass.g, w, wi)
+    return event->volume == LF_INTERIOR ? lf_phase_between(event->interior->g, w, wi)
                                         : lf_volume_phase(&scene->volumes[event->volume], w, wi);
 }
 
@@ -154,7 +154,7 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
     }
     lf_vec3 w = lf_scale(wo, -1.0f);
     *wi = event->volume == LF_INTERIOR
-              ? lf_phase_sample(event->interior->glass.g, w, u)
+              ? lf_phase_sample(event->interior->g, w, u)
               : lf_volume_phase_sample(&scene->volumes[event->volume], w, u);
     float phase = phase_of(scene, event, w, *wi);
     *f = lf_scale(albedo_of(scene, event), phase);
