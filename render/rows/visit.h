@@ -20,6 +20,7 @@
 #include "render/transport/path.h"
 #include "render/transport/sampler.h"
 #include "render/transport/suffix.h"
+#include "render/transport/suffix_one.h"
 #include "render/transport/sunlight.h"
 
 struct lf_visit;
@@ -191,22 +192,6 @@ typedef struct lf_visit {
     unsigned faults; /* lf_fault: deliberate mistakes, for the negative controls of the tests */
 } lf_visit;
 
-/* The rest of the path behind a pivot, used by all views: a light sample, and a direction from the
- * lobe of one view with what was found along it. */
-typedef struct lf_suffix {
-    lf_light_sample light;
-    /* whose `found` is, where the scene has lights in media and it is a lamp's; else NULL */
-    const lf_light *found_light;
-    /* another direction of the same pivot, drawn as this one, with no light; NULL: none */
-    const struct lf_suffix *next;
-    float light_visible; /* what is left of it, 0..1 */
-    lf_vec3 wi;          /* the direction */
-    lf_vec3 found;       /* light met at its first event … */
-    float found_pdf;     /* … and p_L, the pdf of light sampling for it */
-    lf_vec3 scattered;   /* radiance scattered there */
-    bool has_light, has_direction;
-} lf_suffix;
-
 /* The points that a visit draws about its lights in media; weight: its native samples a pixel.
  * false = cancelled. */
 struct lf_visit_plan;
@@ -224,18 +209,6 @@ void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, flo
 /* All of a pivot but where it will be. The hit, most of its memory, is left alone: rays write it.
  */
 void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler);
-
-/* Draws the suffix: wo is where its direction's lobe looks back to, the base view's place or that
- * of any view that sees the pivot. */
-void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out);
-/* Draws another direction in place of the suffix's own; its light sample stays. */
-void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *suffix);
-
-/* Radiance that the suffix gives to a view that looks from wo, when that view alone samples it
- * (balance heuristic between its lobe and light sampling). What vpt uses, and mvpt where the lobe
- * does not depend on the view. */
-lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
-                           lf_vec3 wo);
 
 /* R of the base's own ray up to the pivot (correction.h): what a sample weighs that only its own
  * pixel receives. *out_channels: times this in each of them, D R over the mean of D in chromatic

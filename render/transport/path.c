@@ -222,6 +222,15 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
     return passed;
 }
 
+float lf_path_lit(lf_tracer *tracer, const lf_event *event, lf_light_sample *light)
+{
+    const float passed = lf_path_visible(tracer, event, light);
+    if (tracer->scene->looks.filled)
+        light->radiance =
+            lf_mul(light->radiance, lf_path_absorbed_light(tracer->scene, event, light));
+    return passed;
+}
+
 lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const lf_event *event,
                             float *out_light_pdf)
 {
@@ -335,12 +344,8 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     float pdf = lf_scatter_eval(tracer->scene, event, wo, light.wi, &f);
     if (!(lf_max3(f) > 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    float weight =
-        lf_path_visible(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
+    float weight = lf_path_lit(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
     weight *= beside_glow(tracer->scene, event, light.light);
-    if (tracer->scene->looks.filled)
-        light.radiance =
-            lf_mul(light.radiance, lf_path_absorbed_light(tracer->scene, event, &light));
     return lf_scale(lf_mul(f, light.radiance), weight);
 }
 
