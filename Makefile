@@ -21,7 +21,8 @@
 #
 # Lists that fragments append to (paths relative to the source tree unless said otherwise):
 #   <library>_srcs  sources of lib<library>.a       <program>_srcs   sources of a program's own
-#   isa_<file>      extra flags of one source file  opt_<room>       extra release flags of a room
+#   isa_<file>      extra flags of one source file, by its path without the ending
+#   opt_<folder>    extra flags of a folder and those in it that have none of their own
 #   link_<program>  libraries that it alone needs
 #   scene_data      files in $(BUILDROOT) to be made with the programs (rules in the same fragment)
 .SUFFIXES:
@@ -53,7 +54,7 @@ readers := quiltimport quiltimport-vdb quiltimport-picture
 programs := quiltd quiltctl quiltrender quiltsim quiltbench $(readers)
 rooms := base render quilt device daemon
 # each stands before those whose functions it calls
-libraries := tools server engine render quilt model device base
+libraries := tools server engine papers render quilt model device base
 
 .PHONY: all FORCE
 all:
@@ -65,7 +66,7 @@ light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
 
 # files of one pattern in a room and its folders
-room_files = $(call wild,$(1)/$(2)) $(call wild,$(1)/*/$(2))
+room_files = $(foreach d,$(2) */$(2) */*/$(2),$(call wild,$(1)/$(d)))
 wild = $(patsubst $(SRCDIR)/%,%,$(sort $(wildcard $(SRCDIR)/$(1))))
 
 include $(SRCDIR)/.ci/flags.mk
@@ -103,20 +104,21 @@ endif
 
 # rewritten only when a compile line changed: a change of flags is a rebuild
 $(O)/flags.stamp: FORCE
-	@mkdir -p $(@D); printf '%s\n' '$(subst ','\'',$(CC) $(CXX) $(lf_cflags) $(lf_cxxflags) $(opt_render) $(opt_quilt) $(opt_tests) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' > $@.new; \
+	@mkdir -p $(@D); printf '%s\n' '$(subst ','\'',$(CC) $(CXX) $(lf_cflags) $(lf_cxxflags) $(foreach v,$(sort $(filter opt_% isa_%,$(.VARIABLES))),$(v)=$($(v))) $(CPPFLAGS) $(CFLAGS) $(CXXFLAGS) $(LDFLAGS))' > $@.new; \
 	 if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 FORCE:
 
-room_of = $(firstword $(subst /, ,$(1)))
+parent_of = $(patsubst %/,%,$(filter-out ./,$(dir $(1))))
+opt_of = $(if $(1),$(if $(filter undefined,$(origin opt_$(1))),$(call opt_of,$(call parent_of,$(1))),$(opt_$(1))))
 $(O)/%.c.o: $(SRCDIR)/%.c $(O)/flags.stamp
 	@mkdir -p $(@D)
-	$(call say,CC )$(CC) $(lf_cflags) $(opt_$(call room_of,$*)) $(isa_$(notdir $*)) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call say,CC )$(CC) $(lf_cflags) $(call opt_of,$*) $(isa_$*) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 $(O)/faults/%.c.o: $(SRCDIR)/%.c $(O)/flags.stamp
 	@mkdir -p $(@D)
-	$(call say,CC )$(CC) $(lf_cflags) $(opt_$(call room_of,$*)) -DLF_FAULTS $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call say,CC )$(CC) $(lf_cflags) $(call opt_of,$*) -DLF_FAULTS $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 $(O)/%.cc.o: $(SRCDIR)/%.cc $(O)/flags.stamp
 	@mkdir -p $(@D)
-	$(call say,CXX)$(CXX) $(lf_cxxflags) $(opt_$(call room_of,$*)) $(isa_$(notdir $*)) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
+	$(call say,CXX)$(CXX) $(lf_cxxflags) $(call opt_of,$*) $(isa_$*) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 
 define library
 $(O)/lib$(1).a: $(call objs,$($(1)_srcs))
@@ -128,7 +130,7 @@ libs = $(patsubst %,$(O)/lib%.a,$(1))
 link = $(call say,LD )$(CXX) $(lf_ldflags) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(dep_libs) $(1) $(LDLIBS)
 
 define program
-$(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model,$(libraries))))
+$(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model papers,$(libraries))))
 	$$(call link,$$(link_$(1)))
 endef
 $(foreach p,$(programs),$(eval $(call program,$(p))))
@@ -274,7 +276,7 @@ help:
 # ---------------------------------------------------------------------------------------------------------- lint --
 lint_srcs = $(filter-out %.cc,$(foreach l,$(libraries),$($(l)_srcs)) $(foreach p,$(programs),$($(p)_srcs)))
 lint-now: $(if $(generated),$(addprefix $(O)/,$(generated)))
-	@O='$(O)' SRCDIR='$(SRCDIR)' CFLAGS='$(filter-out -O% -g%,$(lf_cflags))' AVX2='$(isa_kernel_avx2)' AVX512='$(isa_kernel_avx512)' \
+	@O='$(O)' SRCDIR='$(SRCDIR)' CFLAGS='$(filter-out -O% -g%,$(lf_cflags))' AVX2='$(isa_render/plane/kernel_avx2)' AVX512='$(isa_render/plane/kernel_avx512)' \
 	 $(SRCDIR)/.ci/lint $(lint_srcs)
 
 # ------------------------------------------------------------------------------------------------------- installing --

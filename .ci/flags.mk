@@ -42,6 +42,8 @@ endif
 ifeq ($(BUILD),release)
 opt_render := -O3
 opt_quilt := -O3
+# renders nothing
+opt_render/import := -O2
 opt_tests := -O1
 endif
 # where the time of the sanitizers goes: half of it
@@ -61,26 +63,29 @@ x86 := $(filter x86_64,$(ARCH))
 arm64 := $(filter aarch64,$(ARCH))
 # Below -O2 GCC leaves out vzeroupper, and whatever runs after such a function runs at half its speed, unless this asks for it.
 avx := $(if $(filter asan debug,$(BUILD)),-fexpensive-optimizations)
-isa_kernel_avx2 := -mavx2 -mf16c $(avx)
-isa_kernel_avx512 := -mavx512f $(avx)
-isa_suffix_avx2 := -mavx2 $(avx)
-isa_fan_avx2 := -mavx2 $(avx)
-isa_depth_avx2 := -mavx2 $(avx)
-isa_suffix_avx512 := -mavx512f -mprefer-vector-width=512 $(avx)
-# OpenVDB's templates, at half the time of -O3: reading a file takes as long, and yields the same bytes
-isa_vdb_read := -O1
+isa_quilt/kernel/kernel_avx2 := -mavx2 $(avx)
+isa_render/plane/fan_avx2 := -mavx2 $(avx)
+isa_render/plane/kernel_avx2 := -mavx2 -mf16c $(avx)
+isa_render/plane/kernel_avx512 := -mavx512f $(avx)
+isa_render/reconstruct/kernel_avx2 := -mavx2 $(avx)
+isa_render/reconstruct/kernel_avx512 := -mavx512f $(avx)
+isa_render/transport/lanes/depth_avx2 := -mavx2 $(avx)
+isa_render/transport/lanes/suffix_avx2 := -mavx2 $(avx)
+isa_render/transport/lanes/suffix_avx512 := -mavx512f -mprefer-vector-width=512 $(avx)
+# OpenVDB's templates, at half the time of -O2: reading a file takes as long, and yields the same bytes
+isa_render/import/reader/vdb_read := -O1
 # The lanes of suffixes are one template that is compiled three times. With both sanitizers at -O2 each took 70 s and more: -O1 is
 # enough, and UndefinedBehaviorSanitizer looks at the C copy alone, to whose bits test_suffix and test_suffix_sky hold the others.
 # AddressSanitizer sees all.
 ifeq ($(BUILD),asan)
-isa_suffix_c := -O1
-isa_suffix_avx2 += -O1 -fno-sanitize=undefined
-isa_suffix_avx512 += -O1 -fno-sanitize=undefined
+isa_render/transport/lanes/suffix_c := -O1
+isa_render/transport/lanes/suffix_avx2 += -O1 -fno-sanitize=undefined
+isa_render/transport/lanes/suffix_avx512 += -O1 -fno-sanitize=undefined
 endif
 # fuzz_render renders: the lanes of suffixes would take minutes to compile with sanitizers, and are not looked at by them
 ifeq ($(BUILD),fuzz)
-isa_suffix_c := -O0 -fno-sanitize=all
-isa_suffix_avx2 += -O0 -fno-sanitize=all
-isa_suffix_avx512 += -O0 -fno-sanitize=all
+isa_render/transport/lanes/suffix_c := -O0 -fno-sanitize=all
+isa_render/transport/lanes/suffix_avx2 += -O0 -fno-sanitize=all
+isa_render/transport/lanes/suffix_avx512 += -O0 -fno-sanitize=all
 endif
 without_isa = $(filter-out $(if $(x86),,%_avx2.c %_avx512.c) $(if $(arm64),,%_neon.c),$(1))

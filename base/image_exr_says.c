@@ -72,7 +72,7 @@ static const char *find_text(const lf_exr_input *in, const char *name)
     return attribute ? attribute->string->str : NULL;
 }
 
-/* ---------------------------------------------------------------------------------- colours -- */
+/* ----------------------------------------------------------------------------------- colours -- */
 
 /* A name that is no space of linear colours is noted. NULL: it says nothing of use. */
 static const lf_chromaticities *space_of(const lf_exr_input *in, const char *attribute)
@@ -140,7 +140,7 @@ static void read_colours(lf_exr_input *in)
         lf_image_note(notes_of(in), "chromaticities span no colours: taken as Rec. 709");
 }
 
-/* ----------------------------------------------------------------------------------- layout -- */
+/* ------------------------------------------------------------------------------------ layout -- */
 
 /* By ImfEnvmap.h it is the data window that covers the sphere. */
 static void read_layout(lf_exr_input *in)

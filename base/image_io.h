@@ -2,7 +2,7 @@
  * image_exr.c, image_jpeg.c, image_hdr.c). Format is found by contents when reading and by the
  * name's ending when writing. Limits: 65536 pixels a side, 2^31 samples, files up to 4 GiB.
  * Malformed input gives LF_E_FORMAT, never a crash; all the same the programs have what comes from
- * outside read elsewhere (base/import/raster.h). Thread safe. */
+ * outside read elsewhere (base/sandbox/raster.h). Thread safe. */
 #ifndef LF_BASE_IMAGE_IO_H
 #define LF_BASE_IMAGE_IO_H
 

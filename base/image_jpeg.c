@@ -80,8 +80,7 @@ static void note_markers(const struct jpeg_decompress_struct *jpeg, const lf_ima
         lf_image_say_aspect(source->said, "the density", (double)jpeg->Y_density / jpeg->X_density);
 }
 
-/* ------------------------------------------------------------------------------------- pixels --
- */
+/* ------------------------------------------------------------------------------------ pixels -- */
 
 /* In place. Each ink takes from the light what it covers. Adobe's programs store 255 for no ink,
  * and say that they wrote the file. */

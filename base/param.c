@@ -280,11 +280,8 @@ static void join_words(const lf_param *row, const char *last, char *buf, size_t 
 {
     for (int i = 0; word_of(row, i); i++) {
         const size_t used = strlen(buf);
-        snprintf(buf + used, size - used, "%s%s",
-                 i == 0                         ? ""
-                 : last && !word_of(row, i + 1) ? last
-                                                : ", ",
-                 word_of(row, i));
+        const char *between = i == 0 ? "" : last && !word_of(row, i + 1) ? last : ", ";
+        snprintf(buf + used, size - used, "%s%s", between, word_of(row, i));
     }
 }
 
@@ -306,7 +303,7 @@ static char *describe(const lf_param *row, char *buf, size_t size)
     return buf;
 }
 
-/* ------------------------------------------------------------------------- the command line -- */
+/* -------------------------------------------------------------------------- the command line -- */
 
 char *lf_param_argument(const lf_param *row, char *buf, size_t size)
 {
@@ -329,6 +326,9 @@ static lf_status refuse(const lf_param *row, const char *text, lf_error *err)
     size_t used = 0;
     snprintf(where, sizeof where, "--%s", row->option);
     lf_param_argument(row, argument, sizeof argument);
+    for (int i = 0; row->refused_at && row->refused_at(i); i++)
+        if (strcmp(row->refused_at(i), text) == 0)
+            return lf_error_set(err, LF_E_ARG, where, "%s %s", text, row->refusal);
     if (!row->joined)
         return lf_error_set(err, LF_E_ARG, where, "expects %s, not \"%s\"",
                             describe(row, one, sizeof one), text);

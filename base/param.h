@@ -50,6 +50,10 @@ typedef struct lf_param {
     const char *const *words;
     const char *(*word_at)(int index); /* or the same out of a table elsewhere; else NULL */
     const char *(*what_at)(int index); /* what --help says of each of the words; may be NULL */
+    /* Words that are refused by what is said of them, "WORD REFUSAL", in place of the list of those
+     * that may be; NULL behind the last. NULL: there are none. */
+    const char *(*refused_at)(int index);
+    const char *refusal;
     lf_param_type type;
     bool required; /* by lf_param_missing and lf_param_check */
     size_t place;  /* offset in the struct */

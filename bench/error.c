@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 
 #include "base/alloc.h"
-#include "base/import/raster.h"
+#include "base/sandbox/raster.h"
 #include "bench/bench.h"
 #include "bench/metrics.h"
 #include "daemon/output/content.h"

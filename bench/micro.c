@@ -11,7 +11,7 @@
 #include "daemon/output/content.h"
 #include "render/renderer.h"
 #include "render/rows/rows.h"
-#include "render/transport/suffix_batch.h"
+#include "render/transport/lanes/suffix_batch.h"
 
 #define N_FANS 512
 #define N_RAYS 4096
@@ -417,7 +417,7 @@ static lf_status measure_step(bench *b, const struct step *what, lf_error *err)
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------------ suffixes in lanes -- */
+/* ------------------------------------------------------------------------- suffixes in lanes -- */
 
 static void add_bits(uint64_t *hash, const float *x, int n)
 {

@@ -9,4 +9,4 @@ $(peers_out)/%.json: $(SRCDIR)/bench/peers/%.json
 .PHONY: bench-peers-now
 bench-peers-now: all $(peers_out)/cloud_mesh.json
 	@$(SRCDIR)/bench/peers/peers.py --build $(O) --out $(peers_out) $(ARGS) $(BUILDROOT)/scenes/cloud.json $(peers_out)/cloud_mesh.json
-libs_quiltbench := engine render quilt model device base
+libs_quiltbench := engine papers render quilt model device base

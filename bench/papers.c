@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "bench/bench.h"
 #include "bench/trial.h"
+#include "render/papers/papers.h"
 
 /* Pixels beside a place where what is seen jumps by more than this from a view to the next, in
  * pixels, are a silhouette. */
@@ -188,7 +189,7 @@ static lf_status run_member(study *s, lf_trial *trial, int scene, int member, in
     lf_measure measure = {0};
     if (out->refused)
         return LF_OK;
-    trial->settings.selection = selection_of(&members[member]);
+    trial->settings.choices.of[LF_PAPERS_SELECTION] = selection_of(&members[member]);
     lf_status status =
         lf_trial_run(trial, &members[member].who, s->options.common.seed + (uint64_t)seed, &budget,
                      &measure, err);
@@ -595,7 +596,7 @@ int lf_bench_papers(int argc, char **argv)
                                     .epsilon = 1e-2};
     const lf_trial_command command = {"papers", "FOLDER", table, print_help, take, s};
     lf_status status = lf_trial_parse(&command, argc, argv, &s->options, &done, &err);
-    if (status == LF_OK && s->options.common.papers.has_selection)
+    if (status == LF_OK && s->options.common.choices.given[LF_PAPERS_SELECTION])
         status = lf_error_set(&err, LF_E_ARG, "--selection", "each estimator here has its own");
     int code = status == LF_OK ? LF_EXIT_OK : lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (status == LF_OK && !done) {

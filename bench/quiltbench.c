@@ -11,6 +11,7 @@
 #include "base/thread.h"
 #include "bench/bench.h"
 #include "daemon/output/completion.h"
+#include "render/papers/papers.h"
 
 static const struct command {
     const char *name;
@@ -165,6 +166,7 @@ int lf_bench_fail(const lf_error *err)
 int main(int argc, char **argv)
 {
     lf_log_init(LF_BENCH_PROGRAM, LF_LOG_INFO);
+    lf_papers_add();
     if (argc < 2)
         return usage("COMMAND", "missing (see --help)");
     if (strcmp(argv[1], "--help") == 0) {

@@ -100,8 +100,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     return take_budgets(a, a->by_passes ? "--passes" : "--budgets", text, err);
 }
 
-/* ---------------------------------------------------------------------------------- measuring --
- */
+/* --------------------------------------------------------------------------------- measuring -- */
 
 static lf_measure *measure_of(const arguments *a, int budget, int seed, int who)
 {
@@ -198,8 +197,7 @@ static lf_status run_all(arguments *a, lf_error *err)
     return status;
 }
 
-/* ---------------------------------------------------------------------------------- reporting --
- */
+/* --------------------------------------------------------------------------------- reporting -- */
 
 typedef double (*number_fn)(const arguments *a, int budget, int seed);
 

@@ -226,12 +226,7 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
     lf_render_times times;
     double start = lf_time_cpu();
     settings.integrator = who->integrator;
-    if (!lf_integrator_named(who->integrator)->shifts)
-        settings.shift = 0; /* it is others' */
-    if (!lf_integrator_named(who->integrator)->selects)
-        settings.selection = 0;
-    if (!lf_integrator_named(who->integrator)->reuses)
-        settings.reuse = settings.weights = 0;
+    lf_choices_fit(&settings.choices, lf_integrator_named(who->integrator)); /* others' */
     settings.seed = seed;
     settings.features = budget->reconstructed || with_steps || trial->same_films;
     lf_status status = lf_renderer_create(trial->scene, &settings, trial->pool, &renderer, err);

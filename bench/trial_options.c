@@ -33,9 +33,9 @@ void lf_trial_print_help(void)
            "  --epsilon E               of relMSE (0.01)\n"
            "  --json FILE               everything as JSON (- for stdout)\n"
            "  --csv FILE                the numbers as CSV (- for stdout)\n");
-    lf_param_print_help(
-        lf_option_params, LF_OPTIONS_VIEWS
-        " calibration sampler max-depth skip threads shift selection reuse weights");
+    lf_param_print_help(lf_option_params,
+                        LF_OPTIONS_VIEWS " calibration sampler max-depth skip threads");
+    lf_param_print_help(lf_integrator_params(), NULL);
     printf("  --seed S               of the first run (1)\n" LF_OPTIONS_HELP_LAST);
 }
 
@@ -82,6 +82,7 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
     const lf_options_part parts[] = {
         {lf_option_params, LF_OPTIONS_VIEWS " calibration target-error " LF_OPTIONS_RENDER,
          &options->common},
+        {lf_integrator_params(), NULL, &options->common.choices},
         {0}};
     const lf_options_rules rules = {.program = LF_BENCH_PROGRAM,
                                     .letters = ":",

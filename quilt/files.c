@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/import/raster.h"
+#include "base/sandbox/raster.h"
 #include "quilt/photo.h"
 
 #define MAX_FOLDER_VIEWS 4096

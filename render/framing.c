@@ -5,8 +5,8 @@
 #include "base/alloc.h"
 #include "base/nearest.h"
 #include "render/bounds.h"
+#include "render/plane/rig.h"
 #include "render/render.h"
-#include "render/rows/rig.h"
 #include "render/scene/vec_double.h"
 
 /* ------------------------------------------------------------------------------------- depth -- */

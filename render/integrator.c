@@ -3,25 +3,60 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "render/general/any_cameras.h"
-#include "render/general/general.h"
-#include "render/general/restir.h"
+#include "render/cameras/any_cameras.h"
 #include "render/rows/rows.h"
 
-static const lf_integrator *const table[] = {&lf_integrator_rows, &lf_integrator_general,
-                                             &lf_integrator_restir};
-#define N_INTEGRATORS (int)(sizeof table / sizeof table[0])
+static const lf_integrator *const none[] = {NULL};
+static const lf_param no_params[] = {{0}};
+static const lf_integrator *const *added = none;
+static const lf_param *added_params = no_params;
+
+void lf_integrators_add(const lf_integrator *const *list, const lf_param *params)
+{
+    added = list;
+    added_params = params;
+}
+
+const lf_param *lf_integrator_params(void)
+{
+    return added_params;
+}
+
+const char *lf_integrator_reference(int index)
+{
+    static const char *const names[] = {"mvpt2022", "mismvpt", "amvpt2022", "amv2019",
+                                        "amv2019k", "restir",  "mvrestir"};
+    return index < (int)(sizeof names / sizeof names[0]) ? names[index] : NULL;
+}
+
+const lf_param *lf_choices_unfit(const lf_choices *choices, const lf_integrator_entry *entry)
+{
+    for (int i = 0; added_params[i].option; i++)
+        if ((choices->given[i] || choices->of[i]) && !(entry->takes & 1u << i))
+            return &added_params[i];
+    return NULL;
+}
+
+void lf_choices_fit(lf_choices *choices, const lf_integrator_entry *entry)
+{
+    for (int i = 0; i < LF_MAX_CHOICES; i++)
+        if (!(entry->takes & 1u << i)) {
+            choices->of[i] = 0;
+            choices->given[i] = false;
+        }
+}
 
 /* Whose entry this is, and which of its own; NULL behind the last. */
 static const lf_integrator *whose(int index, int *out_own)
 {
-    for (int i = 0; i < N_INTEGRATORS; i++) {
+    const lf_integrator *integrator = &lf_integrator_rows;
+    for (const lf_integrator *const *next = added; integrator; integrator = *next++) {
         int own = 0;
-        while (table[i]->entry(own) && own < index)
+        while (integrator->entry(own) && own < index)
             own++;
-        if (table[i]->entry(own)) {
+        if (integrator->entry(own)) {
             *out_own = own;
-            return table[i];
+            return integrator;
         }
         index -= own;
     }

@@ -4,14 +4,15 @@
  * rows, how many passes and when, and owns the film, the pool and the answers. What a worker needs
  * besides the film (a plane, slices, reservoirs, lists of cameras) is the integrator's own. One
  * that comes in several kinds (rows/: how pivots are shared) lists them as entries. A new one is a
- * folder or file with one of these, and a line of the table in integrator.c. Cameras listed one by
- * one have an integrator of their own, with entries of the same names. */
+ * folder or file with one of these, and a line of the table in integrator.c, or of those that a
+ * library adds to it. Cameras listed one by one have an integrator of their own, with entries of
+ * the same names. */
 #ifndef LF_RENDER_INTEGRATOR_H
 #define LF_RENDER_INTEGRATOR_H
 
 #include "render/film/film.h"
 #include "render/scene/scene.h"
-#include "render/transport/track.h"
+#include "render/transport/path/track.h"
 
 /* What one is made for. Borrowed; but for settings all of it outlives what is made. */
 typedef struct lf_integrator_input {
@@ -19,7 +20,7 @@ typedef struct lf_integrator_input {
     const lf_scene *seen; /* what it is to see of the scene (skip.h): copied */
     const lf_render_settings *settings;
     lf_pool *pool;
-    const struct lf_lane_scene *lanes;  /* transport/lane_scene.h; NULL: they do not serve it */
+    const struct lf_lane_scene *lanes;  /* lanes/lane_scene.h; NULL: they do not serve it */
     const struct lf_suffixes *suffixes; /* of this machine's instruction set, for them */
     lf_film *film; /* to be visited; has the layout and sky of lf_integrator_needs by then */
 } lf_integrator_input;
@@ -44,7 +45,7 @@ typedef struct lf_visit_order {
     int hole_reach;  /* as in lf_renderer_pass_filling; < 0: holes are left */
     int stream;      /* where its counts are: of film->streams */
     uint64_t random; /* its random numbers */
-    /* of the scene, for the film's features (transport/sunlight.h); NULL: it has none */
+    /* of the scene, for the film's features (transport/path/sunlight.h); NULL: it has none */
     const struct lf_sunlight *sunlight;
     unsigned faults; /* lf_fault (rows/visit.h), in builds that have them */
 } lf_visit_order;
@@ -80,6 +81,10 @@ typedef struct lf_integrator {
     /* Accepts NULL. */
     void (*destroy)(void *state);
 } lf_integrator;
+
+/* Integrators of a library behind those that are there, NULL behind the last, and the options that
+ * they take (lf_integrator_params). Before any other call; what was added before goes. */
+void lf_integrators_add(const lf_integrator *const *list, const lf_param *params);
 
 /* Adds one worker's counters to *out. */
 static inline void lf_integrator_count(lf_render_stats *out, const lf_tracer *tracer,

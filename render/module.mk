@@ -1,11 +1,13 @@
 # what reads files from outside is programs of its own: C but where OpenVDB needs C++
-quiltimport_srcs := $(reader_srcs) $(filter-out %/vdb_reader.c,$(call wild,render/reader/*.c)) render/reader/draco_read.cc
-quiltimport-vdb_srcs := $(reader_srcs) $(patsubst %,render/reader/%,vdb_reader.c vdb_read.cc)
+quiltimport_srcs := $(reader_srcs) $(filter-out %/vdb_reader.c,$(call wild,render/import/reader/*.c)) render/import/reader/draco_read.cc
+quiltimport-vdb_srcs := $(reader_srcs) $(patsubst %,render/import/reader/%,vdb_reader.c vdb_read.cc)
 libs_quiltimport := render base
 link_quiltimport = $(dep_assimp_libs)
 libs_quiltimport-vdb := render base
 link_quiltimport-vdb = $(dep_openvdb_libs)
-render_srcs := $(filter-out render/reader/%,$(call without_isa,$(call room_files,render,*.c)))
+render_srcs := $(filter-out render/import/reader/% render/papers/%,$(call without_isa,$(call room_files,render,*.c)))
+# reproductions of papers: for programs that compare with them
+papers_srcs := $(call wild,render/papers/*.c)
 
 # the scene schema is compiled in: the parser checks against the very file that the documentation shows
 generated += gen/scene_schema.h

@@ -45,92 +45,10 @@
 #include "base/image.h"
 #include "base/param.h"
 #include "base/thread.h"
+#include "render/scene/handle.h"
+#include "render/transport/sampler.h"
 
 /* ------------------------------------------------------------------------------------- scene -- */
-
-typedef struct lf_scene lf_scene;
-
-/* Everything of the scene's film block. */
-typedef struct lf_film_settings {
-    double exposure;    /* stops: radiance is multiplied by 2^exposure for display */
-    bool auto_exposure; /* the picture says: exposure is 0 until it has */
-    char tonemap[16];   /* "srgb" (clamp), "filmic", "aces" or "neutral" */
-} lf_film_settings;
-
-/* What is added to numbers of a camera at one end of its shutter. */
-typedef struct lf_camera_shift {
-    double position[3], target[3], focus_distance;
-} lf_camera_shift;
-
-/* One of many cameras, each a pinhole that looks where it likes: world coordinates; radians, the
- * vertical angle of its picture. */
-typedef struct lf_view_camera {
-    double position[3], target[3], up[3], fov_y;
-} lf_view_camera;
-
-/* The rig of a scene's camera block, resolved. */
-typedef struct lf_camera {
-    double target[3], position[3], up[3];
-    /* radians: vertical angle of the window seen from the middle of the rig */
-    double fov_y;
-    double aspect; /* width / height of the window */
-    double cone;   /* radians: total angle of the rig */
-    /* Instead of on that arc, cameras at equal distances along X, from the first to the last so
-     * many scene units; 0: the arc */
-    double track;
-    /* A grid is rows of a track's cameras, the lowest first, at equal distances up to rows_height.
-     * Each row is a rig of its own, whose cameras stand rise above the track: own windows go along,
-     * a shared one stays; view_blur is then as wide up and down as across, rows_step being from row
-     * to row. */
-    double rows_height, rise, rows_step;
-    int n_views; /* of a row: 1..LF_MAX_VIEWS */
-    int n_rows;  /* of a grid; 0: it is none */
-    /* A track of more cameras than a rig has is parts of as many, from the left on, which stand in
-     * for rows. all_views > 0: a part, whose cameras are first_view and the following ones of so
-     * many. */
-    bool has_parts;
-    int first_view, all_views;
-    /* placement: a_i = (i/(N-1) - 1/2) cone, else ((i+1/2)/N - 1/2) cone */
-    bool inclusive;
-    bool own_windows; /* on a track each camera looks straight ahead, through its own window */
-    /* scene units; radius 0 = pinhole; focus along the view axis, 0 (of a list): each its target */
-    double lens_radius, focus_distance;
-    /* A view is the mean of the views from so many times the distance of neighbouring cameras (its
-     * mean over the rig) about its own, 0..LF_MAX_VIEW_BLUR: 1 = no gaps, nothing seen twice. Not
-     * with a lens_radius */
-    double view_blur;
-    /* Frames that the shutter stays open, 0..LF_MAX_SHUTTER (0: all stands still), and how long
-     * after the frame it opens. What moved when a scene was loaded does so for its pictures. */
-    double shutter, shutter_open;
-    /* When it opens, and when it closes; in between evenly. All 0 unless it moves. */
-    lf_camera_shift shift[2];
-    /* Which of aspect, views and cone the scene itself states (the rest are defaults a preset or
-     * panel may replace without being a contradiction). */
-    bool has_aspect, has_views, has_cone;
-    bool moves; /* in the shutter: shift is not all 0 */
-    /* In place of a rig, every view's camera: [n_views], the scene's own and valid as long as it.
-     * target, position, up and fov_y are then those of the one in the middle. NULL: a rig */
-    const lf_view_camera *list;
-} lf_camera;
-
-/* Views of a camera: of all rows of a grid. */
-static inline int lf_camera_views(const lf_camera *camera)
-{
-    return camera->n_views * (camera->n_rows > 0 ? camera->n_rows : 1);
-}
-/* The camera of a grid's row, 0 the lowest, or of a track's part: one rig, of n_views. */
-lf_camera lf_camera_row(const lf_camera *camera, int row);
-
-/* What a scene says of it: names, ranges, defaults (base/param.h). A focus_distance of 0 is not
- * given: the distance to the target. */
-extern const lf_param lf_camera_params[];
-
-#define LF_MAX_SHUTTER 10
-#define LF_MAX_VIEWS 256
-#define LF_MAX_TRACK_VIEWS 2048
-#define LF_MAX_CAMERA_ROWS 256
-#define LF_MAX_VIEW_SIDE 16384
-#define LF_MAX_VIEW_BLUR 8
 
 /* How a file of a mesh or a volume is shown that stands in a scene's place (docs/scene.md, "Files
  * without a scene"). Zeroed: turned as its kind is, its front towards the eye, on a ground, in a
@@ -178,34 +96,9 @@ json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch);
  * half patched. */
 LF_NODISCARD bool lf_json_merge_into(json_t *target, const json_t *patch);
 
-lf_scene *lf_scene_ref(lf_scene *scene);
-/* Accepts NULL. The last one takes long where the scene is large. */
-void lf_scene_unref(lf_scene *scene);
-
-/* The files that were included, by the names they were opened under; NULL behind the last. */
-const char *lf_scene_included(const lf_scene *scene, int index);
-/* Borrowed, valid as long as the scene. The document is the merged one: it includes nothing. */
-const json_t *lf_scene_json(const lf_scene *scene);
-/* The fewest bytes in which its document could be written. */
-size_t lf_scene_json_bytes(const lf_scene *scene);
-const char *lf_scene_folder(const lf_scene *scene);
-const lf_camera *lf_scene_camera(const lf_scene *scene);
-const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
-/* What the document says of time: which frame it is, and frames a second. */
-int lf_scene_frame(const lf_scene *scene);
-double lf_scene_rate(const lf_scene *scene);
-/* Whether the scene is another one where its document says another "frame". */
-bool lf_scene_has_frames(const lf_scene *scene);
-/* Whether a mesh of it catches shadows of others, and does not show itself. */
-bool lf_scene_has_catchers(const lf_scene *scene);
 /* Whether what the scene says of another frame is right, and the volumes' files of it are there,
  * without reading them: LF_E_IO, LF_E_FORMAT with their place in the document. */
 LF_NODISCARD lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf_error *err);
-/* What the files of the scene hold and its pictures lack (textures, transparency, lights of a mesh
- * file, faces that stand in one place, …), and what is seldom meant (no light at all): one line for
- * people, with the file's name, control characters escaped. NULL behind the last; they belong to
- * the scene. At most 65, of which the last says how many more there are. */
-const char *lf_scene_warning(const lf_scene *scene, int index);
 /* The box about the volumes and meshes of a scene without its grounds (name NULL), or about those
  * of this name, in world coordinates: least and greatest corner. Lights at a distance, skies and
  * what the camera does not see have none. false: nothing is there. */
@@ -227,28 +120,16 @@ typedef enum lf_estimator {
     LF_ESTIMATOR_CV,
 } lf_estimator;
 
-typedef enum lf_sampler_kind { LF_SAMPLER_OWEN, LF_SAMPLER_INDEPENDENT } lf_sampler_kind;
-
 /* Names of an lf_estimator and an lf_sampler_kind, as on the command line; NULL behind the last. */
 const char *lf_estimator_name(int estimator);
 const char *lf_sampler_name(int kind);
-
-/* The mappings of null collisions and the selections of views that the reference integrators know
- * (docs/papers.md), as on the command line; NULL behind the last. */
-const char *lf_shift_name(int shift);
-const char *lf_selection_name(int selection);
-/* What reservoirs are put together with, and with what weights (restir): the same. */
-const char *lf_reuse_name(int reuse);
-const char *lf_reuse_weights_name(int weights);
 
 /* How paths are made and shared. */
 typedef struct lf_integrator_entry {
     const char *name; /* as in --integrator */
     const char *what; /* in a few words */
     bool shares;      /* a path serves more view pixels than its own */
-    bool shifts;      /* it takes settings.shift */
-    bool selects;     /* it takes settings.selection */
-    bool reuses;      /* it takes settings.reuse and settings.weights */
+    unsigned takes;   /* which rows of lf_integrator_params, a bit each */
     /* picture files show its reconstruction unless told otherwise; false: it is there to compare
      * with, or has none */
     bool reconstructs;
@@ -259,6 +140,25 @@ typedef struct lf_integrator_entry {
 const lf_integrator_entry *lf_integrator_at(int index);
 /* The one of this name, NULL = the default. NULL: there is none. */
 const lf_integrator_entry *lf_integrator_named(const char *name);
+/* The reference modes, which are there where a program has them added (papers/papers.h); NULL
+ * behind the last. */
+const char *lf_integrator_reference(int index);
+
+/* What integrators are told beside their names: of the words of each row of lf_integrator_params
+ * one, 0 the first. given: somebody said so. */
+enum { LF_MAX_CHOICES = 4 };
+typedef struct lf_choices {
+    int of[LF_MAX_CHOICES];
+    bool given[LF_MAX_CHOICES];
+} lf_choices;
+/* Options of all integrators that are there, into an lf_choices; `about` is what an integrator that
+ * does not take one "knows no" of. */
+const lf_param *lf_integrator_params(void);
+/* The row of a choice that was given, or is not its first, of which an integrator knows nothing;
+ * NULL: there is none. */
+const lf_param *lf_choices_unfit(const lf_choices *choices, const lf_integrator_entry *entry);
+/* Leaves those out. */
+void lf_choices_fit(lf_choices *choices, const lf_integrator_entry *entry);
 
 /* What is left out where the scene or the view does not need it. One row of lf_skip_at each. */
 typedef enum lf_skip {
@@ -292,15 +192,13 @@ typedef struct lf_render_settings {
     const char *integrator; /* a name of the table; NULL = "mvpt" */
     lf_sampler_kind sampler;
     uint64_t seed;
-    int max_depth; /* longest path in vertices after the camera; 0 = the scene's own limit */
-    unsigned skip; /* of lf_skip: what is left out where it is not needed */
-    bool features; /* the film keeps what the reconstruction needs: 16 bytes a view pixel */
-    /* of lf_shift_name, lf_selection_name, lf_reuse_name and lf_reuse_weights_name; 0, their first,
-     * where the integrator takes none: others are then LF_E_ARG */
-    int shift, selection, reuse, weights;
+    int max_depth;      /* longest path in vertices after the camera; 0 = the scene's own limit */
+    unsigned skip;      /* of lf_skip: what is left out where it is not needed */
+    bool features;      /* the film keeps what the reconstruction needs: 16 bytes a view pixel */
+    lf_choices choices; /* LF_E_ARG: one that the integrator does not take */
 } lf_render_settings;
 
-/* --------------------------------------------------------------------------------- framing -- */
+/* ----------------------------------------------------------------------------------- framing -- */
 
 /* How deep the picture is, of the boxes of meshes and volumes as far as the middle of the rig sees
  * them through the window; grounds that the scene says to be such go on to the horizon and do not

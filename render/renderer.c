@@ -5,11 +5,11 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "render/rows/kernel.h"
+#include "render/plane/kernel.h"
 #include "render/scene/geometry.h"
 #include "render/skip.h"
+#include "render/transport/path/sunlight.h"
 #include "render/transport/sampler.h"
-#include "render/transport/sunlight.h"
 
 /* ------------------------------------------------------------------------------------- names -- */
 
@@ -72,12 +72,10 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
         return status;
     fresh->name = fresh->integrator->entry(index)->name;
     const lf_integrator_entry *entry = fresh->integrator->entry(index);
-    if ((settings->shift && !entry->shifts) || (settings->selection && !entry->selects))
+    const lf_param *unfit = lf_choices_unfit(&settings->choices, entry);
+    if (unfit)
         return lf_error_set(err, LF_E_ARG, "integrator", "%s knows no %s", fresh->name,
-                            settings->shift && !entry->shifts ? "shifts" : "selections");
-    if ((settings->reuse || settings->weights) && !entry->reuses)
-        return lf_error_set(err, LF_E_ARG, "integrator", "%s knows no reuse of reservoirs",
-                            fresh->name);
+                            unfit->about);
     status = make_lanes(r, scene, settings->skip & fresh->integrator->skips, &fresh->lanes);
     const lf_integrator_input input = {
         scene, &seen, settings, r->pool, fresh->lanes, lf_kernels_get()->suffixes, &r->film};

@@ -3,9 +3,9 @@
 #define LF_RENDER_RENDERER_H
 
 #include "render/integrator.h"
+#include "render/plane/rig.h"
 #include "render/reconstruct/reconstruct.h"
-#include "render/rows/rig.h"
-#include "render/transport/lane_scene.h"
+#include "render/transport/lanes/lane_scene.h"
 
 /* What a fit knew, and the rig that it was of. */
 typedef struct lf_known_past {

@@ -1,6 +1,6 @@
 /* The reconstructed picture of a renderer's film. */
 #include "render/renderer.h"
-#include "render/transport/sunlight.h"
+#include "render/transport/path/sunlight.h"
 
 #include <math.h>
 #include <string.h>
@@ -121,7 +121,7 @@ void lf_renderer_retire_fit(lf_renderer *renderer, const lf_scene *scene,
     renderer->shown = NULL;
 }
 
-/* ------------------------------------------------------------------------------------- fits -- */
+/* -------------------------------------------------------------------------------------- fits -- */
 
 static void follow(const lf_renderer *r, const lf_rig *rig)
 {

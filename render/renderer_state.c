@@ -41,10 +41,10 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
         json_object_set_new(words, "part", json_pack("[i, i]", c->first_view, c->all_views));
     if (c->list)
         json_object_set_new(words, "list", numbers((const double *)c->list, 10 * c->n_views));
-    if (s->shift || s->selection)
-        json_object_set_new(words, "shared_by", json_pack("[i, i]", s->shift, s->selection));
-    if (s->reuse || s->weights)
-        json_object_set_new(words, "reused_by", json_pack("[i, i]", s->reuse, s->weights));
+    for (int i = 0; lf_integrator_params()[i].option; i++)
+        if (s->choices.of[i])
+            json_object_set_new(words, lf_integrator_params()[i].option,
+                                json_integer(s->choices.of[i]));
     for (int i = 0; i < 2 && c->moves; i++) {
         const lf_camera_shift *t = &c->shift[i];
         const double shift[] = {t->position[0], t->position[1], t->position[2],   t->target[0],

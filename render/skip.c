@@ -1,11 +1,11 @@
 #include "render/skip.h"
 
-#include <jansson.h>
 #include <stddef.h>
 #include <string.h>
 
-#include "render/load/geometry_build.h"
 #include "render/rows/visit.h"
+#include "render/scene/embree_commit.h"
+#include "render/scene/geometry.h"
 
 static const lf_skip_entry table[] = {
     {"surfaces", "no meshes: no Embree device, no rays", LF_SKIP_SURFACES, true},
@@ -50,14 +50,13 @@ lf_status lf_skip_scene(const lf_scene *scene, unsigned skip, lf_scene *out,
     const size_t from = offsetof(lf_scene, json);
     lf_geometry *empty = NULL;
     if (!(skip & LF_SKIP_SURFACES) && !scene->embree) {
-        const lf_scene_desc none = {0};
-        json_t *key = json_object();
-        lf_status status = key ? lf_geometry_build(NULL, (const lf_scene_desc *[]){&none, &none},
-                                                   scene->origin, key, &empty, err)
-                               : lf_error_set(err, LF_E_NOMEM, "renderer", "out of memory");
-        json_decref(key);
-        if (status != LF_OK)
+        lf_status status = lf_geometry_create(0, scene->origin, NULL, &empty, err);
+        if (status == LF_OK)
+            status = lf_embree_commit(empty->embree, empty->device, err);
+        if (status != LF_OK) {
+            lf_geometry_unref(empty);
             return status;
+        }
     }
     memcpy((char *)out + from, (const char *)scene + from, sizeof *scene - from);
     out->embree = empty ? empty->embree : scene->embree;

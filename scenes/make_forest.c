@@ -36,7 +36,7 @@ static double between(double low, double high)
     return low + (high - low) * uniform();
 }
 
-/* ------------------------------------------------------------------------------------- tree -- */
+/* -------------------------------------------------------------------------------------- tree -- */
 
 static uint32_t put(const double p[3], const int rgb[3])
 {
@@ -163,7 +163,7 @@ static int write_tree(FILE *out)
     return 0;
 }
 
-/* ----------------------------------------------------------------------------------- places -- */
+/* ------------------------------------------------------------------------------------ places -- */
 
 /* On a square grid, each moved within its field, turned about the upright and as large as it likes.
  */

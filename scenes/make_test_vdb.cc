@@ -1,7 +1,7 @@
 /* make_test_vdb FOLDER: writes the small OpenVDB files that tests/render/test_vdb_import.c reads:
  * what a reader must understand, state or refuse. Values of the pattern grids are pattern(i, j, k),
  * which the test computes again. */
-#pragma GCC visibility push(default) /* as in render/load/vdb_import.cc */
+#pragma GCC visibility push(default) /* as in render/import/scene/vdb_import.cc */
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/LevelSetSphere.h>

@@ -8,7 +8,7 @@
  * fire: 72 x 128 x 72 voxels over [-0.5625,0.5625] x [0,2] x [-0.5625,0.5625], grids "temperature"
  * and "density", halves, values 0..1: tongues that the same noise, drawn out along y, cuts from a
  * teardrop and bends the more the higher they are; smoke where they end. */
-#pragma GCC visibility push(default) /* as in render/load/vdb_import.cc */
+#pragma GCC visibility push(default) /* as in render/import/scene/vdb_import.cc */
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
 #pragma GCC visibility pop

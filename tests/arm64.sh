@@ -66,7 +66,7 @@ report "plain C has the same results on arm64" "$(diff "$top/here-kernels" "$top
 
 # the comparison can fail: plain C with fused multiply-adds is another kernel
 fused_is_noticed() {
-    $cc -std=c11 -D_GNU_SOURCE -O3 -ffp-contract=fast -I"$src" -idirafter /usr/include -c -o "$top/fused.o" "$src/render/rows/kernel_c.c" &&
+    $cc -std=c11 -D_GNU_SOURCE -O3 -ffp-contract=fast -I"$src" -idirafter /usr/include -c -o "$top/fused.o" "$src/render/plane/kernel_c.c" &&
         $cc -static -pthread -o "$top/fused" "$out/arm64/tests/arm64/results.c.o" "$top/fused.o" "$out"/arm64/lib{render,quilt,base}.a -lm || return
     results with-fma c env LF_CPU=c "$emulator" "$top/fused" kernels
     ! cmp -s "$top/here-c" "$top/with-fma" || echo "the same results with and without"

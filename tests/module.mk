@@ -4,8 +4,8 @@ test_libraries := stat optics kms spoiled pictures faulty meshes
 test_libs_base := pictures base
 test_libs_quilt := optics pictures quilt base
 test_libs_device := kms model device base
-test_libs_render := $(if $(PORTABLE),,meshes spoiled pictures) stat render base
-test_libs_stat := stat render base
+test_libs_render := $(if $(PORTABLE),,meshes spoiled pictures) stat papers render base
+test_libs_stat := stat papers render base
 test_libs_bench := bench stat render quilt device base
 test_libs_daemon := faulty spoiled pictures $(libraries)
 
@@ -29,11 +29,11 @@ stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
 
 # Loops of tests that take as long as those of the house.
 ifeq ($(BUILD),release)
-$(foreach f,$(patsubst tests/%.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.c)),$(eval isa_$(notdir $(f)) := -O2))
+$(foreach f,$(patsubst %.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.c)),$(eval isa_$(f) := -O2))
 endif
 
 # a reader of the test's own, which gives up the same rights
-$(addprefix $(O)/tests/render/,test_import test_import_group test_import_shares): $(O)/base/reader/confine.c.o
+$(addprefix $(O)/tests/render/,test_import test_import_group test_import_shares): $(O)/base/sandbox/confine.c.o
 
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
@@ -42,8 +42,8 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
 # readers of meshes, which ask whoever links them for files
-meshes_srcs := $(patsubst %,render/reader/%.c,input words said soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read places_read) \
- $(call wild,render/reader/gltf_*.c) render/reader/draco_read.cc
+meshes_srcs := $(patsubst %,render/import/reader/%.c,input words said soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read places_read) \
+ $(call wild,render/import/reader/gltf_*.c) render/import/reader/draco_read.cc
 
 # a kernel with displays
 kms_srcs := tests/device/fake_kms.c
@@ -66,6 +66,13 @@ wrap_test_video_stopped := -Wl,--wrap=poll,--wrap=nanosleep
 
 # a slow disk, saves that come soon
 wrap_test_save := -Wl,--wrap=fsync,--wrap=sd_event_add_time_relative
+
+# timers that are due soon
+wrap_test_saver := -Wl,--wrap=sd_event_add_time_relative
+wrap_test_watch := -Wl,--wrap=sd_event_add_time_relative
+
+# a clock of the test's own
+wrap_test_play := -Wl,--wrap=lf_time_now,--wrap=sd_event_source_set_time_relative
 
 # a display, an EEPROM and a udev of the test's own
 wrap_test_auto := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open lf_find_touches access \
@@ -95,20 +102,21 @@ endef
 $(foreach p,$(kernel_programs),$(eval $(call kernel_program,$(p))))
 
 # under the unmodified libraries
-isa_test_hid_umockdev = $(dep_umockdev_cflags)
+isa_tests/device/test_hid_umockdev = $(dep_umockdev_cflags)
 wrap_test_hid_umockdev = $(dep_umockdev_libs)
-isa_test_usb_umockdev = $(dep_umockdev_cflags)
+isa_tests/device/test_usb_umockdev = $(dep_umockdev_cflags)
 wrap_test_usb_umockdev = $(dep_umockdev_libs)
 
 # What needs none of the libraries, with its tests and a program that prints hashes of results: PORTABLE=1 builds nothing else, for
 # machines without those libraries (tests/arm64.sh). Embree's header stays: it is the same everywhere.
-portable_tests := base/test_alloc base/test_status base/test_thread quilt/test_interlace quilt/test_tone quilt/test_layout \
+portable_tests := base/test_alloc base/test_cpu base/test_status base/test_thread quilt/test_interlace quilt/test_tone quilt/test_layout \
  quilt/test_rects quilt/test_fill quilt/test_quilt_kernel render/test_kernel render/test_sampler
 ifdef PORTABLE
-base_srcs := $(patsubst %,base/%.c,alloc status thread image)
+base_srcs := $(patsubst %,base/%.c,alloc cpu status thread image)
 quilt_srcs := $(filter-out quilt/files.c quilt/layout_name.c quilt/print/%,$(quilt_srcs))
-render_srcs := $(filter render/rows/kernel% render/rows/fan% render/transport/suffix% render/general/depth_%,$(render_srcs)) $(patsubst %,render/%.c,rows/slice rows/body scene/volume transport/sampler)
+render_srcs := $(filter render/plane/kernel% render/plane/fan% render/transport/lanes/suffix% render/transport/lanes/depth_%,$(render_srcs)) $(patsubst %,render/%.c,plane/slice plane/body scene/volume transport/sampler)
 stat_srcs := tests/stat/stat.c tests/stat/chi2.c
+papers_srcs :=
 test_faults_render :=
 optics_srcs :=
 pictures_srcs :=

@@ -20,6 +20,10 @@ grep_code() { # tree, grep arguments
 tabs_and_trailing_blanks() { grep_code "$1" $'\t|[ \t]$'; }
 # what .clang-format is told not to touch has the same width
 long_lines() { grep_code "$1" '^.{101,}'; }
+# A rule between the sections of a file is one line, which the formatter does not break: its end is at column 100.
+broken_section_rules() { grep_code "$1" '^/\* -{8}' | grep -vE ':/\* -+ [^-].* -- \*/$'; grep_code "$1" '^/\* -{8}.* -- \*/$' | awk '{ sub(/^[^:]*:[0-9]*:/, "") } length($0) != 100'; }
+# An expression that clang-format took for a template: `i<n && * p> 0`. The other way round (`*p > 0 && i < n`) it does not.
+torn_expressions() { grep_code "$1" '[a-z0-9_]<[a-z0-9_][^>"]*&& \* [a-z]'; }
 # Pointers are asked as `p` and `!p`.
 pointers_compared() { grep_code "$1" '[!=]= NULL\b|\bNULL [!=]=' | grep -v '^tests/arm64/cmocka.h:'; }
 # A block's first declarations and what follows them stand together.
@@ -50,15 +54,22 @@ rooms_apart() {
 # stands below knows nothing of what is above it. Headers of other rooms but base are included by name alone (doors).
 floors() {
     cat << 'END'
-render/scene: render/render.h
-render/transport: render/render.h render/scene
-render/load: render/render.h render/scene render/transport
-render/film: render/render.h render/transport
-render/rows: render/render.h render/integrator.h render/scene render/transport render/film
-render/general: render/render.h render/integrator.h render/scene render/transport render/film render/rows/rig.h render/rows/adaptive.h
+render/scene:
+render/transport:
+render/transport/surface: render/scene
+render/transport/light: render/scene render/transport render/transport/surface
+render/transport/path: render/scene render/transport render/transport/surface render/transport/light
+render/transport/lanes: render/scene render/transport render/transport/surface render/transport/light render/transport/path
+render/import/scene: render/render.h render/scene render/transport render/transport/surface render/transport/light render/transport/path
+render/import/reader: render/scene render/transport/surface render/import/scene
+render/film: render/render.h render/transport render/transport/surface/albedo.h
+render/plane: render/render.h render/scene render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film
+render/rows: render/integrator.h render/scene render/transport render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film render/plane
+render/cameras: render/render.h render/integrator.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/visit_lattice.h
+render/papers: render/render.h render/integrator.h render/visit_lattice.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/rows/adaptive.h
+render/layers: render/renderer.h render/transport render/transport/path render/plane/rig.h
 render/reconstruct: render/render.h render/film
-render/reader: render/render.h render/scene render/transport render/load
-render: render/scene render/transport render/load render/film render/rows render/general render/reconstruct
+render: render/scene render/transport render/transport/path render/transport/lanes render/film render/plane render/rows render/cameras render/reconstruct
 quilt/kernel:
 quilt: quilt/kernel
 quilt/panel: quilt/quilt.h quilt/kernel
@@ -76,18 +87,18 @@ daemon/threads:
 daemon/output:
 daemon/engine: daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
-daemon/server: daemon/engine daemon/show daemon/threads daemon/wire
+daemon/parts: daemon/output/content.h daemon/engine daemon/threads daemon/wire
+daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
 daemon/tools: daemon/output daemon/wire daemon/server
 base:
-base/import: base
-base/reader: base base/import
+base/sandbox: base
 bench:
 END
     cat "$1/tests/floors" 2> /dev/null # a tree's own rows: that of breaches has some
 }
 # The headers that other rooms may include, and what looks behind the doors.
-doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|daemon/(output/(options|content|render_job|completion)|engine/loader)\.h'
-behind_doors='bench/micro[.]c render/(renderer|transport/suffix_batch)[.]h'
+doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|render/papers/papers\.h|daemon/(output/(options|content|render_job|completion)|engine/loader)\.h'
+behind_doors='bench/micro[.]c render/(renderer|transport/lanes/suffix_batch)[.]h'
 rooms='base|render|quilt|device|daemon|bench|scenes|tests'
 # The rules below read includes as they are written: from the root, in quotes, and not by another way.
 includes_not_from_the_root() {
@@ -100,6 +111,13 @@ foreign_internal_headers() {
         awk -F'[:"]' '{ from = $1; sub(/\/[^\/]*$/, "", from); to = $4; sub(/\/[^\/]*$/, "", to)
             if (from != to) print $1 ":" $2 ": includes " $4 }'
 }
+# The objects of daemon/parts (NAME.h, NAME.c, NAME_*.[ch]) see neither the server nor each other.
+parts_apart() {
+    sources "$1" -path 'daemon/parts/*.[ch]' | (cd "$1" && xargs -r -d '\n' grep -nHoE '#include "daemon/(parts|server)/[a-z_]+\.h"') |
+        awk -F'[:"]' '{ from = $1; to = $4; sub(/[._][^/]*$/, "", from); sub(/[._][^/]*$/, "", to); if (from != to) print $1 ":" $2 ": includes " $4 }'
+}
+# The server's struct is seen by its own files alone.
+server_seen_from_outside() { grep_code "$1" '\blf_server\b' | grep -vE '^daemon/server/'; }
 floors_in_a_circle() {
     floors "$1" | awk '{ folder = $1; sub(/:$/, "", folder); for (i = 2; i <= NF; i++) print folder, $i }' | { tsort > /dev/null; } 2>&1
 }
@@ -120,7 +138,7 @@ include_complaints() {
 folders_in_no_row() { include_complaints "$1" | sed -n 's/^row //p'; }
 upward_includes() { include_complaints "$1" | sed -n 's/^floor //p'; }
 includes_behind_doors() { include_complaints "$1" | sed -n 's/^door //p'; }
-cxx_only_for_libraries() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/reader/(vdb|draco)_read|scenes/make_[a-z_]*)\.cc$'; }
+cxx_only_for_libraries() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/import/reader/(vdb|draco)_read|scenes/make_[a-z_]*)\.cc$'; }
 top_level() {
     (cd "$1" && if [ -e .git ]; then git ls-files 2> /dev/null | cut -d/ -f1 | sort -u; else ls; fi) |
         grep -vE '^(\..*|Makefile|README\.md|CHANGELOG\.md|LICENSE|CONTRIBUTING(\.md)?|base|render|quilt|device|daemon|tests|systemd|scenes|bench|docs|debian|build)$'
@@ -193,6 +211,30 @@ listed_tests_are_there() {
         !index(programs, $0) { print FILENAME ": " $0 }' - "${lists[@]}")
 }
 
+# Arrows that rooms of render/ must not have: a folder, and a header that nothing in it may include.
+forbidden() {
+    cat << 'END'
+render/scene render/render.h
+render/scene render/transport/surface/surface.h
+render/transport/surface render/transport/light/light.h
+render/transport/light render/transport/path/track.h
+render/transport/path render/transport/lanes/suffix.h
+render/import/scene render/import/reader/said.h
+render/import/scene render/film/film.h
+render/film render/import/scene/scene_parse.h
+render/film render/plane/rig.h
+render/plane render/rows/visit.h
+render/rows render/cameras/any_cameras.h
+render/cameras render/plane/kernel.h
+render/cameras render/papers/general.h
+render/papers render/rows/visit.h
+render/layers render/rows/visit.h
+render/reconstruct render/plane/rig.h
+render render/import/scene/scene_parse.h
+render render/papers/general.h
+END
+}
+
 # A tree in which every rule is broken once.
 make_breaches() {
     mkdir -p "$1"/{render,quilt,tests/quilt,attic,.ci}
@@ -205,6 +247,7 @@ make_breaches() {
         printf '}\n'
     } > "$1/render/bad.c"
     printf '%0701d' 0 | tr 0 '\n' > "$1/render/long.c"
+    printf '/* %090d name --\n */\nint t = i<2 * N && * left> zero;\n' 0 | sed 's/0/-/g' > "$1/render/torn.c"
     printf 'struct lf_wide {\n    int a%s;\n};\n' "$(seq -s ', a' 31)" > "$1/render/wide.h"
     printf 'struct lf_twice {\n    int x;\n};\n' | tee "$1/render/once.h" > "$1/quilt/twice.h"
     mkdir -p "$1/daemon/engine"
@@ -214,7 +257,12 @@ make_breaches() {
     printf '#include "daemon/output/output_internal.h"\n' > "$1/daemon/engine/internal.c"
     printf '#include "render/rows/visit.h"\n' > "$1/daemon/engine/behind.c"
     printf 'double x = ato''f("0x10");\n' > "$1/daemon/engine/number.c"
-    mkdir -p "$1/daemon/cellar"
+    forbidden | while read -r from header; do
+        mkdir -p "$1/$from"
+        printf '#include "%s"\n' "$header" >> "$1/$from/up.c"
+    done
+    mkdir -p "$1/daemon/parts" "$1/daemon/cellar"
+    printf '#include "daemon/parts/watch.h"\nstruct lf_server *owner;\n' > "$1/daemon/parts/play_more.c"
     printf '#include "daemon/output/output.h"\n' > "$1/daemon/cellar/new.c"
     printf 'daemon/output: daemon/engine\n' > "$1/tests/floors"
     printf '__attribute__((target_''clones("avx2"))) int y;' > "$1/quilt/cloned.cc"
@@ -230,8 +278,12 @@ make_breaches() {
 breaches=$(mktemp -d)
 trap 'rm -rf "$breaches"' EXIT
 make_breaches "$breaches"
-for rule in tabs_and_trailing_blanks long_lines pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
-    includes_not_from_the_root own_headers_in_angles foreign_internal_headers floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
+forbidden | while read -r from header; do
+    echo "$from/up.c includes $header"
+done | sort > "$breaches/.forbidden"
+report forbidden "$(upward_includes "$breaches" | sed -E 's/:[0-9]+: / /' | sort | comm -13 - "$breaches/.forbidden")"
+for rule in tabs_and_trailing_blanks long_lines broken_section_rules torn_expressions pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
+    includes_not_from_the_root own_headers_in_angles foreign_internal_headers parts_apart server_seen_from_outside floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
     cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there links_that_lead_nowhere sections_in_no_map; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
@@ -244,12 +296,12 @@ done
 foreign_names() {
     nm -A -g --defined-only "$out"/lib*.a 2> /dev/null | awk '$2 ~ /^[0-9a-f]+$/ && $3 ~ /^[TDBRC]$/ && $4 !~ /^(lf_|_Z|__|DW\.|_?asan)/ { print $1, $4 }'
 }
+mapfile -t isa_objects < <(find "$out"/render "$out"/quilt -name '*_avx2.c.o' -o -name '*_avx512.c.o' | sort)
 # A file compiled for one instruction set holds functions and one table: a writable global there might be initialised, and an
 # inline function from a header might be chosen by the linker, on a machine without the instructions.
 isa_globals() {
     local o
-    for o in "$out"/*/*/*_avx2.c.o "$out"/*/*/*_avx512.c.o; do
-        [ -e "$o" ] || continue
+    for o in "${isa_objects[@]}"; do
         objdump -t "$o" | awk -v o="${o##*/}" '/^[0-9a-f]+ +[lgu].* O \.(data|bss)[ \t]/ { print o, $NF, "(writable)" }
             /^[0-9a-f]+ +(w|u)/ && !/\*UND\*/ { print o, $NF, "(weak)" }
             /^[0-9a-f]+ +g/ && ++n > 1 { print o, $NF, "(a second name)" }'
@@ -261,6 +313,13 @@ without_vzeroupper() { # objects
     for o in "$@"; do
         [ ! -e "$o" ] || objdump -d --no-show-raw-insn "$o" | grep -qm 1 vzeroupper || echo "$o"
     done
+}
+# Files of a folder call each other in one direction: of two of them at most one calls the other, by whatever way. hello lists the
+# table that it stands in.
+calls_in_a_circle() { # what nm -A says of them
+    sed -E 's|^.*/([^/]*)\.c\.o:|\1 |' "$1" | awk '$2 == "U" { used[$1, $3] } $3 == "T" { where[$4] = $1 }
+        END { for (u in used) { split(u, of, SUBSEP); if (of[2] in where && where[of[2]] != of[1]) print of[1], where[of[2]] } }' |
+        grep -vx 'methods_table methods_status' | { tsort > /dev/null; } 2>&1
 }
 # What reads files from outside is not in the programs that go on when it ends.
 reading_libraries() { # programs
@@ -280,9 +339,24 @@ if command -v "${CC:-gcc}" > /dev/null && [ "$(uname -m)" = x86_64 ]; then
     printf '#include <immintrin.h>\nvoid f(float *p) { _mm256_storeu_ps(p, _mm256_add_ps(_mm256_loadu_ps(p), _mm256_loadu_ps(p))); }\n' > "$breaches/upper.c"
     "${CC:-gcc}" -O2 -mavx2 -mno-vzeroupper -c -o "$breaches/upper.o" "$breaches/upper.c"
     if [ -n "$(without_vzeroupper "$breaches/upper.o")" ]; then
-        report without_vzeroupper "$(without_vzeroupper "$out"/*/*/*_avx2.c.o "$out"/*/*/*_avx512.c.o)"
+        report without_vzeroupper "$(without_vzeroupper "${isa_objects[@]}")"
     else
         report without_vzeroupper "the rule does not notice a breach of it"
+    fi
+fi
+if command -v "${CC:-gcc}" > /dev/null; then
+    for name in one:two two:one; do
+        printf 'void %s(void);\nvoid %s(void);\nvoid %s(void) { %s(); }\n' "${name%:*}" "${name#*:}" "${name%:*}" "${name#*:}" > "$breaches/${name%:*}.c"
+        "${CC:-gcc}" -c -o "$breaches/${name%:*}.c.o" "$breaches/${name%:*}.c"
+    done
+    nm -A "$breaches"/{one,two}.c.o > "$breaches/circle.names"
+    if [ -n "$(calls_in_a_circle "$breaches/circle.names")" ]; then
+        for room in server parts; do
+            (cd "$src" && printf '%s\n' daemon/"$room"/*.c) | sed "s|.*|$out/&.o|" | xargs nm -A 2> /dev/null > "$breaches/$room.names"
+        done
+        report calls_in_a_circle "$(calls_in_a_circle "$breaches/server.names")$(calls_in_a_circle "$breaches/parts.names")"
+    else
+        report calls_in_a_circle "the rule does not notice a breach of it"
     fi
 fi
 case ${BUILD:-release} in

@@ -213,7 +213,7 @@ lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_
     pthread_cond_init(&engine->answered, NULL);
     lf_status status = lf_cond_init(&engine->wake);
     if (status == LF_OK)
-        status = lf_mailbox_init(&engine->mailbox, event_fd);
+        status = lf_mailbox_create(event_fd, &engine->mailbox);
     if (status == LF_OK)
         status = start_thread(engine);
     if (status != LF_OK) {
@@ -260,7 +260,7 @@ void lf_engine_destroy(lf_engine *engine)
     lf_picture_finish(&engine->picture);
     lf_content_unref(engine->content);
     lf_pool_destroy(engine->pool);
-    lf_mailbox_finish(&engine->mailbox);
+    lf_mailbox_destroy(engine->mailbox);
     pthread_cond_destroy(&engine->answered);
     pthread_cond_destroy(&engine->wake);
     pthread_mutex_destroy(&engine->lock);
@@ -405,5 +405,5 @@ void lf_engine_get_status(lf_engine *engine, lf_engine_status *out)
 
 lf_mailbox *lf_engine_mailbox(lf_engine *engine)
 {
-    return &engine->mailbox;
+    return engine->mailbox;
 }

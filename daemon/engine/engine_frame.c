@@ -13,7 +13,7 @@
 lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced)
 {
     const lf_calibration *panel = &engine->now.panel.calibration;
-    lf_frame *frame = lf_mailbox_begin(&engine->mailbox, interlaced ? panel->screen_width_px : 0,
+    lf_frame *frame = lf_mailbox_begin(engine->mailbox, interlaced ? panel->screen_width_px : 0,
                                        interlaced ? panel->screen_height_px : 0);
     if (!frame) {
         lf_log(LF_LOG_ERROR, "out of memory for a panel frame");
@@ -31,14 +31,15 @@ lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced)
 static void attach_views(lf_engine *engine, lf_frame *frame, const lf_views8 *views, bool final)
 {
     engine_look *look = &engine->look;
+    /* its views would be lost */
+    const lf_frame *waiting = lf_mailbox_waiting(engine->mailbox);
     double now = lf_time_now();
     bool news = frame->generation != look->views_generation || frame->level != look->views_level;
     if (!views || !engine->now.panel.views ||
-        !(final || news || now - look->views_at > VIEWS_SECONDS ||
-          lf_mailbox_keeps_views(&engine->mailbox)))
+        !(final || news || now - look->views_at > VIEWS_SECONDS || (waiting && waiting->has_views)))
         return;
     look->views_at = now;
-    if (lf_mailbox_attach(&engine->mailbox, frame, views)) {
+    if (lf_mailbox_attach(engine->mailbox, frame, views)) {
         look->views_generation = frame->generation;
         look->views_level = frame->level;
         return;
@@ -53,11 +54,11 @@ void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views
     if (frame->image.data) {
         if (engine->now.controls.has_codes)
             lf_codes_apply(&engine->now.controls.codes, &frame->image, engine->pool);
-        lf_mailbox_compare(&engine->mailbox, frame);
+        lf_mailbox_compare(engine->mailbox, frame);
     }
     attach_views(engine, frame, views, final);
     engine->frames.n++;
     engine->frames.cost = lf_time_now() - engine->frames.at;
     engine_publish(engine); /* before the frame: whoever sees it may ask for the status next */
-    lf_mailbox_post(&engine->mailbox, frame);
+    lf_mailbox_post(engine->mailbox, frame);
 }

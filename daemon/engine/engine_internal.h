@@ -113,7 +113,7 @@ struct lf_engine {
     int event_fd;
     lf_states *states; /* borrowed; NULL: none are kept */
     lf_cancel cancel;
-    lf_mailbox mailbox;
+    lf_mailbox *mailbox;
 
     pthread_mutex_t lock;
     pthread_cond_t wake, answered;

@@ -267,7 +267,6 @@ static void post_frame(lf_engine *engine, bool final)
  * there would be now: another one is not worth its interlacing. It stays owed. */
 static bool frame_can_wait(lf_engine *engine)
 {
-    lf_mailbox *mailbox = &engine->mailbox;
     bool complete = lf_picture_missing(&engine->picture) == 0;
     bool news = (engine->level < LF_LEVEL_COMPLETE && complete) ||
                 engine->frames.n == engine->frames.n_before;
@@ -276,13 +275,10 @@ static bool frame_can_wait(lf_engine *engine)
         apart = engine->frames.cost / FRAME_SHARE;
     if (!news && lf_time_now() - engine->frames.at < apart)
         return true;
-    pthread_mutex_lock(&mailbox->lock);
-    const lf_frame *ready = mailbox->ready >= 0 ? &mailbox->slot[mailbox->ready] : NULL;
-    bool wait = ready && ready->generation == engine->generation &&
-                ready->panel == engine->now.panel.number && ready->level == engine->level &&
-                (ready->level >= LF_LEVEL_COMPLETE || !complete) && ready->level != LF_LEVEL_NONE;
-    pthread_mutex_unlock(&mailbox->lock);
-    return wait;
+    const lf_frame *ready = lf_mailbox_waiting(engine->mailbox);
+    return ready && ready->generation == engine->generation &&
+           ready->panel == engine->now.panel.number && ready->level == engine->level &&
+           (ready->level >= LF_LEVEL_COMPLETE || !complete) && ready->level != LF_LEVEL_NONE;
 }
 
 /* Native samples for pixels that no shared path has reached: first so many that a coarse frame is

@@ -6,9 +6,9 @@
 #include <time.h>
 
 #include "base/alloc.h"
-#include "base/import/import.h"
-#include "base/import/import_group.h"
 #include "base/log.h"
+#include "base/sandbox/import.h"
+#include "base/sandbox/import_group.h"
 #include "base/thread.h"
 #include "daemon/engine/folder.h"
 #include "daemon/output/blank.h"
@@ -83,8 +83,7 @@ static json_t *orbit_patch(const lf_scene *scene, const lf_load *load)
     return patch;
 }
 
-/* ------------------------------------------------------------------------------------ contents --
- */
+/* ---------------------------------------------------------------------------------- contents -- */
 
 static lf_status stage_of_scene(const lf_load *load, lf_scene *scene, const char *file,
                                 lf_content **out, lf_error *err)
@@ -242,8 +241,7 @@ static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf
     return status;
 }
 
-/* ------------------------------------------------------------------------------------ passed --
- */
+/* ------------------------------------------------------------------------------------ passed -- */
 
 /* The files of clients that a load may open: of a file its own, else also those of what is shown.
  * A new reference, which may be NULL. */

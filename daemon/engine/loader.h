@@ -4,7 +4,7 @@
  * shown before the next change, and where one change has cost a picture its coarse frame the next
  * one lets it come: whoever moves a slider sees something move. The picture shown goes on being
  * rendered meanwhile; the event thread hears of the outcome through its inbox. The files of a load
- * are a group (base/import/import_group.h): they have one limit of time. */
+ * are a group (base/sandbox/import_group.h): they have one limit of time. */
 #ifndef LF_DAEMON_LOADER_H
 #define LF_DAEMON_LOADER_H
 

@@ -1,23 +1,58 @@
 #include "daemon/engine/mailbox.h"
 
+#include <pthread.h>
 #include <string.h>
 
 #include "base/alloc.h"
 #include "base/wakeup.h"
 #include "quilt/quilt.h"
 
-lf_status lf_mailbox_init(lf_mailbox *mailbox, int event_fd)
+struct lf_mailbox {
+    pthread_mutex_t lock;
+    int event_fd; /* readable when something was posted */
+    /* under lock */
+    int ready, held, shown; /* slots; -1 = none */
+    uint64_t n_posted;
+    bool views_taken; /* the consumer is reading the views buffer */
+    /* producer only */
+    int back;
+    /* a slot belongs to whoever its number names; free ones to the producer */
+    lf_frame slot[4];
+    /* producer's while !views_taken */
+    lf_views8 views;
+    uint8_t *views_data;
+    size_t views_size;
+};
+
+const char *lf_level_name(lf_level level)
 {
-    *mailbox = (lf_mailbox){.event_fd = event_fd, .ready = -1, .held = -1, .shown = -1, .back = -1};
-    return pthread_mutex_init(&mailbox->lock, NULL) == 0 ? LF_OK : LF_E_NOMEM;
+    static const char *const names[] = {"none", "coarse", "complete", "converged"};
+    return names[level];
 }
 
-void lf_mailbox_finish(lf_mailbox *mailbox)
+lf_status lf_mailbox_create(int event_fd, lf_mailbox **out_mailbox)
 {
+    lf_mailbox *mailbox = lf_calloc(1, sizeof *mailbox);
+    if (!mailbox)
+        return LF_E_NOMEM;
+    *mailbox = (lf_mailbox){.event_fd = event_fd, .ready = -1, .held = -1, .shown = -1, .back = -1};
+    if (pthread_mutex_init(&mailbox->lock, NULL) != 0) {
+        lf_free(mailbox);
+        return LF_E_NOMEM;
+    }
+    *out_mailbox = mailbox;
+    return LF_OK;
+}
+
+void lf_mailbox_destroy(lf_mailbox *mailbox)
+{
+    if (!mailbox)
+        return;
     for (int i = 0; i < 4; i++)
         lf_image8_finish(&mailbox->slot[i].image);
     lf_free(mailbox->views_data);
     pthread_mutex_destroy(&mailbox->lock);
+    lf_free(mailbox);
 }
 
 static int free_slot(lf_mailbox *mailbox)
@@ -96,12 +131,12 @@ bool lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *vi
     return true;
 }
 
-bool lf_mailbox_keeps_views(lf_mailbox *mailbox)
+const lf_frame *lf_mailbox_waiting(lf_mailbox *mailbox)
 {
     pthread_mutex_lock(&mailbox->lock);
-    bool keeps = mailbox->ready >= 0 && mailbox->slot[mailbox->ready].has_views;
+    const lf_frame *frame = mailbox->ready >= 0 ? &mailbox->slot[mailbox->ready] : NULL;
     pthread_mutex_unlock(&mailbox->lock);
-    return keeps;
+    return frame;
 }
 
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame)

@@ -1,12 +1,10 @@
 /* mailbox: panel frames on their way from the engine's thread to the event thread, newest wins.
  * Four slots that change hands without copying: the one being composed, the newest that is ready,
  * the one the event thread holds, and the one the device shows (kept, because the next frame's
- * changed rectangles are computed against it). Thread: begin, post by the producer only; take,
- * shown, current by the consumer only. */
+ * changed rectangles are computed against it). Thread: begin to post by the producer only, take to
+ * views_done by the consumer only. */
 #ifndef LF_DAEMON_MAILBOX_H
 #define LF_DAEMON_MAILBOX_H
-
-#include <pthread.h>
 
 #include "base/image.h"
 #include "quilt/quilt.h"
@@ -20,6 +18,9 @@ typedef enum lf_level {
     LF_LEVEL_COMPLETE,
     LF_LEVEL_CONVERGED
 } lf_level;
+
+/* "none", "coarse", "complete", "converged". */
+const char *lf_level_name(lf_level level);
 
 typedef struct lf_frame {
     uint64_t number; /* rises by one a frame posted; 0 = never used */
@@ -40,26 +41,12 @@ typedef struct lf_frame {
     bool lacks_views; /* they, the first of this generation and level, come with a later frame */
 } lf_frame;
 
-typedef struct lf_mailbox {
-    pthread_mutex_t lock;
-    int event_fd; /* readable when something was posted */
-    /* under lock */
-    int ready, held, shown; /* slots; -1 = none */
-    uint64_t n_posted;
-    bool views_taken; /* the consumer is reading the views buffer */
-    /* producer only */
-    int back;
-    /* a slot belongs to whoever its number names; free ones to the producer */
-    lf_frame slot[4];
-    /* producer's while !views_taken */
-    lf_views8 views;
-    uint8_t *views_data;
-    size_t views_size;
-} lf_mailbox;
+typedef struct lf_mailbox lf_mailbox;
 
-/* event_fd is borrowed. */
-LF_NODISCARD lf_status lf_mailbox_init(lf_mailbox *mailbox, int event_fd);
-void lf_mailbox_finish(lf_mailbox *mailbox);
+/* event_fd, readable when something was posted, is borrowed. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_mailbox_create(int event_fd, lf_mailbox **out_mailbox);
+/* Accepts NULL. */
+void lf_mailbox_destroy(lf_mailbox *mailbox);
 
 /* A free slot to compose in, with an image of the panel's size (0 x 0 = none). NULL = out of
  * memory. */
@@ -69,8 +56,8 @@ void lf_mailbox_compare(lf_mailbox *mailbox, lf_frame *frame);
 /* Puts a copy of the views beside the frame, unless memory is out. False: the consumer is still
  * reading the last ones, and the frame has none. */
 bool lf_mailbox_attach(lf_mailbox *mailbox, lf_frame *frame, const lf_views8 *views);
-/* Whether the newest frame, which nobody has taken yet, has views that another one would lose. */
-bool lf_mailbox_keeps_views(lf_mailbox *mailbox);
+/* The newest frame, if nobody has taken it yet, or NULL; it stays readable until the next begin. */
+const lf_frame *lf_mailbox_waiting(lf_mailbox *mailbox);
 /* Hands over what begin gave. */
 void lf_mailbox_post(lf_mailbox *mailbox, lf_frame *frame);
 

@@ -265,7 +265,7 @@ lf_status lf_picture_retone(lf_picture *picture, const lf_film_settings *film, l
     return status;
 }
 
-/* -------------------------------------------------------------------------------- exposure -- */
+/* ---------------------------------------------------------------------------------- exposure -- */
 
 /* How far the exposure in use may be off before it changes, in stops. */
 #define KEPT_WITHIN 0.5

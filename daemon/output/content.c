@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "base/import/import_group.h"
 #include "base/log.h"
+#include "base/sandbox/import_group.h"
 
 static lf_content *content_create(const char *file)
 {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "base/import/import.h"
+#include "base/sandbox/import.h"
 
 #define DEFAULT_VIEWS 45
 #define DEFAULT_VIEW_HEIGHT 560
@@ -67,27 +67,13 @@ const lf_param lf_option_params[] = {
      .help = "the panel's lens calibration"},
     {.name = "integrator", .option = "integrator", .argument = "NAME", PLACE(integrator),
      .type = LF_PARAM_NAME, .word_at = integrator_at, .what_at = sharing_at,
+     .refused_at = lf_integrator_reference,
+     .refusal = "is a reference mode: use quiltrender or quiltbench",
      .about = "how views share light paths; another one starts the picture over"},
     {.name = "estimator", .option = "estimator", .argument = "NAME", PLACE(estimator),
      .has = offsetof(lf_options, has_estimator),
      .type = LF_PARAM_WORD, .word_at = lf_estimator_name,
      .about = "how the samples of a pixel are weighted"},
-    {.option = "shift", .argument = "NAME", PLACE(papers.shift),
-     .has = offsetof(lf_options, papers.has_shift),
-     .type = LF_PARAM_WORD, .word_at = lf_shift_name,
-     .help = "those of 2022: how null collisions go from view to view (optical-stretch)"},
-    {.option = "selection", .argument = "NAME", PLACE(papers.selection),
-     .has = offsetof(lf_options, papers.has_selection),
-     .type = LF_PARAM_WORD, .word_at = lf_selection_name,
-     .help = "mvpt2022, amvpt2022: which views share a path (tv, as printed: biased)"},
-    {.option = "reuse", .argument = "NAME", PLACE(papers.reuse),
-     .has = offsetof(lf_options, papers.has_reuse),
-     .type = LF_PARAM_WORD, .word_at = lf_reuse_name,
-     .help = "restir, mvrestir: which reservoirs a pixel looks into (both)"},
-    {.option = "weights", .argument = "NAME", PLACE(papers.weights),
-     .has = offsetof(lf_options, papers.has_weights),
-     .type = LF_PARAM_WORD, .word_at = lf_reuse_weights_name,
-     .help = "restir, mvrestir: what they count (unbiased)"},
     {.option = "sampler", .argument = "NAME", PLACE(sampler),
      .type = LF_PARAM_WORD, .word_at = lf_sampler_name},
     {.option = "max-depth", .argument = "N", PLACE(max_depth),
@@ -162,35 +148,15 @@ lf_film_settings lf_exposed_film(const lf_film_settings *film, double exposure)
     return exposed;
 }
 
-void lf_options_fit_integrator(lf_options *options)
-{
-    const lf_integrator_entry *entry = lf_integrator_named(options->integrator);
-    options->papers.shift = entry && entry->shifts ? options->papers.shift : 0;
-    options->papers.selection = entry && entry->selects ? options->papers.selection : 0;
-    options->papers.reuse = entry && entry->reuses ? options->papers.reuse : 0;
-    options->papers.weights = entry && entry->reuses ? options->papers.weights : 0;
-}
-
 lf_status lf_options_check_integrator(const lf_options *options, lf_error *err)
 {
     const lf_integrator_entry *entry = lf_integrator_named(options->integrator);
-    if (!entry)
-        return LF_OK; /* others say so */
-    const lf_papers_options *given = &options->papers;
-    const struct {
-        bool wrong;
-        const char *option, *what;
-    } all[] = {
-        {given->has_shift && !entry->shifts, "--shift", "shifts"},
-        {given->has_selection && !entry->selects, "--selection", "selections"},
-        {given->has_reuse && !entry->reuses, "--reuse", "reuse of reservoirs"},
-        {given->has_weights && !entry->reuses, "--weights", "weights of reservoirs"},
-    };
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
-        if (all[i].wrong)
-            return lf_error_set(err, LF_E_ARG, all[i].option, "%s knows no %s", entry->name,
-                                all[i].what);
-    return LF_OK;
+    const lf_param *unfit = entry ? lf_choices_unfit(&options->choices, entry) : NULL;
+    char where[64];
+    if (!unfit)
+        return LF_OK; /* others say what there is no entry of */
+    snprintf(where, sizeof where, "--%s", unfit->option);
+    return lf_error_set(err, LF_E_ARG, where, "%s knows no %s", entry->name, unfit->about);
 }
 
 const lf_preset *lf_options_preset(const lf_options *options)
@@ -359,10 +325,7 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
     lf_render_settings settings = {
         .integrator = options->integrator,
         .sampler = options->sampler,
-        .shift = options->papers.shift,
-        .selection = options->papers.selection,
-        .reuse = options->papers.reuse,
-        .weights = options->papers.weights,
+        .choices = options->choices,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .skip = options->has_skip ? options->skip : LF_SKIP_ALL,

@@ -38,12 +38,6 @@ typedef enum lf_reconstruct {
 /* Its names, as on the command line; NULL behind the last. */
 const char *lf_reconstruct_name(int index);
 
-/* What the papers' reference estimators take: as in lf_render_settings; zero is the default. */
-typedef struct lf_papers_options {
-    int shift, selection, reuse, weights;
-    bool has_shift, has_selection, has_reuse, has_weights; /* they were given */
-} lf_papers_options;
-
 /* The camera moves to where all, or the mesh or volume of this name, fills its views. */
 typedef struct lf_fit_option {
     bool on;
@@ -68,8 +62,8 @@ typedef struct lf_options {
     bool has_estimator;          /* it was given */
     lf_estimator estimator;      /* zero is LF_ESTIMATOR_MWIS, the default */
     lf_sampler_kind sampler;     /* zero is LF_SAMPLER_OWEN, the default */
-    lf_papers_options papers;
-    int threads; /* 0 = all CPUs */
+    lf_choices choices;          /* lf_integrator_params */
+    int threads;                 /* 0 = all CPUs */
     uint64_t seed;
     int max_depth;                           /* 0 = the scene's */
     bool has_exposure;                       /* it was given */
@@ -95,8 +89,7 @@ extern const lf_param lf_option_params[];
 /* What to look at, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
 #define LF_OPTIONS_RENDER                                                                          \
-    "integrator estimator shift selection reuse weights sampler max-depth skip threads seed "      \
-    "reconstruct denoise"
+    "integrator estimator sampler max-depth skip threads seed reconstruct denoise"
 #define LF_OPTIONS_IMPORT "import-memory import-time"
 
 /* Holds what reads files to what the options say (lf_import_limit). */
@@ -171,10 +164,8 @@ int lf_usage_error(const char *program, const lf_error *err);
 /* Prints "PROGRAM VERSION" to stdout. */
 void lf_print_version(const char *program);
 
-/* Leaves out what options->integrator does not take: a shift, a selection of another one before. */
-void lf_options_fit_integrator(lf_options *options);
-
-/* LF_E_ARG where a shift or a selection was given that options->integrator does not take. */
+/* LF_E_ARG where a choice (lf_integrator_params) was given that options->integrator does not take.
+ */
 LF_NODISCARD lf_status lf_options_check_integrator(const lf_options *options, lf_error *err);
 
 /* What to render and how it is laid out: the command line wins over the preset (views, layout, view

@@ -31,8 +31,7 @@ static const char *name_of_code(const struct option *table, int code)
     return "";
 }
 
-/* ------------------------------------------------------------------------- getopt's own table --
- */
+/* ------------------------------------------------------------------------ getopt's own table -- */
 
 static int append(struct option *table, int n, const char *name, int has_argument, int code)
 {

@@ -93,14 +93,12 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
         camera->position[2], "up", camera->up[0], camera->up[1], camera->up[2], "lens_radius",
         camera->lens_radius, "focus_distance", camera->focus_distance, "exposure",
         film ? film->exposure : 0.0, "tonemap", film ? film->tonemap : "srgb");
-    if (lf_integrator_named(settings->integrator)->shifts)
-        json_object_set_new(made, "shift", json_string(lf_shift_name(settings->shift)));
-    if (lf_integrator_named(settings->integrator)->selects)
-        json_object_set_new(made, "selection", json_string(lf_selection_name(settings->selection)));
-    if (lf_integrator_named(settings->integrator)->reuses)
-        json_object_update_new(made,
-                               json_pack("{s:s, s:s}", "reuse", lf_reuse_name(settings->reuse),
-                                         "weights", lf_reuse_weights_name(settings->weights)));
+    const lf_param *told = lf_integrator_params();
+    const unsigned takes = lf_integrator_named(settings->integrator)->takes;
+    for (int i = 0; told[i].option; i++)
+        if (takes & 1u << i)
+            json_object_set_new(made, told[i].option,
+                                json_string(told[i].word_at(settings->choices.of[i])));
     if (camera->view_blur > 0)
         json_object_set_new(made, "view_blur", json_real(camera->view_blur));
     if (camera->track > 0) { /* which has no cone */

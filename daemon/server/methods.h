@@ -3,7 +3,9 @@
 #ifndef LF_DAEMON_METHODS_H
 #define LF_DAEMON_METHODS_H
 
-#include "daemon/server/server.h"
+#include <jansson.h>
+
+typedef struct lf_call lf_call; /* that is being answered by its method */
 
 typedef struct lf_method {
     const char *name;
@@ -31,33 +33,5 @@ const lf_notification *lf_notification_at(int index);
  * of the notifications, as hello has them: made once, borrowed. Thread: any. */
 json_t *lf_methods_json(void);
 json_t *lf_events_json(void);
-
-/* methods_status.c */
-void lf_method_hello(lf_call *call);
-void lf_method_status(lf_call *call);
-void lf_method_wait(lf_call *call);
-void lf_method_subscribe(lf_call *call);
-void lf_method_shutdown(lf_call *call);
-/* methods_scene.c */
-/* Queues a load that the call waits for; load NULL = out of memory. */
-void lf_method_queue(lf_call *call, lf_load *load);
-void lf_method_scene_load(lf_call *call);
-void lf_method_scene_get(lf_call *call);
-void lf_method_scene_patch(lf_call *call);
-void lf_method_camera_set(lf_call *call);
-void lf_method_camera_orbit(lf_call *call);
-void lf_method_camera_fit(lf_call *call);
-void lf_method_render_set(lf_call *call);
-/* methods_time.c */
-void lf_method_time_set(lf_call *call);
-void lf_method_time_play(lf_call *call);
-void lf_method_time_stop(lf_call *call);
-/* methods_device.c */
-void lf_method_device_list(lf_call *call);
-void lf_method_device_set(lf_call *call);
-void lf_method_device_calibration(lf_call *call);
-void lf_method_button(lf_call *call);
-/* methods_export.c */
-void lf_method_job_cancel(lf_call *call);
 
 #endif

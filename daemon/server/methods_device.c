@@ -1,13 +1,13 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 void lf_method_device_list(lf_call *call)
 {
     lf_deferred *deferred = lf_defer(call);
     if (deferred && lf_show_list(call->server->show, deferred) != LF_OK)
-        lf_deferred_reply(call->server, deferred, NULL);
+        lf_deferred_reply(deferred, NULL);
 }
 
 /* Whether it writes into the folder that the device of the command line writes into, whatever the
@@ -93,7 +93,7 @@ void lf_method_device_set(lf_call *call)
     }
     lf_deferred *deferred = lf_defer(call);
     if (deferred && lf_show_open(call->server->show, spec, deferred, &err) != LF_OK)
-        lf_deferred_fail(call->server, deferred, &err, false);
+        lf_deferred_fail(deferred, &err, false);
     lf_free(spec);
 }
 

@@ -1,11 +1,11 @@
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 void lf_method_job_cancel(lf_call *call)
 {
     lf_error err;
     int64_t id = (int64_t)json_number_value(json_object_get(call->params, "job"));
-    if (!lf_server_cancel_load(call->server, id) &&
-        lf_server_cancel_job(call->server, id, &err) != LF_OK) {
+    if (!lf_loading_cancel(call->server->loading, id) &&
+        lf_jobs_cancel(call->server->jobs, id, &err) != LF_OK) {
         lf_fail(call, &err, false);
         return;
     }

@@ -1,5 +1,6 @@
 /* What methods answer and what notifications say, field by field. */
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 

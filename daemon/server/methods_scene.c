@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 void lf_method_queue(lf_call *call, lf_load *load)
 {
@@ -286,7 +286,6 @@ void lf_method_render_set(lf_call *call)
     }
     bool over = controls.threads != before.threads ||
                 !same_name(options.integrator, server->options.integrator);
-    lf_options_fit_integrator(&options);
     server->options = options;
     lf_engine_set_controls(server->engine, &controls);
     /* Features, which a film that was begun without them lacks. */

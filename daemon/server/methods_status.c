@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/import/import.h"
-#include "daemon/server/methods.h"
+#include "base/sandbox/import.h"
+#include "daemon/server/methods_internal.h"
 
 /* What is read by its name. */
 static json_t *folders_json(const lf_server *server)
@@ -85,7 +85,7 @@ static void add_content(const lf_server *server, json_t *status)
         else
             json_object_set_new(status, "cone",
                                 json_real(camera->cone * (180 / 3.14159265358979323846)));
-        json_object_set_new(status, "time", lf_server_time_json(server));
+        json_object_set_new(status, "time", lf_time_json(server));
         json_object_set_new(status, "depth_budget", depth_json(content));
         json_object_set_new(status, "seed", seed_json(content->settings.seed));
         json_object_set_new(status, "integrator",
@@ -189,10 +189,17 @@ void lf_method_wait(lf_call *call)
         return;
     }
     lf_deferred *deferred = lf_defer(call);
-    if (deferred)
-        lf_server_wait(server, deferred, generation,
-                       level_of(json_string_value(json_object_get(call->params, "for"))),
-                       json_number_value(json_object_get(call->params, "timeout")));
+    if (!deferred)
+        return;
+    const lf_wait wait = {
+        .call = deferred,
+        .client = lf_deferred_client(deferred),
+        .generation = generation,
+        .level = level_of(json_string_value(json_object_get(call->params, "for"))),
+        .seconds = json_number_value(json_object_get(call->params, "timeout")),
+    };
+    if (lf_waits_add(server->waits, &wait, &err) != LF_OK)
+        lf_deferred_fail(deferred, &err, false);
 }
 
 void lf_method_subscribe(lf_call *call)

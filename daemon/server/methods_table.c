@@ -1,4 +1,4 @@
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
 
 #include <pthread.h>
 #include <string.h>
@@ -151,6 +151,15 @@ static const struct {
               {"device.set", lf_response_params, true}, {"camera.set", lf_camera_params, true},
               {"render.set", lf_option_params, true}};
 
+/* Words that get an answer of their own, each with what is said of it. */
+static json_t *refused_words(const lf_param *row)
+{
+    json_t *words = json_object();
+    for (int i = 0; row->refused_at(i); i++)
+        json_object_set_new(words, row->refused_at(i), json_string(row->refusal));
+    return words;
+}
+
 static json_t *table_schema(const lf_param *params, bool keeps)
 {
     json_t *schema = lf_param_schema(params), *property;
@@ -160,6 +169,9 @@ static json_t *table_schema(const lf_param *params, bool keeps)
         if (keeps)
             json_object_del(property, "default");
     }
+    for (const lf_param *row = params; row->name || row->option; row++)
+        if (row->name && row->refused_at)
+            json_object_set_new(json_object_get(schema, row->name), "refused", refused_words(row));
     return schema;
 }
 

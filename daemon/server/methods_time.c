@@ -1,5 +1,20 @@
 /* Which frame of the scene is shown, and playing them. */
-#include "daemon/server/methods.h"
+#include "daemon/server/methods_internal.h"
+
+json_t *lf_time_json(const lf_server *server)
+{
+    const lf_play_range *played = lf_play_now(server->play);
+    const lf_scene *scene = server->content ? server->content->scene : NULL;
+    if (!scene)
+        return json_null();
+    json_t *time =
+        json_pack("{s:i, s:b}", "frame", lf_scene_frame(scene), "playing", (int)!!played);
+    if (played)
+        json_object_update_new(time, json_pack("{s:f, s:i, s:i, s:b}", "rate", played->rate, "from",
+                                               played->from, "to", played->to, "loop",
+                                               (int)!played->once));
+    return time;
+}
 
 /* Whether there is something to move; else the call fails. */
 static bool check_moves(lf_call *call)
@@ -18,7 +33,7 @@ static bool check_moves(lf_call *call)
 
 void lf_method_time_set(lf_call *call)
 {
-    lf_server_stop_playing(call->server);
+    lf_play_stop(call->server->play);
     int frame = (int)json_number_value(json_object_get(call->params, "frame"));
     lf_method_queue(call, lf_server_frame_load(frame));
 }
@@ -44,12 +59,12 @@ void lf_method_time_play(lf_call *call)
         lf_fail(call, &err, false);
         return;
     }
-    lf_server_begin_playing(call->server, &range);
-    lf_reply(call, lf_server_time_json(call->server));
+    lf_play_begin(call->server->play, &range);
+    lf_reply(call, lf_time_json(call->server));
 }
 
 void lf_method_time_stop(lf_call *call)
 {
-    lf_server_stop_playing(call->server);
-    lf_reply(call, lf_server_time_json(call->server));
+    lf_play_stop(call->server->play);
+    lf_reply(call, lf_time_json(call->server));
 }

@@ -1,119 +1,28 @@
 /* What the buttons of a panel do: --buttons, and the method `button`. */
-#include <stdlib.h>
-
 #include "base/alloc.h"
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
-/* Presses between two loads count together: who presses faster than scenes load gets to the last
- * one, and a panel whose buttons chatter keeps nothing else from being done. */
-#define MAX_TURNS 1000000
-
-typedef enum reset_state {
-    RESET_REST,
-    RESET_BUSY,
-    RESET_AGAIN, /* busy, and asked for once more */
-} reset_state;
-
-struct lf_button_work {
-    json_t *file_camera; /* the camera block as the scene's file has it: shared with the scene */
-    char *browsed;       /* where next and previous have come to; NULL = what is shown */
-    bool browsing;       /* a scene that they asked for is being loaded */
-    int turns;           /* presses since that was begun (previous: negative) */
-    reset_state reset;   /* the camera on its way back */
-};
-
-lf_status lf_server_make_button_work(lf_server *server)
+static bool on_browse(void *context, const char *from, int step)
 {
-    server->button_work = lf_calloc(1, sizeof *server->button_work);
-    return server->button_work ? LF_OK : LF_E_NOMEM;
-}
-
-void lf_server_drop_button_work(lf_server *server)
-{
-    lf_button_work *work = server->button_work;
-    if (!work)
-        return;
-    json_decref(work->file_camera);
-    lf_free(work->browsed);
-    lf_free(work);
-    server->button_work = NULL;
-}
-
-/* ---------------------------------------------------------------------------------- browsing -- */
-
-/* One at a time. The folder is looked at on the loader's thread: it may be large, or on a drive
- * that does not answer. */
-static void load_browsed(lf_server *server)
-{
-    lf_button_work *work = server->button_work;
-    const char *shown = server->content ? server->content->file : server->config.scene;
-    const char *from = work->browsed ? work->browsed : shown;
-    if (!from) {
-        work->turns = 0;
-        return;
-    }
-    lf_load *load = work->browsing ? NULL : lf_load_create(LF_LOAD_FILE);
+    lf_load *load = lf_load_create(LF_LOAD_FILE);
     if (!load)
-        return;
+        return false;
     load->file = lf_strdup(from);
-    load->step = work->turns;
-    load->browsed = true;
-    work->turns = 0;
     if (!load->file) {
         lf_load_destroy(load);
-        return;
+        return false;
     }
-    work->browsing = true;
-    lf_server_load(server, load, NULL);
-}
-
-void lf_server_browsed(lf_server *server, const char *file)
-{
-    lf_button_work *work = server->button_work;
-    work->browsing = false;
-    /* From here on when a button is pressed again, also when this one cannot be shown. */
-    lf_free(work->browsed);
-    work->browsed = lf_strdup(file);
-    if (work->turns != 0)
-        load_browsed(server);
-}
-
-void lf_server_file_shown(lf_server *server, bool browsed)
-{
-    lf_button_work *work = server->button_work;
-    const lf_scene *scene = server->content->scene;
-    lf_server_release_json(server, work->file_camera);
-    json_t *camera = scene ? json_object_get(lf_scene_json(scene), "camera") : NULL;
-    work->file_camera = camera ? json_incref(camera) : json_object();
-    if (!browsed) {
-        lf_free(work->browsed);
-        work->browsed = NULL;
-    }
-}
-
-static void turn_page(lf_server *server, int step)
-{
-    lf_button_work *work = server->button_work;
-    if (abs(work->turns) < MAX_TURNS)
-        work->turns += step;
-    if (work->turns != 0)
-        load_browsed(server);
-}
-
-/* ----------------------------------------------------------------------------------- actions -- */
-
-static void toggle_pause(lf_server *server)
-{
-    lf_engine_controls controls = lf_engine_get_controls(server->engine);
-    controls.paused = !controls.paused;
-    lf_engine_set_controls(server->engine, &controls);
+    load->step = step;
+    load->browsed = true;
+    lf_server_load(context, load, NULL);
+    return true;
 }
 
 /* The file's own camera block, and null for the keys that it does not have. */
-static json_t *camera_patch(const lf_server *server)
+static json_t *camera_patch(const lf_scene *scene, const json_t *own)
 {
-    json_t *camera = json_copy(server->button_work->file_camera);
-    const json_t *now = json_object_get(lf_scene_json(server->content->scene), "camera");
+    json_t *camera = json_copy((json_t *)(uintptr_t)own);
+    const json_t *now = json_object_get(lf_scene_json(scene), "camera");
     const char *key;
     json_t *value;
     json_object_foreach((json_t *)(uintptr_t)now, key, value)
@@ -124,51 +33,58 @@ static json_t *camera_patch(const lf_server *server)
     return json_pack("{s:o}", "camera", camera);
 }
 
-/* One on the way, and one that takes back what came after it, stand for any number. */
-static void reset_camera(lf_server *server)
+static bool on_reset(void *context, const json_t *camera)
 {
-    lf_button_work *work = server->button_work;
-    if (!server->content || !server->content->scene || !work->file_camera)
-        return;
-    if (work->reset != RESET_REST) {
-        work->reset = RESET_AGAIN;
-        return;
-    }
-    lf_load *load = lf_load_create(LF_LOAD_PATCH);
-    if (load) {
-        load->patch = camera_patch(server);
-        load->reset = true;
-        work->reset = RESET_BUSY;
-        lf_server_load(server, load, NULL);
-    }
+    lf_server *server = context;
+    bool shown = server->content && server->content->scene;
+    lf_load *load = shown ? lf_load_create(LF_LOAD_PATCH) : NULL;
+    if (!load)
+        return false;
+    load->patch = camera_patch(server->content->scene, camera);
+    load->reset = true;
+    lf_server_load(server, load, NULL);
+    return true;
 }
 
-void lf_server_was_reset(lf_server *server)
+static void on_release(void *context, json_t *value)
 {
-    bool again = server->button_work->reset == RESET_AGAIN;
-    server->button_work->reset = RESET_REST;
-    if (again)
-        reset_camera(server);
+    const lf_server *server = context;
+    lf_release_json(server->releaser, value);
+}
+
+lf_status lf_server_make_presses(lf_server *server)
+{
+    static const lf_presses_events events = {
+        .browse = on_browse, .reset = on_reset, .release = on_release};
+    return lf_presses_create(&events, server, &server->presses);
+}
+
+static void toggle_pause(lf_server *server)
+{
+    lf_engine_controls controls = lf_engine_get_controls(server->engine);
+    controls.paused = !controls.paused;
+    lf_engine_set_controls(server->engine, &controls);
 }
 
 void lf_server_press(lf_server *server, lf_button button)
 {
     lf_action action = server->config.buttons.of[button];
-    lf_server_notify(server, LF_EVENT_BUTTON, "button",
-                     json_pack("{s:s, s:s}", "button", lf_button_name(button), "action",
-                               lf_action_name(action)));
+    const char *shown = server->content ? server->content->file : server->config.scene;
+    lf_notify(server->clients, LF_EVENT_BUTTON, "button",
+              json_pack("{s:s, s:s}", "button", lf_button_name(button), "action",
+                        lf_action_name(action)));
     switch (action) {
     case LF_ACTION_NEXT:
-        turn_page(server, 1);
+        lf_presses_turn(server->presses, 1, shown);
         break;
     case LF_ACTION_PREVIOUS:
-        turn_page(server, -1);
+        lf_presses_turn(server->presses, -1, shown);
         break;
     case LF_ACTION_PAUSE:
         toggle_pause(server);
         break;
     case LF_ACTION_RESET:
-        reset_camera(server);
+        lf_presses_reset(server->presses);
         break;
     case LF_ACTION_NONE:
     case LF_ACTIONS_N:

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 /* Loads that are quicker show no card. */
 #define LATE_USEC 1000000
@@ -17,7 +17,9 @@ static const char *name_of(const char *path)
 /* Of the scene that is being rendered or loaded. */
 static const char *scene_name(const lf_server *server)
 {
-    const char *file = server->content ? server->content->file : lf_server_loading_file(server);
+    const lf_load *load = lf_loading_first(server->loading);
+    const char *file = server->content ? server->content->file : NULL;
+    file = file || !load ? file : lf_loading_file(load);
     file = file ? file : server->config.scene;
     return file ? name_of(file) : "a scene";
 }

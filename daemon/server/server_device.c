@@ -1,7 +1,7 @@
 /* The panel as clients see it: what the show tells, and what is said of it on the socket. */
 #include "base/alloc.h"
 #include "base/log.h"
-#include "daemon/server/server.h"
+#include "daemon/server/server_internal.h"
 
 /* -------------------------------------------------------------------------------------- told -- */
 
@@ -44,9 +44,9 @@ static void on_opened(void *context, void *answer, const lf_error *err)
     if (!answer)
         first_opened(server, err);
     else if (err)
-        lf_deferred_fail(server, answer, err, false);
+        lf_deferred_fail(answer, err, false);
     else
-        lf_deferred_reply(server, answer, lf_server_device_json(server));
+        lf_deferred_reply(answer, lf_server_device_json(server));
 }
 
 static void on_listed(void *context, void *answer, const lf_device_info *devices, int n,
@@ -54,21 +54,20 @@ static void on_listed(void *context, void *answer, const lf_device_info *devices
 {
     lf_server *server = context;
     if (err) {
-        lf_deferred_fail(server, answer, err, false);
+        lf_deferred_fail(answer, err, false);
         return;
     }
     json_t *list = json_array();
     for (int i = 0; i < n; i++)
         json_array_append_new(list, info_json(&devices[i]));
     lf_deferred_reply(
-        server, answer,
-        json_pack("{s:o, s:o}", "devices", list, "present", lf_server_device_json(server)));
+        answer, json_pack("{s:o, s:o}", "devices", list, "present", lf_server_device_json(server)));
 }
 
 static void on_changed(void *context)
 {
     lf_server *server = context;
-    lf_server_notify(server, LF_EVENT_DEVICE, "device", lf_server_device_json(server));
+    lf_notify(server->clients, LF_EVENT_DEVICE, "device", lf_server_device_json(server));
     lf_server_tell_status(server);
 }
 
@@ -93,7 +92,10 @@ static void on_shown(void *context, const lf_shown *shown)
 
 static void on_kept(void *context, const lf_error *err)
 {
-    lf_server_kept(context, err);
+    const lf_server *server = context;
+    if (err)
+        lf_waits_fail_files(server->waits, err);
+    lf_waits_look(server->waits);
 }
 
 static void on_pressed(void *context, lf_button button)

@@ -1,17 +1,10 @@
-/* What a call's words say about an export: a job, checked as far as it can be before anything is
- * written. */
-#include <stdio.h>
+/* Exports: what a call's words say, checked as far as it can be before anything is written, and
+ * what clients hear of the jobs (daemon/parts/jobs.h). */
 #include <string.h>
 
 #include "base/alloc.h"
-#include "daemon/server/server_job.h"
+#include "daemon/server/server_internal.h"
 
-#define MAX_JOBS 8
-/* Of those that wait: of all, so that others are never kept out by them; without their clients; and
- * of one client. */
-#define MOST_WAITING 6
-#define MOST_DETACHED 4
-#define MOST_OF_CLIENT 2
 #define STATE_ENDING ".lfstate"
 
 static const char *string_of(const json_t *params, const char *key)
@@ -25,65 +18,67 @@ static double number_of(const json_t *params, const char *key, double absent)
     return value ? json_number_value(value) : absent;
 }
 
-static lf_status take_panel_words(lf_job *job, const json_t *params, lf_error *err)
+static lf_status take_panel_words(const lf_server *server, lf_export *what, const json_t *params,
+                                  lf_error *err)
 {
-    const lf_calibration *calibration = lf_show_calibration(job->server->show);
-    job->panel.response = job->server->response; /* what the panel gets, but for what is said */
-    lf_status status = lf_param_from_json(lf_panel_params, params, &job->panel, "export", err);
+    const lf_calibration *calibration = lf_show_calibration(server->show);
+    what->panel.response = server->response; /* what the panel gets, but for what is said */
+    lf_status status = lf_param_from_json(lf_panel_params, params, &what->panel, "export", err);
     if (status == LF_OK)
         status =
-            lf_param_from_json(lf_response_params, params, &job->panel.response, "export", err);
+            lf_param_from_json(lf_response_params, params, &what->panel.response, "export", err);
     if (status == LF_OK && !calibration)
-        return lf_error_set(err, LF_E_NODEV, lf_show_spec(job->server->show),
+        return lf_error_set(err, LF_E_NODEV, lf_show_spec(server->show),
                             "there is no panel whose calibration is known");
     if (status == LF_OK) {
-        job->has_calibration = true;
-        job->calibration = *calibration;
+        what->has_calibration = true;
+        what->calibration = *calibration;
     }
     return status;
 }
 
-static lf_status take_print_words(lf_job *job, const json_t *params, lf_error *err)
+static lf_status take_print_words(const lf_server *server, lf_export *what, const json_t *params,
+                                  lf_error *err)
 {
-    lf_print *print = &job->print;
+    lf_print *print = &what->print;
     const char *missing = lf_param_missing(lf_print_params, params);
     if (missing)
         return lf_error_set(err, LF_E_ARG, "export", "%s needs %s; \"%s\" is missing",
-                            job->kind->what, job->kind->asks, missing);
+                            what->kind->what, what->kind->asks, missing);
     lf_param_defaults(lf_print_params, print);
-    print->photo = job->server->options.photo;
+    print->photo = server->options.photo;
     lf_status status = lf_param_from_json(lf_print_params, params, print, "export", err);
     if (status == LF_OK)
         status = lf_param_from_json(lf_photo_params, params, &print->photo, "export", err);
-    if (status == LF_OK && !job->kind->is_drawn)
-        status = lf_print_choose_views(print, job->server->content->layout.n_views, "export",
-                                       "/views", err);
+    if (status == LF_OK && !what->kind->is_drawn)
+        status =
+            lf_print_choose_views(print, server->content->layout.n_views, "export", "/views", err);
     if (status == LF_OK && print->icc_path)
-        status = lf_server_read_path(job->server, print->icc_path, &job->icc, err);
-    print->icc_path = job->icc;
-    print->icc_roots = &job->server->roots;
+        status = lf_server_read_path(server, print->icc_path, &what->icc, err);
+    print->icc_path = what->icc;
+    print->icc_roots = &server->roots;
     if (status == LF_OK)
-        status = job->kind->check_print(print, NULL, err);
+        status = what->kind->check_print(print, NULL, err);
     return status;
 }
 
-static lf_status take_rgbd_words(lf_job *job, const json_t *params, lf_error *err)
+static lf_status take_rgbd_words(lf_export *what, const json_t *params, lf_error *err)
 {
-    lf_status status = lf_param_from_json(lf_rgbd_params, params, &job->rgbd, "export", err);
-    return status == LF_OK ? lf_rgbd_check(&job->rgbd, "export", err) : status;
+    lf_status status = lf_param_from_json(lf_rgbd_params, params, &what->rgbd, "export", err);
+    return status == LF_OK ? lf_rgbd_check(&what->rgbd, "export", err) : status;
 }
 
-static lf_status take_fds(lf_job *job, lf_client *client, int n, lf_error *err)
+static lf_status take_fds(lf_export *what, lf_client *client, int n, lf_error *err)
 {
     if (n == 0)
         return LF_OK;
-    job->fds = lf_calloc((size_t)n, sizeof *job->fds);
-    if (!job->fds)
+    what->fds = lf_calloc((size_t)n, sizeof *what->fds);
+    if (!what->fds)
         return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
-    if (!lf_client_take_fds(client, job->fds, n))
+    if (!lf_client_take_fds(client, what->fds, n))
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
                                "fewer than %d descriptors came with the call", n);
-    job->n_fds = n;
+    what->n_fds = n;
     return LF_OK;
 }
 
@@ -95,33 +90,34 @@ static bool ends_with(const char *text, const char *ending)
 
 /* The name: beneath --export-dir, or with descriptors just a name, whose ending tells the format.
  */
-static lf_status take_file(lf_job *job, const char *file, lf_error *err)
+static lf_status take_file(const lf_server *server, lf_export *what, const char *file,
+                           lf_error *err)
 {
-    if (!job->kind && !ends_with(file, STATE_ENDING))
+    if (!what->kind && !ends_with(file, STATE_ENDING))
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/file",
                                "a state's name must end in " STATE_ENDING);
-    lf_status status = job->kind ? LF_OK : lf_check_stem(file, STATE_ENDING, err);
+    lf_status status = what->kind ? LF_OK : lf_check_stem(file, STATE_ENDING, err);
     if (status != LF_OK)
         return status;
-    if (job->n_fds == 0) {
+    if (what->n_fds == 0) {
         lf_held_name held;
-        status = lf_server_write_path(job->server, file, &held, err);
+        status = lf_server_write_path(server, file, &held, err);
         if (status != LF_OK)
             return status;
-        job->file = held.path;
-        job->folder_fd = held.folder_fd;
+        what->file = held.path;
+        what->folder_fd = held.folder_fd;
     } else {
-        job->file = lf_strdup(file);
+        what->file = lf_strdup(file);
     }
-    if (!job->file)
+    if (!what->file)
         return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
-    if (!job->kind)
+    if (!what->kind)
         return LF_OK;
     char *path = NULL;
-    const lf_content *content = job->server->content;
-    status = lf_output_path(job->kind, job->file, content ? &content->layout : NULL, &path, err);
-    if (job->n_fds == 0)
-        job->name = path;
+    const lf_content *content = server->content;
+    status = lf_output_path(what->kind, what->file, content ? &content->layout : NULL, &path, err);
+    if (what->n_fds == 0)
+        what->name = path;
     else
         lf_free(path);
     return status;
@@ -138,128 +134,157 @@ static lf_level wait_of(const json_t *params, bool is_state)
 }
 
 /* auto: as shown; but of light the estimator's answer, unless the daemon was told on. */
-static lf_status take_reconstruct(lf_job *job, const json_t *params, lf_error *err)
+static lf_status take_reconstruct(const lf_server *server, lf_export *what, const json_t *params,
+                                  lf_error *err)
 {
-    const lf_engine_controls controls = lf_engine_get_controls(job->server->engine);
+    const lf_engine_controls controls = lf_engine_get_controls(server->engine);
     const char *word;
     lf_status status = lf_denoise_word(params, "export", &word, err);
     if (status != LF_OK)
         return status;
-    job->reconstruct = word ? LF_RECONSTRUCT_ON : LF_RECONSTRUCT_AUTO;
-    while (job->reconstruct > LF_RECONSTRUCT_AUTO &&
-           strcmp(word, lf_reconstruct_name((int)job->reconstruct)) != 0)
-        job->reconstruct--;
-    if (job->reconstruct == LF_RECONSTRUCT_AUTO && controls.reconstruct != LF_RECONSTRUCT_ON &&
-        job->kind && lf_output_is_light(job->kind, job->file))
-        job->reconstruct = LF_RECONSTRUCT_OFF;
+    what->reconstruct = word ? LF_RECONSTRUCT_ON : LF_RECONSTRUCT_AUTO;
+    while (what->reconstruct > LF_RECONSTRUCT_AUTO &&
+           strcmp(word, lf_reconstruct_name((int)what->reconstruct)) != 0)
+        what->reconstruct--;
+    if (what->reconstruct == LF_RECONSTRUCT_AUTO && controls.reconstruct != LF_RECONSTRUCT_ON &&
+        what->kind && lf_output_is_light(what->kind, what->file))
+        what->reconstruct = LF_RECONSTRUCT_OFF;
     return LF_OK;
 }
 
-static lf_status take_words(lf_job *job, lf_call *call, lf_error *err)
+static lf_status take_words(lf_export *what, lf_call *call, lf_error *err)
 {
     const lf_server *server = call->server;
     const json_t *params = call->params;
     const char *kind = string_of(params, "kind");
     const bool is_state = strcmp(kind, "state") == 0;
-    job->overwrite = json_is_true(json_object_get(params, "overwrite"));
-    job->asker.detached = json_is_true(json_object_get(params, "detach"));
-    job->wait = wait_of(params, is_state);
-    job->generation = server->generation;
+    what->overwrite = json_is_true(json_object_get(params, "overwrite"));
+    what->asker.detached = json_is_true(json_object_get(params, "detach"));
+    what->wait = wait_of(params, is_state);
+    what->generation = server->generation;
     int n_fds = (int)number_of(params, "fds", 0);
     if (is_state && n_fds > 1)
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
                                "a state is one file: one descriptor, not %d", n_fds);
-    lf_status status = take_fds(job, call->client, n_fds, err);
+    lf_status status = take_fds(what, call->client, n_fds, err);
     if (status == LF_OK && !is_state)
-        status = lf_output_kind_from_name(kind, &job->kind, err);
-    if (status == LF_OK && !job_is_drawn(job) &&
+        status = lf_output_kind_from_name(kind, &what->kind, err);
+    if (status == LF_OK && !lf_export_is_drawn(what) &&
         (!server->content || (is_state && !server->content->scene)))
         return lf_error_set(err, LF_E_STATE, "export", "there is no picture to export");
     if (status == LF_OK)
-        status = take_file(job, string_of(params, "file"), err);
+        status = take_file(server, what, string_of(params, "file"), err);
     if (status == LF_OK)
-        status = take_reconstruct(job, params, err);
-    if (status == LF_OK && job->kind && job->kind->needs_panel)
-        status = take_panel_words(job, params, err);
-    if (status == LF_OK && job->kind && job->kind->check_print)
-        status = take_print_words(job, params, err);
-    if (status == LF_OK && job->kind && job->kind->layers)
-        status = take_rgbd_words(job, params, err);
+        status = take_reconstruct(server, what, params, err);
+    if (status == LF_OK && what->kind && what->kind->needs_panel)
+        status = take_panel_words(server, what, params, err);
+    if (status == LF_OK && what->kind && what->kind->check_print)
+        status = take_print_words(server, what, params, err);
+    if (status == LF_OK && what->kind && what->kind->layers)
+        status = take_rgbd_words(what, params, err);
     return status;
 }
 
-static int count_jobs(const lf_server *server)
-{
-    int n = 0;
-    for (const lf_job *job = server->jobs; job; job = job->next)
-        n++;
-    return n;
-}
-
-/* A job that will wait is one of a few: of its client, of those that are detached, and of all. */
-static lf_status check_waiting(const lf_job *job, lf_error *err)
-{
-    int waiting = 0, detached = 0, of_client = 0;
-    for (const lf_job *other = job->server->jobs; other; other = other->next) {
-        if (other->started)
-            continue;
-        waiting++;
-        detached += other->asker.detached ? 1 : 0;
-        of_client += other->asker.client == job->asker.client ? 1 : 0;
-    }
-    if (job_may_start(job))
-        return LF_OK;
-    if (of_client >= MOST_OF_CLIENT)
-        return lf_error_set(err, LF_E_BUSY, "export",
-                            "%d exports of this client are waiting already (job.cancel ends one)",
-                            MOST_OF_CLIENT);
-    if (job->asker.detached && detached >= MOST_DETACHED)
-        return lf_error_set(err, LF_E_BUSY, "export",
-                            "%d detached exports are waiting already (job.cancel ends one)",
-                            MOST_DETACHED);
-    if (waiting >= MOST_WAITING)
-        return lf_error_set(err, LF_E_BUSY, "export", "%d exports are waiting already",
-                            MOST_WAITING);
-    return LF_OK;
-}
-
 /* A connection that is half-closed stays until its jobs have ended; a detached one needs none. */
-static lf_status hold_client(lf_job *job, lf_client *client, lf_error *err)
+static lf_status hold_client(lf_export *what, lf_client *client, lf_error *err)
 {
-    job->asker.holds = !job->asker.detached && lf_client_hold(client, &job->asker.bytes);
-    return job->asker.holds || job->asker.detached
+    what->asker.holds = !what->asker.detached && lf_client_hold(client, &what->asker.bytes);
+    return what->asker.holds || what->asker.detached
                ? LF_OK
                : lf_error_set(err, LF_E_BUSY, "export",
                               "too many calls of this client are waiting for an answer");
+}
+
+static void release_client(lf_server *server, const lf_asker *asker)
+{
+    if (asker->holds)
+        lf_clients_release(server->clients, asker->client, asker->bytes);
+}
+
+/* *out as the call says, which a job may be made of; also on failure it is to be finished. */
+static lf_status take_export(lf_call *call, lf_export *out, lf_error *err)
+{
+    lf_status status = take_words(out, call, err);
+    if (status == LF_OK)
+        status = lf_jobs_check_wait(call->server->jobs, out, err);
+    return status == LF_OK ? hold_client(out, call->client, err) : status;
 }
 
 void lf_server_export(lf_call *call)
 {
     lf_server *server = call->server;
     lf_error err;
-    lf_job *job = count_jobs(server) < MAX_JOBS ? job_create(server) : NULL;
-    if (!job) {
-        (void)lf_error_set(&err, LF_E_BUSY, "export", "%d jobs are waiting or running", MAX_JOBS);
-        lf_client_drop_fds(call->client);
-        lf_fail(call, &err, false);
-        return;
-    }
-    job->asker.client = lf_client_serial(call->client);
-    lf_status status = take_words(job, call, &err);
+    lf_export what = {.asker.client = lf_client_serial(call->client), .folder_fd = -1};
+    lf_status status =
+        lf_jobs_check_room(server->jobs, lf_saver_is_busy(server->saver) ? 1 : 0, &err);
     if (status == LF_OK)
-        status = check_waiting(job, &err);
+        status = take_export(call, &what, &err);
     if (status == LF_OK)
-        status = hold_client(job, call->client, &err);
-    if (status != LF_OK) {
-        job_free(job);
-        lf_client_drop_fds(call->client);
-        lf_fail(call, &err, false);
-        return;
-    }
+        status = lf_jobs_add(server->jobs, server->n_jobs + 1, &what, &err);
     lf_client_drop_fds(call->client); /* more came than were announced */
-    job->id = ++server->n_jobs;
-    job_list(job);
-    lf_reply(call, json_pack("{s:I, s:o}", "job", (json_int_t)job->id, "file",
-                             lf_rpc_text(job->name ? job->name : job->file)));
-    lf_server_start_jobs(server);
+    if (status != LF_OK) {
+        release_client(server, &what.asker);
+        lf_export_finish(&what);
+        lf_fail(call, &err, false);
+        return;
+    }
+    lf_reply(call, json_pack("{s:I, s:o}", "job", (json_int_t)++server->n_jobs, "file",
+                             lf_rpc_text(what.name ? what.name : what.file)));
+    lf_jobs_start(server->jobs);
+}
+
+/* -------------------------------------------------------------------------------------- told -- */
+
+static json_t *job_json(const lf_job_told *job)
+{
+    static const char *const states[] = {[LF_JOB_WAITING] = "waiting",
+                                         [LF_JOB_RUNNING] = "running",
+                                         [LF_JOB_DONE] = "done",
+                                         [LF_JOB_CANCELLED] = "cancelled",
+                                         [LF_JOB_FAILED] = "failed"};
+    json_t *told = json_pack("{s:I, s:s, s:o, s:s, s:f}", "job", (json_int_t)job->id, "kind",
+                             job->kind, "file", lf_rpc_text(job->file), "state", states[job->state],
+                             "progress", job->progress);
+    if (job->err) {
+        json_t *answer = lf_rpc_error_of(NULL, job->err, false);
+        json_object_set(told, "error", json_object_get(answer, "error"));
+        json_decref(answer);
+    }
+    return told;
+}
+
+json_t *lf_server_jobs_json(const lf_server *server)
+{
+    json_t *list = json_array();
+    lf_job_told job;
+    for (int i = 0; lf_jobs_at(server->jobs, i, &job); i++)
+        json_array_append_new(list, job_json(&job));
+    return list;
+}
+
+/* The one who asked hears of it without subscribing. */
+static void on_told(void *context, const lf_job_told *job)
+{
+    lf_server *server = context;
+    json_t *params = job_json(job);
+    lf_client *client = lf_clients_find(server->clients, job->asker->client);
+    if (client && (*lf_client_flags(client) & LF_EVENT_EXPORT) == 0)
+        lf_client_send(client, lf_rpc_notification("export", json_incref(params)));
+    lf_notify(server->clients, LF_EVENT_EXPORT, "export", params);
+}
+
+static void on_ended(void *context, const lf_asker *asker)
+{
+    lf_server *server = context;
+    release_client(server, asker);
+    if (lf_server_is_stopping(server))
+        lf_server_shutdown(server);
+}
+
+lf_status lf_server_make_jobs(lf_server *server)
+{
+    static const lf_jobs_events events = {.told = on_told, .ended = on_ended};
+    const lf_jobs_home home = {
+        .event = server->event, .inbox = &server->inbox, .engine = server->engine};
+    return lf_jobs_create(&home, &events, server, &server->jobs);
 }

@@ -4,8 +4,8 @@
 #include <systemd/sd-daemon.h>
 
 #include "base/errno_text.h"
-#include "base/log.h"
-#include "daemon/server/server.h"
+#include "base/thread.h"
+#include "daemon/server/server_internal.h"
 
 #define USEC_PER_S UINT64_C(1000000)
 /* How much longer systemd is asked to wait for the first scene, every STATUS_USEC. */
@@ -13,34 +13,6 @@
 #define STATUS_USEC (5 * USEC_PER_S)
 
 /* ----------------------------------------------------------------------------------- systemd -- */
-
-void lf_server_tell_status(lf_server *server)
-{
-    lf_engine_status now;
-    lf_engine_get_status(server->engine, &now);
-    char error[sizeof server->error + 32];
-    bool failed = !server->content && server->error.status != LF_OK;
-    const char *problem = lf_show_problem(server->show);
-    sd_notifyf(0, "STATUS=%s%s%s, generation %" PRId64 ", %.1f passes; panel %s%s%s",
-               lf_server_state_name(server), failed ? ": " : "",
-               failed ? lf_error_format(&server->error, error, sizeof error) : "", now.generation,
-               now.passes, lf_show_spec(server->show), problem ? ": " : "", problem ? problem : "");
-}
-
-void lf_server_ready(lf_server *server)
-{
-    if (!server->life.ready_sent) {
-        server->life.ready_sent = true;
-        sd_notify(0, "READY=1");
-    }
-    lf_server_tell_status(server);
-}
-
-void lf_server_reloaded(lf_server *server)
-{
-    if (server->life.reloads > 0 && --server->life.reloads == 0)
-        sd_notify(0, "READY=1");
-}
 
 static int on_status_timer(sd_event_source *source, uint64_t usec, void *context)
 {
@@ -101,9 +73,7 @@ lf_status lf_server_install(lf_server *server, lf_error *err)
     if (r >= 0 && getenv("NOTIFY_SOCKET"))
         r = sd_event_add_time_relative(event, NULL, CLOCK_MONOTONIC, STATUS_USEC, 0,
                                        on_status_timer, server);
-    if (r >= 0 && server->config.watch)
-        r = lf_server_begin_watch(server);
-    return r >= 0 ? LF_OK
-                  : lf_error_set(err, LF_E_IO, "event loop", "cannot be set up: %s",
-                                 lf_errno_text(-r));
+    if (r < 0)
+        return lf_error_set(err, LF_E_IO, "event loop", "cannot be set up: %s", lf_errno_text(-r));
+    return server->config.watch ? lf_server_make_watch(server, err) : LF_OK;
 }

@@ -125,7 +125,7 @@ void lf_show_drop_requests(lf_show *show);
 /* Asks the device what became of the push under way. */
 void lf_show_dispatch(lf_show *show);
 
-/* ------------------------------------------------------------------------------ show_kept.c -- */
+/* ------------------------------------------------------------------------------- show_kept.c -- */
 
 /* Another device. */
 void lf_show_forget_kept(lf_show *show);

@@ -14,7 +14,8 @@
 #include "base/errno_text.h"
 #include "base/escape.h"
 #include "base/thread.h"
-#include "daemon/server/server.h"
+#include "daemon/wire/client.h"
+#include "daemon/wire/listen.h"
 
 /* A line of the daemon's: at most 1 MiB. */
 #define MAX_ANSWER (LF_RPC_MAX_LINE + 4096)

@@ -11,8 +11,8 @@
 #include "base/file.h"
 #include "base/frame_name.h"
 #include "base/image_io.h"
-#include "base/import/import.h"
 #include "base/paths.h"
+#include "base/sandbox/import.h"
 #include "base/text.h"
 
 #define HOW_TO_READ (O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)
@@ -33,7 +33,7 @@ static void fail_memory(gathering *g, const char *path)
     g->status = lf_error_set(g->err, LF_E_NOMEM, path, "out of memory");
 }
 
-/* ----------------------------------------------------------------------------------- a file -- */
+/* ------------------------------------------------------------------------------------ a file -- */
 
 static bool is_beneath(const char *folder, const char *path)
 {
@@ -101,7 +101,7 @@ static bool add(gathering *g, const char *name, int fd)
     return true;
 }
 
-/* ----------------------------------------------------------------------- what a mesh names -- */
+/* ------------------------------------------------------------------------- what a mesh names -- */
 
 typedef struct beside {
     gathering *g;
@@ -161,7 +161,7 @@ static bool names_others(const char *name)
     return false;
 }
 
-/* ----------------------------------------------------------------------- what a scene names -- */
+/* ------------------------------------------------------------------------ what a scene names -- */
 
 static bool is_scene(const char *name)
 {

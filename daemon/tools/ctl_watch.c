@@ -163,8 +163,7 @@ char *lf_ctl_watch_line(const json_t *status, lf_ctl_look *look, char line[LF_CT
     return line;
 }
 
-/* ----------------------------------------------------------------------------------- watching --
- */
+/* ---------------------------------------------------------------------------------- watching -- */
 
 /* The last line of a log; a state that changed is told at once. */
 typedef struct told {

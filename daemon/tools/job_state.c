@@ -31,8 +31,7 @@ static uint32_t checksum(const head *h, const char *text)
     return htole32((uint32_t)crc32_z(crc, (const unsigned char *)text, le32toh(h->n)));
 }
 
-/* ------------------------------------------------------------------------------ what it is of --
- */
+/* ----------------------------------------------------------------------------- what it is of -- */
 
 static json_t *hash_words(const uint8_t bytes[LF_STATE_HASH])
 {
@@ -74,7 +73,7 @@ json_t *lf_job_state_of(const char *scene, const lf_renderer *renderer, const lf
                      budget_words(budget));
 }
 
-/* ----------------------------------------------------------------------------------- differ -- */
+/* ------------------------------------------------------------------------------------ differ -- */
 
 static bool differs(const json_t *a, const json_t *b, const char *key)
 {

@@ -3,7 +3,7 @@
 #ifndef LF_DAEMON_PROGRESS_LINE_H
 #define LF_DAEMON_PROGRESS_LINE_H
 
-#include "base/import/import.h"
+#include "base/sandbox/import.h"
 
 /* Between two lines of a log, seconds. */
 #define LF_PROGRESS_INTERVAL 30.0

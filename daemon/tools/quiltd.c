@@ -5,7 +5,9 @@
 
 #include "base/alloc.h"
 #include "base/log.h"
+#include "daemon/output/output.h"
 #include "daemon/server/server.h"
+#include "device/device.h"
 
 #define PROGRAM "quiltd"
 

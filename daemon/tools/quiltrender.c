@@ -6,12 +6,13 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/import/import.h"
 #include "base/list.h"
 #include "base/log.h"
+#include "base/sandbox/import.h"
 #include "base/thread.h"
 #include "daemon/tools/job_state.h"
 #include "daemon/tools/rendering_plan.h"
+#include "render/papers/papers.h"
 
 #define PROGRAM LF_RENDER_PROGRAM
 
@@ -138,6 +139,7 @@ int main(int argc, char **argv)
     lf_error err = {0};
     bool done = false;
     lf_log_init(PROGRAM, LF_LOG_INFO);
+    lf_papers_add();
     if (lf_render_arguments_parse(argc, argv, &a, &done, &err) != LF_OK)
         return lf_usage_error(PROGRAM, &err);
     if (done)

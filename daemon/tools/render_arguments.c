@@ -37,8 +37,7 @@ static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIO
                                               " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
-                              "target-shown-error aov fit guides reconstruct denoise shift "
-                              "selection reuse weights";
+                              "target-shown-error aov fit guides reconstruct denoise";
 
 static void print_help(void)
 {
@@ -76,7 +75,9 @@ static void print_help(void)
     lf_param_print_help(lf_frames_params, NULL);
     lf_param_print_help(lf_video_params, NULL);
     printf("\nHow:\n");
-    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT);
+    lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER);
+    lf_param_print_help(lf_integrator_params(), NULL);
+    lf_param_print_help(lf_option_params, LF_OPTIONS_IMPORT);
     printf(
         "  --state FILE           keeps what is rendered: a job that was stopped goes on, exit 75\n"
         "  --state-info FILE      prints what is in such a file, as JSON\n"
@@ -163,7 +164,8 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->rgbd_option = row->option;
     if (params == lf_video_params && !kind)
         take_video_option(a, row->option);
-    if (params == lf_option_params && !a->render_option && lf_param_among(row, tracing))
+    if (!a->render_option && (params == lf_integrator_params() ||
+                              (params == lf_option_params && lf_param_among(row, tracing))))
         a->render_option = row->option;
 }
 
@@ -428,6 +430,7 @@ lf_status lf_render_arguments_parse(int argc, char *const argv[], lf_render_argu
                                     bool *out_done, lf_error *err)
 {
     const lf_options_part parts[] = {{lf_option_params, shared, &a->options},
+                                     {lf_integrator_params(), NULL, &a->options.choices},
                                      {lf_alone_params, NULL, &a->options.alone},
                                      {lf_panel_params, NULL, &a->panel},
                                      {lf_response_params, NULL, &a->panel.response},

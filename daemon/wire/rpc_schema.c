@@ -63,6 +63,14 @@ static lf_status check_type(checker *c, const json_t *type, const json_t *value)
     return FAIL(c, "expected %s", names);
 }
 
+/* Words that get an answer of their own: {word: what is said of it}. */
+static lf_status check_refused(checker *c, const json_t *refused, const json_t *value)
+{
+    const char *word = json_string_value(value),
+               *why = word ? json_string_value(json_object_get(refused, word)) : NULL;
+    return why ? FAIL(c, "%s %s", word, why) : LF_OK;
+}
+
 static lf_status check_enum(checker *c, const json_t *allowed, const json_t *value)
 {
     if (!allowed)
@@ -200,6 +208,8 @@ static lf_status check_properties(checker *c, const json_t *schema, json_t *valu
 static lf_status check(checker *c, const json_t *schema, json_t *value)
 {
     lf_status status = check_type(c, json_object_get(schema, "type"), value);
+    if (status == LF_OK)
+        status = check_refused(c, json_object_get(schema, "refused"), value);
     if (status == LF_OK)
         status = check_enum(c, json_object_get(schema, "enum"), value);
     if (status == LF_OK)

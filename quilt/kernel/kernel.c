@@ -1,36 +1,20 @@
 #include "quilt/kernel/kernel.h"
 
-#include <pthread.h>
-#include <stdlib.h>
-#include <string.h>
+#include "base/cpu.h"
 
-static const lf_quilt_kernels *chosen;
-static pthread_once_t once = PTHREAD_ONCE_INIT;
+static lf_isa_tables tables = {
+    [LF_ISA_C] = &lf_quilt_kernels_c,
+#if defined(__x86_64__)
+    [LF_ISA_AVX2] = &lf_quilt_kernels_avx2,
+#endif
+};
 
 const lf_quilt_kernels *lf_quilt_kernels_at(int index)
 {
-    if (index == 0)
-        return &lf_quilt_kernels_c;
-#if defined(__x86_64__)
-    if (index == 1 && __builtin_cpu_supports("avx2"))
-        return &lf_quilt_kernels_avx2;
-#endif
-    return NULL;
-}
-
-static void choose(void)
-{
-    const char *want = getenv("LF_CPU");
-    for (int i = 0; lf_quilt_kernels_at(i); i++) {
-        const lf_quilt_kernels *k = lf_quilt_kernels_at(i);
-        chosen = k;
-        if (want && strcmp(want, k->name) == 0)
-            return;
-    }
+    return lf_isa_at(tables, (size_t)index);
 }
 
 const lf_quilt_kernels *lf_quilt_kernels_get(void)
 {
-    pthread_once(&once, choose);
-    return chosen;
+    return lf_isa_get(tables);
 }

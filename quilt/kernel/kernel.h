@@ -1,7 +1,6 @@
 /* The loops of quilt/ that touch every sample of a frame, behind a table of functions: one file an
- * instruction set, kernel_c.c the oracle that the others must equal bit for bit. Chosen once,
- * before threads start: the best that the CPU has, or what LF_CPU names ("c", "avx2"). Private to
- * quilt/. */
+ * instruction set, kernel_c.c the oracle that the others must equal bit for bit. Which is in use
+ * base/cpu.h says. Private to quilt/. */
 #ifndef LF_QUILT_KERNEL_H
 #define LF_QUILT_KERNEL_H
 
@@ -49,7 +48,7 @@ extern const lf_quilt_kernels lf_quilt_kernels_c;
 extern const lf_quilt_kernels lf_quilt_kernels_avx2;
 #endif
 
-/* The table in use; the first call chooses. Thread safe. */
+/* The table in use. Thread safe. */
 const lf_quilt_kernels *lf_quilt_kernels_get(void);
 
 /* Tables this CPU can run, the oracle first; NULL behind the last. */

@@ -12,7 +12,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "render/transport/albedo.h"
+#include "render/transport/surface/albedo.h"
 
 /* Nearness D/Z, 1 in the plane Z = D; what is nearer than D/8 counts as there. */
 #define LF_NEARNESS_MAX 8.0f

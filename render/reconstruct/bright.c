@@ -250,8 +250,7 @@ bool lf_bright_anywhere(const lf_reconstruction *r)
     return false;
 }
 
-/* --------------------------------------------------------------------------- above and below --
- */
+/* --------------------------------------------------------------------------- above and below -- */
 
 /* The cell of level 1 that a pixel is in; NULL: none. */
 static const lf_bright_cell *cell_at(const lf_reconstruction *r, const lf_pixels *pixels, int row,

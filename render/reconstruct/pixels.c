@@ -152,8 +152,7 @@ void lf_pixels_reflect(const lf_pixels *pixels, int first, int n, float (*predic
             predicted[k][c] *= pixels->albedo[first + k][c];
 }
 
-/* ------------------------------------------------------------------------------------- tables --
- */
+/* ------------------------------------------------------------------------------------ tables -- */
 
 void lf_table_finish(lf_row_table *table)
 {

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/cpu.h"
 #include "render/reconstruct/bright.h"
 #include "render/reconstruct/moments.h"
 #include "render/reconstruct/residual.h"
@@ -10,17 +11,13 @@
 #include "render/reconstruct/shrink.h"
 #include "render/reconstruct/solve.h"
 
-/* The same bits whichever: LF_CPU (rows/kernel.h) is not asked. */
-static const lf_reconstruct_kernels *choose_kernels(void)
-{
+static lf_isa_tables kernels = {
+    [LF_ISA_C] = &lf_reconstruct_kernels_c,
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f"))
-        return &lf_reconstruct_kernels_avx512;
-    if (__builtin_cpu_supports("avx2"))
-        return &lf_reconstruct_kernels_avx2;
+    [LF_ISA_AVX2] = &lf_reconstruct_kernels_avx2,
+    [LF_ISA_AVX512] = &lf_reconstruct_kernels_avx512,
 #endif
-    return &lf_reconstruct_kernels_c;
-}
+};
 
 static int bands_of(int height, int level)
 {
@@ -36,7 +33,7 @@ lf_status lf_reconstruct_create(const lf_reconstruct_view *view, lf_pool *pool,
         return LF_E_NOMEM;
     r->view = *view;
     r->pool = pool;
-    r->kernels = choose_kernels();
+    r->kernels = lf_isa_get(kernels);
     r->cell_depth = fmaxf(LF_CELL_DEPTH, LF_NEARNESS_MAX * view->depth / LF_MAX_DEPTHS);
     pthread_mutex_init(&r->lock, NULL);
     r->shift = lf_calloc((size_t)view->n_views, sizeof *r->shift);
@@ -86,8 +83,7 @@ bool lf_reconstruct_ready(const lf_reconstruction *r)
     return r->ready;
 }
 
-/* ------------------------------------------------------------------------------------- the fit --
- */
+/* ----------------------------------------------------------------------------------- the fit -- */
 
 typedef enum lf_step {
     GATHER,

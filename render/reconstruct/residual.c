@@ -55,8 +55,7 @@ static lf_residual_tile *tile_at(const lf_reconstruction *r, int level, int view
                               (size_t)u];
 }
 
-/* ---------------------------------------------------------------------------------------- sums --
- */
+/* -------------------------------------------------------------------------------------- sums -- */
 
 static void add_pixel(lf_residual_sums *sums, const lf_answered_row *o, size_t i)
 {
@@ -126,8 +125,7 @@ static void add_sums(lf_residual_sums *to, const lf_residual_tile *from)
     to->pixels += from->sums.pixels;
 }
 
-/* -------------------------------------------------------------------------------------- shares --
- */
+/* ------------------------------------------------------------------------------------ shares -- */
 
 static float lack_of(float found, float expected)
 {
@@ -207,8 +205,7 @@ static double settle_shares(const lf_reconstruction *r, int level, int view)
     return chosen;
 }
 
-/* --------------------------------------------------------------------------------------- steps --
- */
+/* ------------------------------------------------------------------------------------- steps -- */
 
 /* Of n tiles of `side`, the two that a place lies between; what the second counts. */
 static void between(float place, int side, int n, int out[2], float *out_part)

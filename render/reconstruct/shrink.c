@@ -13,7 +13,7 @@
 /* Of what decides on a share the least part that others than the cell itself count for. */
 #define LEAST_OTHERS 0.25f
 
-/* ----------------------------------------------------------------------------------- planes -- */
+/* ------------------------------------------------------------------------------------ planes -- */
 
 static double dot(const lf_plane *a, const lf_plane *b)
 {
@@ -65,8 +65,7 @@ static void add_scaled(lf_plane *to, const lf_plane *from, float scale)
         to->slope[i] += scale * from->slope[i];
 }
 
-/* ---------------------------------------------------------------------------- the level above --
- */
+/* --------------------------------------------------------------------------- the level above -- */
 
 /* The up to eight cells above that a cell lies between, and what each counts. */
 typedef struct lf_above {
@@ -158,8 +157,7 @@ static lf_plane step_of(const lf_cell *cell, const lf_guess *guess, int variant,
     return step;
 }
 
-/* ------------------------------------------------------------------------------------- shares --
- */
+/* ------------------------------------------------------------------------------------ shares -- */
 
 /* What a squared error of R counts in the relMSE of the picture; x: about what R is there. */
 static double importance(const lf_cell *cell, const lf_plane *x, int c)

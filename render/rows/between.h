@@ -4,7 +4,7 @@
 #define LF_RENDER_BETWEEN_H
 
 #include "render/film/film.h"
-#include "render/rows/rig.h"
+#include "render/plane/rig.h"
 
 /* Fans of a coarse visit: in every column that this divides, and in the last. */
 #define LF_EXITS_COARSE 4

@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "render/rows/outlines.h"
-#include "render/transport/light_kind.h"
-#include "render/transport/sunlight.h"
-#include "render/transport/surface_texture.h"
+#include "render/transport/light/light_kind.h"
+#include "render/transport/path/sunlight.h"
+#include "render/transport/surface/surface_texture.h"
 
 /* The triangle of a segment, kept in one of n faces. */
 static const lf_fan_face *face_in(const lf_visit *visit, const lf_section *section,
@@ -197,8 +197,7 @@ static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surfa
     lf_film_note_albedo(&visit->sums, pixel, albedo);
 }
 
-/* ---------------------------------------------------------------------------------- features --
- */
+/* ---------------------------------------------------------------------------------- features -- */
 
 /* Less of a surface is not worth a look at its light. */
 #define LEAST_SEEN 1e-3f

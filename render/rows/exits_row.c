@@ -3,8 +3,7 @@
 
 #include "render/rows/outlines.h"
 
-/* ------------------------------------------------------------------------------ coarse frames --
- */
+/* ----------------------------------------------------------------------------- coarse frames -- */
 
 /* What a fan has met, for the columns between it and the next. */
 typedef struct lf_fan_end {

@@ -11,7 +11,7 @@
 #ifndef LF_RENDER_GLOW_ROW_H
 #define LF_RENDER_GLOW_ROW_H
 
-#include "render/rows/media.h"
+#include "render/plane/media.h"
 
 /* One light in the plane of a visit. */
 typedef struct lf_glow_plane {

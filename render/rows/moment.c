@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "render/transport/glow.h"
-#include "render/transport/light_kind.h"
+#include "render/transport/light/glow.h"
+#include "render/transport/light/light_kind.h"
 
 /* Floats that a mesh has of its own: those that Embree would read behind the last included. */
 static size_t size_of(const lf_mesh *mesh)

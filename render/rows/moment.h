@@ -4,7 +4,7 @@
 #ifndef LF_RENDER_MOMENT_H
 #define LF_RENDER_MOMENT_H
 
-#include "render/rows/rig.h"
+#include "render/plane/rig.h"
 
 /* What moments are made of. */
 typedef struct lf_moving {

@@ -41,8 +41,7 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
 }
 
 /* Takes views from which a surface hides the pivot out of scale, and of the others what veils keep;
- * the base counts as seeing it
- * (disagreements are counted). */
+ * the base counts as seeing it (disagreements are counted). */
 static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     lf_scratch *w = visit->worker;

@@ -1,9 +1,9 @@
 #include "render/rows/native.h"
 
 #include "render/rows/adaptive.h"
-#include "render/transport/delta_chain.h"
-#include "render/transport/surface_glass.h"
-#include "render/transport/surface_texture.h"
+#include "render/transport/path/delta_chain.h"
+#include "render/transport/surface/surface_glass.h"
+#include "render/transport/surface/surface_texture.h"
 
 /* Whether base samples follow delta lobes also where pixels have samples of their own
  * (sample_mirrors): only if all get as many base samples, or as many as the map expects, or there

@@ -26,8 +26,7 @@ void lf_outlines_finish(lf_outlines *outlines)
     lf_free(outlines->views);
 }
 
-/* --------------------------------------------------------------------------------------- the map
- */
+/* ----------------------------------------------------------------------------------- the map -- */
 
 enum { NOT_LOOKED_AT, NONE, SOME };
 
@@ -76,8 +75,7 @@ static bool recall(const lf_outline_map *map, int row, const lf_rig *rig, lf_out
     return map->found[row] == SOME;
 }
 
-/* --------------------------------------------------------------------------------- where they are
- */
+/* ---------------------------------------------------------------------------- where they are -- */
 
 #define NO_TRIANGLE UINT32_MAX
 
@@ -204,8 +202,7 @@ bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
     return any;
 }
 
-/* ------------------------------------------------------------------------------ their film points
- */
+/* ------------------------------------------------------------------------- their film points -- */
 
 /* What a pixel's film points have said. */
 typedef struct lf_exits_pixel {
@@ -263,8 +260,7 @@ static void take_point(const lf_exits *e, int column, int first, int end, int n)
             mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
 }
 
-/* ---------------------------------------------------------------------------------- the planes --
- */
+/* -------------------------------------------------------------------------------- the planes -- */
 
 enum { FIRST_PLANES = 4 };
 

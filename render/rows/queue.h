@@ -1,12 +1,13 @@
-/* Pivots in media that wait until there are enough of them for lanes (transport/suffix_batch.h), in
- * place of one suffix each as it comes; private to render/rows/. They are spread over the views in
- * the order in which they came, so that sums on the film do not depend on how many wait at a time.
+/* Pivots in media that wait until there are enough of them for lanes
+ * (transport/lanes/suffix_batch.h), in place of one suffix each as it comes; private to
+ * render/rows/. They are spread over the views in the order in which they came, so that sums on the
+ * film do not depend on how many wait at a time.
  */
 #ifndef LF_RENDER_QUEUE_H
 #define LF_RENDER_QUEUE_H
 
 #include "render/rows/visit.h"
-#include "render/transport/suffix_batch.h"
+#include "render/transport/lanes/suffix_batch.h"
 
 /* A pivot that waits: what is left of lf_pivot and lf_visit when its turn comes. */
 typedef struct lf_queued {

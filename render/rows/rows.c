@@ -25,8 +25,7 @@ static const lf_sharing *find_native(void)
     return table[i];
 }
 
-/* --------------------------------------------------------------------------------- make, free --
- */
+/* -------------------------------------------------------------------------------- make, free -- */
 
 static void free_workers(lf_scratch **workers, int n)
 {

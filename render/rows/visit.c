@@ -459,7 +459,7 @@ static bool replay(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t
                    const lf_film_stream *from, int *left, const lf_cancel *cancel)
 {
     enum { REPLAYS = 8 };
-    for (int i = 0; i<2 * REPLAYS && * left> 0; i++) {
+    for (int i = 0; *left > 0 && i < 2 * REPLAYS; i++) {
         int other = i % 2 ? 1 - half : half;
         int64_t index = (int64_t)from->rows[visit->row].visits[other] - 1 - i / 2;
         uint64_t key = key_of(lf_film_stream_random(from), visit->row, other);
@@ -467,7 +467,7 @@ static bool replay(const lf_visit_plan *plan, lf_visit *visit, int half, int64_t
                   end = index >= 0 ? planes_of(plan, index) : 0;
         if (first < end && plan->moment)
             set_moment(plan, visit, key, (uint32_t)index);
-        for (int plane = first; plane<end && * left> 0; plane++) {
+        for (int plane = first; *left > 0 && plane < end; plane++) {
             cut_at(plan, visit, key, lf_hash64(key, 0), (uint32_t)index, plane);
             if (!fill_holes(plan, visit, half, 1, key, (uint32_t)index, plane, left, cancel))
                 return false;

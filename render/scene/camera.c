@@ -1,5 +1,7 @@
-/* What a scene says of its camera. */
-#include "render/render.h"
+#include "render/scene/camera.h"
+
+#include <math.h>
+
 #include "render/scene/key.h"
 
 #define PLACE(field) .place = offsetof(lf_camera, field)
@@ -43,3 +45,21 @@ const lf_param lf_camera_params[] = {
     {0},
 };
 /* clang-format on */
+
+lf_camera lf_camera_row(const lf_camera *camera, int row)
+{
+    lf_camera one = *camera;
+    if (camera->has_parts) {
+        one.first_view = row * camera->n_views;
+        one.all_views = camera->n_rows * camera->n_views;
+        one.n_rows = 0;
+        one.has_parts = false;
+        return one;
+    }
+    const double place = camera->n_rows > 1 ? (double)row / (camera->n_rows - 1) - 0.5 : 0.0;
+    one.rise += place * camera->rows_height;
+    one.rows_step = camera->n_rows > 1 ? fabs(camera->rows_height) / (camera->n_rows - 1) : 0.0;
+    one.n_rows = 0;
+    one.rows_height = 0.0;
+    return one;
+}

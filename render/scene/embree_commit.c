@@ -1,6 +1,6 @@
 #include "render/scene/embree_commit.h"
 
-#include "base/import/import_group.h"
+#include "base/sandbox/import_group.h"
 
 /* On any of Embree's threads. */
 static bool goes_on(void *context, double done)

@@ -3,6 +3,52 @@
 #include "base/alloc.h"
 #include "render/scene/placed.h"
 
+/* ThreadSanitizer cannot see how TBB hands work from thread to thread: under it Embree builds on
+ * the calling thread. */
+#ifdef __SANITIZE_THREAD__
+#define DEVICE_CONFIG "threads=1"
+#else
+#define DEVICE_CONFIG NULL
+#endif
+
+static lf_status start(lf_geometry *geometry, lf_error *err)
+{
+    geometry->device = rtcNewDevice(DEVICE_CONFIG);
+    if (geometry->device)
+        geometry->embree = rtcNewScene(geometry->device);
+    if (!geometry->embree)
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot start (error %d)",
+                            (int)rtcGetDeviceError(geometry->device));
+    rtcSetSceneFlags(geometry->embree, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(geometry->embree, RTC_BUILD_QUALITY_HIGH);
+    return LF_OK;
+}
+
+lf_status lf_geometry_create(int most_meshes, const double origin[3], json_t *key,
+                             lf_geometry **out, lf_error *err)
+{
+    const size_t n = (size_t)most_meshes;
+    lf_geometry *geometry = lf_calloc(1, sizeof *geometry);
+    if (!geometry)
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
+    atomic_init(&geometry->refs, 1);
+    geometry->key = json_incref(key);
+    memcpy(geometry->origin, origin, sizeof geometry->origin);
+    geometry->meshes = lf_calloc(n, sizeof *geometry->meshes);
+    geometry->motions = lf_calloc(n, sizeof *geometry->motions);
+    geometry->lights = lf_calloc(n, sizeof *geometry->lights);
+    geometry->cameras = lf_calloc(n, sizeof *geometry->cameras);
+    lf_status status =
+        geometry->meshes && geometry->motions && geometry->lights && geometry->cameras
+            ? start(geometry, err)
+            : lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
+    if (status != LF_OK)
+        lf_geometry_unref(geometry);
+    else
+        *out = geometry;
+    return status;
+}
+
 lf_geometry *lf_geometry_ref(lf_geometry *geometry)
 {
     atomic_fetch_add_explicit(&geometry->refs, 1, memory_order_relaxed);

@@ -57,6 +57,10 @@ typedef struct lf_geometry {
     lf_warnings warnings; /* of the meshes */
 } lf_geometry;
 
+/* One with room for so many meshes, none of which is there yet: what moves, lights and cameras are
+ * empty, Embree's scene is not committed. key (may be NULL) gets a reference more. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_geometry_create(int most_meshes, const double origin[3], json_t *key,
+                                          lf_geometry **out, lf_error *err);
 lf_geometry *lf_geometry_ref(lf_geometry *geometry);
 /* The path of a mesh's file; "" where it has none. */
 const char *lf_geometry_file(const lf_geometry *geometry, int mesh);

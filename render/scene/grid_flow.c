@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "base/alloc.h"
-#include "base/import/import_group.h"
+#include "base/sandbox/import_group.h"
 #include "base/thread.h"
 #include "render/scene/grid.h"
 #include "render/scene/look_up.h"
@@ -26,7 +26,7 @@ typedef struct flowing {
     const lf_import_group *group;  /* of whoever asked, not of the pool's threads */
 } flowing;
 
-/* -------------------------------------------------------------------------------- one voxel -- */
+/* --------------------------------------------------------------------------------- one voxel -- */
 
 static void apply(const float m[3][4], const float p[3], float out[3])
 {
@@ -70,8 +70,7 @@ static void voxel_of(const int b[3], int place, float out[3])
         out[i] = (float)(LF_BRICK * b[i] - 1 + in[i]);
 }
 
-/* ------------------------------------------------------------------------------ where it goes --
- */
+/* ----------------------------------------------------------------------------- where it goes -- */
 
 static int clamp_brick(double voxel, int bricks)
 {
@@ -165,8 +164,7 @@ static void find_layer(void *context, int z, int worker)
         }
 }
 
-/* ------------------------------------------------------------------------------------- the box --
- */
+/* ----------------------------------------------------------------------------------- the box -- */
 
 static lf_affine map_of(const lf_grid *grid)
 {
@@ -270,8 +268,7 @@ static lf_status find_box(flowing *f, const lf_affine from[3], lf_error *err)
     return f->wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
 }
 
-/* ----------------------------------------------------------------------------------- the steps --
- */
+/* --------------------------------------------------------------------------------- the steps -- */
 
 static uint64_t wanted_at(const flowing *f, const int b[3])
 {

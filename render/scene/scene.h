@@ -10,10 +10,10 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "render/render.h"
 #include "render/scene/affine.h"
 #include "render/scene/embree.h"
 #include "render/scene/grid.h"
+#include "render/scene/handle.h"
 #include "render/scene/principled.h"
 #include "render/scene/shape.h"
 #include "render/scene/texture.h"
@@ -195,7 +195,7 @@ typedef enum lf_cover { LF_COVER_OPAQUE, LF_COVER_MASK, LF_COVER_BLEND, LF_COVER
 #define LF_GLASS_NODES 32
 
 /* A picture that materials of the scene file name, ready to be looked up; shared between scenes
- * while its files stay the same (render/load/scene_pictures.h). */
+ * while its files stay the same (render/import/scene/scene_pictures.h). */
 typedef struct lf_scene_picture {
     atomic_int refs;
     char *key;           /* of its files and of what was made of them */

@@ -17,8 +17,7 @@ void lf_texture_lay(const double offset[2], double angle, const double scale[2],
         map[i / 3][i % 3] = (float)laid[i / 3][i % 3];
 }
 
-/* ----------------------------------------------------------------------------------- decoding --
- */
+/* ---------------------------------------------------------------------------------- decoding -- */
 
 static float light[2][256]; /* of a code: as it is, display encoded */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
@@ -71,8 +70,7 @@ static void interpret(const lf_pyramid *p, float texel[4])
         texel[c] = 0.5f + (texel[c] - 0.5f) / length;
 }
 
-/* ------------------------------------------------------------------------------------- levels --
- */
+/* ------------------------------------------------------------------------------------ levels -- */
 
 /* The share of texel `from` of n in texel `to` of m < n. */
 static float overlap(int from, int n, int to, int m)
@@ -151,8 +149,7 @@ void lf_pyramid_finish(lf_pyramid *pyramid)
     *pyramid = (lf_pyramid){0};
 }
 
-/* ------------------------------------------------------------------------------------ look-up --
- */
+/* ----------------------------------------------------------------------------------- look-up -- */
 
 /* Into one period, or onto the picture: [0, 1]. */
 static float wrapped(float x, uint8_t wrap)

@@ -1,5 +1,7 @@
 #include "render/transport/sampler.h"
 
+#include <stdbool.h>
+
 static inline uint32_t reverse_bits(uint32_t x)
 {
     x = __builtin_bswap32(x);

@@ -9,9 +9,9 @@
 
 #include <stdint.h>
 
-#include "render/render.h"
-
 #define LF_SAMPLER_DIMENSIONS 64
+
+typedef enum lf_sampler_kind { LF_SAMPLER_OWEN, LF_SAMPLER_INDEPENDENT } lf_sampler_kind;
 
 typedef struct lf_sampler {
     uint64_t key;       /* which sequence: pixel, view, half, seed hashed together */

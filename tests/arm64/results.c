@@ -7,7 +7,7 @@
 
 #include "base/alloc.h"
 #include "quilt/quilt.h"
-#include "render/general/depth_kernel.h"
+#include "render/transport/lanes/depth_kernel.h"
 #include "tests/render/fans.h"
 
 enum { VIEWS = 45, WIDTH = 60, HEIGHT = 80, PIXELS = 100 };

@@ -6,8 +6,7 @@
 
 enum { SIDE = 6 };
 
-/* ------------------------------------------------------------------------------ files to spoil --
- */
+/* ---------------------------------------------------------------------------- files to spoil -- */
 
 static void add(lf_bytes *to, const void *data, size_t n)
 {
@@ -257,9 +256,7 @@ static lf_bytes make_3ds(void)
         chunk_of(0x3d3d, NULL, chunk_of(0x4000, "hills", chunk_of(0x4100, NULL, mesh))));
 }
 
-/* -------------------------------------------------------------------------------------- pictures
- * --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* What write makes of a name in a folder of its own. */
 static lf_bytes made(void (*write)(const char *path))
@@ -320,8 +317,7 @@ static lf_bytes make_hdr(void)
     return out;
 }
 
-/* --------------------------------------------------------------------------------------- others --
- */
+/* ------------------------------------------------------------------------------------ others -- */
 
 static lf_bytes make_icc(void)
 {
@@ -374,8 +370,7 @@ const lf_spoiled_kind lf_spoiled_kinds[] = {
     {0},
 };
 
-/* ------------------------------------------------------------------------------------- spoiling --
- */
+/* ---------------------------------------------------------------------------------- spoiling -- */
 
 lf_bytes lf_bytes_read(const char *path)
 {

@@ -2,7 +2,7 @@
  * group, those that it lies in. */
 #include "tests/testing.h"
 
-#include "base/import/import.h"
+#include "base/sandbox/import.h"
 
 static const char *own_group;
 static const char *limit_of_root, *limit_of_a,

@@ -104,8 +104,7 @@ static bool make_roots(const char *folder, lf_roots *out)
     return lf_roots_add(out, lf_test_path(folder, "root"), NULL) == LF_OK;
 }
 
-/* ------------------------------------------------------------------------------- the mechanism --
- */
+/* ----------------------------------------------------------------------------- the mechanism -- */
 
 typedef int (*open_fn)(int folder_fd, const char *name, int flags);
 
@@ -166,8 +165,7 @@ static void names_open_beneath_a_folder_and_links_do_not(void **state)
         fail_msg("the stand-in: %s", wrong);
 }
 
-/* ------------------------------------------------------------------------------------ reading --
- */
+/* ----------------------------------------------------------------------------------- reading -- */
 
 static const char *reads_are_as_told(const char *folder)
 {
@@ -373,8 +371,7 @@ static void what_is_outside_is_told_the_same_whether_it_exists_or_not(void **sta
     assert_int_equal(try_open(folder, "out/../in/file", &err), LF_OK);
 }
 
-/* ------------------------------------------------------------------------------------ writing --
- */
+/* ----------------------------------------------------------------------------------- writing -- */
 
 static void a_name_to_be_written_is_one_line_with_something_before_its_ending(void **state)
 {

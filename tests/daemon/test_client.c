@@ -411,8 +411,7 @@ static void calls_that_wait_have_a_limit_for_all_clients(void **state)
     free(b);
 }
 
-/* ------------------------------------------------------------------------- how long turns take --
- */
+/* ----------------------------------------------------------------------- how long turns take -- */
 
 static double cpu_seconds(void)
 {

@@ -119,60 +119,60 @@ static lf_frame *post(lf_mailbox *mailbox, uint8_t value)
 static void the_newest_frame_wins_and_the_shown_one_is_kept(void **state)
 {
     (void)state;
-    lf_mailbox mailbox;
+    lf_mailbox *mailbox;
     int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    lf_assert_ok(lf_mailbox_init(&mailbox, fd), NULL);
-    assert_null(lf_mailbox_take(&mailbox));
-    post(&mailbox, 1);
-    post(&mailbox, 2);
-    const lf_frame *taken = lf_mailbox_take(&mailbox);
+    lf_assert_ok(lf_mailbox_create(fd, &mailbox), NULL);
+    assert_null(lf_mailbox_take(mailbox));
+    post(mailbox, 1);
+    post(mailbox, 2);
+    const lf_frame *taken = lf_mailbox_take(mailbox);
     assert_int_equal(taken->image.data[0], 2);
-    assert_null(lf_mailbox_take(&mailbox));
-    lf_mailbox_shown(&mailbox);
-    assert_ptr_equal(lf_mailbox_current(&mailbox), taken);
+    assert_null(lf_mailbox_take(mailbox));
+    lf_mailbox_shown(mailbox);
+    assert_ptr_equal(lf_mailbox_current(mailbox), taken);
     for (uint8_t i = 3; i < 20; i++) {
-        post(&mailbox, i);
-        assert_int_equal(lf_mailbox_current(&mailbox)->image.data[0], 2);
+        post(mailbox, i);
+        assert_int_equal(lf_mailbox_current(mailbox)->image.data[0], 2);
     }
-    const lf_frame *next = lf_mailbox_take(&mailbox);
+    const lf_frame *next = lf_mailbox_take(mailbox);
     assert_int_equal(next->image.data[0], 19);
     assert_int_equal(next->against, taken->number);
     assert_int_equal(next->n_rects, 1);
-    lf_mailbox_shown(&mailbox);
-    post(&mailbox, 19);
-    assert_int_equal(lf_mailbox_take(&mailbox)->n_rects, 0);
-    lf_mailbox_finish(&mailbox);
+    lf_mailbox_shown(mailbox);
+    post(mailbox, 19);
+    assert_int_equal(lf_mailbox_take(mailbox)->n_rects, 0);
+    lf_mailbox_destroy(mailbox);
     close(fd);
 }
 
 static void views_in_use_are_not_written_over(void **state)
 {
     (void)state;
-    lf_mailbox mailbox;
+    lf_mailbox *mailbox;
     int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     uint8_t pixels[2 * 4 * 3 * 3];
     lf_views8 views = {
         .n_views = 2, .width = 4, .height = 3, .view_stride = 12, .row_stride = 24, .data = pixels};
-    lf_assert_ok(lf_mailbox_init(&mailbox, fd), NULL);
+    lf_assert_ok(lf_mailbox_create(fd, &mailbox), NULL);
     memset(pixels, 1, sizeof pixels);
-    lf_frame *frame = lf_mailbox_begin(&mailbox, 0, 0);
-    assert_true(lf_mailbox_attach(&mailbox, frame, &views));
-    lf_mailbox_post(&mailbox, frame);
-    const lf_frame *taken = lf_mailbox_take(&mailbox);
-    const lf_views8 *held = lf_mailbox_views(&mailbox, taken);
+    lf_frame *frame = lf_mailbox_begin(mailbox, 0, 0);
+    assert_true(lf_mailbox_attach(mailbox, frame, &views));
+    lf_mailbox_post(mailbox, frame);
+    const lf_frame *taken = lf_mailbox_take(mailbox);
+    const lf_views8 *held = lf_mailbox_views(mailbox, taken);
     assert_non_null(held);
     memset(pixels, 2, sizeof pixels);
-    lf_frame *second = lf_mailbox_begin(&mailbox, 0, 0);
-    assert_false(lf_mailbox_attach(&mailbox, second, &views));
+    lf_frame *second = lf_mailbox_begin(mailbox, 0, 0);
+    assert_false(lf_mailbox_attach(mailbox, second, &views));
     assert_false(second->has_views);
     assert_int_equal(lf_views8_row(held, 1, 2)[0], 1);
-    lf_mailbox_views_done(&mailbox);
-    assert_true(lf_mailbox_attach(&mailbox, second, &views));
+    lf_mailbox_views_done(mailbox);
+    assert_true(lf_mailbox_attach(mailbox, second, &views));
     assert_true(second->has_views);
-    assert_null(lf_mailbox_views(&mailbox, taken));
-    lf_mailbox_views_done(&mailbox);
-    lf_mailbox_post(&mailbox, second);
-    lf_mailbox_finish(&mailbox);
+    assert_null(lf_mailbox_views(mailbox, taken));
+    lf_mailbox_views_done(mailbox);
+    lf_mailbox_post(mailbox, second);
+    lf_mailbox_destroy(mailbox);
     close(fd);
 }
 

@@ -2,6 +2,7 @@
 #include "tests/daemon/live.h"
 
 #include "daemon/server/methods.h"
+#include "daemon/wire/rpc.h"
 
 static int count_words(const char *text)
 {
@@ -141,7 +142,7 @@ static void every_default_is_allowed(void **state)
     assert_true(n > 10);
 }
 
-/* ------------------------------------------------------------------------- a running daemon -- */
+/* -------------------------------------------------------------------------- a running daemon -- */
 
 /* What is said has only keys that the schema lists, of types that it allows. */
 static void check_said(const char *of, const json_t *schema, json_t *value)

@@ -159,8 +159,7 @@ static void a_long_id_is_refused(void **state)
     live_finish(&l);
 }
 
-/* ----------------------------------------------------------------------------- large documents --
- */
+/* --------------------------------------------------------------------------- large documents -- */
 
 /* A scene whose file has about so many bytes: keys of the camera. */
 static void write_large(const live *l, const char *name, size_t bytes)

@@ -104,6 +104,12 @@ static void how_to_render_can_be_changed(void **state)
     assert_int_equal(live_code(&c, "render.set", json_pack("{s:s}", "estimator", "guess")), -32602);
     assert_int_equal(live_code(&c, "render.set", json_pack("{s:s}", "integrator", "guess")),
                      -32602);
+    json_t *answer = live_call(&c, "render.set", json_pack("{s:s}", "integrator", "mvpt2022"));
+    const json_t *refusal = json_object_get(answer, "error");
+    assert_int_equal(json_integer_value(json_object_get(refusal, "code")), -32602);
+    assert_non_null(strstr(json_string_value(json_object_get(refusal, "message")),
+                           "mvpt2022 is a reference mode: use quiltrender or quiltbench"));
+    json_decref(answer);
     assert_true(live_number(&c, "status", NULL, "generation") == 1);
     assert_true(
         live_number(&c, "render.set", json_pack("{s:s}", "integrator", "vpt"), "generation") == 2);

@@ -289,7 +289,7 @@ static void a_picture_without_tiles_in_its_name_gets_them_from_the_call(void **s
     end(&o);
 }
 
-/* -------------------------------------------------------------------------------- quiltctl -- */
+/* ---------------------------------------------------------------------------------- quiltctl -- */
 
 static int ctl(const outside *o, const char *method, const char *word)
 {

@@ -117,7 +117,7 @@ static void the_depth_and_bounds_are_told_and_framed(void **state)
     live_finish(&l);
 }
 
-/* -------------------------------------------------------------------------------- exposure -- */
+/* ---------------------------------------------------------------------------------- exposure -- */
 
 static double stops_now(live_client *c, bool automatic)
 {
@@ -318,7 +318,7 @@ static void a_file_is_exposed_by_its_own_picture(void **state)
     live_finish(&l);
 }
 
-/* -------------------------------------------------------------------------------- response -- */
+/* ---------------------------------------------------------------------------------- response -- */
 
 /* Whether the picture at path is the other one, by these codes. */
 static void assert_coded(const char *path, const lf_image8 *plain, const lf_codes *codes)

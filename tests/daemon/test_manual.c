@@ -8,6 +8,7 @@
 #include "daemon/output/output.h"
 #include "daemon/output/video.h"
 #include "daemon/server/methods.h"
+#include "render/papers/papers.h"
 
 /* A manual page without roff's backslashes, quotes and font letters, as it would be read. */
 static char *read_page(const char *name)
@@ -99,6 +100,10 @@ static void every_shared_option_stands_in_the_manuals(void **state)
         if (!lf_param_among(row, "panel aov png still quality fit target-shown-error"))
             check_option(daemon, row, false); /* whose page leaves words to the other's */
     }
+    for (const lf_param *row = lf_integrator_params(); row->option; row = lf_param_next(row)) {
+        check_option(page, row, true);
+        assert_null(find_option(daemon, row->option));
+    }
     for (const lf_param *row = lf_panel_params; row->option; row++) {
         char word[32];
         snprintf(word, sizeof word, " %s ", row->name);
@@ -152,6 +157,7 @@ static void the_manual_of_quiltrender_tells_of_no_option_that_is_not_there(void 
             !lf_param_find(lf_rgbd_params, option) && !lf_param_find(lf_frames_params, option) &&
             !lf_param_find(lf_video_params, option) && !lf_param_find(lf_photo_params, option) &&
             !lf_param_find(lf_picture_params, option) && !lf_param_find(lf_alone_params, option) &&
+            !lf_param_find(lf_integrator_params(), option) &&
             !lf_param_among(&own, "passes spp time state state-info stats plan help completion"))
             fail_msg("--%s is in no table", option);
         n++;
@@ -250,6 +256,7 @@ static void every_kind_of_output_stands_in_the_manuals_and_the_schema(void **sta
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_option_of_a_print_stands_in_the_manual_of_quiltrender),
         cmocka_unit_test(every_shared_option_stands_in_the_manuals),

@@ -61,9 +61,7 @@ static size_t choose(mutator *m, size_t n)
     return (size_t)((z ^ (z >> 31)) % n);
 }
 
-/* ----------------------------------------------------------------------------------------- seeds
- * --
- */
+/* ------------------------------------------------------------------------------------- seeds -- */
 
 /* The files that a scene names lie beside it. */
 static void make_absolute(json_t *value, const char *folder)
@@ -124,9 +122,7 @@ static void read_seeds(mutator *m, const char *folder)
     free(names);
 }
 
-/* -------------------------------------------------------------------------------------- mutations
- * --
- */
+/* --------------------------------------------------------------------------------- mutations -- */
 
 static size_t size_of(const json_t *value)
 {
@@ -236,9 +232,7 @@ static json_t *mutate(mutator *m)
     return scene;
 }
 
-/* ---------------------------------------------------------------------------------------- giving
- * --
- */
+/* ------------------------------------------------------------------------------------ giving -- */
 
 typedef struct outcome {
     int shown, slow, refused;

@@ -6,6 +6,7 @@
 
 #include "base/alloc.h"
 #include "daemon/output/render_job.h"
+#include "render/papers/papers.h"
 
 #define VIEWS 4
 #define WIDTH 6
@@ -330,6 +331,7 @@ static void integrators_that_remember_more_than_their_film_do_not_go_on(void **s
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_job_gives_the_film_of_so_many_passes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(the_reconstructed_picture_is_given_to_who_asks_for_it,

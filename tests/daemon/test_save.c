@@ -7,11 +7,11 @@
 #include <systemd/sd-event.h>
 
 #include "base/log.h"
+#include "daemon/parts/saver.h"
 #include "daemon/server/server.h"
 
 /* ----------------------------------------------------------------------- the disk, the clock -- */
 
-#define SAVE_USEC UINT64_C(45000000)
 #define SOON_USEC UINT64_C(300000)
 #define SLOW_SECONDS 2
 
@@ -43,7 +43,7 @@ int __wrap_sd_event_add_time_relative(sd_event *event, sd_event_source **source,
                                       sd_event_time_handler_t callback, void *context)
 {
     return __real_sd_event_add_time_relative(
-        event, source, clock, usec == SAVE_USEC ? SOON_USEC : usec, accuracy, callback, context);
+        event, source, clock, usec == LF_SAVE_USEC ? SOON_USEC : usec, accuracy, callback, context);
 }
 
 /* -------------------------------------------------------------------------------- the daemon -- */

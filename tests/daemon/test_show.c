@@ -14,8 +14,7 @@
 
 enum { WIDTH = 8, HEIGHT = 4, WAIT_S = 60 };
 
-/* ------------------------------------------------------------------------------- the hardware --
- */
+/* ------------------------------------------------------------------------------ the hardware -- */
 
 #define SPEC "usb:1-1"
 
@@ -203,8 +202,7 @@ int __wrap_pthread_join(pthread_t thread, void **out)
     return __real_pthread_join(thread, out);
 }
 
-/* ---------------------------------------------------------------------------------- the owner --
- */
+/* --------------------------------------------------------------------------------- the owner -- */
 
 /* Answers. */
 static char it[] = "it", that[] = "that", them[] = "them", first[] = "first", second[] = "second";
@@ -212,7 +210,7 @@ static char it[] = "it", that[] = "that", them[] = "them", first[] = "first", se
 typedef struct owner {
     sd_event *event;
     lf_inbox inbox;
-    lf_mailbox mailbox;
+    lf_mailbox *mailbox;
     int posted; /* borrowed by the mailbox */
     lf_show *show;
     char told[1024]; /* a word or two an event, a comma behind each */
@@ -290,11 +288,11 @@ static int set_up(void **state)
     owner *o = calloc(1, sizeof *o);
     assert_non_null(o);
     o->posted = lf_wakeup_make();
-    lf_assert_ok(lf_mailbox_init(&o->mailbox, o->posted), NULL);
+    lf_assert_ok(lf_mailbox_create(o->posted, &o->mailbox), NULL);
     lf_assert_ok(lf_inbox_init(&o->inbox), NULL);
     assert_true(sd_event_new(&o->event) >= 0);
     assert_true(sd_event_add_io(o->event, NULL, o->inbox.event_fd, 1, on_inbox, o) >= 0);
-    const lf_show_home home = {o->event, &o->inbox, &o->mailbox, NULL};
+    const lf_show_home home = {o->event, &o->inbox, o->mailbox, NULL};
     lf_assert_ok(lf_show_create(&home, &events, o, &o->show), NULL);
     lens = 1;
     opened_buttons = NULL;
@@ -315,7 +313,7 @@ static int tear_down(void **state)
     end_show(o);
     lf_inbox_finish(&o->inbox, NULL);
     lf_show_destroy(o->show);
-    lf_mailbox_finish(&o->mailbox);
+    lf_mailbox_destroy(o->mailbox);
     sd_event_unref(o->event);
     close(o->posted);
     free(o);
@@ -338,7 +336,7 @@ static void open_panel(owner *o)
 
 static void post_frame(owner *o, int64_t generation)
 {
-    lf_frame *frame = lf_mailbox_begin(&o->mailbox, WIDTH, HEIGHT);
+    lf_frame *frame = lf_mailbox_begin(o->mailbox, WIDTH, HEIGHT);
     assert_non_null(frame);
     memset(frame->image.data, (int)generation, HEIGHT * frame->image.stride);
     frame->generation = generation;
@@ -346,7 +344,7 @@ static void post_frame(owner *o, int64_t generation)
     frame->passes = 0.5 * (double)generation;
     frame->reconstructed = generation == 8;
     frame->panel = o->number;
-    lf_mailbox_post(&o->mailbox, frame);
+    lf_mailbox_post(o->mailbox, frame);
     lf_show_pump(o->show);
 }
 
@@ -371,8 +369,7 @@ static void pull_out(void)
     lf_wakeup_signal(opened_panel->wakeup);
 }
 
-/* ---------------------------------------------------------------------------------- the facts --
- */
+/* --------------------------------------------------------------------------------- the facts -- */
 
 static void a_panel_is_told_from_its_lens_to_its_buttons(void **state)
 {

@@ -219,6 +219,8 @@ static void wrong_usage_is_2(void **state)
     assert_int_equal(live_run(&l, "quiltd", "--nonsense", NULL), 2);
     assert_int_equal(live_run(&l, "quiltd", "a.json", "b.json", NULL), 2);
     assert_int_equal(live_run(&l, "quiltd", "--run-for", "soon", NULL), 2);
+    assert_int_equal(live_run(&l, "quiltd", "--integrator", "mvpt2022", NULL), 2);
+    assert_int_equal(live_run(&l, "quiltd", "--shift", "raw-copy", NULL), 2);
     assert_int_equal(live_run(&l, "quiltd", "--device", "toaster", "--socket", l.socket, NULL), 2);
     assert_int_equal(
         live_run(&l, "quiltd", "--views", "45", "--quilt", "4x4", "--socket", l.socket, NULL), 2);

@@ -86,8 +86,7 @@ static double passes_of(const picture *p)
     return stats.passes;
 }
 
-/* --------------------------------------------------------------------------------- the states --
- */
+/* -------------------------------------------------------------------------------- the states -- */
 
 static lf_states *states_in(const char *folder)
 {
@@ -384,7 +383,7 @@ static void other_files_are_never_touched(void **state)
     assert_int_equal(count(folder, "-00000000.lfstate", NULL) - 4, LF_STATES_MOST - 1);
 }
 
-/* --------------------------------------------------------------------------------- kill -9 -- */
+/* ----------------------------------------------------------------------------------- kill -9 -- */
 
 static void what_killed_saves_left_is_removed_at_the_start(void **state)
 {

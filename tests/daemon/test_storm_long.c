@@ -272,8 +272,7 @@ static void sixty_calls_a_second_of_each_of_ten(void **state)
     run(10, 60);
 }
 
-/* ----------------------------------------------------------------------------- hostile clients --
- */
+/* --------------------------------------------------------------------------- hostile clients -- */
 
 /* What a hostile client sends over and over, whatever it is answered. */
 typedef struct flood {

@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/reader/reader.h"
-#include "render/reader/mesh_read.h"
+#include "base/sandbox/reader.h"
+#include "render/import/reader/mesh_read.h"
 
 static const uint8_t *buffer;
 static size_t n_buffer;

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/import/import.h"
-#include "base/import/raster.h"
-#include "render/load/mesh_import.h"
-#include "render/load/vdb_import.h"
+#include "base/sandbox/import.h"
+#include "base/sandbox/raster.h"
+#include "render/import/scene/mesh_import.h"
+#include "render/import/scene/vdb_import.h"
 
 static const uint8_t *input;
 static size_t input_size;

@@ -2,9 +2,9 @@
  * words, or maps that can be turned round, no more than the file has numbers. */
 #include "tests/fuzz/fuzz.h"
 
-#include "base/reader/reader.h"
-#include "render/load/places_import.h"
-#include "render/reader/places_read.h"
+#include "base/sandbox/reader.h"
+#include "render/import/reader/places_read.h"
+#include "render/import/scene/places_import.h"
 
 lf_status lf_ask_for_file(const char *name, int *out_fd)
 {

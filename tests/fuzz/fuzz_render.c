@@ -9,8 +9,7 @@
 
 enum { WIDTH = 3, HEIGHT = 2, MOST_VIEWS = 3, MOST_PIXELS = 3 * WIDTH * HEIGHT * MOST_VIEWS * 2 };
 
-/* ----------------------------------------------------------------------------------- the bytes --
- */
+/* --------------------------------------------------------------------------------- the bytes -- */
 
 /* Behind the end there are zeros. */
 typedef struct bytes {
@@ -72,8 +71,7 @@ static void set(json_t *object, const char *key, json_t *value)
     lf_fuzz_require(json_object_set_new(object, key, value) == 0);
 }
 
-/* --------------------------------------------------------------------------------------- maps --
- */
+/* -------------------------------------------------------------------------------------- maps -- */
 
 static json_t *rows(bytes *b, unsigned n)
 {
@@ -106,8 +104,7 @@ static json_t *places(bytes *b)
     return list;
 }
 
-/* -------------------------------------------------------------------------------------- things --
- */
+/* ------------------------------------------------------------------------------------ things -- */
 
 static json_t *mesh(bytes *b)
 {
@@ -157,8 +154,7 @@ static json_t *light(bytes *b)
     return out;
 }
 
-/* -------------------------------------------------------------------------------------- camera --
- */
+/* ------------------------------------------------------------------------------------ camera -- */
 
 static json_t *view(bytes *b)
 {
@@ -209,8 +205,7 @@ static json_t *camera(bytes *b)
     return out;
 }
 
-/* ----------------------------------------------------------------------------------- the scene --
- */
+/* --------------------------------------------------------------------------------- the scene -- */
 
 static json_t *things(bytes *b, unsigned n, json_t *(*make)(bytes *b))
 {
@@ -239,8 +234,7 @@ static json_t *document(bytes *b)
     return out;
 }
 
-/* ----------------------------------------------------------------------------------- rendering --
- */
+/* --------------------------------------------------------------------------------- rendering -- */
 
 static void look_at(const lf_renderer *renderer, int n_pixels)
 {

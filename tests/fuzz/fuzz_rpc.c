@@ -7,6 +7,7 @@
 
 #include "base/alloc.h"
 #include "daemon/server/methods.h"
+#include "daemon/wire/rpc.h"
 
 static void check_answer(json_t *answer)
 {

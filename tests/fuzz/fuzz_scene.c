@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "render/load/scene_parse.h"
+#include "render/import/scene/scene_parse.h"
 #include "render/render.h"
 
 static json_t *document(const char *text, size_t size)

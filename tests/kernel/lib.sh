@@ -69,7 +69,7 @@ sim_tell() { # line: waits for its answer
     local before
     before=$(grep -cE '^(ok$|error: )' sim.log)
     echo "$1" >&3
-    within 20 sim_answered "$before" || echo "quiltsim does not answer to: $1"
+    within 60 sim_answered "$before" || echo "quiltsim does not answer to: $1"
     grep -E '^error: ' sim.log | tail -n 1
 }
 sim_answered() { [ "$(grep -cE '^(ok$|error: )' sim.log)" -gt "$1" ]; }
@@ -81,7 +81,7 @@ sim_stop() {
 # The host takes a picture of what a display of the guest shows: $RESULTS/NAME.ppm. The display is that of the machine's `# qemu:` line.
 screendump() { # name
     : > "$RESULTS/$1.ask"
-    within 30 test ! -e "$RESULTS/$1.ask" || echo "the host takes no picture"
+    within 60 test ! -e "$RESULTS/$1.ask" || echo "the host takes no picture"
 }
 presses() { # the buttons to press on the simulated panel; they arrive in their order
     local reader b

@@ -164,8 +164,7 @@ static void the_labels_at_both_ends_say_the_pitch_in_digits_large_enough(void **
     lf_printed_finish(&p);
 }
 
-/* ------------------------------------------------------------------------------ under a sheet --
- */
+/* ----------------------------------------------------------------------------- under a sheet -- */
 
 /* How much brightness varies along a band, seen through the sheet. */
 static double unevenness(const lf_printed *p, const band *b, const lf_sheet *sheet)

@@ -7,7 +7,7 @@
 
 #include <time.h>
 
-#include "base/import/import.h"
+#include "base/sandbox/import.h"
 
 /* A file beside the mesh's: readers have no environment to be told by. */
 static inline FILE *fake_beside(const lf_import_request *request, const char *name, const char *how)

@@ -15,8 +15,8 @@
 #include <sys/socket.h>
 #include <sys/syscall.h>
 
-#include "base/import/import.h"
-#include "base/reader/reader.h"
+#include "base/sandbox/import.h"
+#include "base/sandbox/reader.h"
 #include "render/scene/punctual.h"
 #include "render/scene/scene.h"
 
@@ -34,8 +34,7 @@ static inline _Noreturn void fake_say(const char *text)
     fake_last(LF_IMPORT_FAILED, LF_E_FORMAT, text, -1);
 }
 
-/* -------------------------------------------------------------------------------------- parcels --
- */
+/* ----------------------------------------------------------------------------------- parcels -- */
 
 /* A triangle with two materials and all that may lie on it. */
 typedef struct fake_mesh {
@@ -502,8 +501,7 @@ static inline int fake_random_parcel(uint64_t seed)
     return fake_copy(fake_parcel(""), fake_random_edit, &seed, SIZE_MAX, FAKE_SEALS);
 }
 
-/* -------------------------------------------------------------------------------------- rights --
- */
+/* ------------------------------------------------------------------------------------ rights -- */
 
 static inline _Noreturn void fake_list_descriptors(void)
 {
@@ -567,8 +565,7 @@ static inline _Noreturn void fake_confined(const char *what)
     fake_say(fd >= 0 ? "it was let" : strerror(errno));
 }
 
-/* ---------------------------------------------------------------------------------- what it does
- * -- */
+/* ------------------------------------------------------------------------------ what it does -- */
 
 static inline void fake_misbehave(const char *mode)
 {

@@ -3,7 +3,7 @@
 #define LF_TESTS_RENDER_FANS_H
 
 #include "base/alloc.h"
-#include "render/rows/kernel.h"
+#include "render/plane/kernel.h"
 #include "render/transport/sampler.h"
 
 enum { NX = 97, NZ = 61, LANES = 48 };

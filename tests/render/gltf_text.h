@@ -7,8 +7,8 @@
 
 #include <sys/mman.h>
 
-#include "base/reader/reader.h"
-#include "render/reader/mesh_read.h"
+#include "base/sandbox/reader.h"
+#include "render/import/reader/mesh_read.h"
 
 /* Files beside the text: none is there. */
 lf_status lf_ask_for_file(const char *name, int *out_fd)

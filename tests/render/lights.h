@@ -4,7 +4,7 @@
 #define LF_TESTS_RENDER_LIGHTS_H
 
 #include "base/alloc.h"
-#include "render/transport/light_types.h"
+#include "render/transport/light/light_types.h"
 #include "render/transport/sampler.h"
 #include "tests/testing.h"
 

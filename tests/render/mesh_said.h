@@ -6,7 +6,7 @@
 #include "tests/formats.h"
 
 #include "base/image_io.h"
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "tests/base/spoiled.h"
 
 /* A file that says one thing, and the same file without it. */
@@ -23,8 +23,7 @@ static struct {
     const char *name, *says, *base;
 } format;
 
-/* -------------------------------------------------------------------------------- fingerprints --
- */
+/* ------------------------------------------------------------------------------ fingerprints -- */
 
 typedef struct result {
     lf_status status;
@@ -113,8 +112,7 @@ static inline void assert_quiet(const lf_format_row *row, const result *r)
         fail_msg("%s warns: %s", row->name, lf_warnings_at(&r->data.warnings, 0));
 }
 
-/* -------------------------------------------------------------------------------------- checks --
- */
+/* ------------------------------------------------------------------------------------ checks -- */
 
 /* Another mesh than without it, and not a word. */
 static inline void is_used(const lf_format_row *row)
@@ -175,8 +173,7 @@ static inline void is_refused(const lf_format_row *row)
 #define REFUSED(name, text, words) {name, "refused", is_refused, &(const said){text, NULL, words}}
 /* clang-format on */
 
-/* ---------------------------------------------------------------------------------------- walk --
- */
+/* -------------------------------------------------------------------------------------- walk -- */
 
 static inline void write_picture(const char *name, bool normals)
 {

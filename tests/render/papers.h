@@ -1,10 +1,11 @@
-/* What the tests of the papers' estimators (render/general/) share: pictures over seeds, held to
+/* What the tests of the papers' estimators (render/papers/) share: pictures over seeds, held to
  * those of vpt tile by tile. */
 #ifndef LF_TESTS_PAPERS_H
 #define LF_TESTS_PAPERS_H
 
 #include "tests/testing.h"
 
+#include "render/papers/papers.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
@@ -35,8 +36,9 @@ static inline lf_renderer *papers_renderer(lf_scene *scene, const char *integrat
 {
     lf_renderer *r = lf_test_renderer(scene, integrator, w, h, NULL);
     lf_render_settings settings = *lf_renderer_settings(r);
-    settings.shift = shift ? papers_index_of(lf_shift_name, shift) : 0;
-    settings.selection = selection ? papers_index_of(lf_selection_name, selection) : 0;
+    settings.choices.of[LF_PAPERS_SHIFT] = shift ? papers_index_of(lf_shift_name, shift) : 0;
+    settings.choices.of[LF_PAPERS_SELECTION] =
+        selection ? papers_index_of(lf_selection_name, selection) : 0;
     lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
     return r;
 }

@@ -5,7 +5,7 @@
 #include "tests/testing.h"
 
 #include "render/scene/placed.h"
-#include "render/transport/placed_hit.h"
+#include "render/transport/surface/placed_hit.h"
 #include "tests/stat/fixture.h"
 
 enum { n_places = 24 };

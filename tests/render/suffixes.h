@@ -5,14 +5,14 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
+#include "render/plane/kernel.h"
 #include "render/renderer.h"
-#include "render/rows/kernel.h"
 #include "render/rows/queue.h"
 #include "render/rows/rows.h"
-#include "render/transport/lane_surfaces.h"
-#include "render/transport/lanes.h"
-#include "render/transport/path.h"
-#include "render/transport/suffix.h"
+#include "render/transport/lanes/lane_surfaces.h"
+#include "render/transport/lanes/lanes.h"
+#include "render/transport/lanes/suffix.h"
+#include "render/transport/path/path.h"
 #include "tests/render/grids.h"
 
 enum { n_jobs = 4096 };

@@ -7,8 +7,7 @@
     {name, verdict, chunk_row, &(const chunk_said){what, words}}
 /* clang-format on */
 
-/* ----------------------------------------------------------------------------------------- 3DS --
- */
+/* --------------------------------------------------------------------------------------- 3DS -- */
 
 /* A chunk is two bytes that say what it is, four that say how long it is, and what it holds. */
 typedef struct chunks {

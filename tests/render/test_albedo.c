@@ -4,9 +4,9 @@
 #include "base/file.h"
 #include "base/image_io.h"
 #include "render/scene/texture.h"
-#include "render/transport/face_albedo.h"
+#include "render/transport/path/face_albedo.h"
 #include "render/transport/sampler.h"
-#include "render/transport/surface_texture.h"
+#include "render/transport/surface/surface_texture.h"
 
 enum { N = LF_ALBEDO_NUMBERS, METAL = LF_ALBEDO_METAL };
 

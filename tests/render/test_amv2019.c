@@ -1,9 +1,9 @@
-/* amv2019 (render/general/amv2019.h): as corrected its answers are those of vpt, tile by tile, and
+/* amv2019 (render/papers/amv2019.h): as corrected its answers are those of vpt, tile by tile, and
  * weights come to the samples, whoever was taken; normalised by K, as printed, it is too dark by
  * what the geometry says. */
 #include "tests/testing.h"
 
-#include "render/general/amv2019.h"
+#include "render/papers/amv2019.h"
 #include "tests/render/papers.h"
 
 static void views_are_taken_by_jacobian_and_lobe(void **state)
@@ -83,7 +83,7 @@ static void weights_come_to_samples(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------- normalised by K -- */
+/* --------------------------------------------------------------------------- normalised by K -- */
 
 /* A wall behind the window, all that is in view, white by half under an even sky: every sample is
  * exactly 0.5, every Jacobian 1. */
@@ -207,6 +207,7 @@ static void media_are_refused(void **state)
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(views_are_taken_by_jacobian_and_lobe),
         cmocka_unit_test(normalisation_by_k_is_off_by_what_theory_says),

@@ -1,8 +1,8 @@
-/* More base samples where the error is, in general/: counts a pixel come out as expected, and
+/* More base samples where the error is, in papers/: counts a pixel come out as expected, and
  * behind a pilot the answers of amvpt2022 are still those of vpt, tile by tile. */
 #include "tests/testing.h"
 
-#include "render/general/count.h"
+#include "render/papers/count.h"
 #include "tests/render/papers.h"
 
 /* Over the phase a pixel gets as many samples as it expects, whatever the visits; and what they are
@@ -69,6 +69,7 @@ static void adaptive_answers_agree_with_vpt(void **state)
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(counts_come_out_as_expected),
         cmocka_unit_test(adaptive_answers_agree_with_vpt),

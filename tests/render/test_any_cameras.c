@@ -1,12 +1,12 @@
-/* Cameras listed one by one (render/general/any_cameras.h): points land where a pinhole's own words
+/* Cameras listed one by one (render/cameras/any_cameras.h): points land where a pinhole's own words
  * say; the densities that weights are made of are those of a rectified rig, to 1e-5, where the list
  * is one; pictures by the general way and by rows agree, tile by tile, and W is n q everywhere;
  * pictures do not depend on the number of threads. */
 #include "tests/testing.h"
 
-#include "render/general/depth.h"
-#include "render/general/pinhole.h"
+#include "render/cameras/pinhole.h"
 #include "render/renderer.h"
+#include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 
@@ -17,8 +17,7 @@ static int replicates(void)
     return getenv("QUILTD_LONG") ? 96 : 12;
 }
 
-/* ------------------------------------------------------------------------------ where they look --
- */
+/* --------------------------------------------------------------------------- where they look -- */
 
 /* Three balls that glow, each in a colour of its own, seen by cameras that look here and there. */
 #define BALLS                                                                                      \
@@ -152,8 +151,7 @@ static void what_is_not_rendered_is_refused_by_name(void **state)
     }
 }
 
-/* ---------------------------------------------------------------------------------- densities --
- */
+/* --------------------------------------------------------------------------------- densities -- */
 
 /* A list whose cameras are those of a track: three, 0.75 apart, each looking straight ahead. */
 #define TRACK "'target': [0, 0.1, 0], 'views': { 'track': { 'count': 3, 'length': 1.5 } }"
@@ -297,8 +295,7 @@ static void depths_are_integrals(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------------- pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* Voxels and fog before a ball on the ground: by rows and by the list. */
 #define THINGS_UNDER(lights)                                                                       \

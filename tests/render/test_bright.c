@@ -39,7 +39,7 @@ static void show(lf_renderer *r, bool without, float *out)
     r->shown->is_bright = is_bright;
 }
 
-/* ----------------------------------------------------------------------------- closed forms -- */
+/* ------------------------------------------------------------------------------ closed forms -- */
 
 static void assert_shown(float n, float w, float predicted, float share, double expected)
 {
@@ -64,7 +64,7 @@ static void a_prediction_below_zero_is_not_black(void **state)
     assert_shown(0.0f, 0.0f, -0.5f, 0.0f, 0.0); /* nothing was found */
 }
 
-/* -------------------------------------------------------------------------------- the film -- */
+/* ---------------------------------------------------------------------------------- the film -- */
 
 enum { SAME, OTHERS };
 
@@ -179,7 +179,7 @@ static void where_all_is_below_zero_nothing_is_bright(void **state)
     lf_renderer_destroy(r);
 }
 
-/* -------------------------------------------------------------------------------- pictures -- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* A channel as a screen of 8 bits shows it. */
 static double on_screen(float x)

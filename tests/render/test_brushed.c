@@ -1,14 +1,13 @@
 /* Grooves of surfaces: where they go on a mesh, and that both integrators show the same of them. */
 #include "tests/testing.h"
 
-#include "render/transport/surface_texture.h"
+#include "render/transport/surface/surface_texture.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 16, tile = 8, tiles = 19 };
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 6 * tiles)
 
-/* ---------------------------------------------------------------------------------------- hits --
- */
+/* -------------------------------------------------------------------------------------- hits -- */
 
 /* The unit triangle of the xz plane that faces +y: tangent along x, bitangent by `side` along -z or
  * z; seen from above or below. */
@@ -122,8 +121,7 @@ static void without_tangents_they_are_level(void **state)
     lf_assert_close((double)lf_dot(w, hit.ns), 0, 0, 1e-5);
 }
 
-/* ------------------------------------------------------------------------------------ pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* A ball and a wall beside it, under a lamp. */
 #define SCENE(words)                                                                               \

@@ -5,7 +5,7 @@
  * With QUILTD_LONG=1 sixteen times the paths see 0.2 %. */
 #include "tests/testing.h"
 
-#include "render/transport/lane_scene.h"
+#include "render/transport/lanes/lane_scene.h"
 #include "tests/stat/brute.h"
 #include "tests/stat/fixture.h"
 

@@ -4,8 +4,8 @@
 
 #include <jansson.h>
 
+#include "render/plane/rig.h"
 #include "render/render.h"
-#include "render/rows/rig.h"
 #include "tests/stat/fixture.h"
 
 /* A schema without references: those of this file name parts under $defs. */

@@ -2,7 +2,7 @@
  * from samples that all views share. */
 #include "tests/render/caught_testing.h"
 
-#include "render/caught.h"
+#include "render/layers/caught.h"
 
 /* A ball above a catcher, seen from above and aside. */
 #define ON_IT(views, backdrop, catcher, light)                                                     \

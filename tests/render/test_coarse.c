@@ -281,8 +281,7 @@ static void what_hardly_bends_is_interpolated_as_well(void **state)
     lf_scene_unref(scene);
 }
 
-/* ------------------------------------------------------------------------- rows without paths --
- */
+/* ------------------------------------------------------------------------ rows without paths -- */
 
 static const lf_part every_fourth = {.first_row = 2, .row_step = 4};
 

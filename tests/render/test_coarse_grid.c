@@ -1,9 +1,9 @@
-/* The coarse grid of restir (render/general/coarse_grid.h): rays through its cells against many
+/* The coarse grid of restir (render/papers/coarse_grid.h): rays through its cells against many
  * small steps, and many rays side by side, by every kernel, against one after the other. */
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "render/general/coarse_grid.h"
+#include "render/papers/coarse_grid.h"
 #include "tests/stat/fixture.h"
 
 /* Of the cells' own extinction, in many steps. */

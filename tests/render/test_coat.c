@@ -2,7 +2,7 @@
  * the mesh or of a picture of its own. */
 #include "tests/testing.h"
 
-#include "render/transport/surface_texture.h"
+#include "render/transport/surface/surface_texture.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 16, tile = 8, tiles = 19 };
@@ -167,8 +167,7 @@ static void what_lies_below_does_not_turn_a_coat(void **state)
     undress();
 }
 
-/* ------------------------------------------------------------------------------------ pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* A card aslant under a lamp, coated, whose base leans to its right; a ball beside it. */
 #define SCENE                                                                                      \

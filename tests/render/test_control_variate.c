@@ -5,8 +5,7 @@
 #include "render/film/film.h"
 #include "tests/stat/fixture.h"
 
-/* -------------------------------------------------------------------------------- closed form --
- */
+/* ------------------------------------------------------------------------------- closed form -- */
 
 enum { across = 8, pixels = 3 * across, highlight = pixels - 1 };
 #define Q 0.5f
@@ -91,8 +90,7 @@ static void cv_has_no_bias_beside_a_highlight(void **state)
     }
 }
 
-/* --------------------------------------------------------------------------------- renderings --
- */
+/* -------------------------------------------------------------------------------- renderings -- */
 
 enum { views = 5, width = 24, height = 32, values = 3 * views * width * height, most_runs = 40 };
 

@@ -4,7 +4,7 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "render/rows/correction.h"
+#include "render/plane/correction.h"
 #include "tests/render/grids.h"
 
 enum { VIEWS = 5, SIDE = 12, REPLICATES = 12 };

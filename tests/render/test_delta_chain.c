@@ -2,7 +2,7 @@
  * what surfaces scatter behind them. */
 #include "tests/render/reconstruct_testing.h"
 
-#include "render/transport/delta_chain.h"
+#include "render/transport/path/delta_chain.h"
 
 enum { width = 24, height = 32, n_views = 5, pixels = width * height * n_views };
 

@@ -1,17 +1,16 @@
-/* Optical depths of many rays at once (render/general/depth.h): closed forms of boxes of ones, the
- * oracle of one ray (also where rays graze faces and edges, begin inside, end nowhere), the same
- * bits by every instruction set and whatever rays go together. Negative controls: rays that are
- * moved by a hundredth of a voxel are told from those that are not. */
+/* Optical depths of many rays at once (render/transport/lanes/depth.h): closed forms of boxes of
+ * ones, the oracle of one ray (also where rays graze faces and edges, begin inside, end nowhere),
+ * the same bits by every instruction set and whatever rays go together. Negative controls: rays
+ * that are moved by a hundredth of a voxel are told from those that are not. */
 #include "tests/testing.h"
 
-#include "render/general/depth.h"
+#include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 
 enum { n_rays = 600 };
 
-/* --------------------------------------------------------------------------------------- grids --
- */
+/* ------------------------------------------------------------------------------------- grids -- */
 
 /* Lumps with nothing between, some bricks far apart. */
 static float lumps(int x, int y, int z)
@@ -59,8 +58,7 @@ static void shear(lf_scene *scene)
     }
 }
 
-/* ---------------------------------------------------------------------------------------- rays --
- */
+/* -------------------------------------------------------------------------------------- rays -- */
 
 /* The point of the scene at a point of the volume, by Cramer's rule. */
 static lf_vec3 at_voxel(const lf_volume *v, const double p[3])
@@ -124,8 +122,7 @@ static int straight_rays(const lf_scene *scene, double off, lf_depth_ray rays[n_
     return n;
 }
 
-/* ------------------------------------------------------------------------------- closed forms --
- */
+/* ------------------------------------------------------------------------------ closed forms -- */
 
 /* How much of a ray lies in the box lo .. hi of the volume's space. */
 static double length_inside(const lf_volume *v, const lf_depth_ray *ray, double lo,
@@ -189,8 +186,7 @@ static void rows_of_ones_are_as_many(void **state)
     lf_scene_unref(scene);
 }
 
-/* ----------------------------------------------------------------------------------- the oracle --
- */
+/* -------------------------------------------------------------------------------- the oracle -- */
 
 /* The oracle's depth of a ray that is moved across, by so many voxels and one of many ways. */
 static double moved(lf_tracer *one, const lf_depth_ray *r, double voxels, int way)
@@ -362,8 +358,7 @@ static void nothing_is_left_behind_what_is_thick(void **state)
     lf_scene_unref(scene);
 }
 
-/* ---------------------------------------------------------------------------------------- bits --
- */
+/* -------------------------------------------------------------------------------------- bits -- */
 
 static void bits_are_the_same_for_every_instruction_set_and_company(void **state)
 {

@@ -3,7 +3,7 @@
  * far away. */
 #include "tests/testing.h"
 
-#include "render/transport/path.h"
+#include "render/transport/path/path.h"
 #include "tests/stat/fixture.h"
 
 typedef struct vec {

@@ -1,8 +1,8 @@
 /* Documents of scenes: how large they may be, and what they share with what they were made of. */
 #include "tests/testing.h"
 
-#include "render/load/json_size.h"
-#include "render/load/scene_include.h"
+#include "render/import/scene/json_size.h"
+#include "render/import/scene/scene_include.h"
 #include "render/render.h"
 
 static json_t *parsed(const char *text)

@@ -2,7 +2,7 @@
  * that are not finite; and what is told of them. */
 #include "tests/base/exr_bytes.h"
 
-#include "render/transport/light_kind.h"
+#include "render/transport/light/light_kind.h"
 #include "tests/stat/fixture.h"
 
 static lf_scene *scene_of(const char *folder, const char *file, const lf_scene *previous)

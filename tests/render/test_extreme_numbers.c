@@ -5,7 +5,7 @@
 
 #include "render/scene/ray.h"
 #include "render/scene/vec_double.h"
-#include "render/transport/track.h"
+#include "render/transport/path/track.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 3, height = 2, most_views = 4 };
@@ -20,8 +20,7 @@ typedef struct extreme {
     const char *scene, *pointer, *words;
 } extreme;
 
-/* ------------------------------------------------------------------------------------ rendering --
- */
+/* --------------------------------------------------------------------------------- rendering -- */
 
 static void assert_finite(lf_scene *scene, const char *integrator, const char *text)
 {
@@ -55,8 +54,7 @@ static void assert_all(const extreme *list, size_t n)
 
 #define ASSERT_ALL(list) assert_all(list, sizeof(list) / sizeof *(list))
 
-/* --------------------------------------------------------------------------------------- maps --
- */
+/* -------------------------------------------------------------------------------------- maps -- */
 
 static void a_place_that_flattens_space_is_refused(void **state)
 {
@@ -117,8 +115,7 @@ static void what_composes_beyond_the_limit_is_refused(void **state)
     ASSERT_ALL(list);
 }
 
-/* ------------------------------------------------------------------------------------- cameras --
- */
+/* ----------------------------------------------------------------------------------- cameras -- */
 
 static void cameras_at_the_edge_see_finite_pictures(void **state)
 {
@@ -169,8 +166,7 @@ static void a_camera_may_touch_what_it_looks_at(void **state)
     assert_true(lf_behind(1.0f) == nextafterf(1.0f, 2.0f));
 }
 
-/* ----------------------------------------------------------------------------- what is far away --
- */
+/* -------------------------------------------------------------------------- what is far away -- */
 
 static void far_and_small_things_go_together(void **state)
 {
@@ -218,8 +214,7 @@ static void slivers_keep_rays_beside_them(void **state)
     lf_scene_unref(scene);
 }
 
-/* --------------------------------------------------------------------------------------- rays --
- */
+/* -------------------------------------------------------------------------------------- rays -- */
 
 static void no_ray_that_embree_refuses_comes_to_it(void **state)
 {

@@ -2,7 +2,7 @@
  * formulas, written here one view and one segment at a time, without boxes. */
 #include "tests/testing.h"
 
-#include "render/rows/kernel.h"
+#include "render/plane/kernel.h"
 #include "tests/render/fans.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"

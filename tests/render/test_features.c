@@ -3,7 +3,7 @@
 #include "tests/testing.h"
 
 #include "render/film/film.h"
-#include "render/rows/media.h"
+#include "render/plane/media.h"
 #include "tests/render/fans.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"

@@ -3,7 +3,7 @@
  * it lies beneath the roots. */
 #include "tests/testing.h"
 
-#include "render/rows/rig.h"
+#include "render/plane/rig.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 30, height = 40 };

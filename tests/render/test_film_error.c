@@ -372,8 +372,7 @@ static void errors_beside_lamps_are_what_is_stated(void **state)
         assert_coverage(held, 3 * n * runs);
 }
 
-/* ------------------------------------------------------------------------ glints and caustics --
- */
+/* ----------------------------------------------------------------------- glints and caustics -- */
 
 #define UNDER_SUN(angle, irradiance, rest)                                                         \
     "{ 'quiltd': 1, 'camera': { 'position': [0, 1.2, 6], 'fov_y': 26, 'aspect': 0.6667, 'cone': "  \

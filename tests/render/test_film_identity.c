@@ -7,7 +7,7 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
-#include "render/load/file_identity.h"
+#include "render/import/scene/file_identity.h"
 #include "tests/stat/fixture.h"
 
 enum { WIDTH = 4, HEIGHT = 3 };

@@ -6,7 +6,7 @@
  * off is rejected, wherever a test is statistical. */
 #include "tests/testing.h"
 
-#include "render/transport/flame.h"
+#include "render/transport/light/flame.h"
 #include "tests/render/grids.h"
 
 enum { width = 32, height = 24, n_views = 5, block = 8 };
@@ -360,8 +360,7 @@ static void a_grid_in_a_furnace_makes_up_for_what_it_absorbs(void **state)
     }
 }
 
-/* ---------------------------------------------------------------------------- behind surfaces --
- */
+/* --------------------------------------------------------------------------- behind surfaces -- */
 
 #define SHEET(name, z)                                                                             \
     "'" name "': { 'shape': 'quad', 'material': 'black', 'transform': { 'scale': 60, 'rotate': "   \
@@ -504,7 +503,7 @@ static void coarse_frames_are_dimmed_too(void **state)
     lf_scene_unref(scene);
 }
 
-/* -------------------------------------------------------------------------------- in glass -- */
+/* ---------------------------------------------------------------------------------- in glass -- */
 
 /* Glass of index 1 does not bend light: what fills it is all that it is. */
 #define GLASS(words)                                                                               \

@@ -3,7 +3,7 @@
  * against vpt. */
 #include "tests/testing.h"
 
-#include "render/transport/flesh.h"
+#include "render/transport/path/flesh.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/h_function.h"
 #include "tests/stat/scenes.h"

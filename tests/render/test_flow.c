@@ -89,8 +89,7 @@ static void point(int n, double spacing, double out[3])
 }
 enum { points = 29 * 23 * 19 };
 
-/* -------------------------------------------------------------------------------------- grids --
- */
+/* ------------------------------------------------------------------------------------- grids -- */
 
 static void whole_voxels_are_the_blob_carried_as_a_whole(void **state)
 {
@@ -347,8 +346,7 @@ static void halves_are_rounded(void **state)
     lf_scene_unref(b);
 }
 
-/* ------------------------------------------------------------------------------------ pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* A bright and thick blob, which glows. */
 #define LOOK                                                                                       \
@@ -488,8 +486,7 @@ static void the_number_of_threads_changes_nothing(void **state)
     lf_scene_unref(scene);
 }
 
-/* --------------------------------------------------------------------------------------- words --
- */
+/* ------------------------------------------------------------------------------------- words -- */
 
 static void what_is_no_velocity_is_refused_in_one_line(void **state)
 {

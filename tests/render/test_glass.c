@@ -3,9 +3,9 @@
  * from all of them instead of the visible ones. */
 #include "tests/testing.h"
 
-#include "render/transport/path.h"
+#include "render/transport/path/path.h"
 #include "render/transport/sampler.h"
-#include "render/transport/surface_glass.h"
+#include "render/transport/surface/surface_glass.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/fixture.h"
 
@@ -36,8 +36,7 @@ static lf_vec3 at_cosine(float cosine, float phi)
     return lf_v3(sine * cosf(phi), sine * sinf(phi), cosine);
 }
 
-/* -------------------------------------------------------------------------------- the textbook --
- */
+/* ------------------------------------------------------------------------------ the textbook -- */
 
 static double fresnel(double cos_o, double eta)
 {
@@ -86,8 +85,7 @@ static double walter(double alpha, double eta, const double o[3], const double i
            ggx(alpha, h[2]) * eta * eta / (d * d);
 }
 
-/* ------------------------------------------------------------------------------------ the lobe --
- */
+/* ---------------------------------------------------------------------------------- the lobe -- */
 
 /* But for one factor a direction, which makes good what further facets would bring. */
 static void what_is_refracted_follows_walter(void **state)
@@ -359,8 +357,7 @@ static void fans_answer_as_single_directions_do(void **state)
     assert_true(compared > 1000);
 }
 
-/* ------------------------------------------------------------------------------------ the slab --
- */
+/* ---------------------------------------------------------------------------------- the slab -- */
 
 typedef struct walk {
     uint64_t n;

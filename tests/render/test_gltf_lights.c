@@ -2,7 +2,7 @@
  * much they shine, when they shine at all. */
 #include "tests/testing.h"
 
-#include "render/load/file_lights.h"
+#include "render/import/scene/file_lights.h"
 #include "tests/render/walker.h"
 #include "tests/stat/fixture.h"
 

@@ -339,8 +339,7 @@ static void what_is_unlit_emits_the_colours_of_its_vertices(void **state)
     lf_mesh_data_finish(&data);
 }
 
-/* ------------------------------------------------------------------------------------- textures --
- */
+/* ---------------------------------------------------------------------------------- textures -- */
 
 static void textures_lie_as_they_are_told(void **state)
 {
@@ -479,8 +478,7 @@ static void colours_of_vertices_make_white_of_no_material(void **state)
     lf_mesh_data_finish(&data);
 }
 
-/* ------------------------------------------------------------------------------------- tangents --
- */
+/* ---------------------------------------------------------------------------------- tangents -- */
 
 #define BUMPY                                                                                      \
     "'materials':[{'normalTexture':{'index':0}}],'textures':[{'source':0}],"                       \

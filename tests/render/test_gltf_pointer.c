@@ -3,9 +3,7 @@
 #include "tests/formats.h"
 #include "tests/render/pointed.h"
 
-/* ------------------------------------------------------------------------------- the page's rows
- * --
- */
+/* --------------------------------------------------------------------------- the page's rows -- */
 
 typedef void look_fn(const lf_mesh_data *data, double out[4]);
 
@@ -214,8 +212,7 @@ static void look_weight(const lf_mesh_data *data, double out[4])
         pointer, "ignored", check_unused, NULL                                                     \
     }
 
-/* ---------------------------------------------------------------------------------- transforms --
- */
+/* -------------------------------------------------------------------------------- transforms -- */
 
 /* After a quarter of a second: a texture is turned by 0.25, or lies at or is stretched by
  * (0.25, 0.5). */
@@ -386,8 +383,7 @@ static void pointers_move_what_the_page_says(void **state)
     lf_formats_walk("gltf-pointers.md", "Animation pointers", rows, sizeof rows / sizeof *rows);
 }
 
-/* ------------------------------------------------------------------------------- interpolation --
- */
+/* ----------------------------------------------------------------------------- interpolation -- */
 
 /* Keys at 1, 2 and 4 s of a colour: v; with tangents where they are cubic, which are a of each key
  * and b. */
@@ -506,9 +502,7 @@ static void whole_numbers_are_converted_before_they_are_interpolated(void **stat
     }
 }
 
-/* --------------------------------------------------------------------------- with other channels
- * --
- */
+/* ----------------------------------------------------------------------- with other channels -- */
 
 /* A node's own channel moves it along x, a pointer bends it and another turns a joint. */
 static void pointers_go_with_channels_that_name_nodes(void **state)

@@ -2,7 +2,7 @@
  * its nodes and lights are blurred while the shutter is open. */
 #include "tests/render/pointed.h"
 
-#include "render/load/file_lights.h"
+#include "render/import/scene/file_lights.h"
 #include "render/scene/geometry.h"
 #include "tests/stat/fixture.h"
 

@@ -47,8 +47,7 @@ static lf_mesh_data read_one(gltf_text *text, const char *attributes, const char
     return gltf_read(text, all);
 }
 
-/* ------------------------------------------------------------------------------------ accessors --
- */
+/* --------------------------------------------------------------------------------- accessors -- */
 
 static void quantised_positions_and_normalised_attributes_are_what_they_mean(void **state)
 {
@@ -228,8 +227,7 @@ static void what_is_packed_badly_is_refused(void **state)
                         "EXT_meshopt_compression");
 }
 
-/* ---------------------------------------------------------------------------------------- nodes --
- */
+/* ------------------------------------------------------------------------------------- nodes -- */
 
 static void nodes_stand_where_their_parents_and_matrices_say(void **state)
 {
@@ -339,8 +337,7 @@ static void smooth_normals_go_over_seams_of_textures(void **state)
     lf_mesh_data_finish(&data);
 }
 
-/* ------------------------------------------------------------------------------- what is moved --
- */
+/* ----------------------------------------------------------------------------- what is moved -- */
 
 static const float up[9] = {0, 0, 0, 0, 0, 0, 0, 4, 0};
 
@@ -432,9 +429,7 @@ static void vertices_follow_their_bones(void **state)
     lf_mesh_data_finish(&data);
 }
 
-/* --------------------------------------------------------------------------------- what is refused
- * --
- */
+/* --------------------------------------------------------------------------- what is refused -- */
 
 #define ONE_MESH "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]"
 

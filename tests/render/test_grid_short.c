@@ -4,7 +4,7 @@
 
 #include <float.h>
 
-#include "render/rows/kernel.h"
+#include "render/plane/kernel.h"
 #include "tests/render/grids.h"
 
 enum { SIDE = 32, HALVES = 0x7c00 }; /* finite halves that are not negative: SIDE^3 has room */

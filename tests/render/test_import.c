@@ -7,11 +7,11 @@
 #include <sys/wait.h>
 
 #include "base/alloc.h"
-#include "base/import/raster.h"
+#include "base/sandbox/raster.h"
 #include "base/thread.h"
-#include "render/load/file_identity.h"
-#include "render/load/mesh_import.h"
-#include "render/load/vdb_import.h"
+#include "render/import/scene/file_identity.h"
+#include "render/import/scene/mesh_import.h"
+#include "render/import/scene/vdb_import.h"
 #include "render/scene/scene.h"
 #include "tests/base/pictures.h"
 #include "tests/render/fake_reader.h"
@@ -25,8 +25,7 @@
 
 static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/* -------------------------------------------------------------------------------- other readers --
- */
+/* ----------------------------------------------------------------------------- other readers -- */
 
 static lf_status import_with(const char *folder, const char *mode, int material, lf_mesh_data *out,
                              lf_error *err)
@@ -347,8 +346,7 @@ static void a_reader_that_hangs_is_ended_when_its_time_is_over(void **state)
     lf_import_limit(0, LF_IMPORT_SECONDS);
 }
 
-/* ---------------------------------------------------------------------------------- its rights --
- */
+/* -------------------------------------------------------------------------------- its rights -- */
 
 static void a_reader_starts_with_the_socket_and_the_file_alone(void **state)
 {
@@ -425,8 +423,7 @@ static void a_reader_ends_with_whoever_asked(void **state)
     assert_false(is_alive(reader));
 }
 
-/* ------------------------------------------------------------------------------- real readers --
- */
+/* ------------------------------------------------------------------------------ real readers -- */
 
 typedef struct concurrent {
     const char *folder;

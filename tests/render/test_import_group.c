@@ -2,9 +2,9 @@
  * one limit of time holds for all. This program is its own reader, too (fake_reader.h). */
 #include "tests/testing.h"
 
-#include "base/import/import_group.h"
+#include "base/sandbox/import_group.h"
 #include "base/thread.h"
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "render/scene/embree_commit.h"
 #include "render/scene/placed.h"
 #include "render/scene/scene.h"
@@ -235,8 +235,7 @@ static void velocities_are_read_once(void **state)
     lf_test_folder_remove(folder);
 }
 
-/* ------------------------------------------------------------------------------- limit of time --
- */
+/* ----------------------------------------------------------------------------- limit of time -- */
 
 /* A second is gone when the second file is begun, whatever the machine. */
 static void what_one_file_takes_the_next_has_not(void **state)
@@ -279,8 +278,7 @@ static void the_limit_is_that_of_all_files_together(void **state)
     lf_test_folder_remove(folder);
 }
 
-/* ------------------------------------------------------------------------------------- the end --
- */
+/* ----------------------------------------------------------------------------------- the end -- */
 
 typedef struct ending {
     const char *folder;

@@ -10,7 +10,7 @@
 #include <sys/file.h>
 #include <sys/wait.h>
 
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SANITIZED true
@@ -20,8 +20,7 @@
 
 enum { MIB = 1 << 20 };
 
-/* ------------------------------------------------------------------------------------ as reader --
- */
+/* --------------------------------------------------------------------------------- as reader -- */
 
 /* Notes what it may have, in MiB, and gets on with no less than `needed`. One that has the whole is
  * alone: others hold a lock that it cannot have. */
@@ -87,8 +86,7 @@ static int read_as_told(void)
     take_share(&request, mode);
 }
 
-/* ------------------------------------------------------------------------------------- as asker --
- */
+/* ---------------------------------------------------------------------------------- as asker -- */
 
 /* From here on files in the folder are read by this program, as mode says; NULL: by quiltimport. */
 static void use_reader(const char *folder, const char *mode)
@@ -207,8 +205,7 @@ static void what_has_the_whole_is_alone(void **state)
     lf_import_limit(0, 120);
 }
 
-/* --------------------------------------------------------------------------------------- rights --
- */
+/* ------------------------------------------------------------------------------------ rights -- */
 
 /* The bounding set can be lowered by whoever may set capabilities. */
 static bool may_set_capabilities(void)
@@ -254,8 +251,7 @@ static void memory_and_the_memory_file_are_not_twice_the_limit(void **state)
     assert_int_equal(in_file, 100 * MIB);
 }
 
-/* ------------------------------------------------------------------------------------- Landlock --
- */
+/* ---------------------------------------------------------------------------------- Landlock -- */
 
 /* As readers find it. */
 static lf_landlock landlock_here(void)

@@ -2,7 +2,7 @@
  * there, and what fills it is then a volume of its shape. */
 #include "tests/testing.h"
 
-#include "render/transport/interior.h"
+#include "render/transport/path/interior.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 

@@ -2,7 +2,7 @@
  * is. */
 #include "tests/testing.h"
 
-#include "render/load/keyframes.h"
+#include "render/import/scene/keyframes.h"
 #include "render/scene/geometry.h"
 #include "tests/stat/fixture.h"
 

@@ -4,8 +4,8 @@
 
 #include "base/alloc.h"
 #include "render/scene/geometry.h"
-#include "render/transport/light_kind.h"
-#include "render/transport/path.h"
+#include "render/transport/light/light_kind.h"
+#include "render/transport/path/path.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
@@ -218,8 +218,7 @@ static void facets_lose_no_area(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------ pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 static void render(const char *text, const char *integrator, int cycles, float out[values])
 {
@@ -312,8 +311,7 @@ static void a_back_lights_nothing_and_mirrors_show_it_black(void **state)
         }
 }
 
-/* ---------------------------------------------------------------------------- looking through --
- */
+/* --------------------------------------------------------------------------- looking through -- */
 
 /* The camera looks down through a rectangle at the ground that it lights: albedo / pi times
  * Lambert's formula, in the mean over blocks. Where the rectangle is seen the ground is dark. */
@@ -412,8 +410,7 @@ static void a_light_out_of_sight_may_as_well_be_hidden(void **state)
     assert_memory_equal(seen, hidden, sizeof seen);
 }
 
-/* -------------------------------------------------------------------------------------- scenes --
- */
+/* ------------------------------------------------------------------------------------ scenes -- */
 
 #define SHARED(more)                                                                               \
     "{ 'meshes': { 'm': { 'shape': 'cube' } }, 'lights': { 'p': { 'type': 'point' }, 'l': { "      \

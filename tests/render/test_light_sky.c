@@ -3,9 +3,9 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "render/transport/daylight.h"
-#include "render/transport/light_kind.h"
-#include "render/transport/path.h"
+#include "render/transport/light/daylight.h"
+#include "render/transport/light/light_kind.h"
+#include "render/transport/path/path.h"
 #include "tests/stat/fixture.h"
 
 #define DEGREES (M_PI / 180.0)

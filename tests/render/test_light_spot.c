@@ -3,8 +3,8 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "render/transport/light_kind.h"
-#include "render/transport/path.h"
+#include "render/transport/light/light_kind.h"
+#include "render/transport/path/path.h"
 #include "tests/stat/fixture.h"
 
 static const struct {

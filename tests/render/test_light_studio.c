@@ -2,7 +2,7 @@
  * and scaled as the keys say, and a white card in it is as bright as it is to be. */
 #include "tests/testing.h"
 
-#include "render/transport/light_kind.h"
+#include "render/transport/light/light_kind.h"
 #include "tests/stat/fixture.h"
 
 #define DEGREES (M_PI / 180.0)

@@ -6,7 +6,7 @@
  * another share or g is rejected. */
 #include "tests/testing.h"
 
-#include "render/transport/phase.h"
+#include "render/transport/path/phase.h"
 #include "render/transport/sampler.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/fixture.h"

@@ -2,7 +2,7 @@
  * corners; and what is wrong with those that are not whole, in words. */
 #include "tests/testing.h"
 
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "render/scene/vec_double.h"
 #include "tests/base/spoiled.h"
 
@@ -44,8 +44,7 @@ static lf_status read_file(const char *folder, const char *name, const text *con
     return lf_mesh_import(&desc, folder, NULL, out, err);
 }
 
-/* ---------------------------------------------------------------------------------------- cube --
- */
+/* -------------------------------------------------------------------------------------- cube -- */
 
 static const int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                 {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
@@ -99,8 +98,7 @@ static void assert_says(const char *folder, const char *name, const text *conten
     lf_mesh_data_finish(&data);
 }
 
-/* ----------------------------------------------------------------------------------------- PLY --
- */
+/* --------------------------------------------------------------------------------------- PLY -- */
 
 typedef enum encoding { TEXT, LITTLE, BIG } encoding;
 
@@ -326,8 +324,7 @@ static void ply_that_is_cut_off_is_refused_at_every_byte(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------------------- STL --
- */
+/* --------------------------------------------------------------------------------------- STL -- */
 
 static void make_text_stl(text *to, const char *ends)
 {
@@ -424,8 +421,7 @@ static void a_header_may_end_its_lines_by_carriage_returns(void **state)
     assert_cube(*state, "a.ply", &content);
 }
 
-/* ----------------------------------------------------------------------------------------- OBJ --
- */
+/* --------------------------------------------------------------------------------------- OBJ -- */
 
 static void a_missing_library_hides_no_error(void **state)
 {

@@ -6,8 +6,7 @@
 #define BINARY(name, verdict, ...) {name, verdict, binary_row, &(const binary_said){__VA_ARGS__}}
 /* clang-format on */
 
-/* ----------------------------------------------------------------------------------------- OBJ --
- */
+/* --------------------------------------------------------------------------------------- OBJ -- */
 
 #define V "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\n"
 #define F "f 1 2 3 4\n"
@@ -99,8 +98,7 @@ static const lf_format_row obj_rows[] = {
     REFUSED("UTF-16", "\xff\xfev", "is UTF-16 text; save it as UTF-8"),
 };
 
-/* ----------------------------------------------------------------------------------------- MTL --
- */
+/* --------------------------------------------------------------------------------------- MTL -- */
 
 #define M "newmtl m\nKd 0.2 0.3 0.4\n"
 #define SHINY M "Ks 0.5 0.5 0.5\nNs 50\n"
@@ -191,8 +189,7 @@ static const lf_format_row mtl_rows[] = {
     REFUSED("UTF-16", "\xff\xfen", "said.mtl: is UTF-16 text; save it as UTF-8"),
 };
 
-/* ----------------------------------------------------------------------------------------- PLY --
- */
+/* --------------------------------------------------------------------------------------- PLY -- */
 
 #define PLY "ply\nformat ascii 1.0\n"
 #define XYZ "property float x\nproperty float y\nproperty float z\n"
@@ -365,8 +362,7 @@ static const lf_format_row ply_rows[] = {
     REFUSED("UTF-16", "\xff\xfep", "is UTF-16 text; save it as UTF-8"),
 };
 
-/* ----------------------------------------------------------------------------------------- STL --
- */
+/* --------------------------------------------------------------------------------------- STL -- */
 
 #define FACET(v) "facet normal 0 0 1\nouter loop\n" v "endloop\nendfacet\n"
 #define A "vertex 0 0 0\nvertex 2 0 0\nvertex 2 3 0\n"

@@ -1,7 +1,7 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "render/scene/geometry.h"
 #include "render/scene/scene.h"
 #include "tests/stat/fixture.h"

@@ -10,9 +10,9 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#include "base/import/raster.h"
-#include "render/load/mesh_import.h"
-#include "render/load/vdb_import.h"
+#include "base/sandbox/raster.h"
+#include "render/import/scene/mesh_import.h"
+#include "render/import/scene/vdb_import.h"
 #include "render/scene/scene.h"
 #include "tests/base/spoiled.h"
 
@@ -20,8 +20,7 @@ enum { CUTS = 50, EDITS = 100 };
 
 static const uint64_t most_memory = (uint64_t)512 << 20;
 
-/* ------------------------------------------------------------------------------------- reading --
- */
+/* ----------------------------------------------------------------------------------- reading -- */
 
 static lf_status read_volume(const char *path, lf_error *err)
 {

@@ -1,10 +1,10 @@
-/* The reference estimator mvpt2022 (render/general/general.h): by all six shifts, and by the
+/* The reference estimator mvpt2022 (render/papers/general.h): by all six shifts, and by the
  * selections that are consistent, its three answers are those of vpt, tile by tile, and E[W] = n;
  * with the selection as printed they are off by what the theory says. Replicates are seeds. */
 #include "tests/testing.h"
 
-#include "render/general/null_chain.h"
-#include "render/general/selection.h"
+#include "render/papers/null_chain.h"
+#include "render/papers/selection.h"
 #include "tests/render/grids.h"
 #include "tests/render/papers.h"
 
@@ -164,7 +164,7 @@ static void mwis_is_consistent(void **state)
     lf_renderer_destroy(r);
 }
 
-/* ----------------------------------------------------------------------------------- chains -- */
+/* ------------------------------------------------------------------------------------ chains -- */
 
 /* exp(-int extinction), by the midpoint rule. */
 static double transmittance(lf_media_path *path, double length)
@@ -230,7 +230,7 @@ static void mismvpt_is_algorithm_1(void **state)
     lf_error err = {0};
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "mismvpt knows no selections");
-    settings.selection = 0;
+    settings.choices.of[LF_PAPERS_SELECTION] = 0;
     lf_assert_ok(lf_renderer_restart(r, fog, &settings, &err), &err);
     lf_test_passes(r, 3);
     for (int e = 0; lf_estimator_name(e); e++) {
@@ -271,10 +271,10 @@ static void what_it_does_not_know_is_refused(void **state)
     lf_renderer *r = lf_test_renderer(fog, "vpt", width, height, NULL);
     lf_render_settings settings = *lf_renderer_settings(r);
     lf_error err = {0};
-    settings.shift = 1;
+    settings.choices.of[LF_PAPERS_SHIFT] = 1;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "vpt knows no shifts");
-    settings.shift = 0;
+    settings.choices.of[LF_PAPERS_SHIFT] = 0;
     settings.integrator = "mvpt2022";
     settings.features = true;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
@@ -288,8 +288,7 @@ static void what_it_does_not_know_is_refused(void **state)
     lf_renderer_destroy(r);
 }
 
-/* ------------------------------------------------------------------- the selection as printed --
- */
+/* ------------------------------------------------------------------ the selection as printed -- */
 
 enum { many = 45, slab_width = 12, slab_height = 4, first_column = 4, end_column = 8 };
 #define SLAB_G 0.9
@@ -409,6 +408,7 @@ static void total_variation_is_off_by_what_theory_says(void **state)
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shared_chains_agree_with_vpt),
         cmocka_unit_test(mwis_is_consistent),

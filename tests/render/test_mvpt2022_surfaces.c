@@ -100,6 +100,7 @@ static void weights_come_to_samples(void **state)
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces_agree_with_vpt),
         cmocka_unit_test(weights_come_to_samples),

@@ -4,7 +4,7 @@
 #include "tests/testing.h"
 
 #include "render/scene/vec_double.h"
-#include "render/transport/path.h"
+#include "render/transport/path/path.h"
 #include "tests/stat/fixture.h"
 
 #define GLASS "'type': 'principled', 'albedo': 1, 'transmission': 1, "
@@ -33,7 +33,7 @@ static void look(lf_scene *scene, lf_vec3 o, lf_vec3 w, int n, light *out)
     }
 }
 
-/* ------------------------------------------------------------------------------ flat layers -- */
+/* ------------------------------------------------------------------------------- flat layers -- */
 
 /* Reflectance from the front and from behind, and transmittance. */
 typedef struct layer {
@@ -188,7 +188,7 @@ static void solids_may_stand_side_by_side(void **state)
     lf_scene_unref(scene);
 }
 
-/* ------------------------------------------------------------------------------------ Snell -- */
+/* ------------------------------------------------------------------------------------- Snell -- */
 
 /* Along the refracted ray to each of the four faces. */
 static void rays_bend_by_what_is_on_both_sides(void **state)
@@ -215,8 +215,7 @@ static void rays_bend_by_what_is_on_both_sides(void **state)
     lf_scene_unref(scene);
 }
 
-/* -------------------------------------------------------------------------------- brute force --
- */
+/* ------------------------------------------------------------------------------- brute force -- */
 
 typedef struct box {
     double half[3], middle[3], turn; /* about y, degrees */
@@ -421,8 +420,7 @@ static void boxes_look_as_brute_force_has_them(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------------- pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 enum { width = 32, height = 24, n_views = 2, tile = 8, blocks_of_all = n_views * 12 + 1 };
 

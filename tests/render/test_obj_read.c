@@ -5,8 +5,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "base/reader/reader.h"
-#include "render/reader/mesh_read.h"
+#include "base/sandbox/reader.h"
+#include "render/import/reader/mesh_read.h"
 #include "render/scene/vec_double.h"
 
 #define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
@@ -255,7 +255,7 @@ static void another_group_begins_a_part(void **state)
     lf_soup_finish(&other);
 }
 
-/* ------------------------------------------------------------------------------- materials -- */
+/* --------------------------------------------------------------------------------- materials -- */
 
 static void roughness_alone_makes_no_metal(void **state)
 {

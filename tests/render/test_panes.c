@@ -3,7 +3,7 @@
  * natively and each view alone. */
 #include "tests/testing.h"
 
-#include "render/transport/surface.h"
+#include "render/transport/surface/surface.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 

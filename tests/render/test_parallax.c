@@ -2,8 +2,8 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
+#include "render/plane/rig.h"
 #include "render/render.h"
-#include "render/rows/rig.h"
 
 enum { VIEWS = 9, WIDTH = 120, HEIGHT = 40 };
 

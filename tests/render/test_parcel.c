@@ -1,7 +1,7 @@
 /* What a reader hands over: sealed memory of sections, taken whole or not at all. */
 #include "tests/testing.h"
 
-#include "render/load/mesh_take.h"
+#include "render/import/scene/mesh_take.h"
 #include "tests/render/fake_reader.h"
 
 static void a_parcel_holds_what_was_put_into_it(void **state)

@@ -28,8 +28,7 @@ static void move(lf_renderer *r, double degrees, uint64_t seed)
     lf_assert_ok(lf_renderer_restart(r, lf_renderer_scene(r), &s, NULL), NULL);
 }
 
-/* ------------------------------------------------------------------------------------- places --
- */
+/* ------------------------------------------------------------------------------------ places -- */
 
 static lf_rig rig_of(const lf_render_settings *settings)
 {
@@ -216,8 +215,7 @@ static void what_is_recalled_is_what_was_known_of_the_place(void **state)
     lf_renderer_destroy(r);
 }
 
-/* --------------------------------------------------------------------------------------- gain --
- */
+/* -------------------------------------------------------------------------------------- gain -- */
 
 /* Of the rows of a coarse frame. */
 static double coarse_error(lf_renderer *r, const float *truth)
@@ -418,8 +416,7 @@ static void nothing_of_it_is_left_in_the_complete_frame(void **state)
     lf_renderer_destroy(r);
 }
 
-/* --------------------------------------------------------------------------------------- life --
- */
+/* -------------------------------------------------------------------------------------- life -- */
 
 static void the_past_is_of_the_same_scene_and_outlives_what_was_cut_short(void **state)
 {

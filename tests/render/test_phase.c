@@ -1,6 +1,6 @@
 #include "tests/testing.h"
 
-#include "render/transport/phase.h"
+#include "render/transport/path/phase.h"
 #include "render/transport/sampler.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/stat.h"

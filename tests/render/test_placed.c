@@ -2,7 +2,7 @@
  * find in copies, which share no code with it; places turned, stretched, sheared and mirrored. */
 #include "tests/testing.h"
 
-#include "render/rows/section_rays.h"
+#include "render/plane/section_rays.h"
 #include "tests/render/placed.h"
 #include "tests/stat/scenes.h"
 
@@ -48,8 +48,7 @@ static lf_scene *scene_of(const char *shape, const char *material, bool copies, 
     return lf_test_scene(text);
 }
 
-/* --------------------------------------------------------------------------------------- rays --
- */
+/* -------------------------------------------------------------------------------------- rays -- */
 
 /* Of both scenes the ground is mesh 0. */
 static bool same_place(const lf_scene *placed, const lf_hit *a, const lf_scene *copies,

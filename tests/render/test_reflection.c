@@ -222,8 +222,7 @@ static void what_is_reflected_is_not_among_the_lights_of_shadows(void **state)
     lf_assert_close(t.shadow, 1.0, 1e-6, 0);
 }
 
-/* ------------------------------------------------------------------------ as an ordinary mesh --
- */
+/* ----------------------------------------------------------------------- as an ordinary mesh -- */
 
 /* A lamp and a ball on a floor under a black sky: all light of the floor is the things'. */
 #define ON_IT(views, what, backdrop, material, more)                                               \

@@ -1,13 +1,14 @@
-/* The reference estimators restir and mvrestir (render/general/restir.h). Reservoirs in closed
+/* The reference estimators restir and mvrestir (render/papers/restir.h). Reservoirs in closed
  * form: weights of a toy, shares, the biased shortcut; its depths; its pictures by all kinds of
  * reuse are those of vpt tile by tile, and with the shortcut they are dark beside an edge by what
  * the theory says. Replicates are seeds. */
 #include "tests/testing.h"
 
-#include "render/general/coarse_grid.h"
-#include "render/general/depth.h"
-#include "render/general/reservoir.h"
-#include "render/general/reuse.h"
+#include "render/papers/coarse_grid.h"
+#include "render/papers/papers.h"
+#include "render/papers/reservoir.h"
+#include "render/papers/reuse.h"
+#include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 
@@ -50,13 +51,13 @@ static lf_renderer *renderer_of(lf_scene *scene, const char *integrator, int w, 
     lf_render_settings settings = *lf_renderer_settings(r);
     settings.integrator = integrator;
     settings.max_depth = max_depth;
-    settings.reuse = index_of(lf_reuse_name, reuse);
-    settings.weights = index_of(lf_reuse_weights_name, weights);
+    settings.choices.of[LF_PAPERS_REUSE] = index_of(lf_reuse_name, reuse);
+    settings.choices.of[LF_PAPERS_WEIGHTS] = index_of(lf_reuse_weights_name, weights);
     lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
     return r;
 }
 
-/* ------------------------------------------------------------------------------- reservoirs -- */
+/* -------------------------------------------------------------------------------- reservoirs -- */
 
 /* Streams of a line of numbers 0..9, each of which finds part of them, and a function of them. */
 enum { numbers = 10, streams = 3, candidates = 4 };
@@ -311,8 +312,7 @@ static void pictures_do_not_depend_on_the_number_of_threads(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------- the shortcut --
- */
+/* ------------------------------------------------------------------------------ the shortcut -- */
 
 enum { wide = 32, low = 4, edge = wide / 2, reach = 10, neighbours = 3 };
 
@@ -406,7 +406,7 @@ static void what_it_does_not_know_is_refused(void **state)
     lf_renderer *r = lf_test_renderer(fog, "vpt", width, height, NULL);
     lf_render_settings settings = *lf_renderer_settings(r);
     lf_error err = {0};
-    settings.reuse = 1;
+    settings.choices.of[LF_PAPERS_REUSE] = 1;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "vpt knows no reuse of reservoirs");
     settings.integrator = "restir";
@@ -417,13 +417,13 @@ static void what_it_does_not_know_is_refused(void **state)
     settings.features = true;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     settings.features = false;
-    settings.reuse = index_of(lf_reuse_name, "vertices");
-    settings.weights = LF_REUSE_BIASED;
+    settings.choices.of[LF_PAPERS_REUSE] = index_of(lf_reuse_name, "vertices");
+    settings.choices.of[LF_PAPERS_WEIGHTS] = LF_REUSE_BIASED;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "--reuse vertices has no biased weights: without its balance "
                                   "they have a pole");
-    settings.weights = LF_REUSE_UNBIASED;
-    settings.reuse = 0;
+    settings.choices.of[LF_PAPERS_WEIGHTS] = LF_REUSE_UNBIASED;
+    settings.choices.of[LF_PAPERS_REUSE] = 0;
     settings.width = settings.height = 4096;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "reservoirs of 2 views of 4096x4096 would take more than 2 GiB: "
@@ -437,6 +437,7 @@ static void what_it_does_not_know_is_refused(void **state)
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weights_of_a_toy_have_closed_means),
         cmocka_unit_test(shares_are_a_partition),

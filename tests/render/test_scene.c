@@ -2,10 +2,10 @@
 
 #include "base/alloc.h"
 #include "base/image_io.h"
-#include "render/load/json_reader.h"
+#include "render/import/scene/json_reader.h"
 #include "render/scene/geometry.h"
 #include "render/scene/scene.h"
-#include "render/transport/light_kind.h"
+#include "render/transport/light/light_kind.h"
 
 static json_t *parse(const char *text)
 {

@@ -4,9 +4,9 @@
 
 #include <ctype.h>
 
-#include "render/load/member_read.h"
-#include "render/load/mesh_shape.h"
-#include "render/transport/light_kind.h"
+#include "render/import/scene/member_read.h"
+#include "render/import/scene/mesh_shape.h"
+#include "render/transport/light/light_kind.h"
 
 static json_t *schema;
 

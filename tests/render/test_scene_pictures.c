@@ -3,9 +3,9 @@
  */
 #include "tests/testing.h"
 
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "render/scene/geometry.h"
-#include "render/transport/surface.h"
+#include "render/transport/surface/surface.h"
 #include "tests/base/pictures.h"
 #include "tests/stat/fixture.h"
 
@@ -76,8 +76,7 @@ static double light_of(int code)
     return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4);
 }
 
-/* ------------------------------------------------------------------------------- closed forms --
- */
+/* ------------------------------------------------------------------------------ closed forms -- */
 
 static void a_texel_is_seen_as_its_albedo_times_the_light(void **state)
 {
@@ -239,7 +238,7 @@ static void shapes_wear_pictures_the_right_way_round(void **state)
     }
 }
 
-/* ---------------------------------------------------------------- the same said another way -- */
+/* ----------------------------------------------------------------- the same said another way -- */
 
 #define SQUARE "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 1 0\n"
 #define LEFT "usemtl left\nf 1/1/1 2/2/1 4/4/1\n"
@@ -396,8 +395,7 @@ static void colours_of_vertices_are_of_the_files_materials(void **state)
     free(clay);
 }
 
-/* ------------------------------------------------------------------------------------ patches --
- */
+/* ----------------------------------------------------------------------------------- patches -- */
 
 static lf_scene *patched(const char *folder, const char *material, const lf_scene *previous)
 {
@@ -467,8 +465,7 @@ static void a_picture_that_changes_is_read_again(void **state)
     lf_scene_unref(same);
 }
 
-/* ----------------------------------------------------------------------------------- refusals --
- */
+/* ---------------------------------------------------------------------------------- refusals -- */
 
 /* By roots, at this pointer, in words that hold these. */
 static void assert_refused(const char *folder, const char *text, const char *pointer,

@@ -3,7 +3,7 @@
  * huge. */
 #include "tests/testing.h"
 
-#include "render/rows/section.h"
+#include "render/plane/section.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 

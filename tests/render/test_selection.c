@@ -1,8 +1,8 @@
-/* Which views share a prefix (render/general/selection.h): how often, what weights add up to, and
+/* Which views share a prefix (render/papers/selection.h): how often, what weights add up to, and
  * how far the selection of the 2022 paper is off in its limit, exactly and by drawing. */
 #include "tests/testing.h"
 
-#include "render/general/selection.h"
+#include "render/papers/selection.h"
 #include "render/transport/sampler.h"
 #include "tests/stat/stat.h"
 

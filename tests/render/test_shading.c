@@ -2,8 +2,8 @@
  * the light and lets another straight through. */
 #include "tests/testing.h"
 
-#include "render/transport/path.h"
-#include "render/transport/surface_lobes.h"
+#include "render/transport/path/path.h"
+#include "render/transport/surface/surface_lobes.h"
 #include "tests/stat/fixture.h"
 
 static const float reflected = 0.25f, through = 0.6f;

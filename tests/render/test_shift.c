@@ -1,9 +1,9 @@
-/* The six mappings of null collisions (render/general/shift.h) as pure functions: Jacobians against
+/* The six mappings of null collisions (render/papers/shift.h) as pure functions: Jacobians against
  * finite differences, inverses and the chain rule, densities against the transmittances that they
  * stand for, the film's Jacobian; and mistakes, some of them printed, that these tests reject. */
 #include "tests/testing.h"
 
-#include "render/general/shift.h"
+#include "render/papers/shift.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/sampler.h"
 #include "tests/stat/stat.h"
@@ -188,7 +188,7 @@ static void shifts_compose(void **state)
     assert_true(both > 2 * pairs);
 }
 
-/* ------------------------------------------------------------------------------ densities -- */
+/* --------------------------------------------------------------------------------- densities -- */
 
 /* A ray whose media are a part of their majorant, in waves. */
 typedef struct medium {
@@ -372,7 +372,7 @@ static void rays_without_media(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------------- film -- */
+/* -------------------------------------------------------------------------------------- film -- */
 
 /* Where the ray from the lens to a point meets the plane z = 1 before the camera's middle. */
 static void project(const double lens[3], const double p[3], double film[3])

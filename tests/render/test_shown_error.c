@@ -118,7 +118,7 @@ static void rare_bright_paths_are_stated(void **state)
     lf_renderer_destroy(r);
 }
 
-/* ----------------------------------------------------------------------------- closed forms -- */
+/* ------------------------------------------------------------------------------ closed forms -- */
 
 /* Rows that differ in the variance alone, or in the bias alone, say as much against the estimate.
  */

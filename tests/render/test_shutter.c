@@ -9,8 +9,7 @@
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
-/* ------------------------------------------------------------------------------------- an edge --
- */
+/* ----------------------------------------------------------------------------------- an edge -- */
 
 enum { side = 24, edge_views = 3 };
 
@@ -382,8 +381,7 @@ static void flames_take_their_light_along(void **state)
     }
 }
 
-/* -------------------------------------------------------------------------------------- words --
- */
+/* ------------------------------------------------------------------------------------- words -- */
 
 static void the_number_of_threads_changes_nothing(void **state)
 {
@@ -560,8 +558,7 @@ static void what_has_keys_and_stands_still_is_told(void **state)
     lf_scene_unref(scene);
 }
 
-/* ------------------------------------------------------------------------------------- lamps --
- */
+/* ------------------------------------------------------------------------------------- lamps -- */
 
 /* What is drawn of lamps that shrink and stretch lies where rays of that moment find it, with the
  * pdf that they find. */

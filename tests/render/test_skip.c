@@ -7,7 +7,7 @@
 
 #include <limits.h>
 
-#include "render/rows/reach.h"
+#include "render/plane/reach.h"
 #include "render/skip.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"

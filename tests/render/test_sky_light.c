@@ -1,9 +1,9 @@
 /* What a sky makes of a normal: closed forms, brute force, and what the shown picture gains. */
 #include "tests/render/reconstruct_testing.h"
 
-#include "render/transport/light.h"
-#include "render/transport/sky_light.h"
-#include "render/transport/sunlight.h"
+#include "render/transport/light/light.h"
+#include "render/transport/light/sky_light.h"
+#include "render/transport/path/sunlight.h"
 
 #define HEAD "{'quiltd': 1, 'camera': {'position': [0, 1, 9], 'fov_y': 20, 'aspect': 1}, "
 #define LIT(lights)                                                                                \

@@ -1,8 +1,8 @@
-/* Sums that anybody may add to (render/general/splat.h): they do not depend on the order, what is
+/* Sums that anybody may add to (render/cameras/splat.h): they do not depend on the order, what is
  * less than a step counts in the mean, and what is too much is told. */
 #include "tests/testing.h"
 
-#include "render/general/splat.h"
+#include "render/cameras/splat.h"
 #include "render/transport/sampler.h"
 
 static void sums_do_not_depend_on_the_order(void **state)

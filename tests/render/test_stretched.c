@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-#include "render/load/mesh_doubles.h"
-#include "render/transport/light_kind.h"
-#include "render/transport/light_overlap.h"
+#include "render/import/scene/mesh_doubles.h"
+#include "render/transport/light/light_kind.h"
+#include "render/transport/path/light_overlap.h"
 #include "tests/stat/fixture.h"
 
 /* What Embree may have in hand when a query ends. */

@@ -7,8 +7,7 @@
 
 #include "tests/render/suffixes.h"
 
-/* ---------------------------------------------------------------------------------- functions --
- */
+/* --------------------------------------------------------------------------------- functions -- */
 
 static void functions_are_libm_s_within_rounding(void **state)
 {
@@ -58,8 +57,7 @@ static void random_numbers_are_even(void **state)
     assert_true(lf_p_mean(&beside, 0.0) > level);
 }
 
-/* --------------------------------------------------------------------------------------- bits --
- */
+/* -------------------------------------------------------------------------------------- bits -- */
 
 static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
 {
@@ -105,8 +103,7 @@ static void sixteen_bits_are_read_where_they_lie(void **state)
     drop_rig(&as_floats);
 }
 
-/* ------------------------------------------------------------------------------- closed forms --
- */
+/* ------------------------------------------------------------------------------ closed forms -- */
 
 static void nothing_is_lost_in_a_furnace(void **state)
 {
@@ -260,9 +257,7 @@ static void nothing_is_traced_without_a_light(void **state)
     drop_rig(&r);
 }
 
-/* ---------------------------------------------------------------------------- the mean of path.c
- * --
- */
+/* ------------------------------------------------------------------------ the mean of path.c -- */
 
 typedef struct means {
     lf_moments lanes, path;
@@ -325,8 +320,7 @@ static void the_mean_is_that_of_single_paths(void **state)
     }
 }
 
-/* -------------------------------------------------------------------------------------- queue --
- */
+/* ------------------------------------------------------------------------------------- queue -- */
 
 /* Of a small picture: pivots that may wait in the end. */
 static int64_t waiting(rig *r, float sigma, float albedo)
@@ -371,8 +365,7 @@ static void few_wait_where_paths_are_long(void **state)
     drop_rig(&r);
 }
 
-/* ------------------------------------------------------------------------------------- scenes --
- */
+/* ------------------------------------------------------------------------------------ scenes -- */
 
 static void a_field_is_kept_while_grid_and_light_stay(void **state)
 {

@@ -6,8 +6,8 @@
  * added to each mean is rejected. */
 #include "tests/render/suffixes.h"
 
-#include "render/transport/light_types.h"
-#include "render/transport/sky_lanes.h"
+#include "render/transport/lanes/sky_lanes.h"
+#include "render/transport/light/light_types.h"
 
 #define ALONE "'sky': { 'type': 'environment', 'radiance': 1 }"
 #define DARK "'sky': { 'type': 'environment', 'radiance': 0 }"
@@ -15,8 +15,7 @@
     "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [2, 1.7, 1.5], "    \
     "'angle': " angle " }"
 
-/* ------------------------------------------------------------------------------------ pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 typedef float (*texel_fn)(int x, int y, int channel);
 
@@ -77,7 +76,7 @@ static lf_scene *sky_scene(const char *text, float sigma, texel_fn texel)
     return scene;
 }
 
-/* ---------------------------------------------------------------------------- one direction --- */
+/* ----------------------------------------------------------------------------- one direction -- */
 
 static void turns_are_libm_s_within_rounding(void **state)
 {
@@ -211,8 +210,7 @@ static void disks_are_drawn_and_seen_as_one_by_one(void **state)
     }
 }
 
-/* --------------------------------------------------------------------------------------- bits --
- */
+/* -------------------------------------------------------------------------------------- bits -- */
 
 static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
 {
@@ -235,8 +233,7 @@ static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
         assert_same_bits(sky_scene(cases[i].lights, 25.0f, cases[i].sky), cases[i].has);
 }
 
-/* ------------------------------------------------------------------------------- closed forms --
- */
+/* ------------------------------------------------------------------------------ closed forms -- */
 
 /* 1, whether it is found at once, behind scattering or by light samples. */
 static void nothing_is_lost_in_a_furnace_under_a_picture(void **state)
@@ -267,9 +264,7 @@ static void nothing_is_lost_in_a_furnace_under_a_picture(void **state)
     drop_rig(&r);
 }
 
-/* ---------------------------------------------------------------------------- the mean of path.c
- * --
- */
+/* ------------------------------------------------------------------------ the mean of path.c -- */
 
 static void the_mean_under_pictures_is_that_of_single_paths(void **state)
 {
@@ -313,8 +308,7 @@ static void the_mean_under_pictures_is_that_of_single_paths(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------ pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 enum { width = 24, height = 18, tile = 12, replicates = 24 };
 
@@ -400,8 +394,7 @@ static void pictures_are_those_of_single_paths(void **state)
     lf_pool_destroy(pool);
 }
 
-/* ------------------------------------------------------------------------------------- scenes --
- */
+/* ------------------------------------------------------------------------------------ scenes -- */
 
 /* Like an even one it is never drawn. */
 static void a_black_picture_adds_nothing_to_the_sun(void **state)

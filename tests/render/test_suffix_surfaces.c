@@ -23,8 +23,7 @@
     "'type': 'diffuse', 'albedo': 0 }, 'made': { " made " } "
 #define PLAIN OF("'type': 'diffuse'")
 
-/* --------------------------------------------------------------------------------------- bits --
- */
+/* -------------------------------------------------------------------------------------- bits -- */
 
 static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
 {
@@ -121,8 +120,7 @@ static void films_are_the_same_for_any_number_of_threads(void **state)
     lf_scene_unref(scene);
 }
 
-/* ------------------------------------------------------------------------------- closed forms --
- */
+/* ------------------------------------------------------------------------------ closed forms -- */
 
 /* What arrives in the mean, in the second channel. */
 static lf_moments arriving(rig *r, uint64_t seed, int max_depth)
@@ -242,9 +240,7 @@ static void under_a_whole_roof_it_is_dark_whatever_the_control_says(void **state
     assert_true(lf_p_mean(&noisy, 0.02 * lit.mean) < level(0));
 }
 
-/* ---------------------------------------------------------------------------- the mean of path.c
- * --
- */
+/* ------------------------------------------------------------------------ the mean of path.c -- */
 
 static void the_mean_among_surfaces_is_that_of_single_paths(void **state)
 {
@@ -288,8 +284,7 @@ static void the_mean_among_surfaces_is_that_of_single_paths(void **state)
     }
 }
 
-/* ------------------------------------------------------------------------------------- scenes --
- */
+/* ------------------------------------------------------------------------------------ scenes -- */
 
 /* Of more meshes than boxes the last holds the rest; all of each is in one of them. */
 static void boxes_hold_all_meshes(void **state)

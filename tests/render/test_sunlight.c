@@ -2,9 +2,9 @@
  * disk, media take away what they do along rays; and all of it is what rays find. */
 #include "tests/testing.h"
 
-#include "render/transport/light_kind.h"
-#include "render/transport/sunlight.h"
-#include "render/transport/track.h"
+#include "render/transport/light/light_kind.h"
+#include "render/transport/path/sunlight.h"
+#include "render/transport/path/track.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 

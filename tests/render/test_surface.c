@@ -1,7 +1,7 @@
 #include "tests/testing.h"
 
 #include "render/transport/sampler.h"
-#include "render/transport/surface.h"
+#include "render/transport/surface/surface.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/stat.h"
 

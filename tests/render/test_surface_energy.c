@@ -5,9 +5,9 @@
 
 #include <complex.h>
 
-#include "render/transport/metal.h"
-#include "render/transport/surface_lobes.h"
-#include "render/transport/surface_sheen.h"
+#include "render/transport/surface/metal.h"
+#include "render/transport/surface/surface_lobes.h"
+#include "render/transport/surface/surface_sheen.h"
 
 /* ------------------------------------------------------------------------------------ oracle -- */
 
@@ -210,7 +210,7 @@ static void rough_metals_keep_their_colour(void **state)
     }
 }
 
-/* ----------------------------------------------------------------------------- principled -- */
+/* -------------------------------------------------------------------------------- principled -- */
 
 static lf_material layered(float metallic, float rough, float ior, float coat, float coat_rough)
 {

@@ -3,8 +3,8 @@
 #include "tests/testing.h"
 
 #include "base/calibration.h"
-#include "render/load/mesh_import.h"
-#include "render/load/places_import.h"
+#include "render/import/scene/mesh_import.h"
+#include "render/import/scene/places_import.h"
 #include "tests/base/spoiled.h"
 #include "tests/stat/fixture.h"
 
@@ -147,8 +147,7 @@ static const struct {
      read_calibration},
 };
 
-/* ------------------------------------------------------------------------------------ variants --
- */
+/* ---------------------------------------------------------------------------------- variants -- */
 
 static void put(written *out, const char *bytes, size_t n)
 {

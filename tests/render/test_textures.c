@@ -3,8 +3,8 @@
 #include "tests/testing.h"
 
 #include "base/image.h"
-#include "render/transport/surface.h"
-#include "render/transport/surface_texture.h"
+#include "render/transport/surface/surface.h"
+#include "render/transport/surface/surface_texture.h"
 #include "tests/stat/fixture.h"
 
 enum { SIDE = 16 };
@@ -67,8 +67,7 @@ static void undress(lf_scene *scene)
     lf_pyramid_finish(&dress.pyramid[0]);
 }
 
-/* ----------------------------------------------------------------------------------- pictures --
- */
+/* ---------------------------------------------------------------------------------- pictures -- */
 
 /* rgba must outlive it. */
 static lf_pyramid pyramid_of(int width, int height, uint8_t *rgba, lf_texels_use use)
@@ -281,8 +280,7 @@ static void edges_repeat_mirror_and_stay(void **state)
     lf_pyramid_finish(&p);
 }
 
-/* ------------------------------------------------------------------------------- in the picture --
- */
+/* ---------------------------------------------------------------------------- in the picture -- */
 
 enum { WIDTH = 24, HEIGHT = 20, VIEWS = 3, BLOCK = 8 };
 
@@ -361,8 +359,7 @@ static void a_poster_under_an_even_sky_shows_its_picture(void **state)
     }
 }
 
-/* -------------------------------------------------------------------------------------- veils --
- */
+/* ------------------------------------------------------------------------------------- veils -- */
 
 /* Black sheets one behind the other, of which a half and a quarter are there, before a sky of 1:
  * (1 - 1/2) (1 - 1/4) come through, from wherever one looks. */

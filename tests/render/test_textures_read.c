@@ -3,7 +3,7 @@
 #include "tests/testing.h"
 
 #include "base/file.h"
-#include "render/load/mesh_import.h"
+#include "render/import/scene/mesh_import.h"
 #include "tests/base/pictures.h"
 
 #define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
@@ -172,7 +172,7 @@ static void a_picture_of_several_materials_is_read_once_and_of_unused_ones_never
     lf_mesh_data_finish(&data);
 }
 
-/* ------------------------------------------------------------------------------- coverage -- */
+/* ---------------------------------------------------------------------------------- coverage -- */
 
 static void alpha_covers_where_the_library_says_so(void **state)
 {
@@ -218,7 +218,7 @@ static void a_mask_becomes_the_alpha_of_what_it_covers(void **state)
     lf_mesh_data_finish(&data);
 }
 
-/* ------------------------------------------------------------------------------- vertices -- */
+/* ---------------------------------------------------------------------------------- vertices -- */
 
 static void vertices_are_joined_by_their_coordinates_too(void **state)
 {
@@ -274,7 +274,7 @@ static void a_mesh_without_coordinates_has_no_pictures(void **state)
     lf_mesh_data_finish(&data);
 }
 
-/* ------------------------------------------------------------------------------- tangents -- */
+/* ---------------------------------------------------------------------------------- tangents -- */
 
 static const uint8_t flat_normals[12] = {128, 128, 255, 128, 128, 255, 128, 128, 255, 90, 160, 230};
 
@@ -375,7 +375,7 @@ static void a_gltf_file_does_without_pictures_that_are_not_to_be_had(void **stat
     }
 }
 
-/* ------------------------------------------------------------------------------- PLY, STL -- */
+/* ---------------------------------------------------------------------------------- PLY, STL -- */
 
 #define PLY_POINTS                                                                                 \
     "ply\nformat ascii 1.0\n%s"                                                                    \

@@ -2,6 +2,7 @@
  * either integrator. */
 #include "tests/testing.h"
 
+#include "render/papers/papers.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/scenes.h"
 
@@ -89,6 +90,7 @@ static void invariant_5_pictures_do_not_depend_on_the_number_of_threads(void **s
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(invariant_5_pictures_do_not_depend_on_the_number_of_threads),
     };

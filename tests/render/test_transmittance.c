@@ -4,8 +4,8 @@
 #include "tests/testing.h"
 
 #include "render/scene/grid.h"
+#include "render/transport/path/track.h"
 #include "render/transport/sampler.h"
-#include "render/transport/track.h"
 #include "tests/stat/stat.h"
 
 /* Bricks: 6 x 4 x 4. */

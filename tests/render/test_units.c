@@ -4,8 +4,8 @@
 
 #include "base/alloc.h"
 #include "base/file.h"
-#include "render/load/mesh_import.h"
-#include "render/transport/path.h"
+#include "render/import/scene/mesh_import.h"
+#include "render/transport/path/path.h"
 #include "tests/stat/fixture.h"
 
 enum { WIDTH = 12, HEIGHT = 10, VIEWS = 3, VALUES = 3 * VIEWS * WIDTH * HEIGHT };

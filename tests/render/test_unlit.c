@@ -2,7 +2,7 @@
  * what they send out. */
 #include "tests/testing.h"
 
-#include "render/transport/light.h"
+#include "render/transport/light/light.h"
 #include "render/transport/sampler.h"
 #include "tests/stat/fixture.h"
 

@@ -1,9 +1,10 @@
-/* Paths of a block of pixels (render/general/vertex_reuse.h): where a path of one pixel goes in
+/* Paths of a block of pixels (render/papers/vertex_reuse.h): where a path of one pixel goes in
  * another, with which Jacobian and for how much of the whole; and a furnace, whose pictures are
  * known, by blocks of columns and of views. */
 #include "tests/testing.h"
 
-#include "render/general/vertex_reuse.h"
+#include "render/papers/papers.h"
+#include "render/papers/vertex_reuse.h"
 #include "tests/render/grids.h"
 #include "tests/stat/scenes.h"
 
@@ -249,8 +250,9 @@ static void a_furnace_is_white(const char *text, const char *integrator, uint64_
     int found = 0;
     settings.integrator = integrator;
     settings.max_depth = 16;
-    for (settings.reuse = 0; strcmp(lf_reuse_name(settings.reuse), "vertices") != 0;)
-        settings.reuse++;
+    for (settings.choices.of[LF_PAPERS_REUSE] = 0;
+         strcmp(lf_reuse_name(settings.choices.of[LF_PAPERS_REUSE]), "vertices") != 0;)
+        settings.choices.of[LF_PAPERS_REUSE]++;
     lf_assert_ok(lf_renderer_restart(r, scene, &settings, NULL), NULL);
     lf_blocks_init(&seen, n_views, width, height, tile);
     for (int k = 0; k < 24; k++) {
@@ -289,6 +291,7 @@ static void furnaces_are_white_by_blocks_of_views(void **state)
 
 int main(void)
 {
+    lf_papers_add();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_path_goes_to_a_neighbour_with_its_jacobian),
         cmocka_unit_test(furnaces_are_white_by_blocks_of_columns),

@@ -26,8 +26,7 @@ static void columns_of(const char *text, int n_views, int cycles, double *out)
     lf_scene_unref(scene);
 }
 
-/* ------------------------------------------------------------------------------------- an edge --
- */
+/* ----------------------------------------------------------------------------------- an edge -- */
 
 #define DISTANCE 5.0
 #define FOV 20.0
@@ -96,8 +95,7 @@ static void the_window_stays_sharp(void **state)
     assert_true(worst_difference(DISTANCE, 8, 0) < 0.012);
 }
 
-/* ---------------------------------------------------------------------------------- up and down --
- */
+/* ------------------------------------------------------------------------------- up and down -- */
 
 /* The same edge lying on its side, and rows of a grid in the place of views: of one of three. */
 static double worst_of_rows(double z, double blur, double expected_blur, int row)
@@ -208,8 +206,7 @@ static void cells_of_own_windows_are_means_of_their_cameras(void **state)
     lf_scene_unref(scene);
 }
 
-/* ----------------------------------------------------------------------------- pinholes between --
- */
+/* -------------------------------------------------------------------------- pinholes between -- */
 
 /* Voxels far wider than the window behind it, and panes before them. Of three views the middle one,
  * or all, against the mean of so many of 45 pinhole views of the same rig, about each. */

@@ -5,7 +5,7 @@
 #include <fcntl.h>
 #include <jansson.h>
 
-#include "render/load/vdb_import.h"
+#include "render/import/scene/vdb_import.h"
 #include "render/scene/scene.h"
 
 /* Which grid of which file, and the words of a warning or an error. */
@@ -66,8 +66,7 @@ static int count_warnings(const said *s, const char *keys, const char *words, in
     return n;
 }
 
-/* ------------------------------------------------------------------------------------- checks --
- */
+/* ------------------------------------------------------------------------------------ checks -- */
 
 /* 4^3 voxels of 0.5, or of a row's own, and not a word. */
 static void is_used(const lf_format_row *row)

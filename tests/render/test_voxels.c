@@ -1,7 +1,7 @@
 /* Voxels with edges are cut exactly: depths, collisions, weights, and the picture of a box. */
 #include "tests/testing.h"
 
-#include "render/rows/voxels.h"
+#include "render/plane/voxels.h"
 #include "render/transport/sampler.h"
 #include "tests/render/grids.h"
 

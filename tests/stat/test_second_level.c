@@ -10,9 +10,9 @@
  * QUILTD_LONG it prints that table. */
 #include "tests/testing.h"
 
-#include "render/transport/phase.h"
+#include "render/transport/path/phase.h"
+#include "render/transport/path/track.h"
 #include "render/transport/sampler.h"
-#include "render/transport/track.h"
 #include "tests/stat/stat.h"
 
 enum { PASSES = 45, MAX_COLUMNS = 64, MAX_GROUP = 64 };

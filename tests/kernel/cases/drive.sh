@@ -18,7 +18,7 @@ settings() {
 # A process of a user, for whom polkit is asked.
 holder() { # user
     setpriv --reuid "$1" --regid "$(id -g "$1")" --clear-groups sleep 3000 &
-    within 20 owned "$1" $!
+    within 60 owned "$1" $!
 }
 owned() { [ "$(stat -c %U "/proc/$2")" = "$1" ]; } # user, process
 # What polkit says to it when root asks in udisks2's place.

@@ -10,7 +10,7 @@ same() { cmp "$RESULTS/$1.ppm" "$RESULTS/$2.ppm"; }
 differs() { ! cmp -s "$RESULTS/$1.ppm" "$RESULTS/$2.ppm" || echo "$1 and $2 are equal"; }
 console() { # name: a picture of it that is the first one
     screendump "$1"
-    within 30 same "$1" console || same "$1" console
+    within 60 same "$1" console || same "$1" console
 }
 refuses() { # words, spec, size
     local log
@@ -20,7 +20,7 @@ refuses() { # words, spec, size
 unplugged() {
     echo off > "$connector/status"
     echo change > "/sys/class/drm/$card/uevent"
-    within 20 grep -q '^gone' show.log || cat show.log
+    within 60 grep -q '^gone' show.log || cat show.log
     echo detect > "$connector/status"
 }
 
@@ -32,7 +32,7 @@ rename_monitor() {
 }
 
 modprobe virtio-gpu
-within 20 test -e /dev/dri/card0
+within 60 test -e /dev/dri/card0
 mount -t debugfs debugfs /sys/kernel/debug 2> /dev/null
 connector=$(echo /sys/class/drm/card*-Virtual-1)
 card=$(basename "${connector%-Virtual-1}")

@@ -6,7 +6,7 @@
 . "$QUILTD_SOURCE/tests/kernel/show.sh"
 
 modprobe virtio-gpu
-within 20 test -e /dev/dri/card0
+within 60 test -e /dev/dri/card0
 show_start drm:Virtual-1 7680x4320 20
 fact "frames and rectangles of 7680x4320 are taken" shown
 fact "the display shows the frame pixel for pixel" pictured picture

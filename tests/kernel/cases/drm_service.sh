@@ -35,7 +35,7 @@ killed() { systemctl kill --signal=KILL quiltd && within 60 console killed; }
 console() { screendump "$1" && cmp -s "$RESULTS/$1.ppm" "$RESULTS/console.ppm"; }
 
 modprobe virtio-gpu
-within 20 test -e /dev/dri/card0
+within 60 test -e /dev/dri/card0
 systemctl stop getty@tty1 2> /dev/null
 systemd-sysusers
 systemd-tmpfiles --create /usr/lib/tmpfiles.d/quiltd.conf

@@ -18,15 +18,15 @@ begin_stream() {
 cycle() { # unplug while it streams, replug, stream again
     local before after
     begin_stream
-    within 30 streaming || { echo "no rectangle came"; cat stream.log; }
+    within 60 streaming || { echo "no rectangle came"; cat stream.log; }
     sim_tell unplug
     told
-    within 20 no_hid_node || echo "hidraw stays"
+    within 60 no_hid_node || echo "hidraw stays"
     before=$EPOCHREALTIME
     sim_tell replug
     within 60 granted hid usb
     begin_stream
-    within 30 streaming 0 || { echo "no rectangle came again"; cat stream.log; }
+    within 60 streaming 0 || { echo "no rectangle came again"; cat stream.log; }
     after=$EPOCHREALTIME
     echo "  streaming again after $(awk -v a="$before" -v b="$after" 'BEGIN { printf "%.2f", b - a }') s" >&4
     kill "$stream"
@@ -53,7 +53,7 @@ fact "a stream is told of unplugging, and goes on after replugging" cycle
 fact "and once more" cycle
 fact "replugging leaves nothing behind" leaks
 sim_stop
-fact "the panel is gone with its simulator" succeeds within 20 no_hid_node
+fact "the panel is gone with its simulator" succeeds within 60 no_hid_node
 fact "a panel that unplugs itself" sim_start --attach --size 512x512 --unplug-after 20
 within 60 granted hid usb
 begin_stream

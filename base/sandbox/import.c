@@ -1,0 +1,312 @@
+#include "base/sandbox/import.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/log.h"
+#include "base/sandbox/import_group.h"
+#include "base/sandbox/import_share.h"
+#include "base/spawn.h"
+#include "base/thread.h"
+
+#define LOOK_MS 50 /* between looks at whether all readers are to end */
+
+/* ------------------------------------------------------------------------------- the process -- */
+
+static struct {
+    lf_import_watch_fn look;
+    void *context;
+} watcher;
+
+void lf_import_watch(lf_import_watch_fn watch, void *context)
+{
+    watcher.look = watch;
+    watcher.context = context;
+}
+
+/* A file, which may be read twice. */
+typedef struct reading {
+    double begun;
+    lf_import_progress progress; /* its end is told where its beginning was */
+    bool told;
+} reading;
+
+typedef struct child {
+    pid_t pid;
+    int socket;
+    double deadline;
+    reading *file;
+    bool late, stopped; /* why it was ended */
+} child;
+
+static const char *const programs[] = {[LF_IMPORT_MESH] = "quiltimport",
+                                       [LF_IMPORT_GRID] = "quiltimport-vdb",
+                                       [LF_IMPORT_PICTURE] = "quiltimport-picture",
+                                       [LF_IMPORT_PLACES] = "quiltimport",
+                                       [LF_IMPORT_TEXTURE] = "quiltimport"};
+
+/* The readers stand beside the program, or where they are installed to. */
+static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error *err)
+{
+    char own[PATH_MAX] = "", places[2][PATH_MAX + 32];
+    const char *told = secure_getenv("QUILTIMPORT");
+    ssize_t n = readlink("/proc/self/exe", own, sizeof own - 1);
+    char *last = n > 0 ? strrchr(own, '/') : own;
+    *last = '\0';
+    snprintf(places[0], sizeof places[0], "%s", told ? told : own);
+    snprintf(places[1], sizeof places[1], "%s/../libexec/quiltd", own);
+    for (int i = 0; i < 2; i++)
+        if (snprintf(path, PATH_MAX, "%s/%s", places[i], programs[kind]) < PATH_MAX &&
+            access(path, X_OK) == 0)
+            return LF_OK;
+    return lf_error_set(err, LF_E_IO, programs[kind],
+                        "the program that reads such files is not in %s nor in %s", places[0],
+                        places[1]);
+}
+
+/* The reader has the socket, and no other descriptor of ours. */
+static int spawn(const char *path, int socket, pid_t *out_pid)
+{
+    const char *const words[] = {"quiltimport", NULL};
+    const int fds[LF_IMPORT_SOCKET + 1] = {-1, -1, -1, socket};
+    char *bare[2] = {NULL, NULL}; /* of the environment what finds libraries */
+    char libraries[PATH_MAX];
+    const char *where = secure_getenv("LD_LIBRARY_PATH");
+    if (where && snprintf(libraries, sizeof libraries, "LD_LIBRARY_PATH=%s", where) < PATH_MAX)
+        bare[0] = libraries;
+    return lf_spawn(path, fds, LF_IMPORT_SOCKET + 1, words, bare, out_pid);
+}
+
+static lf_status begin_child(child *reader, lf_import_kind kind, lf_error *err)
+{
+    char path[PATH_MAX];
+    int pair[2];
+    lf_status status = find_reader(kind, path, err);
+    if (status != LF_OK)
+        return status;
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0)
+        return lf_error_set(err, LF_E_IO, path, "no socket: %s", strerror(errno));
+    /* a descriptor that is to become itself would stay close-on-exec */
+    if (pair[1] <= LF_IMPORT_SOCKET) {
+        int higher = fcntl(pair[1], F_DUPFD_CLOEXEC, LF_IMPORT_SOCKET + 1);
+        close(pair[1]);
+        pair[1] = higher;
+    }
+    int failed = pair[1] < 0 ? errno : spawn(path, pair[1], &reader->pid);
+    if (pair[1] >= 0)
+        close(pair[1]);
+    reader->socket = pair[0];
+    if (!failed)
+        return LF_OK;
+    close(pair[0]);
+    return lf_error_set(err, LF_E_IO, path, "cannot be started: %s", strerror(failed));
+}
+
+static void tell_watcher(reading *file, bool ended)
+{
+    file->progress.seconds = lf_time_now() - file->begun;
+    file->progress.ended = ended;
+    file->told = true;
+    if (watcher.look)
+        watcher.look(watcher.context, &file->progress);
+}
+
+/* Until it says something (also: that it has ended). false: it is to end. */
+static bool await(child *reader)
+{
+    for (;;) {
+        struct pollfd ready = {reader->socket, POLLIN, 0};
+        tell_watcher(reader->file, false);
+        reader->stopped = lf_import_is_stopped();
+        reader->late = lf_time_now() > reader->deadline;
+        if (reader->stopped || reader->late)
+            return false;
+        if (poll(&ready, 1, LOOK_MS) > 0)
+            return true;
+    }
+}
+
+/* Its last words to the system. */
+static int end_child(child *reader)
+{
+    int how = 0;
+    close(reader->socket);
+    (void)kill(reader->pid, SIGKILL); /* what it had to say has been said */
+    while (waitpid(reader->pid, &how, 0) < 0 && errno == EINTR) {
+    }
+    return how;
+}
+
+/* -------------------------------------------------------------------------- the conversation -- */
+
+static lf_status answer_open(child *reader, const lf_import_reply *ask, lf_import_open_fn open,
+                             void *context)
+{
+    int fd = -1;
+    bool needed = ask->step == LF_IMPORT_OPEN;
+    lf_import_answer answer = {.status = open ? open(context, ask->text, needed, &fd) : LF_E_PATH};
+    lf_status status = lf_import_send(reader->socket, &answer, sizeof answer, fd);
+    if (fd >= 0)
+        close(fd);
+    return status;
+}
+
+static atomic_int landlock;
+
+lf_landlock lf_import_landlock(void)
+{
+    return (lf_landlock)atomic_load(&landlock);
+}
+
+const char *lf_landlock_name(lf_landlock which)
+{
+    static const char *const names[] = {"unknown", "on", "off", "refused"};
+    return names[which];
+}
+
+/* What a reader says of it, which may be anything. */
+static void note_landlock(uint32_t said)
+{
+    static atomic_flag told = ATOMIC_FLAG_INIT;
+    if (said == LF_LANDLOCK_UNKNOWN || said >= LF_N_LANDLOCK)
+        return;
+    atomic_store(&landlock, (int)said);
+    if (said == LF_LANDLOCK_REFUSED && !atomic_flag_test_and_set(&told))
+        lf_log(LF_LOG_WARNING, "readers of files go without Landlock: the kernel has it, but it is "
+                               "refused here (a filter of system calls?); seccomp holds them");
+}
+
+/* Its failure in our words; what it says of itself is a text and a status, whatever it holds. */
+static lf_status failure(const lf_import_reply *reply, const char *where, lf_error *err)
+{
+    switch (reply->status) {
+    case LF_E_NOMEM:
+    case LF_E_IO:
+    case LF_E_FORMAT:
+    case LF_E_ARG:
+        return lf_error_set(err, (lf_status)reply->status, where, "%s", reply->text);
+    default:
+        return lf_error_set(err, LF_E_FORMAT, where, "the reader failed without a reason");
+    }
+}
+
+/* LF_E_STATE: it has ended, or does not keep to the conversation. */
+static lf_status converse(child *reader, const char *where, lf_import_open_fn open, void *context,
+                          lf_parcel *out, lf_error *err)
+{
+    lf_import_reply reply;
+    int fd;
+    while (await(reader)) {
+        if (lf_import_receive(reader->socket, &reply, sizeof reply, &fd) != LF_OK)
+            return LF_E_STATE;
+        reply.text[sizeof reply.text - 1] = '\0';
+        lf_status status = LF_OK;
+        bool asks = reply.step == LF_IMPORT_OPEN || reply.step == LF_IMPORT_TRY;
+        if (!asks)
+            note_landlock(reply.landlock);
+        if (asks)
+            status = answer_open(reader, &reply, open, context);
+        else if (reply.step == LF_IMPORT_FAILED)
+            status = failure(&reply, where, err);
+        else
+            status = lf_parcel_open(fd, out, err);
+        if (fd >= 0)
+            close(fd);
+        if (status == LF_E_IO && asks)
+            return LF_E_STATE;
+        if (status != LF_OK || !asks)
+            return status;
+    }
+    return LF_E_STATE;
+}
+
+/* What is to be said of a reader that ended without a word. */
+static lf_status say_how_it_ended(const child *reader, int how, const char *where, lf_error *err)
+{
+    int signal = WIFSIGNALED(how) ? WTERMSIG(how) : 0;
+    if (reader->stopped)
+        return lf_import_say_stopped(where, err);
+    if (reader->late || signal == SIGXCPU)
+        return lf_import_say_late(where, err);
+    if (signal != 0 && signal != SIGKILL)
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "the reader ended by signal %d; the file is damaged or not what it "
+                            "claims",
+                            signal);
+    return lf_error_set(
+        err, LF_E_FORMAT, where,
+        "the reader ended without a word; the file is damaged or not what it claims");
+}
+
+/* Whether more memory may do: it ran out, or a library did not live without it. */
+static bool is_starved(const child *reader, int how, lf_status status)
+{
+    const bool crashed = WIFSIGNALED(how) && WTERMSIG(how) != SIGXCPU;
+    return status == LF_E_NOMEM ||
+           (status == LF_E_STATE && crashed && !reader->late && !reader->stopped);
+}
+
+typedef struct attempt {
+    lf_import_share share; /* of the memory */
+    double deadline;
+    reading file;
+    bool again; /* out: it is to be read with more memory */
+} attempt;
+
+static lf_status run(lf_import_request *request, int fd, const char *where, lf_import_open_fn open,
+                     void *context, attempt *trial, lf_parcel *out, lf_error *err)
+{
+    child reader = {.pid = -1, .deadline = trial->deadline, .file = &trial->file};
+    const double left = trial->deadline - lf_time_now();
+    if (lf_import_is_stopped())
+        return lf_import_say_stopped(where, err);
+    if (!(left > 0))
+        return lf_import_say_late(where, err);
+    request->version = LF_IMPORT_VERSION;
+    request->asker = getpid();
+    request->memory = trial->share.memory;
+    request->seconds = (uint32_t)ceil(left);
+    lf_status status = begin_child(&reader, (lf_import_kind)request->kind, err);
+    if (status != LF_OK)
+        return status;
+    status = LF_E_STATE;
+    if (lf_import_send(reader.socket, request, sizeof *request, fd) == LF_OK)
+        status = converse(&reader, where, open, context, out, err);
+    int how = end_child(&reader);
+    trial->again =
+        !trial->share.is_whole && is_starved(&reader, how, status) && lseek(fd, 0, SEEK_SET) == 0;
+    if (status == LF_E_STATE)
+        status = say_how_it_ended(&reader, how, where, err);
+    return status;
+}
+
+lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
+                        lf_import_open_fn open, void *context, lf_parcel *out, lf_error *err)
+{
+    struct stat info;
+    const uint64_t bytes = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
+    attempt trial = {.deadline = lf_import_begin_reading(),
+                     .file = {lf_time_now(), {.path = where, .bytes = bytes}, false}};
+    lf_status status;
+    do {
+        trial.share = lf_import_share_begin(trial.again);
+        trial.again = false;
+        status = run(request, fd, where, open, context, &trial, out, err);
+        lf_import_share_end();
+    } while (trial.again);
+    if (trial.file.told)
+        tell_watcher(&trial.file, true);
+    lf_import_end_reading();
+    return status;
+}

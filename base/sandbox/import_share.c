@@ -1,0 +1,35 @@
+/* The memory of readers that run at once, which together have what lf_import_memory says. */
+#include <pthread.h>
+#include <stdatomic.h>
+
+#include "base/sandbox/import_share.h"
+
+static atomic_int expected = 1; /* at once */
+/* Held for reading by all that run, for writing by one that runs alone; who waits for that goes
+ * before those that come later. */
+static pthread_rwlock_t running = PTHREAD_RWLOCK_WRITER_NONRECURSIVE_INITIALIZER_NP;
+
+void lf_import_expect(int more)
+{
+    atomic_fetch_add(&expected, more);
+}
+
+lf_import_share lf_import_share_begin(bool alone)
+{
+    lf_import_share share = {.memory = lf_import_memory()};
+    const uint64_t part = share.memory / (uint64_t)atomic_load(&expected);
+    share.is_whole = alone || part < LF_IMPORT_LEAST_MEMORY;
+    if (share.is_whole) {
+        pthread_rwlock_wrlock(&running);
+    } else {
+        pthread_rwlock_rdlock(&running);
+        share.is_whole = part == share.memory;
+        share.memory = part;
+    }
+    return share;
+}
+
+void lf_import_share_end(void)
+{
+    pthread_rwlock_unlock(&running);
+}

@@ -1,0 +1,91 @@
+/* quiltimport, quiltimport-vdb and quiltimport-picture: each reads one file from outside, confined,
+ * and hands over what is in it (base/sandbox/import.h). Not for people: quiltd, quiltrender and
+ * quiltbench start them.
+ */
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include "base/sandbox/reader.h"
+
+static lf_status ask_for(uint32_t step, const char *name, int *out_fd)
+{
+    lf_import_reply ask = {.step = step};
+    lf_import_answer answer = {.status = LF_E_IO};
+    *out_fd = -1;
+    if (strlen(name) >= sizeof ask.text)
+        return LF_E_PATH;
+    memcpy(ask.text, name, strlen(name) + 1);
+    lf_status status = lf_import_send(LF_IMPORT_SOCKET, &ask, sizeof ask, -1);
+    if (status == LF_OK)
+        status = lf_import_receive(LF_IMPORT_SOCKET, &answer, sizeof answer, out_fd);
+    if (status != LF_OK)
+        _exit(1); /* nobody is there any more */
+    return *out_fd >= 0 ? LF_OK : LF_E_IO;
+}
+
+lf_status lf_ask_for_file(const char *name, int *out_fd)
+{
+    return ask_for(LF_IMPORT_OPEN, name, out_fd);
+}
+
+lf_status lf_try_for_file(const char *name, int *out_fd)
+{
+    return ask_for(LF_IMPORT_TRY, name, out_fd);
+}
+
+/* Where memory runs out it is taken from the reader, and not from whoever shows a picture. */
+static void go_first(void)
+{
+    FILE *file = fopen("/proc/self/oom_score_adj", "w");
+    if (!file)
+        return;
+    fputs("1000\n", file);
+    fclose(file);
+}
+
+static lf_status serve(const lf_import_reader *reader, const lf_import_request *request, int fd,
+                       lf_parcel_writer *parcel, lf_landlock *out_landlock, lf_error *err)
+{
+    if (request->version != LF_IMPORT_VERSION)
+        return lf_error_set(err, LF_E_IO, LF_HERE, "quiltimport is of another version");
+    if (reader->begin)
+        reader->begin();
+    go_first();
+    lf_status status = lf_parcel_begin(parcel, err); /* the one file that it may fill */
+    if (status == LF_OK)
+        status = lf_confine(request->memory, request->seconds, out_landlock, err);
+    if (status == LF_OK)
+        status = reader->read(request, fd, parcel, err);
+    return status;
+}
+
+int lf_reader_main(const lf_import_reader *reader)
+{
+    lf_import_request request;
+    lf_parcel_writer parcel = {.fd = -1};
+    lf_import_reply reply = {.step = LF_IMPORT_DONE};
+    lf_error err = {0};
+    int fd = -1, sealed = -1;
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK || fd < 0) {
+        fprintf(stderr, "quiltd and quiltrender start this program, to read files for them\n");
+        return 2;
+    }
+    if (request.asker != getppid()) /* it went before we could follow it */
+        return 2;
+    lf_landlock landlock = LF_LANDLOCK_UNKNOWN;
+    lf_status status = serve(reader, &request, fd, &parcel, &landlock, &err);
+    reply.landlock = landlock;
+    if (status == LF_OK)
+        status = lf_parcel_seal(&parcel, &sealed, &err);
+    if (status != LF_OK) {
+        reply.step = LF_IMPORT_FAILED;
+        reply.status = status;
+        snprintf(reply.text, sizeof reply.text, "%s", err.what);
+    }
+    (void)!lf_import_send(LF_IMPORT_SOCKET, &reply, sizeof reply, sealed);
+    _exit(0); /* what libraries hold goes with the process */
+}

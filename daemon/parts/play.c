@@ -1,0 +1,145 @@
+#include "daemon/parts/play.h"
+
+#include <math.h>
+
+#include "base/alloc.h"
+#include "base/log.h"
+#include "base/thread.h"
+
+/* A frame that is not even coarse behind that long is given up for the next. */
+#define PATIENCE_SECONDS 3.0
+
+/* A moment that is a frame's own is that frame's, whatever the clock rounds. */
+#define ROUNDING 1e-6
+
+struct lf_play {
+    lf_play_events events;
+    void *context;
+    sd_event_source *timer;
+    bool on;
+    lf_play_range range;
+    double begun;       /* lf_time_now, of the first frame */
+    int frame;          /* asked for last; below 0: none was */
+    bool on_its_way;    /* to be loaded; then it is … */
+    int64_t generation; /* … this, … */
+    double loaded;      /* … from then on */
+    /* by the panel */
+    int64_t shown;
+    lf_level level;
+};
+
+static void ask_for(lf_play *play, int frame)
+{
+    play->on_its_way = play->events.due(play->context, frame);
+    if (play->on_its_way)
+        play->frame = frame;
+    else
+        play->on = false;
+}
+
+static void wake_at(const lf_play *play, double time)
+{
+    double seconds = fmax(time - lf_time_now(), 0);
+    (void)sd_event_source_set_time_relative(play->timer, (uint64_t)ceil(seconds * 1e6));
+    (void)sd_event_source_set_enabled(play->timer, SD_EVENT_ONESHOT);
+}
+
+/* To the frame that is due, if the one before has been shown. */
+static void go_on(lf_play *play)
+{
+    const lf_play_range *r = &play->range;
+    if (!play->on || play->on_its_way)
+        return;
+    double now = lf_time_now(), n = r->to - r->from + 1.0,
+           k = floor((now - play->begun) * r->rate + ROUNDING);
+    bool shown = play->shown >= play->generation && play->level >= LF_LEVEL_COARSE;
+    if (play->frame >= 0 && !shown && now < play->loaded + PATIENCE_SECONDS) {
+        wake_at(play, play->loaded + PATIENCE_SECONDS);
+        return;
+    }
+    int due = r->from + (int)(r->once ? fmin(k, n - 1) : fmod(k, n));
+    bool last = r->once && due == r->to;
+    if (due != play->frame)
+        ask_for(play, due);
+    else if (!last)
+        wake_at(play, play->begun + (k + 1) / r->rate);
+    play->on = play->on && !last;
+}
+
+static int on_time(sd_event_source *source, uint64_t usec, void *context)
+{
+    (void)source;
+    (void)usec;
+    go_on(context);
+    return 0;
+}
+
+void lf_play_begin(lf_play *play, const lf_play_range *range)
+{
+    play->on = true;
+    play->range = *range;
+    play->begun = lf_time_now();
+    play->frame = -1;
+    go_on(play);
+}
+
+void lf_play_stop(lf_play *play)
+{
+    play->on = false;
+    (void)sd_event_source_set_enabled(play->timer, SD_EVENT_OFF);
+}
+
+void lf_play_loaded(lf_play *play, int64_t generation, const lf_error *err)
+{
+    play->on_its_way = false;
+    play->generation = generation;
+    play->loaded = lf_time_now();
+    if (!err) {
+        go_on(play);
+        return;
+    }
+    if (err->status != LF_E_CANCELLED)
+        lf_log_error(err);
+    lf_play_stop(play);
+}
+
+void lf_play_shown(lf_play *play, int64_t generation, lf_level level)
+{
+    play->shown = generation;
+    play->level = level;
+    go_on(play);
+}
+
+void lf_play_again(lf_play *play)
+{
+    play->frame = -1;
+    go_on(play);
+}
+
+const lf_play_range *lf_play_now(const lf_play *play)
+{
+    return play->on ? &play->range : NULL;
+}
+
+lf_status lf_play_create(sd_event *event, const lf_play_events *events, void *context,
+                         lf_play **out_play)
+{
+    lf_play *play = lf_calloc(1, sizeof *play);
+    if (!play)
+        return LF_E_NOMEM;
+    *play = (lf_play){.events = *events, .context = context};
+    if (sd_event_add_time_relative(event, &play->timer, CLOCK_MONOTONIC, 0, 0, on_time, play) < 0) {
+        lf_play_destroy(play);
+        return LF_E_NOMEM;
+    }
+    (void)sd_event_source_set_enabled(play->timer, SD_EVENT_OFF);
+    *out_play = play;
+    return LF_OK;
+}
+
+void lf_play_destroy(lf_play *play)
+{
+    if (play)
+        sd_event_source_disable_unref(play->timer);
+    lf_free(play);
+}

@@ -1,0 +1,150 @@
+/* What methods answer by, and where the paths of their calls may lie. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/alloc.h"
+#include "base/frame_name.h"
+#include "daemon/server/server_internal.h"
+
+/* ----------------------------------------------------------------------------------- answers -- */
+
+void lf_reply(lf_call *call, json_t *result)
+{
+    call->answered = true;
+    if (!call->id) {
+        json_decref(result);
+    } else if (!result) {
+        lf_client_send(call->client,
+                       lf_rpc_error(call->id, LF_RPC_INTERNAL, "out of memory", NULL));
+    } else {
+        lf_client_send(call->client, lf_rpc_result(call->id, result));
+    }
+}
+
+/* The result is the last member of the answer: what is added to it stands before two brackets. */
+static char *answer_with(const lf_call *call, json_t *result, const char *key, const char *text)
+{
+    json_t *message = lf_rpc_result(call->id, result);
+    char *head = message ? json_dumps(message, JSON_COMPACT) : NULL, *whole = NULL;
+    if (head && asprintf(&whole, "%.*s,\"%s\":%s}}", (int)strlen(head) - 2, head, key, text) < 0)
+        whole = NULL;
+    free(head);
+    json_decref(message);
+    return whole;
+}
+
+void lf_reply_with(lf_call *call, json_t *result, const char *key, const char *text)
+{
+    call->answered = true;
+    if (!call->id) {
+        json_decref(result);
+        return;
+    }
+    char *answer = answer_with(call, result, key, text);
+    size_t n = answer ? strlen(answer) : 0;
+    lf_error err;
+    if (!answer) {
+        lf_reply(call, NULL);
+    } else if (n >= LF_RPC_MAX_LINE) {
+        (void)lf_error_set(&err, LF_E_NOMEM, call->method, "the answer is longer than 1 MiB");
+        lf_fail(call, &err, false);
+    } else {
+        lf_client_send_text(call->client, answer, n);
+    }
+    free(answer);
+}
+
+void lf_fail(lf_call *call, const lf_error *err, bool scene)
+{
+    call->answered = true;
+    if (call->id)
+        lf_client_send(call->client, lf_rpc_error_of(call->id, err, scene));
+}
+
+lf_deferred *lf_defer(lf_call *call)
+{
+    lf_deferred *deferred = lf_deferred_create(call->server->clients, call->client, call->id);
+    call->answered = true;
+    if (!deferred) {
+        lf_error err;
+        (void)lf_error_set(&err, LF_E_BUSY, call->method,
+                           "too many calls of this client are waiting for an answer");
+        lf_fail(call, &err, false);
+    }
+    return deferred;
+}
+
+/* ------------------------------------------------------------------------------- other names -- */
+
+lf_status lf_denoise_word(const json_t *params, const char *where, const char **out_word,
+                          lf_error *err)
+{
+    const char *word = json_string_value(json_object_get(params, "reconstruct")),
+               *other = json_string_value(json_object_get(params, "denoise"));
+    *out_word = word ? word : other;
+    return word && other ? lf_error_set_at(err, LF_E_ARG, where, 0, "/denoise",
+                                           "is another name for reconstruct: give one of them")
+                         : LF_OK;
+}
+
+/* ------------------------------------------------------------------------------------- paths -- */
+
+/* Paths of clients are absolute (quiltctl makes them so); others are taken from the scene's folder.
+ */
+static char *absolute(const lf_server *server, const char *path)
+{
+    char *folder = server->config.scene ? lf_path_folder(server->config.scene) : NULL;
+    char *joined = lf_path_join(folder ? folder : "/", path);
+    lf_free(folder);
+    return joined;
+}
+
+/* Of a name with a place for a frame's number no file need be there, but its folder. */
+static lf_status resolve(const lf_server *server, const char *name, char **out_path, lf_error *why)
+{
+    lf_status status = lf_roots_resolve(&server->roots, name, out_path, why);
+    if (status != LF_E_IO || !lf_frame_name_varies(name))
+        return status;
+    char *folder = lf_path_folder(name), *real = NULL;
+    status = folder ? lf_roots_resolve(&server->roots, folder, &real, why) : LF_E_NOMEM;
+    if (status == LF_OK) {
+        *out_path = lf_path_join(real, strrchr(name, '/') + 1);
+        status = *out_path ? LF_OK : LF_E_NOMEM;
+    }
+    lf_free(folder);
+    lf_free(real);
+    return status;
+}
+
+lf_status lf_server_read_path(const lf_server *server, const char *path, char **out_path,
+                              lf_error *err)
+{
+    if (path[0] == '\0')
+        return lf_error_set(err, LF_E_ARG, path, "a file's name is empty");
+    char *name = absolute(server, path);
+    if (!name)
+        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    lf_error why;
+    lf_status status = resolve(server, name, out_path, &why);
+    lf_free(name);
+    if (status == LF_OK)
+        return LF_OK;
+    if (status == LF_E_PATH)
+        return lf_error_set(err, status, path,
+                            "lies neither beneath the scene's folder nor beneath an --allow-path "
+                            "of quiltd, and its descriptor was not passed (quiltctl passes those "
+                            "of files that you may read)%s",
+                            lf_hidden_home(path));
+    return lf_error_set(err, status, path, "%s", why.what);
+}
+
+lf_status lf_server_write_path(const lf_server *server, const char *path, lf_held_name *out,
+                               lf_error *err)
+{
+    if (!server->export_root)
+        return lf_error_set(
+            err, LF_E_PATH, path,
+            "the daemon was started without --export-dir: it writes no files by name");
+    return lf_held_name_open(server->export_root, "--export-dir", path, out, err);
+}

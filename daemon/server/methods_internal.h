@@ -1,0 +1,39 @@
+/* The methods themselves, each in the file of its subject: they answer the call, or put the answer
+ * off. */
+#ifndef LF_DAEMON_METHODS_INTERNAL_H
+#define LF_DAEMON_METHODS_INTERNAL_H
+
+#include "daemon/server/methods.h"
+#include "daemon/server/server_internal.h"
+
+/* methods_status.c */
+void lf_method_hello(lf_call *call);
+void lf_method_status(lf_call *call);
+void lf_method_wait(lf_call *call);
+void lf_method_subscribe(lf_call *call);
+void lf_method_shutdown(lf_call *call);
+/* methods_scene.c */
+/* Queues a load that the call waits for; load NULL = out of memory. */
+void lf_method_queue(lf_call *call, lf_load *load);
+void lf_method_scene_load(lf_call *call);
+void lf_method_scene_get(lf_call *call);
+void lf_method_scene_patch(lf_call *call);
+void lf_method_camera_set(lf_call *call);
+void lf_method_camera_orbit(lf_call *call);
+void lf_method_camera_fit(lf_call *call);
+void lf_method_render_set(lf_call *call);
+/* methods_time.c */
+/* Which frame is shown, and what is played, as `status` shows it; null: no scene. */
+json_t *lf_time_json(const lf_server *server);
+void lf_method_time_set(lf_call *call);
+void lf_method_time_play(lf_call *call);
+void lf_method_time_stop(lf_call *call);
+/* methods_device.c */
+void lf_method_device_list(lf_call *call);
+void lf_method_device_set(lf_call *call);
+void lf_method_device_calibration(lf_call *call);
+void lf_method_button(lf_call *call);
+/* methods_export.c */
+void lf_method_job_cancel(lf_call *call);
+
+#endif

@@ -1,0 +1,21 @@
+/* notify: what clients hear that have subscribed to it. Thread: event. */
+#ifndef LF_DAEMON_NOTIFY_H
+#define LF_DAEMON_NOTIFY_H
+
+#include "daemon/wire/client.h"
+
+/* Bits of lf_client_flags: what a client subscribed to. */
+enum {
+    LF_EVENT_FRAME = 1,
+    LF_EVENT_CONVERGED = 2,
+    LF_EVENT_DEVICE = 4,
+    LF_EVENT_SCENE = 8,
+    LF_EVENT_EXPORT = 16,
+    LF_EVENT_BUTTON = 32,
+};
+
+/* Sends a notification to those who subscribed to `event`; params are taken over. clients may be
+ * NULL: there are none yet. */
+void lf_notify(lf_clients *clients, unsigned event, const char *method, json_t *params);
+
+#endif

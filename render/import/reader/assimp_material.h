@@ -1,0 +1,15 @@
+/* Materials of files that Assimp reads. */
+#ifndef LF_RENDER_ASSIMP_MATERIAL_H
+#define LF_RENDER_ASSIMP_MATERIAL_H
+
+#include "render/import/reader/said.h"
+
+struct aiScene;
+
+/* Makes out->materials of the file's materials, in its order, and a warning of everything that
+ * those of triangles lose: textures, transparency, … Materials that Assimp makes up for meshes
+ * without one become grey. LF_E_FORMAT: too many; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_mesh_materials(const struct aiScene *scene, lf_mesh_data *out,
+                                         lf_error *err);
+
+#endif

@@ -1,0 +1,32 @@
+#include "render/papers/papers.h"
+
+#include "render/papers/general.h"
+#include "render/papers/restir.h"
+
+#define CHOICE(name)                                                                               \
+    .place = offsetof(lf_choices, of[LF_PAPERS_##name]),                                           \
+    .has = offsetof(lf_choices, given[LF_PAPERS_##name]), .type = LF_PARAM_WORD
+
+/* clang-format off */
+static const lf_param params[] = {
+    {.option = "shift", .argument = "NAME", CHOICE(SHIFT), .word_at = lf_shift_name,
+     .help = "those of 2022: how null collisions go from view to view (optical-stretch)",
+     .about = "shifts"},
+    {.option = "selection", .argument = "NAME", CHOICE(SELECTION), .word_at = lf_selection_name,
+     .help = "mvpt2022, amvpt2022: which views share a path (tv, as printed: biased)",
+     .about = "selections"},
+    {.option = "reuse", .argument = "NAME", CHOICE(REUSE), .word_at = lf_reuse_name,
+     .help = "restir, mvrestir: which reservoirs a pixel looks into (both)",
+     .about = "reuse of reservoirs"},
+    {.option = "weights", .argument = "NAME", CHOICE(WEIGHTS), .word_at = lf_reuse_weights_name,
+     .help = "restir, mvrestir: what they count (unbiased)",
+     .about = "weights of reservoirs"},
+    {0},
+};
+/* clang-format on */
+
+void lf_papers_add(void)
+{
+    static const lf_integrator *const all[] = {&lf_integrator_general, &lf_integrator_restir, NULL};
+    lf_integrators_add(all, params);
+}

@@ -1,0 +1,24 @@
+#include "render/papers/selection.h"
+
+/* Added up from the first view on whoever asks, so that rounding makes the same groups for all. */
+static bool next_group(const lf_selected_views *views, int k, double *line)
+{
+    double before = floor(*line);
+    *line += k > 0 ? views->distance(views->lobes, k - 1, k) : 0.0;
+    return floor(*line) != before;
+}
+
+static void cut(const lf_selected_views *views, lf_tracer *tracer, bool *out)
+{
+    double line = (double)lf_rng(tracer);
+    int first = 0, end = views->n;
+    for (int k = 0; k < views->n && end == views->n; k++) {
+        bool cuts = next_group(views, k, &line);
+        first = cuts && k <= views->base ? k : first;
+        end = cuts && k > views->base ? k : end;
+    }
+    for (int k = 0; k < views->n; k++)
+        out[k] = k >= first && k < end;
+}
+
+const lf_selection lf_selection_partition = {"partition", "groups along the cameras' line", cut};

@@ -1,0 +1,66 @@
+/* What the integrators of papers/ keep: one struct for all kinds; private to render/. */
+#ifndef LF_RENDER_STATE_H
+#define LF_RENDER_STATE_H
+
+#include "render/integrator.h"
+#include "render/papers/null_chain.h"
+#include "render/papers/selection.h"
+#include "render/plane/rig.h"
+#include "render/rows/adaptive.h"
+#include "render/transport/path/path.h"
+#include "render/transport/sampler.h"
+
+struct lf_general;
+struct lf_prefix;
+
+/* One worker's memory. */
+typedef struct lf_general_worker {
+    lf_tracer tracer;
+    lf_film_sums sums;
+    int64_t base_paths, contributions;
+    float *expected;     /* [view][column] of the row under way; NULL where no map is ever made */
+    bool mapped;         /* a map says what they are; else 1 */
+    lf_null_chain chain; /* of the base prefix under way */
+    /* of its pivot, by views: */
+    int column[LF_MAX_VIEWS];       /* < 0: not in its frame */
+    lf_vec3 to_pivot[LF_MAX_VIEWS]; /* unit */
+    bool selected[LF_MAX_VIEWS];
+    double ratio[LF_MAX_VIEWS];  /* rho; 0: it has no part in it */
+    double weight[LF_MAX_VIEWS]; /* of the suffix in N and W; 0: nothing */
+} lf_general_worker;
+
+/* A method. One file may have several; a line each in the table of general.c. */
+typedef struct lf_general_kind {
+    lf_integrator_entry entry;
+    bool mis;      /* W is n: every answer is N/n */
+    bool adaptive; /* behind a pilot base samples go where a map says */
+    bool no_media;
+    bool normalises; /* by K, lf_general.share_seen */
+    /* Makes that map, again and again; NULL: rows/adaptive.h does, once. */
+    lf_status (*map)(const lf_film *film, lf_counts *counts);
+    /* Of a pivot that is shared: which views get the suffix, and with which weights (weight[]).
+     * Returns false for what is no number. */
+    bool (*weigh)(const struct lf_general *g, lf_general_worker *w, const struct lf_prefix *p);
+} lf_general_kind;
+
+extern const lf_general_kind lf_general_mvpt2022, lf_general_mismvpt, lf_general_amvpt2022,
+    lf_general_amv2019, lf_general_amv2019k;
+
+typedef struct lf_general {
+    const lf_general_kind *kind;
+    lf_scene seen;
+    lf_rig rig;
+    lf_film *film;
+    const lf_shift *shift;
+    const lf_selection *selection;
+    lf_sampler_kind sampler;
+    int max_depth, n_workers;
+    lf_pool *pool;
+    lf_counts counts;  /* of adaptive kinds: what the pilot has met, and the map */
+    int n_maps;        /* made so far */
+    double next_map;   /* native samples a view pixel of each half that the next one takes */
+    float *share_seen; /* [base][view] K of 2019's equation 9; NULL: nobody asks */
+    lf_general_worker **workers; /* [n_workers] each its own */
+} lf_general;
+
+#endif

@@ -1,0 +1,134 @@
+/* A homogeneous shape on one row's plane: nothing is resampled, every ray of the row knows its
+ * interval in closed form; private to render/. (docs/estimators.md, "Media of a row") */
+#ifndef LF_RENDER_BODY_H
+#define LF_RENDER_BODY_H
+
+#include "render/plane/rig.h"
+
+typedef struct lf_body {
+    lf_volume_kind shape;
+    float sigma_t; /* per scene unit */
+    /* A ray X(Z) = x0 + slope Z of the row's plane is (origin + x0 across) + (depth + slope across)
+     * Z in volume space. */
+    float origin[3], across[3], depth[3];
+} lf_body;
+
+/* The rays of a row's plane in a volume's space, as lf_body has them. Returns false when the plane
+ * misses the volume. */
+bool lf_body_rays(const lf_volume *volume, const lf_rig *rig, const lf_row_plane *plane,
+                  float origin[3], float across[3], float depth[3]);
+
+/* Cuts the shape with the row's plane. Returns false when the plane misses it. */
+bool lf_body_cut(lf_body *body, const lf_volume *volume, const lf_rig *rig,
+                 const lf_row_plane *plane);
+
+/* The part [*from, *to] of Z > 0 that the ray spends inside; *from >= *to: it passes by. One piece
+ * of code for one ray and for the kernels' lanes, so that collisions and weights agree to the last
+ * bit. */
+static inline void lf_body_interval(const lf_body *b, float x0, float slope, float *from, float *to)
+{
+    float o[3], d[3];
+    for (int i = 0; i < 3; i++) {
+        o[i] = b->origin[i] + x0 * b->across[i];
+        d[i] = b->depth[i] + slope * b->across[i];
+    }
+    lf_shape_interval(b->shape, o, d, from, to);
+    *from = lf_max(*from, 0.0f);
+}
+
+/* Optical depth per unit of Z up to z_end. */
+static inline float lf_body_depth(const lf_body *body, float x0, float slope, float z_end)
+{
+    float from, to;
+    lf_body_interval(body, x0, slope, &from, &to);
+    return body->sigma_t * lf_max(lf_min(to, z_end) - from, 0.0f);
+}
+
+/* Where along a part of optical depth x a ray collides, if it does (0..1): mean and variance of the
+ * truncated exponential, 1/x - 1/(e^x - 1) and 1/x^2 - e^x/(e^x - 1)^2, series where those cancel;
+ * *met is 1 - e^-x. Within 1e-3, without branches and calls. */
+static inline void lf_body_truncated(float x, float *met, float *mean, float *variance)
+{
+    float square = x * x, large = lf_max(x, 1.0f), v = large * (1.0f / 16.0f),
+          root = 1.0f + v * (1.0f + 0.5f * v), e = root * root;
+    e *= e;
+    e *= e;
+    e = 1.0f / (e * e); /* e^-x, of what is no thinner than 1 */
+    float inverse = 1.0f / large, lost = 1.0f - e, ratio = e / lost,
+          thin = x * (1.0f - x * (0.5f - x * (1.0f / 6.0f - x * (1.0f / 24.0f - x / 120.0f))));
+    bool is_thin = x < 1.0f;
+    *met = is_thin ? thin : lost;
+    *mean = is_thin ? 0.5f - x * (1.0f / 12.0f - square * (1.0f / 720.0f)) : inverse - ratio;
+    *variance = is_thin ? 1.0f / 12.0f - square * (1.0f / 240.0f - square * (1.0f / 6048.0f))
+                        : inverse * inverse - ratio * (1.0f + ratio);
+}
+
+/* One ray of lf_body_moments; returns its depth per unit of Z. */
+static inline float lf_body_met(const lf_body *body, float x0, float slope, float z_end,
+                                float length, float distance, float *met, float *nearness,
+                                float *spread)
+{
+    float from, to, share, mean, variance;
+    lf_body_interval(body, x0, slope, &from, &to);
+    float inside = lf_max(lf_min(to, z_end) - from, 0.0f), depth = body->sigma_t * inside;
+    lf_body_truncated(depth * length, &share, &mean, &variance);
+    bool hit = inside > 0.0f;
+    float inverse = 1.0f / lf_max(from + inside * mean, 1e-30f), part = inside * inverse,
+          y = lf_min(distance * inverse, LF_NEARNESS_MAX), relative = variance * part * part;
+    *met = hit ? share : 0.0f;
+    *nearness = hit ? lf_min(y * (1.0f + relative), LF_NEARNESS_MAX) : 0.0f;
+    *spread = hit ? y * sqrtf(lf_max(relative, 0.0f)) : 0.0f;
+    return depth;
+}
+
+/* Adds the depths of n rays to tau: the kernels' loop, here once and compiled for each instruction
+ * set. */
+static inline void lf_body_depths(const lf_body *body, int n, const float *restrict x0,
+                                  const float *restrict slope, const float *restrict z_end,
+                                  float *restrict tau)
+{
+    /* a loop for each shape, with a copy that is known to be one, so that it becomes vector code */
+    lf_body known = *body;
+    switch (body->shape) {
+#define LF_DEPTHS(NAME, name)                                                                      \
+    case LF_VOLUME_##NAME:                                                                         \
+        known.shape = LF_VOLUME_##NAME;                                                            \
+        for (int k = 0; k < n; k++)                                                                \
+            tau[k] += lf_body_depth(&known, x0[k], slope[k], z_end[k]);                            \
+        break;
+        LF_VOLUME_SHAPES(LF_DEPTHS)
+#undef LF_DEPTHS
+    case LF_VOLUME_GRID:
+        break;
+    }
+}
+
+/* The same with lf_kernels.within. */
+static inline void lf_body_moments(const lf_body *body, int n, const float *restrict x0,
+                                   const float *restrict slope, const float *restrict z_end,
+                                   const float *restrict length, float distance,
+                                   float *restrict tau, float *const out[3])
+{
+    float *restrict met = out[0], *restrict nearness = out[1], *restrict spread = out[2];
+    lf_body known = *body;
+    switch (body->shape) {
+#define LF_MOMENTS(NAME, name)                                                                     \
+    case LF_VOLUME_##NAME:                                                                         \
+        known.shape = LF_VOLUME_##NAME;                                                            \
+        for (int k = 0; k < n; k++) {                                                              \
+            float share, mean, deviation;                                                          \
+            tau[k] += lf_body_met(&known, x0[k], slope[k], z_end[k], length[k], distance, &share,  \
+                                  &mean, &deviation);                                              \
+            met[k] = share;                                                                        \
+            nearness[k] = mean;                                                                    \
+            spread[k] = deviation;                                                                 \
+        }                                                                                          \
+        break;
+        LF_VOLUME_SHAPES(LF_MOMENTS)
+#undef LF_MOMENTS
+    case LF_VOLUME_GRID:
+        break;
+    }
+}
+
+#endif

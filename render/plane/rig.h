@@ -1,0 +1,126 @@
+/* The rectified rig in camera space; private to render/.
+ *
+ * Camera space: X right, Y up, Z forward (positive), origin at the middle of the rig. Camera k sits
+ * at (b_k, 0, 0). A film point is (u, v) in pixels of a view; on the plane Z = D it is at
+ * X_w = x0 + u dx, Y_w = y0 + v dy. All cameras share this window, W = D; or, on a track, each
+ * looks straight ahead through one of its own, as if all shared one infinitely far away, W = inf:
+ * X_w is then counted from b_k - e_k, with e_k = b_k D/W how far the camera is from the middle of
+ * its window. A row of a grid of cameras stands above the middle: origin and window are its own,
+ * and a window that all rows share lies lower (y0).
+ *
+ * Thin lens (all views the same radius): a ray leaves (b_k + lx, ly, 0) towards the point of the
+ * focus plane Z = F that the pinhole ray of its film point hits. With one v and one ly for a whole
+ * row every ray of the row, of every view, lies in one plane Y = ly + my Z (docs/estimators.md,
+ * "The rig"):
+ *
+ *     X(Z) = c_k + mx Z,   c_k = b_k + lx,   mx = (X_w - e_k)/D - lx/F,   my = Y_w/D - ly/F
+ *     X_w  = e_k + D ((X - c_k)/Z + lx/F)
+ *
+ * view_blur is such a lens that has a width along X, in focus in the window (F = W, lx uniform
+ * within half of view_blur steps from camera to camera), and no height (ly = 0), but for a row of a
+ * grid, where ly is uniform within half of view_blur steps from row to row: a view is the mean of
+ * pinhole views from along that line, or all over that cell.
+ *
+ * A length along such a ray is sqrt(1 + mx^2 + my^2) times its length in Z. */
+#ifndef LF_RENDER_RIG_H
+#define LF_RENDER_RIG_H
+
+#include "render/film/film_feature.h"
+#include "render/render.h"
+#include "render/scene/scene.h"
+
+/* Views come in groups of 8 lanes for the kernels. */
+#define LF_LANES 8
+#define LF_MAX_LANES ((LF_MAX_VIEWS + LF_LANES - 1) / LF_LANES * LF_LANES)
+
+/* W of windows of their own: infinite, but for arithmetic. */
+#define LF_FAR_WINDOW 1e20f
+
+typedef struct lf_rig {
+    int n_views, width, height;
+    lf_vec3 eye, right, up, forward; /* scene-local */
+    float distance, window;          /* D, W */
+    float focus, lens_radius;        /* F (= W for pinholes), 0 = pinhole */
+    float blur,
+        blur_up; /* half of the width of a view's line, or cell, of cameras, and its height */
+    /* window coordinates of film point (0, 0) and of one pixel; dy < 0 */
+    float x0, dx, y0, dy;
+    float tangent; /* of the window's upper edge seen from the middle; of the lower one minus it */
+    float sink;    /* what is off both where the rig stands above the middle */
+    float still;   /* D/W, 1 or 0: the nearness of what stays where it is from view to view */
+    /* camera positions along X, rising, and e; lanes behind n_views repeat the last */
+    float b[LF_MAX_LANES], skew[LF_MAX_LANES];
+} lf_rig;
+
+/* The plane of one row in one visit. */
+typedef struct lf_row_plane {
+    float ly, my;     /* Y = ly + my Z */
+    float lens_chord; /* lx is uniform in [-lens_chord, lens_chord] */
+} lf_row_plane;
+
+/* LF_E_ARG for numbers of views, sides of views or an aspect out of range, of any cameras. */
+LF_NODISCARD lf_status lf_rig_check_size(const lf_render_settings *settings, lf_error *err);
+/* LF_E_ARG for settings out of range. origin is the scene's (world = local + origin). */
+LF_NODISCARD lf_status lf_rig_init(lf_rig *rig, const lf_render_settings *settings,
+                                   const double origin[3], lf_error *err);
+
+/* Moments of a shutter at which what a moving rig sees is looked at beforehand. */
+#define LF_RIG_MOMENTS 17
+
+/* The rig where its camera is at a moment of the shutter, 0 when that opens and 1 when it closes.
+ * LF_E_ARG where there it is none. */
+LF_NODISCARD lf_status lf_rig_init_at(lf_rig *rig, const lf_render_settings *settings,
+                                      const double origin[3], double time, lf_error *err);
+
+/* v in [0, height): the row's film coordinate. u_lens[2] in [0,1): point of the lens (only its
+ * height is used). */
+void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_plane *out);
+
+/* D/Z, what is nearer than D/8 as if it were there: the depth that features have
+ * (film_feature.h). */
+static inline float lf_nearness(float distance, float z)
+{
+    float y = distance / lf_max(z, 1e-30f);
+    return y < LF_NEARNESS_MAX ? y : LF_NEARNESS_MAX;
+}
+
+/* out: (column, row, nearness D/Z, 1) of what lies before the middle of `from`, columns and rows in
+ * film coordinates -> the same as seen from the middle of `to`, times Z there times D/Z here; rows
+ * first. */
+void lf_rig_map_between(const lf_rig *from, const lf_rig *to, double out[4][4]);
+
+/* Where the line from the middle of from's window through its eye meets the cameras of `to`: from
+ * their middle, over what n_views of them take up; 0 where it does not. */
+float lf_rig_view_between(const lf_rig *from, const lf_rig *to);
+
+/* Where my of a row's plane lies between the window's upper edge, 0, and the lower one, 1: the same
+ * for all views, whatever part of the window is rendered. */
+static inline float lf_rig_height_between(const lf_rig *rig, float my)
+{
+    return lf_min(lf_max(0.5f - 0.5f * (my + rig->sink) / rig->tangent, 0.0f), 1.0f);
+}
+
+static inline lf_vec3 lf_rig_point(const lf_rig *rig, float x, float y, float z)
+{
+    return lf_madd(lf_madd(lf_madd(rig->eye, x, rig->right), y, rig->up), z, rig->forward);
+}
+
+static inline lf_vec3 lf_rig_direction(const lf_rig *rig, float x, float y, float z)
+{
+    return lf_madd(lf_madd(lf_scale(rig->right, x), y, rig->up), z, rig->forward);
+}
+
+/* mx of a view's pinhole ray through u, in columns. */
+static inline float lf_rig_slope(const lf_rig *rig, int view, float u)
+{
+    return (rig->x0 + u * rig->dx - rig->skew[view]) / rig->distance;
+}
+
+/* Half of what a pixel sees of a plane across the view, per unit of its depth Z, the same in all
+ * views: what a ray averages of textures. The pixel averages its rays. */
+static inline float lf_rig_spread(const lf_rig *rig)
+{
+    return 0.5f * lf_min(rig->dx, fabsf(rig->dy)) / rig->distance;
+}
+
+#endif

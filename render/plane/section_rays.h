@@ -1,0 +1,29 @@
+/* What a section answers, found by rays: where a row's plane cuts so many triangles of instances
+ * that their segments would take longer to find and more memory than rays do (section_placed.h).
+ * Exact as segments are; a ray for each view in place of one look for all of them. Private to
+ * render/rows/. */
+#ifndef LF_RENDER_SECTION_RAYS_H
+#define LF_RENDER_SECTION_RAYS_H
+
+#include "render/plane/veil.h"
+
+/* From more segments of instances on. Finding so many takes about as long as the rays of a visit.
+ */
+#define LF_SECTION_MOST ((size_t)1 << 19)
+
+/* lf_section_hide of a section without segments. */
+void lf_section_hide_by_rays(const lf_section *section, const lf_rig *rig, lf_vec3 p,
+                             const lf_hit *on, int n, const float *c, float *scale);
+/* lf_section_nearest: what it meets becomes the section's segments. */
+void lf_section_nearest_by_rays(const lf_section *section, const lf_row_triangles *rows,
+                                const lf_rig *rig, float s0, int n, const float *c, float *z,
+                                int *segment);
+/* lf_veils_along. */
+void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
+                              const float *c, const float *z_end, float *through, bool *mirrors,
+                              lf_veil_crossings *kept);
+/* The veils of the rays that want them, from `first` on (lf_veils_to). */
+void lf_section_crossings_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
+                                  const float *c, const float *z_end, lf_veil_crossings *ray);
+
+#endif

@@ -1,0 +1,65 @@
+/* Surfaces that are not there whole (glTF's alpha: leaves, lace, curtains), cut by a row's plane:
+ * how much of them lies between a point and each view, and along the rays of a fan; private to
+ * render/. They are a section of their own. What they let through is a factor of D_k, evaluated for
+ * each view and never a coin: where a base sample ends is chosen by chance, and that chance is part
+ * of D_k (docs/estimators.md, "Veils"). */
+#ifndef LF_RENDER_VEIL_H
+#define LF_RENDER_VEIL_H
+
+#include "render/plane/section.h"
+
+/* A section of veils, and where it lies. */
+typedef struct lf_veils {
+    const lf_section *section;
+    const lf_row_triangles *rows;
+    const lf_scene *scene;
+    const lf_rig *rig;
+    const lf_row_plane *plane;
+} lf_veils;
+
+/* Of one ray of a fan, the veils that it crosses from depth `first` on, near to far: those before
+ * depth `known`, which is INFINITY where these are all. */
+#define LF_VEILS_KEPT 16
+typedef struct lf_veil_crossings {
+    float first, known;
+    int n, next; /* how many there are, and how many of them lf_veils_to has counted */
+    bool wanted; /* while they are looked for */
+    float z[LF_VEILS_KEPT], passes[LF_VEILS_KEPT];
+    int segment[LF_VEILS_KEPT]; /* of the section, -1: rays found it */
+} lf_veil_crossings;
+
+/* A fan that asks what veils let through on its way from the cameras to ever greater depths. */
+typedef struct lf_veil_walk {
+    lf_veils veils;
+    float s0;
+    int n;
+    const float *c, *z_end;
+    lf_veil_crossings ray[LF_MAX_LANES];
+} lf_veil_walk;
+
+/* Multiplies scale[k] by what all veils between the point p and the camera position c[k] let
+ * through; arguments as of lf_section_hide. */
+void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, const float *c,
+                     float *scale);
+
+/* Along the rays of lf_section_nearest, in front of z_end[k]: multiplies through[k] by what veils
+ * let through, and sets mirrors[k] where one of them has delta lobes. kept: [k], gets the nearest
+ * veils of each ray, up to one that lets nothing through; NULL: they are not wanted. */
+void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
+                    float *through, bool *mirrors, lf_veil_crossings *kept);
+
+/* Begins a walk along the same rays; z_end and c must outlive it. */
+void lf_veils_begin(lf_veil_walk *walk, const lf_veils *veils, float s0, int n, const float *c,
+                    const float *z_end);
+/* Back to the cameras. */
+void lf_veils_rewind(lf_veil_walk *walk);
+/* Multiplies through[k] by what the veils between the depth of the call before (the camera) and
+ * z[k] <= z_end[k] let through. z[k] never falls between two calls. A ray of which nothing is left
+ * (through[k] 0) may stay where it is. */
+void lf_veils_to(lf_veil_walk *walk, const float *z, float *through);
+/* Keeps one more crossing, in its place by depth; equal depths become one. Where there are too
+ * many, the farthest goes, and `known` is its depth. Behind what lets nothing through none is kept.
+ */
+void lf_veil_keep(lf_veil_crossings *ray, float z, float passes, int segment);
+
+#endif

@@ -1,3 +1,0 @@
-#include "render/rows/fan_lanes.h"
-
-const lf_fans lf_fans_c = LF_FANS("c");

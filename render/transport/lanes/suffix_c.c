@@ -1,0 +1,3 @@
+#include "render/transport/lanes/suffix_lanes.h"
+
+const lf_suffixes lf_suffixes_c = {.name = "c", .trace = trace, .light = light};

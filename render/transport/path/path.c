@@ -1,0 +1,455 @@
+#include "render/transport/path/path.h"
+
+#include "render/transport/light/glow.h"
+#include "render/transport/path/flesh.h"
+#include "render/transport/path/interior.h"
+
+/* Whether the path came here through flesh, from where no light sample was drawn. */
+static bool is_in_flesh(const lf_scene *scene, const lf_event *event)
+{
+    return scene->looks.fleshy && event->flesh.of;
+}
+
+/* lf_path_next of a path that carries beta. */
+static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
+                       lf_event *out)
+{
+    if (tracer->scene->looks.fleshy) {
+        out->flesh = lf_flesh_beyond(from, w);
+        if (out->flesh.of) {
+            lf_flesh_walk(tracer, from, w, beta, out);
+            if (tracer->scene->looks.nested)
+                lf_nest_after_flesh(tracer->scene, from, w, out);
+            return;
+        }
+    }
+    lf_vec3 o = from->kind == LF_EVENT_SURFACE
+                    ? lf_offset(tracer->scene, from->p, from->hit.ng, w, 0.0f)
+                    : from->p;
+    float t_max = INFINITY;
+    tracer->width = from->kind == LF_EVENT_SURFACE && from->hit.varies ? from->hit.width : 0.0f;
+    out->kind = LF_EVENT_ESCAPE;
+    out->w = w;
+    if (tracer->scene->looks.nested
+            ? lf_nest_trace(tracer, from, o, w, t_max, &out->nest, &out->hit)
+            : lf_trace_surface(tracer, o, w, t_max, &out->hit)) {
+        out->kind = LF_EVENT_SURFACE;
+        out->p = out->hit.p;
+        t_max = out->hit.t;
+    }
+    out->from = o;
+    out->surface = t_max;
+    float way = t_max;
+    if (tracer->scene->looks.filled)
+        way = lf_min(lf_interior_way(tracer, from, w, beta, out), t_max);
+    out->t = tracer->scene->looks.chromatic
+                 ? lf_track_channels(tracer, o, w, way, beta, &out->volume, &out->channels)
+                 : lf_track_collision(tracer, o, w, way, &out->volume);
+    if (way < t_max && out->t >= way) {
+        out->volume = LF_INTERIOR;
+        out->t = way;
+    }
+    if (out->t < t_max) {
+        out->kind = LF_EVENT_MEDIUM;
+        out->p = lf_madd(o, out->t, w);
+    }
+    if (tracer->scene->looks.filled)
+        lf_interior_weigh(beta, out);
+}
+
+void lf_path_next(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_event *out)
+{
+    next_event(tracer, from, w, lf_v3(1.0f, 1.0f, 1.0f), out);
+}
+
+static lf_vec3 channels_of(const lf_scene *scene, const lf_event *event)
+{
+    return scene->looks.chromatic ? event->channels : lf_v3(1.0f, 1.0f, 1.0f);
+}
+
+lf_vec3 lf_path_absorbed(const lf_scene *scene, const lf_event *event)
+{
+    return scene->looks.filled ? event->left : lf_v3(1.0f, 1.0f, 1.0f);
+}
+
+lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
+                               const lf_light_sample *light)
+{
+    const lf_material *in = scene->looks.filled && light->distance < INFINITY
+                                ? lf_interior_beyond(scene, event, light->wi)
+                                : NULL;
+    return in ? lf_interior_left(in, light->distance) : lf_v3(1.0f, 1.0f, 1.0f);
+}
+
+/* Of the medium of a collision. */
+static float phase_of(const lf_scene *scene, const lf_event *event, lf_vec3 w, lf_vec3 wi)
+{
+    return event->volume == LF_INTERIOR ? lf_phase_between(event->interior->g, w, wi)
+                                        : lf_volume_phase(&scene->volumes[event->volume], w, wi);
+}
+
+/* What is scattered inside of glass, lf_event.left has weighed already. */
+static lf_vec3 albedo_of(const lf_scene *scene, const lf_event *event)
+{
+    return event->volume == LF_INTERIOR
+               ? lf_v3(1.0f, 1.0f, 1.0f)
+               : lf_volume_albedo(&scene->volumes[event->volume], event->p);
+}
+
+bool lf_path_serves_others(const lf_event *event, lf_vec3 wi)
+{
+    const lf_hit *hit = &event->hit;
+    return event->kind == LF_EVENT_SURFACE &&
+           (hit->material->glass.is_rough || (hit->varies && hit->own.coat_normal.z > 0.0f)) &&
+           !lf_hit_leads_astray(hit, wi);
+}
+
+float lf_hit_eval_folded(const lf_hit *hit, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
+{
+    const lf_material *m = lf_hit_material(hit);
+    const lf_vec3 way[2] = {wi, lf_hit_mirrored(hit, wi)};
+    float pdf = 0.0f;
+    *f = lf_v3(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < 2; i++) {
+        lf_vec3 own;
+        if (lf_hit_leads_astray(hit, way[i]) != (i == 1))
+            continue;
+        pdf += m->kind->eval(m, hit->ns, wo, way[i], &own);
+        *f = lf_add(*f, own);
+    }
+    return pdf;
+}
+
+float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, lf_vec3 wi,
+                      lf_vec3 *f)
+{
+    if (event->kind == LF_EVENT_SURFACE) {
+        const lf_material *m = lf_hit_material(&event->hit);
+        if (lf_hit_folds(&event->hit))
+            return lf_hit_eval_folded(&event->hit, wo, wi, f);
+        float pdf = m->kind->eval(m, event->hit.ns, wo, wi, f);
+        if (lf_hit_leads_astray(&event->hit, wi))
+            *f = lf_v3(0.0f, 0.0f, 0.0f);
+        return pdf;
+    }
+    float phase = phase_of(scene, event, lf_scale(wo, -1.0f), wi);
+    *f = lf_scale(albedo_of(scene, event), phase);
+    return phase;
+}
+
+float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo, const float u[3],
+                        lf_vec3 *wi, lf_vec3 *f)
+{
+    if (event->kind == LF_EVENT_SURFACE) {
+        const lf_material *m = lf_hit_material(&event->hit);
+        float pdf = m->kind->sample(m, event->hit.ns, wo, u, wi, f);
+        if (pdf > 0.0f && lf_hit_folds(&event->hit)) {
+            if (lf_hit_leads_astray(&event->hit, *wi))
+                *wi = lf_hit_mirrored(&event->hit, *wi);
+            return lf_hit_eval_folded(&event->hit, wo, *wi, f);
+        }
+        if (lf_hit_leads_astray(&event->hit, *wi))
+            *f = lf_v3(0.0f, 0.0f, 0.0f);
+        return pdf;
+    }
+    lf_vec3 w = lf_scale(wo, -1.0f);
+    *wi = event->volume == LF_INTERIOR
+              ? lf_phase_sample(event->interior->g, w, u)
+              : lf_volume_phase_sample(&scene->volumes[event->volume], w, u);
+    float phase = phase_of(scene, event, w, *wi);
+    *f = lf_scale(albedo_of(scene, event), phase);
+    return phase;
+}
+
+/* Whether the face that was drawn is the first that a ray from o meets: where faces share a place,
+ * rays find one of them and so may next event. So the ray goes to the lamp itself, not to a point
+ * beside it; a face that stands nearer before the lamp than rays resolve hides it from both ways
+ * alike. A point within rounding of its triangle's edge may be met as the neighbour's and is lost:
+ * of lamps cut into triangles n times as wide as coordinates are rounded a share of a few times 1/n
+ * (a ball of radius 0.05, 1000 from the middle of the scene: 2.8 %). */
+static bool meets_lamp(lf_tracer *tracer, const lf_event *event, lf_vec3 o,
+                       const lf_light_sample *light)
+{
+    const lf_vec3 d = lf_sub(light->point, o);
+    lf_hit hit;
+    lf_nest nest;
+    const bool met = tracer->scene->looks.nested
+                         ? lf_nest_trace(tracer, event, o, d, INFINITY, &nest, &hit)
+                         : lf_trace_surface(tracer, o, d, INFINITY, &hit);
+    return met && hit.mesh == light->mesh && hit.triangle == light->triangle;
+}
+
+/* What comes from there to the event: faces of glass that are not there hide nothing. */
+static float passed_from(lf_tracer *tracer, const lf_event *event, lf_vec3 o, lf_vec3 d,
+                         float t_max)
+{
+    lf_hit hit;
+    lf_nest nest;
+    if (!tracer->scene->looks.nested)
+        return lf_trace_passed(tracer, o, d, t_max);
+    return lf_nest_trace(tracer, event, o, d, t_max, &nest, &hit) ? 0.0f : 1.0f;
+}
+
+float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample *light)
+{
+    lf_vec3 o = event->p, d = light->wi;
+    float t_max = INFINITY;
+    if (event->kind == LF_EVENT_SURFACE) {
+        if (lf_hit_leads_astray(&event->hit, light->wi) &&
+            !(lf_hit_folds(&event->hit) && lf_has_far_lobe(event->hit.material)))
+            return 0.0f;
+        if (tracer->scene->looks.fleshy && lf_flesh_beyond(event, light->wi).of)
+            return 0.0f;
+        o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi, 0.0f);
+    }
+    if (light->distance < INFINITY) {
+        /* Neither end may move without the other: the ray would pass the light and meet what lies
+         * behind or beside it. */
+        d = lf_sub(lf_offset(tracer->scene, light->point, light->normal, lf_scale(light->wi, -1.0f),
+                             light->distance),
+                   o);
+        t_max = 1.0f - 1e-6f;
+    }
+    float passed = tracer->scene->has_overlaps && light->mesh
+                       ? (float)meets_lamp(tracer, event, o, light)
+                       : passed_from(tracer, event, o, d, t_max);
+    if (!(passed > 0.0f))
+        return 0.0f;
+    if (!tracer->scene->looks.chromatic)
+        return passed * lf_track_transmittance(tracer, event->p, light->wi, light->distance);
+    light->radiance = lf_mul(light->radiance,
+                             lf_track_transmittances(tracer, event->p, light->wi, light->distance));
+    return passed;
+}
+
+float lf_path_lit(lf_tracer *tracer, const lf_event *event, lf_light_sample *light)
+{
+    const float passed = lf_path_visible(tracer, event, light);
+    if (tracer->scene->looks.filled)
+        light->radiance =
+            lf_mul(light->radiance, lf_path_absorbed_light(tracer->scene, event, light));
+    return passed;
+}
+
+lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const lf_event *event,
+                            float *out_light_pdf)
+{
+    *out_light_pdf = 0.0f;
+    lf_vec3 found = lf_v3(0.0f, 0.0f, 0.0f);
+    if (event->kind == LF_EVENT_ESCAPE)
+        found = lf_light_escape(scene, event->w, out_light_pdf);
+    else if (event->kind == LF_EVENT_SURFACE && scene->has_emission)
+        found = lf_light_hit(scene, from->p, &event->hit, out_light_pdf);
+    if (is_in_flesh(scene, event)) {
+        *out_light_pdf = 0.0f;
+        if (event->kind == LF_EVENT_SURFACE &&
+            event->hit.material == event->flesh.of) /* what its own face emits leaves it outwards */
+            return lf_v3(0.0f, 0.0f, 0.0f);
+    }
+    return scene->looks.chromatic ? lf_mul(found, event->channels) : found;
+}
+
+static float extinction(const lf_scene *scene, lf_vec3 p)
+{
+    float sigma = 0.0f;
+    for (int i = 0; i < scene->n_volumes; i++)
+        sigma += lf_volume_sigma_t(&scene->volumes[i], p);
+    return sigma;
+}
+
+static const lf_glow *pick_glow(const lf_scene *scene, float u)
+{
+    int i = 0;
+    for (; i < scene->glows.n - 1 && u >= scene->glows.item[i].share; i++)
+        u -= scene->glows.item[i].share;
+    return &scene->glows.item[i];
+}
+
+/* Albedo times phase function times extinction of all volumes at p, each over the pdf with which
+ * this light is found from there. */
+static lf_vec3 scattered_by_volumes(const lf_scene *scene, lf_vec3 p, lf_vec3 w,
+                                    const lf_light_sample *light)
+{
+    lf_vec3 sum = lf_v3(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < scene->n_volumes; i++) {
+        const lf_volume *v = &scene->volumes[i];
+        float phase = lf_volume_phase(v, w, light->wi);
+        sum = lf_madd(
+            sum, lf_volume_sigma_t(v, p) * phase / (light->delta ? light->pdf : light->pdf + phase),
+            lf_mul(lf_volume_albedo(v, p), lf_volume_colour(v)));
+    }
+    return sum;
+}
+
+lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
+{
+    const lf_vec3 nothing = lf_v3(0.0f, 0.0f, 0.0f);
+    const lf_scene *scene = tracer->scene;
+    if (scene->glows.n == 0 || (scene->looks.filled && next->interior) || is_in_flesh(scene, next))
+        return nothing; /* what fills glass is not looked up there */
+    const lf_glow *glow = pick_glow(scene, lf_rng(tracer));
+    lf_glow_segment segment;
+    if (!lf_glow_segment_init(&segment, scene, glow, next->from, next->w) ||
+        lf_rng(tracer) >= segment.count)
+        return nothing;
+    lf_event event = {.kind = LF_EVENT_MEDIUM};
+    float t = lf_glow_segment_draw(&segment, lf_rng(tracer)), pdf;
+    const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
+    event.p = lf_madd(next->from, t, next->w);
+    if (scene->looks.nested)
+        event.nest = next->nest;
+    float sigma = t < next->surface ? extinction(scene, event.p) : 0.0f;
+    const lf_light *from = &scene->lights[glow->light];
+    lf_light_sample light;
+    if (!(sigma > 0.0f) || !lf_light_draw_from(scene, from, event.p, u, &light))
+        return nothing;
+    float weight = lf_glow_segment_weight(&segment, t, sigma, glow->share, from->select, &pdf);
+    weight *= from->select / (segment.count * glow->share * pdf) *
+              lf_path_visible(tracer, &event, &light);
+    if (!(weight > 0.0f))
+        return nothing;
+    lf_vec3 scattered =
+        lf_mul(scattered_by_volumes(scene, event.p, next->w, &light), light.radiance);
+    if (scene->looks.chromatic)
+        scattered = lf_mul(scattered, lf_track_transmittances(tracer, next->from, next->w, t));
+    else
+        weight *= lf_track_transmittance(tracer, next->from, next->w, t);
+    return lf_scale(scattered, weight);
+}
+
+/* What is left to the collision at `event` of a light's next event there. */
+static float beside_glow(const lf_scene *scene, const lf_event *event, const lf_light *light)
+{
+    lf_glow_segment segment;
+    if (event->kind != LF_EVENT_MEDIUM || light->glow == 0 ||
+        (scene->looks.filled && event->interior))
+        return 1.0f;
+    const lf_glow *glow = &scene->glows.item[light->glow - 1];
+    if (!lf_glow_segment_init(&segment, scene, glow, event->from, event->w))
+        return 1.0f;
+    float sigma = extinction(scene, event->p);
+    return sigma > 0.0f ? 1.0f - lf_glow_segment_weight(&segment, event->t, sigma, glow->share,
+                                                        light->select, NULL)
+                        : 1.0f;
+}
+
+/* Next-event estimation with the balance heuristic against direction sampling. */
+static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
+{
+    const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
+    lf_light_sample light;
+    lf_vec3 f;
+    if (!lf_light_draw(tracer->scene, event->p, u, &light))
+        return lf_v3(0.0f, 0.0f, 0.0f);
+    float pdf = lf_scatter_eval(tracer->scene, event, wo, light.wi, &f);
+    if (!(lf_max3(f) > 0.0f))
+        return lf_v3(0.0f, 0.0f, 0.0f);
+    float weight = lf_path_lit(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
+    weight *= beside_glow(tracer->scene, event, light.light);
+    return lf_scale(lf_mul(f, light.radiance), weight);
+}
+
+/* What volumes emit along the segment that ends at `next`, which a path came along that carried
+ * beta, what glass takes of it included. No light sample finds it: a direction alone does, with
+ * weight 1. */
+static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next, lf_vec3 beta)
+{
+    if (is_in_flesh(tracer->scene, next))
+        return lf_v3(0.0f, 0.0f, 0.0f);
+    const float t = lf_min(next->t, next->surface);
+    lf_dimming dimming;
+    const bool is_dimmed = tracer->scene->looks.filled && next->interior;
+    if (is_dimmed)
+        dimming = lf_interior_dimming(next->interior, beta);
+    return lf_mul(channels_of(tracer->scene, next),
+                  lf_track_emission(tracer, next->from, next->w, t, is_dimmed ? &dimming : NULL));
+}
+
+/* Chooses between a surface's delta lobes and the rest; returns true when the path goes on along
+ * *wi, the direction of one of them. */
+static bool follows_delta(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_vec3 *wi,
+                          lf_vec3 *beta)
+{
+    lf_shading shading;
+    lf_shade(&event->hit, wo, &shading);
+    if (shading.n_deltas == 0)
+        return false;
+    float mean[LF_MAX_DELTAS] = {0.0f}, sum = 0.0f;
+    for (int i = 0; i < shading.n_deltas; i++)
+        sum += mean[i] = lf_mean3(shading.delta[i].f);
+    float any = shading.has_lobe ? lf_min(sum, 0.95f) : 1.0f, u = lf_rng(tracer);
+    if (u >= any) {
+        *beta = lf_scale(*beta, 1.0f / (1.0f - any));
+        return false;
+    }
+    int chosen = shading.n_deltas > 1 && u * sum >= any * mean[0];
+    *beta = lf_scale(lf_mul(*beta, shading.delta[chosen].f), 1.0f / (any * (mean[chosen] / sum)));
+    *wi = shading.delta[chosen].wi;
+    return true;
+}
+
+lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, int max_depth)
+{
+    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), beta = channels_of(tracer->scene, event);
+    lf_event events[2];
+    const lf_event *here = event;
+    for (; depth <= max_depth; depth++) {
+        lf_vec3 wo = lf_scale(here->w, -1.0f), wi, f, fire;
+        float pdf = 0.0f;
+        bool delta = here->kind == LF_EVENT_SURFACE && follows_delta(tracer, here, wo, &wi, &beta);
+        if (!delta) {
+            radiance = lf_add(radiance, lf_mul(beta, direct(tracer, here, wo)));
+            const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
+            pdf = lf_scatter_sample(tracer->scene, here, wo, u, &wi, &f);
+            if (!(pdf > 0.0f))
+                break;
+            beta = lf_scale(lf_mul(beta, f), 1.0f / pdf);
+            tracer->spread = LF_SUFFIX_SPREAD;
+        }
+        if (!(lf_max3(beta) > 0.0f) || !lf_path_survives(tracer, &beta))
+            break;
+        lf_event *next = here == &events[0] ? &events[1] : &events[0];
+        next_event(tracer, here, wi, beta, next);
+        if (tracer->scene->flames.n > 0)
+            fire = lf_mul(beta, emitted(tracer, next, beta));
+        if (tracer->scene->looks.filled)
+            beta = lf_mul(beta, lf_path_absorbed(tracer->scene, next));
+        float light_pdf;
+        lf_vec3 found = lf_path_light_found(tracer->scene, here, next, &light_pdf);
+        float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
+        radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
+        if (tracer->scene->flames.n > 0)
+            radiance = lf_add(radiance, fire);
+        if (depth < max_depth && tracer->scene->glows.n > 0)
+            radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, next)));
+        if (next->kind == LF_EVENT_ESCAPE)
+            break;
+        if (tracer->scene->looks.chromatic)
+            beta = lf_mul(beta, next->channels);
+        here = next;
+    }
+    if (depth > max_depth)
+        tracer->suffixes_cut += (double)lf_max3(beta);
+    return radiance;
+}
+
+lf_vec3 lf_path_along(lf_tracer *tracer, const lf_event *next, bool scatters)
+{
+    lf_vec3 radiance = scatters ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
+    if (tracer->scene->flames.n > 0)
+        radiance = lf_add(radiance, emitted(tracer, next, lf_v3(1.0f, 1.0f, 1.0f)));
+    return radiance;
+}
+
+lf_vec3 lf_path_arriving(lf_tracer *tracer, const lf_event *next, int depth, int max_depth)
+{
+    const lf_vec3 radiance = lf_path_along(tracer, next, depth <= max_depth);
+    tracer->suffixes++;
+    if (next->kind == LF_EVENT_ESCAPE)
+        return radiance;
+    const lf_vec3 left = lf_path_absorbed(tracer->scene, next);
+    const double cut = tracer->suffixes_cut;
+    lf_vec3 scattered = lf_path_scattered(tracer, next, depth, max_depth);
+    tracer->suffixes_cut = cut + (tracer->suffixes_cut - cut) * (double)lf_max3(left);
+    return lf_add(radiance, lf_mul(scattered, left));
+}

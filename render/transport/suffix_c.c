@@ -1,3 +1,0 @@
-#include "render/transport/suffix_lanes.h"
-
-const lf_suffixes lf_suffixes_c = {.name = "c", .trace = trace, .light = light};

@@ -1,0 +1,33 @@
+/* Which pixels of a row a visit takes that shares them out among the views; private to render/. */
+#ifndef LF_RENDER_VISIT_LATTICE_H
+#define LF_RENDER_VISIT_LATTICE_H
+
+#include <math.h>
+
+#include "render/integrator.h"
+#include "render/transport/sampler.h"
+
+/* Which pixels a visit takes: each with probability subsets / n_views, each once in any n_views
+ * passes. Column u = first, first + column_step, … takes the views u + start + j, j < subsets;
+ * start is uniform in a half's first visit and runs on. */
+typedef struct lf_visit_lattice {
+    int start, first, views;
+} lf_visit_lattice;
+
+/* n, index: native samples a view pixel and visits of the row's half before; key: its own. */
+static inline lf_visit_lattice lf_visit_lattice_of(const lf_visit_order *order, uint64_t key,
+                                                   double n, uint32_t index, int views)
+{
+    return (lf_visit_lattice){
+        .start =
+            (int)((lf_hash64(key, 7) >> 32) % (uint64_t)views) + (int)(llround(n * views) % views),
+        .first = (int)((lf_hash64(lf_hash64(key, 3), index) >> 32) % (uint64_t)order->column_step),
+        .views = views};
+}
+
+static inline int lf_visit_lattice_view(const lf_visit_lattice *lattice, int column, int j)
+{
+    return (column + lattice->start + j) % lattice->views;
+}
+
+#endif
