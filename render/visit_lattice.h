@@ -14,6 +14,12 @@ typedef struct lf_visit_lattice {
     int start, first, views;
 } lf_visit_lattice;
 
+/* The random numbers of a half of a row; random: lf_visit_order's. */
+static inline uint64_t lf_visit_key(uint64_t random, int row, int half)
+{
+    return lf_hash64(lf_hash64(random, (uint64_t)row), (uint64_t)half);
+}
+
 /* n, index: native samples a view pixel and visits of the row's half before; key: its own. */
 static inline lf_visit_lattice lf_visit_lattice_of(const lf_visit_order *order, uint64_t key,
                                                    double n, uint32_t index, int views)

@@ -115,7 +115,7 @@ typedef struct lf_veil_memory {
 
 /* One worker's memory. */
 typedef struct lf_scratch {
-    lf_tracer tracer;
+    _Alignas(LF_CACHE_LINE) lf_tracer tracer;
     lf_media media;
     lf_shine_memory shine; /* what they emit */
     lf_film_sums sums;     /* of the visit under way */
