@@ -17,6 +17,7 @@
 #   make T=render check     only the tests whose path holds this word; WITHOUT='tests/render/test_bias …' leaves those out
 #   make tests              builds what make check runs, with the same T and WITHOUT
 #   make build/release/tests/base/test_file     one test program
+#   READERS=build/release   the programs that read files are those that are built there, not built again
 #   BUILD=release|debug|asan|tsan  O=DIR  V=1  WERROR=1  CC CXX CFLAGS CXXFLAGS LDFLAGS  DESTDIR PREFIX
 #
 # Lists that fragments append to (paths relative to the source tree unless said otherwise):
@@ -133,7 +134,11 @@ define program
 $(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model papers,$(libraries))))
 	$$(call link,$$(link_$(1)))
 endef
-$(foreach p,$(programs),$(eval $(call program,$(p))))
+$(foreach p,$(if $(READERS),$(filter-out $(readers),$(programs)),$(programs)),$(eval $(call program,$(p))))
+ifdef READERS
+$(addprefix $(O)/,$(readers)): $(O)/%: $(READERS)/%
+	@ln -sfn $(abspath $<) $@
+endif
 
 # --------------------------------------------------------------------------------------------------------- testing --
 test_srcs := $(call wild,tests/*/test_*.c)
@@ -149,11 +154,38 @@ test_linker := $(if $(PORTABLE)$(findstring -fuse-ld,$(LDFLAGS)),,$(if $(shell c
 test_objs = $(call objs,$(addprefix faults/,$(test_faults_$(1))))
 test_libs = $(call libs,$(or $(test_libs_$(1)),$(libraries)))
 
+matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
+matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
+folder = $(notdir $(patsubst %/,%,$(dir $(1))))
+
 define test
-$(O)/$(1:.c=): $(call objs,$(1)) $(call test_objs,$(notdir $(patsubst %/,%,$(dir $(1))))) $(call test_libs,$(notdir $(patsubst %/,%,$(dir $(1)))))
+$(O)/$(1:.c=): $(call objs,$(1)) $(call test_objs,$(call folder,$(1))) $(call test_libs,$(call folder,$(1)))
+	@rm -f $$@
 	$$(call link,$$(dep_test_libs) $$(wrap_$(notdir $(1:.c=))) $$(test_linker))
 endef
-$(foreach t,$(test_srcs),$(eval $(call test,$(t))))
+# The tests of a folder are one program, linked once, with as many names: each runs the test of its name (tests/runner.c). Those that
+# change what they link stand alone, and so do single ones that are asked for: the others of their folder need not be built.
+in_runner = $(filter-out $(addprefix tests/,$(alone_tests)) $(foreach t,$(1),$(if $(wrap_$(notdir $(t:.c=))),$(t:.c=))) $(WITHOUT),$(1:.c=))
+whole = $(if $(PORTABLE)$(filter $(O)/tests/%,$(goals)),,$(if $(T),$(if $(filter-out $(call matching,$(1)),$(1)),,$(1)),$(1)))
+$(foreach f,$(sort $(dir $(test_srcs))),$(eval runner_$(f) := $(call whole,$(call in_runner,$(filter $(f)%,$(test_srcs))))))
+runners := $(foreach f,$(sort $(dir $(test_srcs))),$(if $(word 2,$(runner_$(f))),$(f)))
+run_together := $(foreach f,$(runners),$(runner_$(f)))
+define runner
+$(O)/$(1)runner.list: FORCE
+	@mkdir -p $$(@D); echo '$(patsubst %,LF_TEST(%),$(notdir $(runner_$(1))))' > $$@.new; if cmp -s $$@.new $$@; then rm $$@.new; else mv $$@.new $$@; fi
+$(O)/$(1)runner.o: $(SRCDIR)/tests/runner.c $(O)/$(1)runner.list $(O)/flags.stamp
+	$$(call say,CC )$$(CC) $$(lf_cflags) $$(CPPFLAGS) $$(CFLAGS) -DLF_TESTS="$$$$(cat $(O)/$(1)runner.list)" -c -o $$@ $$<
+$(O)/$(1)runner: $(O)/$(1)runner.o $(patsubst %,$(O)/%.main.o,$(runner_$(1))) $(call test_objs,$(call folder,$(1))) $(call test_libs,$(call folder,$(1)))
+	@rm -f $$@
+	$$(call link,$$(dep_test_libs) $$(test_linker))
+$(addprefix $(O)/,$(runner_$(1))): $(O)/$(1)runner
+	@ln -f $$< $$@ 2>/dev/null || cp -p $$< $$@
+endef
+$(foreach t,$(filter-out $(addsuffix .c,$(run_together)),$(test_srcs)),$(eval $(call test,$(t))))
+$(foreach f,$(runners),$(eval $(call runner,$(f))))
+OBJCOPY ?= objcopy
+$(O)/tests/%.main.o: $(O)/tests/%.c.o
+	@$(OBJCOPY) --redefine-sym main=$(notdir $*)_main $< $@
 $(if $(PORTABLE),,$(tests): | $(addprefix $(O)/,$(readers)))
 
 # a fuzz target is its one file with the libraries it looks at (fuzz_libs_NAME, where they are others; tests/module.mk)
@@ -179,8 +211,6 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
 .PHONY: tests fuzz-targets check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
 # what renders for long is run once, as it is built for users
 tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh $(if $(filter release,$(BUILD)),readme.sh) arm64.sh)
-matching = $(foreach x,$(1),$(if $(strip $(foreach t,$(T),$(findstring $(t),$(x)))),$(x)))
-matching_or_all = $(if $(T),$(call matching,$(1)),$(1))
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))
 tests: all $(selected) $(if $(T)$(filter-out release,$(BUILD)),,$(headers_alone)) $(O)/tests/arm64/results
 check-now: tests

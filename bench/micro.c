@@ -127,6 +127,18 @@ static void draw_fans(bench *b)
     }
 }
 
+static lf_rays rays_of(const bench *b, const fan *f, const lf_kernels *kernels)
+{
+    return (lf_rays){.scene = &b->rows->seen,
+                     .rig = &b->rows->rig,
+                     .plane = &b->plane,
+                     .kernels = kernels,
+                     .n = b->lanes,
+                     .x0 = f->x0,
+                     .slope = f->slope,
+                     .z_end = f->z_end};
+}
+
 /* Mean optical depth of the middle view's rays that meet anything, for what the line says of the
  * scene. */
 static void measure_depth(bench *b)
@@ -137,8 +149,8 @@ static void measure_depth(bench *b)
     for (int u = 0; u < rig->width; u++) {
         fan f = fan_to(b, rig->x0 + ((float)u + 0.5f) * rig->dx, INFINITY);
         float tau[LF_MAX_LANES];
-        lf_media_depths(&b->worker->media, lf_kernels_get(), b->lanes, f.x0, f.slope, f.z_end, tau,
-                        -1, NULL);
+        const lf_rays rays = rays_of(b, &f, lf_kernels_get());
+        lf_media_depths(&b->worker->media, &rays, tau, -1, NULL);
         sum += (double)tau[rig->n_views / 2];
         n += tau[rig->n_views / 2] > 0;
     }
@@ -176,11 +188,12 @@ static lf_status prepare(bench *b, lf_error *err)
     b->worker = &b->rows->workers[0];
     b->worker->tracer.scene = b->renderer->scene;
     b->worker->tracer.rng = lf_hash64(a->options.seed, 1);
-    b->lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    b->lanes = lf_rig_lanes(rig);
     lf_rig_row_plane(rig, 0.5f * (float)rig->height, (float[2]){0.5f, 0.5f}, &b->plane);
-    const float phase[2] = {0.5f, 0.5f};
-    lf_media_cut(&b->worker->media, &b->rows->frame, b->renderer->scene->volumes, rig, &b->plane,
-                 phase, lf_kernels_get(), &b->worker->tracer.lookups);
+    const lf_media_plane at = {
+        .rig = rig, .plane = &b->plane, .kernels = lf_kernels_get(), .phase = {0.5f, 0.5f}};
+    lf_media_cut(&b->worker->media, &b->rows->frame, b->renderer->scene->volumes, &at,
+                 &b->worker->tracer.lookups);
     draw_fans(b);
     if (b->n_fans < N_FANS)
         return lf_error_set(
@@ -210,9 +223,8 @@ static void run_march(const bench *b, const lf_kernels *k, answers *out)
 static void run_exits(const bench *b, const lf_kernels *k, answers *out)
 {
     for (int i = 0; i < b->n_fans; i++) {
-        const fan *f = &b->exits[i];
-        lf_media_depths(&b->worker->media, k, b->lanes, f->x0, f->slope, f->z_end, out->tau[i], -1,
-                        NULL);
+        const lf_rays rays = rays_of(b, &b->exits[i], k);
+        lf_media_depths(&b->worker->media, &rays, out->tau[i], -1, NULL);
     }
 }
 
@@ -235,9 +247,8 @@ static void run_densities(const bench *b, const lf_kernels *k, answers *out)
 static void run_pivot(const bench *b, const lf_kernels *k, answers *out)
 {
     for (int i = 0; i < b->n_fans; i++) {
-        const fan *f = &b->pivots[i];
-        lf_media_depths(&b->worker->media, k, b->lanes, f->x0, f->slope, f->z_end, out->tau[i],
-                        b->medium[i], out->sigma[i]);
+        const lf_rays rays = rays_of(b, &b->pivots[i], k);
+        lf_media_depths(&b->worker->media, &rays, out->tau[i], b->medium[i], out->sigma[i]);
         out->sum[i] = k->densities(b->lanes, out->sigma[i], out->tau[i], out->density[i]);
     }
 }

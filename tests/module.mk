@@ -22,7 +22,7 @@ fuzz_libs_places := meshes render base
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
 # Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/rows/visit.h).
-test_faults_render := $(patsubst %,render/rows/%.c,exits exits_row glow_visit mvpt visit)
+test_faults_render := $(patsubst %,render/rows/%.c,exits extinction_chromatic extinction_grey glow_visit mvpt prefix_factor visit visit_cut)
 
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
@@ -33,7 +33,12 @@ $(foreach f,$(patsubst %.c,%,$(stat_srcs) $(call wild,tests/render/test_suffix*.
 endif
 
 # a reader of the test's own, which gives up the same rights
-$(addprefix $(O)/tests/render/,test_import test_import_group test_import_shares): $(O)/base/sandbox/confine.c.o
+own_readers := $(addprefix render/,test_import test_import_group test_import_shares)
+$(addprefix $(O)/tests/,$(own_readers)): $(O)/base/sandbox/confine.c.o
+# Tests that are no part of their folder's program, as those with a wrap_ are not: with objects of their own, or who are asked for the
+# files of a mesh.
+alone_tests := $(own_readers) $(addprefix render/,test_obj_read $(patsubst %,test_gltf_%,extensions formats material pointer pointer_frames \
+ pointer_told read))
 
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))

@@ -195,12 +195,12 @@ sections_in_no_map() {
     done
 }
 empty_assertions() { grep_code "$1" 'assert_true\((1|true)\)|assert_int_equal\(([0-9]+), \2\)'; }
-# CI's lists name programs that are there.
 # Numbers are read by base/number.h; texts of the kernel and of our own may be read by a pattern. HDR headers are older than the rule.
 numbers_by_the_library() {
     grep_code "$1" '\b(strto(d|f|ld|l|ul|ll|ull|imax|umax)|ato[ifl]|f?s?scanf)\(' |
         grep -vE '^(tests|scenes)/|^base/(number|image_hdr)\.c:|^device/(model/vhci|sim/sim_unplug|drm/kms)\.c:'
 }
+# CI's lists name programs, and tests of programs, that are there.
 listed_tests_are_there() {
     local list lists=()
     for list in statistics threads longest; do
@@ -209,6 +209,9 @@ listed_tests_are_there() {
     (cd "$1" && find tests -name 'test_*.c' -o -name '*.sh' | awk '
         FILENAME == "-" { programs = programs "\n" $0; next }
         !index(programs, $0) { print FILENAME ": " $0 }' - "${lists[@]}")
+    [ ! -e "$1/.ci/repeated" ] || while IFS=': ' read -r program name; do
+        grep -qs "cmocka_unit_test[a-z_]*($name[,)]" "$1/$program.c" || echo ".ci/repeated: $program: $name"
+    done < "$1/.ci/repeated"
 }
 
 # Arrows that rooms of render/ must not have: a folder, and a header that nothing in it may include.
@@ -292,9 +295,10 @@ for rule in tabs_and_trailing_blanks long_lines broken_section_rules torn_expres
     fi
 done
 
-# What the object files show. C names that other files see begin with lf_.
-foreign_names() {
-    nm -A -g --defined-only "$out"/lib*.a 2> /dev/null | awk '$2 ~ /^[0-9a-f]+$/ && $3 ~ /^[TDBRC]$/ && $4 !~ /^(lf_|_Z|__|DW\.|_?asan)/ { print $1, $4 }'
+# What the object files show. C names that other files see begin with lf_, private ones of daemon/engine and daemon/output with their folder.
+foreign_names() { # objects, libraries
+    nm -A -g --defined-only "$@" 2> /dev/null |
+        awk '$2 ~ /^[TDBRC]$/ && $3 !~ /^(lf_|engine_|output_|_Z|__|DW\.|_?asan)/ { sub(/:[0-9a-f]*$/, "", $1); print $1, $3 }'
 }
 mapfile -t isa_objects < <(find "$out"/render "$out"/quilt -name '*_avx2.c.o' -o -name '*_avx512.c.o' | sort)
 # A file compiled for one instruction set holds functions and one table: a writable global there might be initialised, and an
@@ -329,7 +333,6 @@ reading_libraries() { # programs
         ! nm "$out/$p" 2> /dev/null | grep -qE ' [Tt] _Z' || echo "$p holds C++ of ours"
     done
 }
-report foreign_names "$(foreign_names)"
 if [ -n "$(reading_libraries quiltimport)" ] && [ -n "$(reading_libraries quiltimport-vdb)" ]; then
     report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltsim quiltbench)"
 else
@@ -338,6 +341,11 @@ fi
 if command -v "${CC:-gcc}" > /dev/null && [ "$(uname -m)" = x86_64 ]; then
     printf '#include <immintrin.h>\nvoid f(float *p) { _mm256_storeu_ps(p, _mm256_add_ps(_mm256_loadu_ps(p), _mm256_loadu_ps(p))); }\n' > "$breaches/upper.c"
     "${CC:-gcc}" -O2 -mavx2 -mno-vzeroupper -c -o "$breaches/upper.o" "$breaches/upper.c"
+    if [ -n "$(foreign_names "$breaches/upper.o")" ]; then
+        report foreign_names "$(foreign_names "$out"/lib*.a)"
+    else
+        report foreign_names "the rule does not notice a breach of it"
+    fi
     if [ -n "$(without_vzeroupper "$breaches/upper.o")" ]; then
         report without_vzeroupper "$(without_vzeroupper "${isa_objects[@]}")"
     else

@@ -22,6 +22,7 @@
 #include <unistd.h>
 
 #include "base/status.h"
+#include "tests/left_out.h"
 
 /* Scenes of tests are read by the readers of the same build: a test stands in its folder tests/. */
 __attribute__((constructor)) static inline void lf_test_find_readers(void)
@@ -35,6 +36,36 @@ __attribute__((constructor)) static inline void lf_test_find_readers(void)
         setenv("QUILTIMPORT", path, 0);
     }
 }
+
+#ifndef LF_TESTS_ARM64_CMOCKA_H
+static inline void lf_test_skip(void **state)
+{
+    (void)state;
+    skip();
+}
+
+/* cmocka_run_group_tests_name but for tests that are left out, which count as skipped. */
+static inline int lf_test_run(const char *group, const struct CMUnitTest *tests, size_t n,
+                              CMFixtureFunction setup, CMFixtureFunction teardown)
+{
+    struct CMUnitTest *run = malloc(n * sizeof *run);
+    assert_non_null(run);
+    for (size_t i = 0; i < n; i++) {
+        const bool left_out = lf_test_left_out(tests[i].name);
+        run[i] = left_out ? (struct CMUnitTest){.name = tests[i].name, .test_func = lf_test_skip}
+                          : tests[i];
+    }
+    int failed = _cmocka_run_group_tests(group, run, n, setup, teardown);
+    free(run);
+    return failed;
+}
+#undef cmocka_run_group_tests
+#undef cmocka_run_group_tests_name
+#define cmocka_run_group_tests_name(group, tests, setup, teardown)                                 \
+    lf_test_run((group), (tests), sizeof(tests) / sizeof((tests)[0]), (setup), (teardown))
+#define cmocka_run_group_tests(tests, setup, teardown)                                             \
+    cmocka_run_group_tests_name(#tests, tests, setup, teardown)
+#endif
 
 /* |a - b| <= abs + rel * max(|a|, |b|). NaN is close to nothing; equal infinities are close. */
 static inline bool lf_close(double a, double b, double rel, double abs)

@@ -49,6 +49,8 @@ lf_load *lf_load_create(lf_load_kind kind)
 
 void lf_load_destroy(lf_load *load)
 {
+    if (!load)
+        return;
     lf_free(load->file);
     lf_free(load->name);
     json_decref(load->patch);

@@ -12,7 +12,6 @@
 #include "base/alloc.h"
 #include "base/errno_text.h"
 #include "base/log.h"
-#include "base/sandbox/import.h"
 #include "base/wakeup.h"
 #include "daemon/threads/turns.h"
 

@@ -63,10 +63,14 @@ static inline void lf_body_truncated(float x, float *met, float *mean, float *va
                         : inverse * inverse - ratio * (1.0f + ratio);
 }
 
-/* One ray of lf_body_moments; returns its depth per unit of Z. */
-static inline float lf_body_met(const lf_body *body, float x0, float slope, float z_end,
-                                float length, float distance, float *met, float *nearness,
-                                float *spread)
+/* What one ray of lf_body_moments finds. */
+typedef struct lf_body_met {
+    float depth; /* per unit of Z */
+    float share, nearness, spread;
+} lf_body_met;
+
+static inline lf_body_met lf_body_meet(const lf_body *body, const lf_feature_rays *rays, float x0,
+                                       float slope, float z_end, float length)
 {
     float from, to, share, mean, variance;
     lf_body_interval(body, x0, slope, &from, &to);
@@ -74,11 +78,11 @@ static inline float lf_body_met(const lf_body *body, float x0, float slope, floa
     lf_body_truncated(depth * length, &share, &mean, &variance);
     bool hit = inside > 0.0f;
     float inverse = 1.0f / lf_max(from + inside * mean, 1e-30f), part = inside * inverse,
-          y = lf_min(distance * inverse, LF_NEARNESS_MAX), relative = variance * part * part;
-    *met = hit ? share : 0.0f;
-    *nearness = hit ? lf_min(y * (1.0f + relative), LF_NEARNESS_MAX) : 0.0f;
-    *spread = hit ? y * sqrtf(lf_max(relative, 0.0f)) : 0.0f;
-    return depth;
+          y = lf_min(rays->distance * inverse, LF_NEARNESS_MAX), relative = variance * part * part;
+    return (lf_body_met){.depth = depth,
+                         .share = hit ? share : 0.0f,
+                         .nearness = hit ? lf_min(y * (1.0f + relative), LF_NEARNESS_MAX) : 0.0f,
+                         .spread = hit ? y * sqrtf(lf_max(relative, 0.0f)) : 0.0f};
 }
 
 /* Adds the depths of n rays to tau: the kernels' loop, here once and compiled for each instruction
@@ -104,24 +108,25 @@ static inline void lf_body_depths(const lf_body *body, int n, const float *restr
 }
 
 /* The same with lf_kernels.within. */
-static inline void lf_body_moments(const lf_body *body, int n, const float *restrict x0,
-                                   const float *restrict slope, const float *restrict z_end,
-                                   const float *restrict length, float distance,
+static inline void lf_body_moments(const lf_body *body, const lf_feature_rays *rays,
                                    float *restrict tau, float *const out[3])
 {
+    const float *restrict x0 = rays->x0, *restrict slope = rays->slope,
+                          *restrict z_end = rays->z_end, *restrict length = rays->length;
     float *restrict met = out[0], *restrict nearness = out[1], *restrict spread = out[2];
+    const lf_feature_rays of = *rays;
     lf_body known = *body;
     switch (body->shape) {
 #define LF_MOMENTS(NAME, name)                                                                     \
     case LF_VOLUME_##NAME:                                                                         \
         known.shape = LF_VOLUME_##NAME;                                                            \
-        for (int k = 0; k < n; k++) {                                                              \
-            float share, mean, deviation;                                                          \
-            tau[k] += lf_body_met(&known, x0[k], slope[k], z_end[k], length[k], distance, &share,  \
-                                  &mean, &deviation);                                              \
-            met[k] = share;                                                                        \
-            nearness[k] = mean;                                                                    \
-            spread[k] = deviation;                                                                 \
+        for (int k = 0; k < of.n; k++) {                                                           \
+            const lf_body_met here =                                                               \
+                lf_body_meet(&known, &of, x0[k], slope[k], z_end[k], length[k]);                   \
+            tau[k] += here.depth;                                                                  \
+            met[k] = here.share;                                                                   \
+            nearness[k] = here.nearness;                                                           \
+            spread[k] = here.spread;                                                               \
         }                                                                                          \
         break;
         LF_VOLUME_SHAPES(LF_MOMENTS)

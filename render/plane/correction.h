@@ -32,19 +32,6 @@ static inline float lf_correction_exit_density(float contributions, bool fitted)
                            LF_CORRECTION_EXIT);
 }
 
-/* Rays X(Z) = x0[k] + slope[k] Z of a row's plane, z_from < Z < z_end[k], in the order that
- * lf_kernels.march wants. */
-typedef struct lf_rays {
-    const lf_scene *scene;
-    const lf_rig *rig;
-    const lf_row_plane *plane;
-    const lf_kernels *kernels;
-    int n; /* a multiple of LF_LANES */
-    const float *x0, *slope, *z_end;
-    float z_from;  /* what lies before it is left out */
-    bool channels; /* of each channel, not of the largest alone */
-} lf_rays;
-
 /* True when something on this row's plane is a slice; without, all R are 1. */
 bool lf_correction_needed(const lf_media *media);
 

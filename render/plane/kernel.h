@@ -30,21 +30,18 @@ typedef struct lf_kernels {
     void (*march)(const lf_slice *slice, int n, const float *x0, const float *slope,
                   const float *z_end, float *tau, float *sigma);
 
-    /* march without sigma, for rays of these lengths per unit of Z, with the moments of where the
-     * first collision lies: sets *sums[0..2] to the sums over planes of w, w y and w y^2, y =
-     * distance/Z (nearness, film_feature.h) at the plane and w the transmittance that is lost
-     * there. exp(-x) of a plane is taken as 1 / (1 + x + x^2/2). */
-    void (*moments)(const lf_slice *slice, int n, const float *x0, const float *slope,
-                    const float *z_end, const float *length, float distance, float *tau,
+    /* march without sigma, with the moments of where the first collision lies: sets *sums[0..2] to
+     * the sums over planes of w, w y and w y^2, y the nearness of the plane and w the transmittance
+     * that is lost there. exp(-x) of a plane is taken as 1 / (1 + x + x^2/2). */
+    void (*moments)(const lf_slice *slice, const lf_feature_rays *rays, float *tau,
                     float *const sums[3]);
 
     /* march for a homogeneous shape, and with where the first collision lies: sets out[0][n] to
-     * about its probability, out[1][n] and out[2][n] to mean and standard deviation of distance/Z
+     * about its probability, out[1][n] and out[2][n] to mean and standard deviation of nearness
      * there, 1/Z to second order along the ray's part inside. */
     void (*through)(const lf_body *body, int n, const float *x0, const float *slope,
                     const float *z_end, float *tau);
-    void (*within)(const lf_body *body, int n, const float *x0, const float *slope,
-                   const float *z_end, const float *length, float distance, float *tau,
+    void (*within)(const lf_body *body, const lf_feature_rays *rays, float *tau,
                    float *const out[3]);
 
     /* sigma_t of an interpolated grid at n points of a line, n a multiple of LF_LANES. */

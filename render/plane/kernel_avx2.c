@@ -114,15 +114,15 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
 }
 
 /* One group of 8 lanes. */
-static inline void moments8(const lf_slice *slice, const float *x0, const float *slope,
-                            const float *z_end, const float *length, float distance, float *tau,
+static inline void moments8(const lf_slice *slice, const lf_feature_rays *rays, float *tau,
                             float *const sums[3], int k)
 {
+    const float *x0 = rays->x0, *slope = rays->slope, *z_end = rays->z_end;
     const __m256 vx = _mm256_loadu_ps(x0 + k), vs = _mm256_loadu_ps(slope + k),
                  end = _mm256_loadu_ps(z_end + k), one = _mm256_set1_ps(1.0f),
                  half = _mm256_set1_ps(0.5f), zero = _mm256_setzero_ps(),
                  dz = _mm256_set1_ps(slice->dz), inv_dz = _mm256_set1_ps(slice->inv_dz),
-                 per_z = _mm256_loadu_ps(length + k);
+                 per_z = _mm256_loadu_ps(rays->length + k);
     __m256 depth = _mm256_loadu_ps(tau + k), rest = one, lost = zero, near = zero, square = zero;
     float z_min = z_end[k], z_max = z_end[k];
     for (int i = k + 1; i < k + LF_LANES; i++) {
@@ -134,7 +134,7 @@ static inline void moments8(const lf_slice *slice, const float *x0, const float 
         if (z - slice->dz >= z_max)
             break;
         float xa = x0[k] + slope[k] * z, xb = x0[k + LF_LANES - 1] + slope[k + LF_LANES - 1] * z,
-              y = lf_nearness(distance, z);
+              y = lf_nearness(rays->distance, z);
         if (lf_max(xa, xb) <= slice->spans[s].x_lo || lf_min(xa, xb) >= slice->spans[s].x_hi)
             continue;
         const float *row = slice->sigma + (size_t)s * (size_t)slice->stride;
@@ -163,12 +163,11 @@ static inline void moments8(const lf_slice *slice, const float *x0, const float 
     _mm256_storeu_ps(sums[2] + k, square);
 }
 
-static void moments(const lf_slice *slice, int n, const float *x0, const float *slope,
-                    const float *z_end, const float *length, float distance, float *tau,
+static void moments(const lf_slice *slice, const lf_feature_rays *rays, float *tau,
                     float *const sums[3])
 {
-    for (int k = 0; k < n; k += LF_LANES)
-        moments8(slice, x0, slope, z_end, length, distance, tau, sums, k);
+    for (int k = 0; k < rays->n; k += LF_LANES)
+        moments8(slice, rays, tau, sums, k);
 }
 
 /* Two values of 16 bits behind each other, from 8 places on. */
@@ -281,11 +280,10 @@ static void through(const lf_body *body, int n, const float *x0, const float *sl
     lf_body_depths(body, n, x0, slope, z_end, tau);
 }
 
-static void within(const lf_body *body, int n, const float *x0, const float *slope,
-                   const float *z_end, const float *length, float distance, float *tau,
+static void within(const lf_body *body, const lf_feature_rays *rays, float *tau,
                    float *const out[3])
 {
-    lf_body_moments(body, n, x0, slope, z_end, length, distance, tau, out);
+    lf_body_moments(body, rays, tau, out);
 }
 
 static inline __m256 exp_kernel(__m256 x)

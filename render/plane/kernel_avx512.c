@@ -174,16 +174,15 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
                               sigma ? sigma + k : NULL);
 }
 
-static inline void moments16(const lf_slice *slice, const float *x0, const float *slope,
-                             const float *z_end, const float *length, float distance, float *tau,
+static inline void moments16(const lf_slice *slice, const lf_feature_rays *rays, float *tau,
                              float *const sums[3], int k)
 {
     const __m512 one = _mm512_set1_ps(1.0f), zero = _mm512_setzero_ps(),
-                 per_z = _mm512_loadu_ps(length + k);
-    const group g = make_group(x0 + k, slope + k, z_end + k);
+                 per_z = _mm512_loadu_ps(rays->length + k);
+    const group g = make_group(rays->x0 + k, rays->slope + k, rays->z_end + k);
     __m512 depth = _mm512_loadu_ps(tau + k), rest = one, lost = zero, near = zero, square = zero;
     for (int s = slice->first; s <= slice->last; s++) {
-        float z = slice->z0 + (float)s * slice->dz, y = lf_nearness(distance, z);
+        float z = slice->z0 + (float)s * slice->dz, y = lf_nearness(rays->distance, z);
         if (z - slice->dz >= lf_max(g.farthest[0], g.farthest[1]))
             break;
         __mmask16 lanes = reach(&g, slice, s, z), on = beyond(&g, slice, z);
@@ -208,17 +207,21 @@ static inline void moments16(const lf_slice *slice, const float *x0, const float
     _mm512_storeu_ps(sums[2] + k, square);
 }
 
-static void moments(const lf_slice *slice, int n, const float *x0, const float *slope,
-                    const float *z_end, const float *length, float distance, float *tau,
+static void moments(const lf_slice *slice, const lf_feature_rays *rays, float *tau,
                     float *const sums[3])
 {
     int k = 0;
-    for (; k + WIDTH <= n; k += WIDTH)
-        moments16(slice, x0, slope, z_end, length, distance, tau, sums, k);
-    float *const rest[3] = {sums[0] + k, sums[1] + k, sums[2] + k};
-    if (k < n)
-        lf_kernels_avx2.moments(slice, n - k, x0 + k, slope + k, z_end + k, length + k, distance,
-                                tau + k, rest);
+    for (; k + WIDTH <= rays->n; k += WIDTH)
+        moments16(slice, rays, tau, sums, k);
+    float *const sums_left[3] = {sums[0] + k, sums[1] + k, sums[2] + k};
+    const lf_feature_rays left = {.n = rays->n - k,
+                                  .x0 = rays->x0 + k,
+                                  .slope = rays->slope + k,
+                                  .z_end = rays->z_end + k,
+                                  .length = rays->length + k,
+                                  .distance = rays->distance};
+    if (left.n > 0)
+        lf_kernels_avx2.moments(slice, &left, tau + k, sums_left);
 }
 
 static void through(const lf_body *body, int n, const float *x0, const float *slope,
@@ -227,11 +230,10 @@ static void through(const lf_body *body, int n, const float *x0, const float *sl
     lf_kernels_avx2.through(body, n, x0, slope, z_end, tau);
 }
 
-static void within(const lf_body *body, int n, const float *x0, const float *slope,
-                   const float *z_end, const float *length, float distance, float *tau,
+static void within(const lf_body *body, const lf_feature_rays *rays, float *tau,
                    float *const out[3])
 {
-    lf_kernels_avx2.within(body, n, x0, slope, z_end, length, distance, tau, out);
+    lf_kernels_avx2.within(body, rays, tau, out);
 }
 
 static void sample(const lf_volume *volume, const lf_line *line, int n, const float *x,

@@ -32,10 +32,11 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
     }
 }
 
-static void moments(const lf_slice *slice, int n, const float *x0, const float *slope,
-                    const float *z_end, const float *length, float distance, float *tau,
+static void moments(const lf_slice *slice, const lf_feature_rays *rays, float *tau,
                     float *const sums[3])
 {
+    const float *x0 = rays->x0, *slope = rays->slope, *z_end = rays->z_end, *length = rays->length;
+    const int n = rays->n;
     float z_max = z_end[0], rest[LF_MAX_LANES];
     for (int k = 0; k < n; k++) {
         z_max = lf_max(z_max, z_end[k]);
@@ -43,7 +44,7 @@ static void moments(const lf_slice *slice, int n, const float *x0, const float *
         sums[0][k] = sums[1][k] = sums[2][k] = 0.0f;
     }
     for (int s = slice->first; s <= slice->last; s++) {
-        float z = slice->z0 + (float)s * slice->dz, y = lf_nearness(distance, z);
+        float z = slice->z0 + (float)s * slice->dz, y = lf_nearness(rays->distance, z);
         if (z - slice->dz >= z_max)
             break;
         float xa = x0[0] + slope[0] * z, xb = x0[n - 1] + slope[n - 1] * z;
@@ -88,11 +89,10 @@ static void through(const lf_body *body, int n, const float *x0, const float *sl
     lf_body_depths(body, n, x0, slope, z_end, tau);
 }
 
-static void within(const lf_body *body, int n, const float *x0, const float *slope,
-                   const float *z_end, const float *length, float distance, float *tau,
+static void within(const lf_body *body, const lf_feature_rays *rays, float *tau,
                    float *const out[3])
 {
-    lf_body_moments(body, n, x0, slope, z_end, length, distance, tau, out);
+    lf_body_moments(body, rays, tau, out);
 }
 
 static float exp_kernel(float x)

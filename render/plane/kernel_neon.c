@@ -85,13 +85,13 @@ static void march(const lf_slice *slice, int n, const float *x0, const float *sl
 }
 
 /* One group of 4 lanes. */
-static inline void moments4(const lf_slice *slice, const float *x0, const float *slope,
-                            const float *z_end, const float *length, float distance, float *tau,
+static inline void moments4(const lf_slice *slice, const lf_feature_rays *rays, float *tau,
                             float *const sums[3], int k)
 {
+    const float *x0 = rays->x0, *slope = rays->slope, *z_end = rays->z_end;
     const float32x4_t vx = vld1q_f32(x0 + k), vs = vld1q_f32(slope + k), end = vld1q_f32(z_end + k),
                       zero = vdupq_n_f32(0.0f), one = vdupq_n_f32(1.0f),
-                      per_z = vld1q_f32(length + k);
+                      per_z = vld1q_f32(rays->length + k);
     float32x4_t depth = vld1q_f32(tau + k), rest = one, lost = zero, near = zero, square = zero;
     float z_max = vmaxvq_f32(end);
     for (int s = slice->first; s <= slice->last; s++) {
@@ -99,7 +99,7 @@ static inline void moments4(const lf_slice *slice, const float *x0, const float 
         if (z - slice->dz >= z_max)
             break;
         float xa = x0[k] + slope[k] * z, xb = x0[k + GROUP - 1] + slope[k + GROUP - 1] * z,
-              y = lf_nearness(distance, z);
+              y = lf_nearness(rays->distance, z);
         if (lf_max(xa, xb) <= slice->spans[s].x_lo || lf_min(xa, xb) >= slice->spans[s].x_hi)
             continue;
         const float *row = slice->sigma + (size_t)s * (size_t)slice->stride;
@@ -123,12 +123,11 @@ static inline void moments4(const lf_slice *slice, const float *x0, const float 
     vst1q_f32(sums[2] + k, square);
 }
 
-static void moments(const lf_slice *slice, int n, const float *x0, const float *slope,
-                    const float *z_end, const float *length, float distance, float *tau,
+static void moments(const lf_slice *slice, const lf_feature_rays *rays, float *tau,
                     float *const sums[3])
 {
-    for (int k = 0; k < n; k += GROUP)
-        moments4(slice, x0, slope, z_end, length, distance, tau, sums, k);
+    for (int k = 0; k < rays->n; k += GROUP)
+        moments4(slice, rays, tau, sums, k);
 }
 
 /* Look-ups wait for memory: no vectors. */
@@ -176,11 +175,10 @@ static void through(const lf_body *body, int n, const float *x0, const float *sl
     lf_body_depths(body, n, x0, slope, z_end, tau);
 }
 
-static void within(const lf_body *body, int n, const float *x0, const float *slope,
-                   const float *z_end, const float *length, float distance, float *tau,
+static void within(const lf_body *body, const lf_feature_rays *rays, float *tau,
                    float *const out[3])
 {
-    lf_body_moments(body, n, x0, slope, z_end, length, distance, tau, out);
+    lf_body_moments(body, rays, tau, out);
 }
 
 static inline float32x4_t exp_kernel(float32x4_t x)

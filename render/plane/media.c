@@ -41,8 +41,7 @@ void lf_media_finish(lf_media *media)
 }
 
 void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume *volumes,
-                  const lf_rig *rig, const lf_row_plane *plane, const float phase[2],
-                  const lf_kernels *kernels, int64_t *lookups)
+                  const lf_media_plane *at, int64_t *lookups)
 {
     media->n_here = 0;
     for (int i = 0; i < media->n; i++) {
@@ -54,12 +53,13 @@ void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume 
         m->colour[1] = colour.y;
         m->colour[2] = colour.z;
         if (m->kind == LF_MEDIUM_SLICE) {
-            *lookups +=
-                lf_slice_fill(&m->slice, &frame->item[i].slice, volume, rig, plane, phase, kernels);
+            *lookups += lf_slice_fill(&m->slice, &frame->item[i].slice, volume, at->rig, at->plane,
+                                      at->phase, at->kernels);
             here = m->slice.first <= m->slice.last;
         } else {
-            here = m->kind == LF_MEDIUM_VOXELS ? lf_voxels_cut(&m->voxels, volume, rig, plane)
-                                               : lf_body_cut(&m->body, volume, rig, plane);
+            here = m->kind == LF_MEDIUM_VOXELS
+                       ? lf_voxels_cut(&m->voxels, volume, at->rig, at->plane)
+                       : lf_body_cut(&m->body, volume, at->rig, at->plane);
         }
         if (here)
             media->here[media->n_here++] = i;
@@ -134,51 +134,50 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, in
 }
 
 /* The rays of a pivot meet in one voxel. */
-static void through_voxels(const lf_voxels *voxels, int n, const float *x0, const float *slope,
-                           const float *z_end, float *tau, float *density)
+static void through_voxels(const lf_voxels *voxels, const lf_rays *rays, float *tau, float *density)
 {
-    lf_voxels_depths(voxels, n, x0, slope, z_end, tau);
+    const float *x0 = rays->x0, *slope = rays->slope, *z_end = rays->z_end;
+    lf_voxels_depths(voxels, rays->n, x0, slope, z_end, tau);
     float sigma = density ? lf_voxels_density(voxels, x0[0] + slope[0] * z_end[0], z_end[0]) : 0.0f;
-    for (int k = 0; k < n && density; k++)
+    for (int k = 0; k < rays->n && density; k++)
         density[k] = sigma;
 }
 
 /* Adds the depths of one medium; density NULL: not wanted. */
-static void through(const lf_medium *medium, const lf_kernels *kernels, int n, const float *x0,
-                    const float *slope, const float *z_end, float *tau, float *density)
+static void through(const lf_medium *medium, const lf_rays *rays, float *tau, float *density)
 {
+    const lf_kernels *kernels = rays->kernels;
     if (medium->kind == LF_MEDIUM_SLICE)
-        kernels->march(&medium->slice, n, x0, slope, z_end, tau, density);
+        kernels->march(&medium->slice, rays->n, rays->x0, rays->slope, rays->z_end, tau, density);
     else if (medium->kind == LF_MEDIUM_VOXELS)
-        through_voxels(&medium->voxels, n, x0, slope, z_end, tau, density);
+        through_voxels(&medium->voxels, rays, tau, density);
     else
-        kernels->through(&medium->body, n, x0, slope, z_end, tau);
+        kernels->through(&medium->body, rays->n, rays->x0, rays->slope, rays->z_end, tau);
 }
 
-void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
-                     const float *slope, const float *z_end, float *tau, int collided,
+void lf_media_depths(const lf_media *media, const lf_rays *rays, float *tau, int collided,
                      float *density)
 {
+    const int n = rays->n;
     memset(tau, 0, sizeof *tau * (size_t)n);
     for (int k = 0; k < n && collided >= 0; k++)
         density[k] = 1.0f;
     for (int i = 0; i < media->n_here; i++)
-        through(&media->item[media->here[i]], kernels, n, x0, slope, z_end, tau,
+        through(&media->item[media->here[i]], rays, tau,
                 media->here[i] == collided ? density : NULL);
 }
 
-void lf_media_depths_of_channels(const lf_media *media, const lf_kernels *kernels, int n,
-                                 const float *x0, const float *slope, const float *z_end,
-                                 float *tau, int collided, float *density)
+void lf_media_depths_of_channels(const lf_media *media, const lf_rays *rays, float *tau,
+                                 int collided, float *density)
 {
+    const int n = rays->n;
     memset(tau, 0, sizeof *tau * 3 * (size_t)n);
     for (int k = 0; k < n && collided >= 0; k++)
         density[k] = 1.0f;
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];
         float own[LF_MAX_LANES] = {0.0f};
-        through(medium, kernels, n, x0, slope, z_end, own,
-                media->here[i] == collided ? density : NULL);
+        through(medium, rays, own, media->here[i] == collided ? density : NULL);
         for (int c = 0; c < 3; c++)
             for (int k = 0; k < n; k++)
                 tau[c * n + k] += medium->colour[c] * own[k];
@@ -221,11 +220,12 @@ static bool any(const float *x, int n)
     return met;
 }
 
-void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
-                         const float *slope, const float *z_end, const float *length, float *tau,
-                         lf_media_moments *out)
+void lf_media_moments_of(const lf_media *media, const lf_rays *rays, const float *length,
+                         float *tau, lf_media_moments *out)
 {
-    const int first = out->first;
+    const lf_kernels *kernels = rays->kernels;
+    const int first = out->first, n = rays->n;
+    const lf_feature_rays of = {n, rays->x0, rays->slope, rays->z_end, length, out->distance};
     float sum[3][LF_MAX_LANES], *const sums[3] = {sum[0], sum[1], sum[2]};
     lf_media_moments other, *to = out;
     memset(tau, 0, sizeof *tau * (size_t)n);
@@ -233,14 +233,12 @@ void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n
         const lf_medium *medium = &media->item[media->here[i]];
         if (medium->kind == LF_MEDIUM_BODY) {
             float *const lanes[3] = {to->met + first, to->nearness + first, to->spread + first};
-            kernels->within(&medium->body, n, x0, slope, z_end, length, out->distance, tau, lanes);
+            kernels->within(&medium->body, &of, tau, lanes);
         } else {
             if (medium->kind == LF_MEDIUM_SLICE)
-                kernels->moments(&medium->slice, n, x0, slope, z_end, length, out->distance, tau,
-                                 sums);
+                kernels->moments(&medium->slice, &of, tau, sums);
             else
-                lf_voxels_moments(&medium->voxels, n, x0, slope, z_end, length, out->distance, tau,
-                                  sums);
+                lf_voxels_moments(&medium->voxels, &of, tau, sums);
             moments_of(n, sums, first, to);
         }
         if (to == &other && any(other.met + first, n))

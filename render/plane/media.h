@@ -38,6 +38,25 @@ typedef struct lf_media {
     lf_medium item[LF_MAX_VOLUMES];
 } lf_media;
 
+/* Rays X(Z) = x0[k] + slope[k] Z of a row's plane, z_from < Z < z_end[k], in the order that
+ * lf_kernels.march wants. */
+typedef struct lf_rays {
+    const lf_scene *scene;
+    const lf_rig *rig;
+    const lf_row_plane *plane;
+    const lf_kernels *kernels;
+    int n; /* a multiple of LF_LANES */
+    const float *x0, *slope, *z_end;
+    float z_from;  /* what lies before it is left out */
+    bool channels; /* of each channel, not of the largest alone */
+} lf_rays;
+
+/* Of one of them, per unit of Z. */
+static inline float lf_rays_length(const lf_rays *rays, int k)
+{
+    return sqrtf(1.0f + rays->plane->my * rays->plane->my + rays->slope[k] * rays->slope[k]);
+}
+
 /* A base ray in the row's plane. */
 typedef struct lf_media_ray {
     float x0, slope, length; /* X(Z) = x0 + slope Z; scene units per unit of Z */
@@ -59,11 +78,17 @@ void lf_media_frame_init(lf_media_frame *frame, const lf_volume *volumes, int n,
 LF_NODISCARD lf_status lf_media_init(lf_media *media, const lf_media_frame *frame);
 void lf_media_finish(lf_media *media);
 
-/* Cuts the volumes with the row's plane; phase[2] in [0,1) moves the slices' samples and planes.
- * Adds the look-ups made to *lookups. */
+/* A row's plane, as volumes are cut with it. */
+typedef struct lf_media_plane {
+    const lf_rig *rig;
+    const lf_row_plane *plane;
+    const lf_kernels *kernels;
+    float phase[2]; /* in [0,1), moves the slices' samples and planes */
+} lf_media_plane;
+
+/* Cuts the volumes. Adds the look-ups made to *lookups. */
 void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume *volumes,
-                  const lf_rig *rig, const lf_row_plane *plane, const float phase[2],
-                  const lf_kernels *kernels, int64_t *lookups);
+                  const lf_media_plane *at, int64_t *lookups);
 
 /* The first collision of a base ray in the extinction of one channel (0 .. 2), u in [0,1) (further
  * numbers from the tracer). forced: with certainty where there is anything to collide with. */
@@ -79,25 +104,22 @@ typedef struct lf_media_moments {
     float nearness[LF_MAX_LANES], spread[LF_MAX_LANES];
 } lf_media_moments;
 
-/* lf_media_depths without a collision, the same tau to the bit, and the moments of n rays of these
+/* lf_media_depths without a collision, the same tau to the bit, and the moments of rays of these
  * lengths per unit of Z, into out from lane out->first on. Exact but for exp in steps, the shapes'
  * own second order and media that reach into each other along a ray, which count as partly before
  * and partly behind. */
-void lf_media_moments_of(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
-                         const float *slope, const float *z_end, const float *length, float *tau,
-                         lf_media_moments *out);
+void lf_media_moments_of(const lf_media *media, const lf_rays *rays, const float *length,
+                         float *tau, lf_media_moments *out);
 
-/* Optical depths per unit of Z of n rays (see lf_kernels.march) through all media, of their largest
- * channels; with collided >= 0 also density[n], up to a common factor the collision density of that
- * medium at z_end. */
-void lf_media_depths(const lf_media *media, const lf_kernels *kernels, int n, const float *x0,
-                     const float *slope, const float *z_end, float *tau, int collided,
+/* Optical depths per unit of Z of rays from the cameras (z_from 0) through all media, of their
+ * largest channels; with collided >= 0 also density[rays->n], up to a common factor the collision
+ * density of that medium at z_end. */
+void lf_media_depths(const lf_media *media, const lf_rays *rays, float *tau, int collided,
                      float *density);
 
-/* The same for each channel, tau[c * n + k], c = 0 .. 2; density is that of the medium's largest
- * channel. */
-void lf_media_depths_of_channels(const lf_media *media, const lf_kernels *kernels, int n,
-                                 const float *x0, const float *slope, const float *z_end,
-                                 float *tau, int collided, float *density);
+/* The same for each channel, tau[c * rays->n + k], c = 0 .. 2; density is that of the medium's
+ * largest channel. */
+void lf_media_depths_of_channels(const lf_media *media, const lf_rays *rays, float *tau,
+                                 int collided, float *density);
 
 #endif

@@ -123,4 +123,19 @@ static inline float lf_rig_spread(const lf_rig *rig)
     return 0.5f * lf_min(rig->dx, fabsf(rig->dy)) / rig->distance;
 }
 
+/* Rays X(Z) = x0[k] + slope[k] Z of a row's plane up to z_end[k], of whose collisions features are
+ * wanted. */
+typedef struct lf_feature_rays {
+    int n; /* as of lf_kernels.march */
+    const float *x0, *slope, *z_end;
+    const float *length; /* per unit of Z */
+    float distance;      /* nearness is distance / Z (film_feature.h) */
+} lf_feature_rays;
+
+/* Lanes that hold all views: a multiple of LF_LANES. */
+static inline int lf_rig_lanes(const lf_rig *rig)
+{
+    return (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+}
+
 #endif

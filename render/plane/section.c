@@ -154,45 +154,59 @@ static void build_boxes(lf_section *section)
     }
 }
 
+/* What a section is cut from, and what of it. */
+typedef struct cutting {
+    const lf_row_triangles *rows;
+    const lf_scene *scene;
+    const lf_rig *rig;
+    int row;
+    const lf_row_plane *plane;
+    lf_cut_what what;
+} cutting;
+
 /* What the row lists; how many segments that is. */
-static int cut_listed(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
-                      const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what)
+static int cut_listed(lf_section *section, const cutting *of)
 {
+    const lf_row_triangles *rows = of->rows;
     int n = 0;
-    for (size_t at = rows->first[row]; at < rows->first[row + 1]; at++) {
+    for (size_t at = rows->first[of->row]; at < rows->first[of->row + 1]; at++) {
         const lf_row_triangle *t = &rows->list[at];
+        const lf_mesh *mesh = &of->scene->meshes[t->mesh];
         lf_cut_corner end[2];
-        if (what != LF_CUT_ALL && is_veil(scene, t) != (what == LF_CUT_VEILS))
+        if (of->what != LF_CUT_ALL && is_veil(of->scene, t) != (of->what == LF_CUT_VEILS))
             continue;
-        if (cut_triangle(rig, plane, &scene->meshes[t->mesh], t->triangle, end)) {
+        if (cut_triangle(of->rig, of->plane, mesh, t->triangle, end)) {
             lf_section_leaf *leaf = &section->leaves[n / WIDE];
-            lf_cut_put(leaf, n % WIDE, rig, end);
+            lf_cut_put(leaf, n % WIDE, of->rig, end);
             leaf->triangle[n % WIDE] = rows->mesh_start[t->mesh] + t->triangle;
-            leaf->material[n % WIDE] = lf_mesh_material(&scene->meshes[t->mesh], t->triangle);
+            leaf->material[n % WIDE] = lf_mesh_material(mesh, t->triangle);
             n++;
         }
     }
     return n;
 }
 
+static size_t cut_placed(lf_section *section, const cutting *of, int n)
+{
+    return lf_section_cut_placed(section, of->rows, of->scene, of->rig, of->plane, of->what,
+                                 (size_t)n);
+}
+
 /* The segments of places behind the n of the list; how many there are then: none, if rays are to be
  * asked. */
-static int add_placed(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
-                      const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what,
-                      int n)
+static int add_placed(lf_section *section, const cutting *of, int n)
 {
     lf_section_places *places = &section->places;
-    size_t all = lf_section_cut_placed(section, rows, scene, rig, plane, what, (size_t)n);
+    size_t all = cut_placed(section, of, n);
     bool too_many = places->n_segments > LF_SECTION_MOST,
          fits = all <= places->most && places->n <= places->room;
     if (!too_many && !fits && grow(section, all, places->n)) {
-        n = cut_listed(section, rows, scene, rig, row, plane, what);
-        all = lf_section_cut_placed(section, rows, scene, rig, plane, what, (size_t)n);
+        all = cut_placed(section, of, cut_listed(section, of));
         fits = true;
     }
     section->rays.on = too_many || !fits;
-    section->rays.what = what;
-    section->rays.plane = *plane;
+    section->rays.what = of->what;
+    section->rays.plane = *of->plane;
     places->n = section->rays.on ? 0 : places->n;
     return section->rays.on ? 0 : (int)all;
 }
@@ -200,9 +214,10 @@ static int add_placed(lf_section *section, const lf_row_triangles *rows, const l
 void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
                     const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what)
 {
-    int n = cut_listed(section, rows, scene, rig, row, plane, what);
+    const cutting of = {rows, scene, rig, row, plane, what};
+    int n = cut_listed(section, &of);
     if (rows->n_places > 0)
-        n = add_placed(section, rows, scene, rig, row, plane, what, n);
+        n = add_placed(section, &of, n);
     section->n_leaves = groups(n);
     for (; n % WIDE != 0; n++) {
         lf_section_leaf *leaf = &section->leaves[n / WIDE];
@@ -214,14 +229,13 @@ void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_
 
 /* -------------------------------------------------------------------------------------- hide -- */
 
-lf_question lf_section_ask(const lf_section *section, const lf_row_triangles *rows,
-                           const lf_rig *rig, lf_vec3 p, const lf_hit *on, int n, const float *c,
-                           float *scale)
+lf_question lf_section_ask(const lf_row_cut *cut, lf_vec3 p, const lf_hit *on, int n,
+                           const float *c, float *scale)
 {
     double at[3];
-    lf_cut_to_camera(rig, p, at);
+    lf_cut_to_camera(cut->rig, p, at);
     float inverse = 1.0f / (float)at[2];
-    lf_question q = {.d = lf_cut_to_d(rig, at[2]),
+    lf_question q = {.d = lf_cut_to_d(cut->rig, at[2]),
                      .s = (float)(at[0] / at[2]),
                      .on = UINT32_MAX,
                      .c = c,
@@ -232,46 +246,47 @@ lf_question lf_section_ask(const lf_section *section, const lf_row_triangles *ro
         /* the rounding of p, and of the ray that found it */
         q.behind += 5e-7f * (lf_max(fabsf(p.x), lf_max(fabsf(p.y), fabsf(p.z))) + (float)at[2]) *
                     inverse * inverse;
-        q.on = on->mesh->placed ? lf_section_placed_number(section, on)
-                                : rows->mesh_start[on->mesh->geom_id] + on->triangle;
+        q.on = on->mesh->placed ? lf_section_placed_number(cut->section, on)
+                                : cut->rows->mesh_start[on->mesh->geom_id] + on->triangle;
     }
     return q;
 }
 
-void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
-                     lf_vec3 p, const lf_hit *on, int n, const float *c, float *scale)
+void lf_section_hide(const lf_row_cut *cut, lf_vec3 p, const lf_hit *on, int n, const float *c,
+                     float *scale)
 {
+    const lf_section *section = cut->section;
     if (section->rays.on) {
-        lf_section_hide_by_rays(section, rig, p, on, n, c, scale);
+        lf_section_hide_by_rays(cut, p, on, n, c, scale);
         return;
     }
-    lf_question q = lf_section_ask(section, rows, rig, p, on, n, c, scale);
+    lf_question q = lf_section_ask(cut, p, on, n, c, scale);
     if (lf_question_narrow(&q))
         section->fans->hide(section, &q);
 }
 
 /* ----------------------------------------------------------------------------------- nearest -- */
 
-void lf_section_nearest(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
-                        float s0, int n, const float *c, float *z, int *segment)
+void lf_section_nearest(const lf_row_cut *cut, const lf_lines *lines, float *z, int *segment)
 {
+    const lf_section *section = cut->section;
     if (section->rays.on) {
-        lf_section_nearest_by_rays(section, rows, rig, s0, n, c, z, segment);
+        lf_section_nearest_by_rays(cut, lines, z, segment);
         return;
     }
     float d[LF_MAX_LANES];
-    section->fans->nearest(section, s0, n, c, d, segment);
-    for (int k = 0; k < n; k++)
-        z[k] = segment[k] < 0 ? INFINITY : lf_cut_depth(rig, d[k]);
+    section->fans->nearest(section, lines->s0, lines->n, lines->c, d, segment);
+    for (int k = 0; k < lines->n; k++)
+        z[k] = segment[k] < 0 ? INFINITY : lf_cut_depth(cut->rig, d[k]);
 }
 
-void lf_section_face(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
-                     int segment, lf_face *out)
+void lf_section_face(const lf_row_cut *cut, int segment, lf_face *out)
 {
-    uint32_t triangle = lf_section_triangle(section, segment);
-    int mesh = 0, count = scene->n_meshes;
+    const lf_row_triangles *rows = cut->rows;
+    const uint32_t triangle = lf_section_triangle(cut->section, segment);
+    int mesh = 0, count = cut->scene->n_meshes;
     if (triangle >= rows->mesh_start[count]) {
-        lf_section_placed_face(section, scene, triangle, out);
+        lf_section_placed_face(cut->section, cut->scene, triangle, out);
         return;
     }
     while (count > 1) {
@@ -280,5 +295,5 @@ void lf_section_face(const lf_section *section, const lf_row_triangles *rows, co
         mesh = behind ? mesh + half : mesh;
         count = behind ? count - half : half;
     }
-    lf_face_init(out, scene, mesh, triangle - rows->mesh_start[mesh]);
+    lf_face_init(out, cut->scene, mesh, triangle - rows->mesh_start[mesh]);
 }

@@ -111,19 +111,34 @@ void lf_section_finish(lf_section *section);
 void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
                     const lf_rig *rig, int row, const lf_row_plane *plane, lf_cut_what what);
 
+/* A section, and what it is cut from. */
+typedef struct lf_row_cut {
+    const lf_section *section;
+    const lf_row_triangles *rows;
+    const lf_scene *scene;
+    const lf_rig *rig;
+    const lf_row_plane *plane;
+} lf_row_cut;
+
+/* n rays that leave the camera positions c[k], rising in k, through one point of the plane Z = W,
+ * or for a lens through one point of what it makes of that plane: the lines s = s0 + c d. n is a
+ * multiple of LF_LANES. */
+typedef struct lf_lines {
+    float s0;
+    int n;
+    const float *c;
+} lf_lines;
+
 /* Sets scale[k] to 0 for every camera position c[k] from which a surface hides the point p of the
  * plane, k < n, n a multiple of LF_LANES; c rises in k but for lanes behind the views, whose scale
  * is 0. Views whose scale is 0 are not looked at. on: the surface that p lies on, which hides it
  * from nobody; NULL for a point of a medium. */
-void lf_section_hide(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
-                     lf_vec3 p, const lf_hit *on, int n, const float *c, float *scale);
+void lf_section_hide(const lf_row_cut *cut, lf_vec3 p, const lf_hit *on, int n, const float *c,
+                     float *scale);
 
-/* The nearest surface along each of n rays that leave the camera positions c[k], rising in k,
- * through one point of the plane Z = W, or for a lens through one point of what it makes of that
- * plane: the lines s = s0 + c d. n is a multiple of LF_LANES. z[k] is where it lies, INFINITY:
- * nowhere; segment[k] is which of the section it is, -1: none. */
-void lf_section_nearest(const lf_section *section, const lf_row_triangles *rows, const lf_rig *rig,
-                        float s0, int n, const float *c, float *z, int *segment);
+/* The nearest surface along each of these rays. z[k] is where it lies, INFINITY: nowhere;
+ * segment[k] is which of the section it is, -1: none. */
+void lf_section_nearest(const lf_row_cut *cut, const lf_lines *lines, float *z, int *segment);
 
 /* A segment's material in the scene. */
 static inline int lf_section_material(const lf_section *section, int segment)
@@ -139,7 +154,6 @@ static inline uint32_t lf_section_triangle(const lf_section *section, int segmen
 }
 
 /* The triangle that it is cut from. */
-void lf_section_face(const lf_section *section, const lf_row_triangles *rows, const lf_scene *scene,
-                     int segment, lf_face *out);
+void lf_section_face(const lf_row_cut *cut, int segment, lf_face *out);
 
 #endif

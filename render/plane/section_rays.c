@@ -24,10 +24,11 @@ static float stopped(const lf_rig *rig, const lf_hit *hit, lf_vec3 w)
     return lf_hit_stops(hit, w, lf_rig_spread(rig) * z);
 }
 
-void lf_section_hide_by_rays(const lf_section *section, const lf_rig *rig, lf_vec3 p,
-                             const lf_hit *on, int n, const float *c, float *scale)
+void lf_section_hide_by_rays(const lf_row_cut *cut, lf_vec3 p, const lf_hit *on, int n,
+                             const float *c, float *scale)
 {
-    const lf_section_rays *rays = &section->rays;
+    const lf_section_rays *rays = &cut->section->rays;
+    const lf_rig *rig = cut->rig;
     for (int k = 0; k < n; k++) {
         if (!(scale[k] > 0.0f))
             continue;
@@ -43,12 +44,14 @@ void lf_section_hide_by_rays(const lf_section *section, const lf_rig *rig, lf_ve
     }
 }
 
-/* The ray s0 + c d, with Z for t. */
-static void ray_of(const lf_section *section, const lf_rig *rig, float s0, float c, lf_vec3 *out_o,
+/* Ray k, s0 + c d, with Z for t. */
+static void ray_of(const lf_row_cut *cut, const lf_lines *lines, int k, lf_vec3 *out_o,
                    lf_vec3 *out_w)
 {
-    *out_o = lf_rig_point(rig, c, section->rays.plane.ly, 0.0f);
-    *out_w = lf_rig_direction(rig, s0 - c / rig->window, section->rays.plane.my, 1.0f);
+    const lf_row_plane *plane = &cut->section->rays.plane;
+    *out_o = lf_rig_point(cut->rig, lines->c[k], plane->ly, 0.0f);
+    *out_w =
+        lf_rig_direction(cut->rig, lines->s0 - lines->c[k] / cut->rig->window, plane->my, 1.0f);
 }
 
 /* Segment k is what a ray has met: a slot each. */
@@ -65,37 +68,36 @@ static void put(lf_section_places *places, lf_section_leaf *leaves, const lf_row
     places->slot[places->n++] = (lf_section_slot){hit->mesh->geom_id, hit->place, (uint32_t)k};
 }
 
-void lf_section_nearest_by_rays(const lf_section *section, const lf_row_triangles *rows,
-                                const lf_rig *rig, float s0, int n, const float *c, float *z,
+void lf_section_nearest_by_rays(const lf_row_cut *cut, const lf_lines *lines, float *z,
                                 int *segment)
 {
+    const lf_section *section = cut->section;
     /* Of the worker who asks, as all of the section. */
     lf_section_places *places = (lf_section_places *)(uintptr_t)&section->places;
     places->n = 0;
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < lines->n; k++) {
         lf_vec3 o, w;
         lf_hit hit;
-        ray_of(section, rig, s0, c[k], &o, &w);
+        ray_of(cut, lines, k, &o, &w);
         bool found = next(&section->rays, o, w, 0.0f, INFINITY, &hit);
         z[k] = found ? hit.t : INFINITY;
         segment[k] = found ? k : -1;
         if (found)
-            put(places, section->leaves, rows, section->rays.tracer->scene, k, &hit);
+            put(places, section->leaves, cut->rows, section->rays.tracer->scene, k, &hit);
     }
 }
 
-void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
-                              const float *c, const float *z_end, float *through, bool *mirrors,
-                              lf_veil_crossings *kept)
+void lf_section_veils_by_rays(const lf_row_cut *veils, const lf_lines *lines, const float *z_end,
+                              float *through, bool *mirrors, lf_veil_crossings *kept)
 {
-    for (int k = 0; k < n; k++) {
+    const lf_section_rays *rays = &veils->section->rays;
+    for (int k = 0; k < lines->n; k++) {
         lf_vec3 o, w;
         lf_hit hit;
         float t = 0.0f;
-        ray_of(section, rig, s0, c[k], &o, &w);
-        while (through[k] > 0.0f &&
-               next(&section->rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
-            const float passed = 1.0f - stopped(rig, &hit, w);
+        ray_of(veils, lines, k, &o, &w);
+        while (through[k] > 0.0f && next(rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
+            const float passed = 1.0f - stopped(veils->rig, &hit, w);
             if (kept)
                 lf_veil_keep(&kept[k], hit.t, passed, -1);
             through[k] *= passed;
@@ -105,19 +107,19 @@ void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, floa
     }
 }
 
-void lf_section_crossings_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
-                                  const float *c, const float *z_end, lf_veil_crossings *ray)
+void lf_section_crossings_by_rays(const lf_row_cut *veils, const lf_lines *lines,
+                                  const float *z_end, lf_veil_crossings *ray)
 {
-    for (int k = 0; k < n; k++) {
+    const lf_section_rays *rays = &veils->section->rays;
+    for (int k = 0; k < lines->n; k++) {
         lf_vec3 o, w;
         lf_hit hit;
         if (!ray[k].wanted)
             continue;
         float t = ray[k].first;
-        ray_of(section, rig, s0, c[k], &o, &w);
-        while (ray[k].n < LF_VEILS_KEPT &&
-               next(&section->rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
-            lf_veil_keep(&ray[k], hit.t, 1.0f - stopped(rig, &hit, w), -1);
+        ray_of(veils, lines, k, &o, &w);
+        while (ray[k].n < LF_VEILS_KEPT && next(rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
+            lf_veil_keep(&ray[k], hit.t, 1.0f - stopped(veils->rig, &hit, w), -1);
             t = lf_behind(hit.t);
         }
         if (ray[k].n == LF_VEILS_KEPT)

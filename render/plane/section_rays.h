@@ -12,18 +12,16 @@
 #define LF_SECTION_MOST ((size_t)1 << 19)
 
 /* lf_section_hide of a section without segments. */
-void lf_section_hide_by_rays(const lf_section *section, const lf_rig *rig, lf_vec3 p,
-                             const lf_hit *on, int n, const float *c, float *scale);
+void lf_section_hide_by_rays(const lf_row_cut *cut, lf_vec3 p, const lf_hit *on, int n,
+                             const float *c, float *scale);
 /* lf_section_nearest: what it meets becomes the section's segments. */
-void lf_section_nearest_by_rays(const lf_section *section, const lf_row_triangles *rows,
-                                const lf_rig *rig, float s0, int n, const float *c, float *z,
+void lf_section_nearest_by_rays(const lf_row_cut *cut, const lf_lines *lines, float *z,
                                 int *segment);
 /* lf_veils_along. */
-void lf_section_veils_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
-                              const float *c, const float *z_end, float *through, bool *mirrors,
-                              lf_veil_crossings *kept);
+void lf_section_veils_by_rays(const lf_row_cut *veils, const lf_lines *lines, const float *z_end,
+                              float *through, bool *mirrors, lf_veil_crossings *kept);
 /* The veils of the rays that want them, from `first` on (lf_veils_to). */
-void lf_section_crossings_by_rays(const lf_section *section, const lf_rig *rig, float s0, int n,
-                                  const float *c, const float *z_end, lf_veil_crossings *ray);
+void lf_section_crossings_by_rays(const lf_row_cut *veils, const lf_lines *lines,
+                                  const float *z_end, lf_veil_crossings *ray);
 
 #endif

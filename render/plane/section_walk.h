@@ -26,8 +26,7 @@ static inline bool lf_question_narrow(lf_question *q)
 
 /* A question about the point p on the surface `on` (NULL: none), as lf_section_hide gets it; to be
  * narrowed before anything is asked. */
-lf_question lf_section_ask(const lf_section *section, const lf_row_triangles *rows,
-                           const lf_rig *rig, lf_vec3 p, const lf_hit *on, int n, const float *c,
-                           float *scale);
+lf_question lf_section_ask(const lf_row_cut *cut, lf_vec3 p, const lf_hit *on, int n,
+                           const float *c, float *scale);
 
 #endif

@@ -229,7 +229,7 @@ static void through_others(const lf_shine *shine, const float *z, const float *o
     float tau[LF_MAX_LANES];
     lf_rays part = *rays;
     part.z_end = z;
-    lf_media_depths(shine->media, rays->kernels, rays->n, rays->x0, rays->slope, z, tau, -1, NULL);
+    lf_media_depths(shine->media, &part, tau, -1, NULL);
     if (shine->corrected)
         lf_correction_transmittance(shine->media, &part, LF_CORRECTION_EXIT, 0.0f, tracer, factor);
     for (int k = 0; k < rays->n; k++)

@@ -8,7 +8,7 @@
 enum { WIDE = LF_SECTION_WIDE };
 
 /* 1 - cover where the line of view c meets the face at depth d. */
-static float passes(const lf_veils *veils, const lf_face *face, float c, float s, float d)
+static float passes(const lf_row_cut *veils, const lf_face *face, float c, float s, float d)
 {
     const lf_rig *rig = veils->rig;
     float z = lf_cut_depth(rig, d);
@@ -25,18 +25,18 @@ typedef struct veil {
     float d0, s0, d1, s1;
 } veil;
 
-static veil veil_of(const lf_veils *veils, int segment)
+static veil veil_of(const lf_row_cut *veils, int segment)
 {
     const lf_section_leaf *leaf = &veils->section->leaves[segment / WIDE];
     int i = segment % WIDE;
     veil out = {.d0 = leaf->d0[i], .s0 = leaf->s0[i], .d1 = leaf->d1[i], .s1 = leaf->s1[i]};
-    lf_section_face(veils->section, veils->rows, veils->scene, segment, &out.face);
+    lf_section_face(veils, segment, &out.face);
     return out;
 }
 
 /* ---------------------------------------------------------------------------- before a point -- */
 
-static void segment_before(const lf_veils *veils, const lf_question *q, int segment, float lo,
+static void segment_before(const lf_row_cut *veils, const lf_question *q, int segment, float lo,
                            float hi)
 {
     veil v = veil_of(veils, segment);
@@ -51,7 +51,7 @@ static void segment_before(const lf_veils *veils, const lf_question *q, int segm
     }
 }
 
-static void node_before(const lf_veils *veils, int node, const lf_question *q)
+static void node_before(const lf_row_cut *veils, int node, const lf_question *q)
 {
     const lf_section *section = veils->section;
     for (unsigned in = section->fans->meets(&section->nodes[node], q); in; in &= in - 1) {
@@ -65,14 +65,14 @@ static void node_before(const lf_veils *veils, int node, const lf_question *q)
     }
 }
 
-void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, const float *c,
+void lf_veils_before(const lf_row_cut *veils, lf_vec3 p, const lf_hit *on, int n, const float *c,
                      float *scale)
 {
     if (veils->section->rays.on) {
-        lf_section_hide_by_rays(veils->section, veils->rig, p, on, n, c, scale);
+        lf_section_hide_by_rays(veils, p, on, n, c, scale);
         return;
     }
-    lf_question q = lf_section_ask(veils->section, veils->rows, veils->rig, p, on, n, c, scale);
+    lf_question q = lf_section_ask(veils, p, on, n, c, scale);
     if (!lf_question_narrow(&q))
         return;
     const lf_section *section = veils->section;
@@ -83,11 +83,9 @@ void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, 
 
 /* ------------------------------------------------------------------------------- along a fan -- */
 
-/* Lines (d, s0 + c d). */
 typedef struct line_fan {
-    float s0;
-    int n;
-    const float *c, *z_end;
+    lf_lines lines;
+    const float *z_end;
     float *through; /* NULL: crossings alone are wanted */
     bool *mirrors;
     lf_veil_crossings *kept; /* NULL: none are wanted */
@@ -95,10 +93,12 @@ typedef struct line_fan {
 
 static bool may_meet(const lf_section_node *node, int i, const line_fan *f)
 {
-    float d0 = node->d0[i], d1 = node->d1[i], first = f->c[0], last = f->c[f->n - 1];
+    float d0 = node->d0[i], d1 = node->d1[i], first = f->lines.c[0],
+          last = f->lines.c[f->lines.n - 1];
     float below = lf_min(lf_min(first * d0, first * d1), lf_min(last * d0, last * d1)),
           above = lf_max(lf_max(first * d0, first * d1), lf_max(last * d0, last * d1));
-    return d1 > -LF_SECTION_FAR && node->s0[i] - f->s0 <= above && node->s1[i] - f->s0 >= below;
+    return d1 > -LF_SECTION_FAR && node->s0[i] - f->lines.s0 <= above &&
+           node->s1[i] - f->lines.s0 >= below;
 }
 
 /* Whether a veil before depth z lets nothing through. */
@@ -117,16 +117,16 @@ static bool is_asked(const line_fan *f, int k, float z)
 }
 
 /* Rays that have its ends on different sides meet a segment, as in lf_section_nearest. */
-static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
+static void segment_along(const lf_row_cut *veils, int segment, const line_fan *f)
 {
     const lf_section_leaf *leaf = &veils->section->leaves[segment / WIDE];
     const int i = segment % WIDE;
-    const float d0 = leaf->d0[i], d1 = leaf->d1[i], s0 = leaf->s0[i] - f->s0,
-                s1 = leaf->s1[i] - f->s0;
+    const float d0 = leaf->d0[i], d1 = leaf->d1[i], s0 = leaf->s0[i] - f->lines.s0,
+                s1 = leaf->s1[i] - f->lines.s0;
     veil v;
     bool is_loaded = false;
-    for (int k = 0; k < f->n; k++) {
-        float c = f->c[k], a = s0 - c * d0, b = s1 - c * d1;
+    for (int k = 0; k < f->lines.n; k++) {
+        float c = f->lines.c[k], a = s0 - c * d0, b = s1 - c * d1;
         if ((a >= 0.0f) == (b >= 0.0f))
             continue;
         float d = d0 + (d1 - d0) * (a / (a - b)), z = lf_cut_depth(veils->rig, d);
@@ -135,7 +135,7 @@ static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
         if (!is_loaded)
             v = veil_of(veils, segment);
         is_loaded = true;
-        float passed = passes(veils, &v.face, c, f->s0 + c * d, d);
+        float passed = passes(veils, &v.face, c, f->lines.s0 + c * d, d);
         if (f->kept)
             lf_veil_keep(&f->kept[k], z, passed, segment);
         if (!f->through)
@@ -145,14 +145,14 @@ static void segment_along(const lf_veils *veils, int segment, const line_fan *f)
     }
 }
 
-static void leaf_along(const lf_veils *veils, int leaf, const line_fan *f)
+static void leaf_along(const lf_row_cut *veils, int leaf, const line_fan *f)
 {
     for (int i = 0; i < WIDE; i++)
         if (veils->section->leaves[leaf].d1[i] > -LF_SECTION_FAR)
             segment_along(veils, WIDE * leaf + i, f);
 }
 
-static void all_along(const lf_veils *veils, const line_fan *f)
+static void all_along(const lf_row_cut *veils, const line_fan *f)
 {
     const lf_section *section = veils->section;
     for (int root = 0; root < section->n_roots; root++)
@@ -174,17 +174,16 @@ static void want_from_the_cameras_on(lf_veil_crossings *ray)
     ray->wanted = true;
 }
 
-void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
+void lf_veils_along(const lf_row_cut *veils, const lf_lines *lines, const float *z_end,
                     float *through, bool *mirrors, lf_veil_crossings *kept)
 {
-    for (int k = 0; k < n && kept; k++)
+    for (int k = 0; k < lines->n && kept; k++)
         want_from_the_cameras_on(&kept[k]);
     if (veils->section->rays.on) {
-        lf_section_veils_by_rays(veils->section, veils->rig, s0, n, c, z_end, through, mirrors,
-                                 kept);
+        lf_section_veils_by_rays(veils, lines, z_end, through, mirrors, kept);
         return;
     }
-    line_fan f = {.s0 = s0, .n = n, .c = c, .z_end = z_end, .kept = kept};
+    line_fan f = {.lines = *lines, .z_end = z_end, .kept = kept};
     f.through = through;
     f.mirrors = mirrors;
     all_along(veils, &f);
@@ -220,15 +219,13 @@ void lf_veil_keep(lf_veil_crossings *ray, float z, float passes, int segment)
     ray->n = passes > 0.0f ? ray->n + 1 : i + 1;
 }
 
-void lf_veils_begin(lf_veil_walk *walk, const lf_veils *veils, float s0, int n, const float *c,
+void lf_veils_begin(lf_veil_walk *walk, const lf_row_cut *veils, const lf_lines *lines,
                     const float *z_end)
 {
     walk->veils = *veils;
-    walk->s0 = s0;
-    walk->n = n;
-    walk->c = c;
+    walk->lines = *lines;
     walk->z_end = z_end;
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < lines->n; k++) {
         lf_veil_crossings *ray = &walk->ray[k];
         ray->first = ray->known = 0.0f;
         ray->n = ray->next = 0;
@@ -238,7 +235,7 @@ void lf_veils_begin(lf_veil_walk *walk, const lf_veils *veils, float s0, int n, 
 
 void lf_veils_rewind(lf_veil_walk *walk)
 {
-    for (int k = 0; k < walk->n; k++) {
+    for (int k = 0; k < walk->lines.n; k++) {
         lf_veil_crossings *ray = &walk->ray[k];
         ray->next = 0;
         if (ray->first > 0.0f) {
@@ -251,8 +248,8 @@ void lf_veils_rewind(lf_veil_walk *walk)
 /* The next veils of all rays that want them. */
 static void look_farther(lf_veil_walk *walk)
 {
-    const lf_veils *veils = &walk->veils;
-    for (int k = 0; k < walk->n; k++) {
+    const lf_row_cut *veils = &walk->veils;
+    for (int k = 0; k < walk->lines.n; k++) {
         lf_veil_crossings *ray = &walk->ray[k];
         if (!ray->wanted)
             continue;
@@ -261,12 +258,10 @@ static void look_farther(lf_veil_walk *walk)
         ray->n = ray->next = 0;
     }
     if (veils->section->rays.on) {
-        lf_section_crossings_by_rays(veils->section, veils->rig, walk->s0, walk->n, walk->c,
-                                     walk->z_end, walk->ray);
+        lf_section_crossings_by_rays(veils, &walk->lines, walk->z_end, walk->ray);
         return;
     }
-    const line_fan f = {
-        .s0 = walk->s0, .n = walk->n, .c = walk->c, .z_end = walk->z_end, .kept = walk->ray};
+    const line_fan f = {.lines = walk->lines, .z_end = walk->z_end, .kept = walk->ray};
     all_along(veils, &f);
 }
 
@@ -283,7 +278,7 @@ void lf_veils_to(lf_veil_walk *walk, const float *z, float *through)
     bool more = true;
     while (more) {
         more = false;
-        for (int k = 0; k < walk->n; k++)
+        for (int k = 0; k < walk->lines.n; k++)
             more |= walk->ray[k].wanted = count(&walk->ray[k], z[k], &through[k]);
         if (more)
             look_farther(walk);

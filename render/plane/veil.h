@@ -8,15 +8,6 @@
 
 #include "render/plane/section.h"
 
-/* A section of veils, and where it lies. */
-typedef struct lf_veils {
-    const lf_section *section;
-    const lf_row_triangles *rows;
-    const lf_scene *scene;
-    const lf_rig *rig;
-    const lf_row_plane *plane;
-} lf_veils;
-
 /* Of one ray of a fan, the veils that it crosses from depth `first` on, near to far: those before
  * depth `known`, which is INFINITY where these are all. */
 #define LF_VEILS_KEPT 16
@@ -30,26 +21,25 @@ typedef struct lf_veil_crossings {
 
 /* A fan that asks what veils let through on its way from the cameras to ever greater depths. */
 typedef struct lf_veil_walk {
-    lf_veils veils;
-    float s0;
-    int n;
-    const float *c, *z_end;
+    lf_row_cut veils;
+    lf_lines lines;
+    const float *z_end;
     lf_veil_crossings ray[LF_MAX_LANES];
 } lf_veil_walk;
 
 /* Multiplies scale[k] by what all veils between the point p and the camera position c[k] let
  * through; arguments as of lf_section_hide. */
-void lf_veils_before(const lf_veils *veils, lf_vec3 p, const lf_hit *on, int n, const float *c,
+void lf_veils_before(const lf_row_cut *veils, lf_vec3 p, const lf_hit *on, int n, const float *c,
                      float *scale);
 
 /* Along the rays of lf_section_nearest, in front of z_end[k]: multiplies through[k] by what veils
  * let through, and sets mirrors[k] where one of them has delta lobes. kept: [k], gets the nearest
  * veils of each ray, up to one that lets nothing through; NULL: they are not wanted. */
-void lf_veils_along(const lf_veils *veils, float s0, int n, const float *c, const float *z_end,
+void lf_veils_along(const lf_row_cut *veils, const lf_lines *lines, const float *z_end,
                     float *through, bool *mirrors, lf_veil_crossings *kept);
 
-/* Begins a walk along the same rays; z_end and c must outlive it. */
-void lf_veils_begin(lf_veil_walk *walk, const lf_veils *veils, float s0, int n, const float *c,
+/* Begins a walk along the same rays; z_end and lines->c must outlive it. */
+void lf_veils_begin(lf_veil_walk *walk, const lf_row_cut *veils, const lf_lines *lines,
                     const float *z_end);
 /* Back to the cameras. */
 void lf_veils_rewind(lf_veil_walk *walk);

@@ -153,15 +153,21 @@ float lf_voxels_march(const lf_voxels *voxels, float x0, float slope, float z_en
     return cross(voxels, x0, slope, z_end, stop, out_z, NULL);
 }
 
-void lf_voxels_moments(const lf_voxels *voxels, int n, const float *x0, const float *slope,
-                       const float *z_end, const float *length, float distance, float *tau,
+/* Lanes behind the views repeat the last. */
+static bool repeats(const float *x0, const float *slope, const float *z_end, int k)
+{
+    return k > 0 && x0[k] == x0[k - 1] && slope[k] == slope[k - 1] && z_end[k] == z_end[k - 1];
+}
+
+void lf_voxels_moments(const lf_voxels *voxels, const lf_feature_rays *rays, float *tau,
                        float *const sums[3])
 {
+    const float *x0 = rays->x0, *slope = rays->slope, *z_end = rays->z_end;
     moments lost = {.rest = 1.0f};
     float depth = 0.0f, z;
-    for (int k = 0; k < n; k++) {
-        if (k == 0 || x0[k] != x0[k - 1] || slope[k] != slope[k - 1] || z_end[k] != z_end[k - 1]) {
-            lost = (moments){voxels->sigma_scale * length[k], distance, 1.0f, {0}};
+    for (int k = 0; k < rays->n; k++) {
+        if (!repeats(x0, slope, z_end, k)) {
+            lost = (moments){voxels->sigma_scale * rays->length[k], rays->distance, 1.0f, {0}};
             depth = cross(voxels, x0[k], slope[k], z_end[k], INFINITY, &z, &lost);
         }
         tau[k] += depth;
@@ -175,8 +181,7 @@ void lf_voxels_depths(const lf_voxels *voxels, int n, const float *x0, const flo
 {
     float depth = 0.0f, z;
     for (int k = 0; k < n; k++) {
-        /* Lanes behind the views repeat the last. */
-        if (k == 0 || x0[k] != x0[k - 1] || slope[k] != slope[k - 1] || z_end[k] != z_end[k - 1])
+        if (!repeats(x0, slope, z_end, k))
             depth = lf_voxels_march(voxels, x0[k], slope[k], z_end[k], INFINITY, &z);
         tau[k] += depth;
     }

@@ -28,8 +28,7 @@ void lf_voxels_depths(const lf_voxels *voxels, int n, const float *x0, const flo
                       const float *z_end, float *tau);
 
 /* lf_voxels_depths with the sums of lf_kernels.moments. */
-void lf_voxels_moments(const lf_voxels *voxels, int n, const float *x0, const float *slope,
-                       const float *z_end, const float *length, float distance, float *tau,
+void lf_voxels_moments(const lf_voxels *voxels, const lf_feature_rays *rays, float *tau,
                        float *const sums[3]);
 
 /* sigma_t at the point (x, z) of the row's plane: the same for every ray that meets it. */

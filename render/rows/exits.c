@@ -3,22 +3,24 @@
  * transmittances of all views' pixels in that column at once (docs/estimators.md, "B and q"). */
 #include <string.h>
 
+#include "render/rows/extinction.h"
 #include "render/rows/outlines.h"
+#include "render/rows/prefix_factor.h"
 #include "render/transport/light/light_kind.h"
 #include "render/transport/path/sunlight.h"
 #include "render/transport/surface/surface_texture.h"
 
 /* The triangle of a segment, kept in one of n faces. */
-static const lf_fan_face *face_in(const lf_visit *visit, const lf_section *section,
-                                  lf_fan_face *faces, int n, int segment)
+static const lf_fan_face *face_in(const lf_visit *visit, const lf_row_cut *cut, lf_fan_face *faces,
+                                  int n, int segment)
 {
     lf_fan_face *face = &faces[segment % n];
     /* rays find other segments of the same number */
-    if (face->segment != segment || section->rays.on) {
+    if (face->segment != segment || cut->section->rays.on) {
         face->segment = segment;
-        lf_section_face(section, visit->triangles, visit->scene, segment, &face->face);
-        if (visit->sunlight)
-            lf_sunlight_face_init(&face->sunlight, visit->sunlight, face->face.n);
+        lf_section_face(cut, segment, &face->face);
+        if (visit->plan->order.sunlight)
+            lf_sunlight_face_init(&face->sunlight, visit->plan->order.sunlight, face->face.n);
         if (visit->sums.albedo)
             lf_face_albedo_init(&face->albedo, &face->face);
     }
@@ -28,7 +30,8 @@ static const lf_fan_face *face_in(const lf_visit *visit, const lf_section *secti
 static const lf_fan_face *face_of(const lf_visit *visit, int segment)
 {
     lf_scratch *w = visit->worker;
-    return face_in(visit, &w->section, w->met.face, LF_FAN_FACES, segment);
+    const lf_row_cut section = lf_visit_section(visit);
+    return face_in(visit, &section, w->met.face, LF_FAN_FACES, segment);
 }
 
 /* Where ray k is at depth z. */
@@ -54,7 +57,8 @@ static bool meets_back(const lf_visit *visit, int k)
 {
     const lf_scratch *w = visit->worker;
     lf_face face;
-    lf_section_face(&w->section, visit->triangles, visit->scene, w->met.segment[k], &face);
+    const lf_row_cut section = lf_visit_section(visit);
+    lf_section_face(&section, w->met.segment[k], &face);
     return lf_dot(face.n, lf_rig_direction(visit->rig, w->slope[k], visit->plane.my, 1.0f)) > 0.0f;
 }
 
@@ -70,33 +74,6 @@ static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *mate
     const lf_scratch *w = visit->worker;
     hit_of(visit, k, w->z_end[k], face_of(visit, w->met.segment[k]), &along, &hit);
     return lf_hit_material(&hit)->emission;
-}
-
-/* What of light is lost in media of this optical depth; exp(-depth) times correction is what comes
- * through. */
-static float lost_in(float depth, float correction, float *out_transmittance)
-{
-    float lost = depth > 0.0f ? -expm1f(-depth) : 0.0f;
-    /* A sun or lamp behind 20 mean free paths and more: 1 - q would have no digits left. */
-    float transmittance = depth < 0.5f ? 1.0f - lost : expf(-depth);
-    lost += transmittance * (1.0f - correction);
-    *out_transmittance = transmittance * correction;
-    return lost;
-}
-
-/* The mean over the channels of ray k, lane `lane` of n that were marched. */
-static float lost_of_channels(const lf_scratch *w, int k, int lane, int n, float correction,
-                              lf_vec3 *out_transmittance)
-{
-    float through[3], sum = 0.0f;
-    for (int c = 0; c < 3; c++) {
-        bool marched = lane >= 0 && lane < n && w->media.n_here > 0;
-        float depth = marched ? w->channels.tau[c * n + lane] * w->length[k] : 0.0f,
-              factor = marched ? w->channels.factor[c * n + lane] : 1.0f;
-        sum += lost_in(depth, factor * correction, &through[c]);
-    }
-    *out_transmittance = lf_v3(through[0], through[1], through[2]);
-    return sum * (1.0f / 3.0f);
 }
 
 /* One ray's known light, what volumes emit along it included, and pivot probability; material: of
@@ -130,10 +107,9 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
 }
 
 /* What a surface that ray k meets at depth z sends on of sunlight, which there is. */
-static float sunlight_of(const lf_visit_plan *plan, const lf_visit *visit, int k, float z,
-                         const lf_fan_face *face)
+static float sunlight_of(const lf_visit *visit, int k, float z, const lf_fan_face *face)
 {
-    const lf_sunlight *sunlight = plan->order.sunlight;
+    const lf_sunlight *sunlight = visit->plan->order.sunlight;
     lf_hit hit;
     lf_vec3 along;
     if (!lf_sunlight_has_suns(sunlight)) {
@@ -207,20 +183,20 @@ static void see_veil(const lf_exits *e, int k, int segment, float z, float share
                      const float off[2], lf_veil_seen *out)
 {
     lf_scratch *w = e->visit->worker;
-    const lf_section *section = &w->veil.section;
-    const bool sun = e->plan->order.sunlight, albedo = e->visit->sums.albedo;
+    const lf_row_cut veils = lf_visit_veils(e->visit);
+    const bool sun = e->visit->plan->order.sunlight, albedo = e->visit->sums.albedo;
     float met[LF_ALBEDO_NUMBERS];
     const float nearness = lf_nearness(e->visit->rig->distance, z);
     memcpy(met, no_albedo, sizeof met);
     if (segment >= 0 && (sun || albedo)) {
-        const lf_fan_face *face = face_in(e->visit, section, w->veil.face, LF_VEIL_FACES, segment);
+        const lf_fan_face *face = face_in(e->visit, &veils, w->veil.face, LF_VEIL_FACES, segment);
         const bool pane = face->face.material->glass.is_pane;
         if (pane) /* it counts in q and W, and sends nothing */
             memset(met, 0, sizeof met);
         else if (albedo)
             albedo_at(e->visit, k, z, face, off, met);
         if (sun && !pane)
-            out->light += share * sunlight_of(e->plan, e->visit, k, z, face);
+            out->light += share * sunlight_of(e->visit, k, z, face);
     }
     out->cover += share;
     const float part = share / out->cover, apart = nearness - out->nearness;
@@ -282,8 +258,8 @@ static void write_feature(const lf_exits *e, size_t pixel, int k, bool lobe, con
         feature.spread =
             sqrtf(medium * (feature.spread * feature.spread + feature.surface * (apart * apart)));
         feature.nearness = wall + medium * apart;
-        if (feature.surface > LEAST_SEEN && e->plan->order.sunlight)
-            feature.light = feature.surface * sunlight_of(e->plan, visit, k, worker->z_end[k],
+        if (feature.surface > LEAST_SEEN && e->visit->plan->order.sunlight)
+            feature.light = feature.surface * sunlight_of(visit, k, worker->z_end[k],
                                                           face_of(visit, worker->met.segment[k]));
     }
     const float surface = feature.surface > LEAST_SEEN ? feature.surface : 0.0f;
@@ -319,13 +295,13 @@ bool lf_exits_constant(const lf_scene *scene, float out_sky[3])
     return true;
 }
 
-bool lf_exits_sky(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out)
+bool lf_exits_sky(const lf_visit *visit, lf_vec3 *out)
 {
-    const lf_scene *scene = plan->scene;
+    const lf_scene *scene = visit->scene;
     float sky[3];
     if (scene->backdrop.given)
         *out = lf_backdrop_at(&scene->backdrop, lf_rig_height_between(visit->rig, visit->plane.my));
-    else if (plan->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_constant(scene, sky))
+    else if (visit->plan->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_constant(scene, sky))
         *out = lf_v3(sky[0], sky[1], sky[2]);
     else
         return false;
@@ -371,8 +347,7 @@ static void aim(const lf_visit *visit, float xw, float lx)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *worker = visit->worker;
-    int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
-    for (int k = 0; k < lanes; k++) {
+    for (int k = 0; k < lf_rig_lanes(rig); k++) {
         worker->x0[k] = rig->b[k] + lx;
         worker->slope[k] = (xw - rig->skew[k]) / rig->distance - lx / rig->focus;
         worker->z_end[k] = INFINITY;
@@ -392,138 +367,106 @@ static float meeting(const lf_rig *rig, float xw, float lx)
     return xw / rig->distance + lx * (1.0f / rig->window - 1.0f / rig->focus);
 }
 
-/* What veils before the surfaces let through is one more factor. */
-static void veil(const lf_exits *e, float s0, int from, int to, const float off[2])
+void lf_exits_veils(const lf_exits *e, const lf_exit_fan *fan)
 {
     lf_scratch *w = e->visit->worker;
-    const lf_veils veils = lf_visit_veils(e->visit);
+    const int from = fan->from;
+    const lf_row_cut veils = lf_visit_veils(e->visit);
     const bool features = e->visit->sums.feature;
-    for (int k = from; k < to; k++)
+    for (int k = from; k < fan->to; k++)
         w->veil.mirrored[k] = false;
-    lf_veils_along(&veils, s0, to - from, w->x0 + from, w->z_end + from, w->factor + from,
-                   w->veil.mirrored + from, features ? w->veil.walk.ray + from : NULL);
-    for (int k = from; k < to && features; k++)
-        see_veils(e, k, off);
+    lf_veils_along(&veils, &fan->lines, w->z_end + from, w->factor + from, w->veil.mirrored + from,
+                   features ? w->veil.walk.ray + from : NULL);
+    for (int k = from; k < fan->to && features; k++)
+        see_veils(e, k, fan->off);
 }
 
-/* Correction weights of the fan's rays [from, to). Where media are thin 1 - T is what is wanted: a
- * point for every other fan, at least. */
-static void correct(const lf_visit *visit, float density, int from, int to)
+/* What the volumes emit along the fan's rays; u: the jitter. */
+static void shine(const lf_visit *visit, const lf_exit_fan *fan, float u)
 {
     lf_scratch *w = visit->worker;
-    lf_rays rays = {visit->scene,
-                    visit->rig,
-                    &visit->plane,
-                    visit->kernels,
-                    to - from,
-                    w->x0 + from,
-                    w->slope + from,
-                    w->z_end + from,
-                    0.0f,
-                    visit->scene->looks.chromatic};
-    lf_correction_transmittance(&w->media, &rays, density, 0.5f, &w->tracer,
-                                rays.channels ? w->channels.factor : w->factor + from);
-}
-
-/* The fan's rays [from, to) through the media. */
-static void march(const lf_visit_plan *plan, lf_scratch *w, int from, int to, bool features)
-{
-    const float *x0 = w->x0 + from, *slope = w->slope + from, *z_end = w->z_end + from;
-    w->met.moments.distance = plan->rig->distance;
-    w->met.moments.first = from;
-    if (features)
-        lf_media_moments_of(&w->media, plan->kernels, to - from, x0, slope, z_end, w->length + from,
-                            w->tau + from, &w->met.moments);
-    else if (!plan->scene->looks.chromatic)
-        lf_media_depths(&w->media, plan->kernels, to - from, x0, slope, z_end, w->tau + from, -1,
-                        NULL);
-    if (!plan->scene->looks.chromatic)
-        return;
-    lf_media_depths_of_channels(&w->media, plan->kernels, to - from, x0, slope, z_end,
-                                w->channels.tau, -1, NULL);
-    for (int i = 0; i < 3 * (to - from); i++)
-        w->channels.factor[i] = 1.0f;
-}
-
-/* What the volumes emit along the fan's rays [from, to) through the point s0 (meeting). */
-static void shine(const lf_visit *visit, float s0, int from, int to, float u)
-{
-    lf_scratch *w = visit->worker;
+    const int from = fan->from;
     const bool veiled = visit->scene->looks.veiled;
-    const lf_rays rays = {visit->scene, visit->rig,      &visit->plane,   visit->kernels, to - from,
-                          w->x0 + from, w->slope + from, w->z_end + from, 0.0f,           false};
+    lf_rays rays = fan->rays;
+    rays.channels = false;
     const lf_shine sources = {.media = &w->media,
                               .rays = &rays,
                               .length = w->length + from,
                               .corrected = !lf_has_fault(visit, LF_FAULT_NO_CORRECTION),
                               .veils = veiled ? &w->veil.walk : NULL};
-    memset(w->shine.light, 0, sizeof w->shine.light);
-    if (from >= to)
-        return;
     if (veiled) {
-        const lf_veils veils = lf_visit_veils(visit);
-        lf_veils_begin(&w->veil.walk, &veils, s0, to - from, w->x0 + from, w->z_end + from);
+        const lf_row_cut veils = lf_visit_veils(visit);
+        lf_veils_begin(&w->veil.walk, &veils, &fan->lines, rays.z_end);
     }
     lf_shine_fan(&sources, u, &w->tracer, &w->shine, w->shine.light + from);
 }
 
-/* The rays [from, to) of a column's fan, up to what they meet and through all media before it. */
-static void follow(const lf_exits *e, int column, int from, int to, const float off[2])
+/* The rays of a fan, up to what they meet and through all media before it. */
+static void follow(const lf_exits *e, int column, const lf_exit_fan *fan)
+{
+    const lf_visit *visit = e->visit;
+    const int from = fan->from;
+    lf_scratch *w = visit->worker;
+    if (visit->triangles) {
+        const lf_row_cut section = lf_visit_section(visit);
+        lf_section_nearest(&section, &fan->lines, w->z_end + from, w->met.segment + from);
+    }
+    if (w->media.n_here > 0) {
+        w->met.moments.distance = visit->rig->distance;
+        w->met.moments.first = from;
+        visit->extinction->march(visit, fan);
+    }
+    for (int k = from; k < fan->to && visit->prefix.along; k++)
+        w->factor[k] = 1.0f;
+    lf_prefix_along(e, fan);
+    if (w->shine.flames.n_here > 0)
+        shine(visit, fan,
+              lf_sampler_radical(lf_hash64(lf_hash64(visit->number.key, 16), (uint64_t)column),
+                                 visit->number.index));
+}
+
+/* Aims the fan of a column's film point, and finds which of its lanes [first, end) to follow. */
+static lf_exit_fan begin_fan(const lf_exits *e, int column, int first, int end)
 {
     const lf_visit *visit = e->visit;
     const lf_rig *rig = visit->rig;
-    lf_scratch *w = visit->worker;
-    float film = lf_outlines_column(e->key, column, e->index, e->plane),
-          xw = rig->x0 + ((float)column + film) * rig->dx, lx = 0.0f;
+    const lf_visit_number *number = &visit->number;
+    const float film = lf_outlines_column(number->key, column, number->index, e->plane),
+                xw = rig->x0 + ((float)column + film) * rig->dx;
+    float lx = 0.0f;
     if (visit->plane.lens_chord > 0.0f)
-        lx = (2.0f * lf_outlines_lens(e->key, column, e->index, e->plane) - 1.0f) *
+        lx = (2.0f * lf_outlines_lens(number->key, column, number->index, e->plane) - 1.0f) *
              visit->plane.lens_chord;
+    lf_exit_fan fan = {.off = {(e->quarter - film) * rig->dx / rig->distance, e->down}};
+    lanes_of(&visit->worker->reach, rig->n_views, column, &fan.from, &fan.to);
+    fan.from = fan.from > first ? fan.from : first;
+    fan.to = fan.to < end ? fan.to : end;
+    fan.rays = lf_visit_rays(visit, fan.from, fan.to);
+    fan.lines = (lf_lines){meeting(rig, xw, lx), fan.rays.n, fan.rays.x0};
     aim(visit, xw, lx);
-    if (visit->triangles && from < to)
-        lf_section_nearest(&w->section, visit->triangles, rig, meeting(rig, xw, lx), to - from,
-                           w->x0 + from, w->z_end + from, w->met.segment + from);
-    if (w->media.n_here > 0 && from < to)
-        march(e->plan, w, from, to, visit->sums.feature);
-    for (int k = from; k < to && (e->corrected || e->veiled); k++)
-        w->factor[k] = 1.0f;
-    if (e->corrected && from < to)
-        correct(visit, e->density, from, to);
-    if (e->veiled && from < to)
-        veil(e, meeting(rig, xw, lx), from, to, off);
-    if (w->shine.flames.n_here > 0)
-        shine(visit, meeting(rig, xw, lx), from, to,
-              lf_sampler_radical(lf_hash64(lf_hash64(e->key, 16), (uint64_t)column), e->index));
+    return fan;
 }
 
 void lf_exits_fan(const lf_exits *e, int column, int first, int end)
 {
     const lf_visit *visit = e->visit;
     const lf_rig *rig = visit->rig;
-    const lf_scene *scene = e->plan->scene;
     lf_scratch *w = visit->worker;
-    int from, to;
-    lanes_of(&w->reach, rig->n_views, column, &from, &to);
-    from = from > first ? from : first;
-    to = to < end ? to : end;
-    const float off[2] = {(e->quarter - lf_outlines_column(e->key, column, e->index, e->plane)) *
-                              rig->dx / rig->distance,
-                          e->down};
-    follow(e, column, from, to, off);
+    const lf_exit_fan fan = begin_fan(e, column, first, end);
+    if (w->shine.flames.n_here > 0)
+        memset(w->shine.light, 0, sizeof w->shine.light);
+    if (fan.from < fan.to)
+        follow(e, column, &fan);
     for (int k = first; k < end && k < rig->n_views; k++) {
         if (e->only && !e->only[k])
             continue;
-        bool reached = k >= from && k < to, met = reached && w->met.segment[k] >= 0;
+        bool reached = k >= fan.from && k < fan.to, met = reached && w->met.segment[k] >= 0;
         int material = met ? lf_section_material(&w->section, w->met.segment[k]) : -1;
-        const lf_material *m = met ? &scene->materials[material] : NULL;
+        const lf_material *m = met ? &visit->scene->materials[material] : NULL;
         size_t pixel = (size_t)k * (size_t)rig->width + (size_t)column;
-        float weight = (e->corrected || e->veiled) && reached ? w->factor[k] : 1.0f, through, lost;
         lf_vec3 transmittance;
-        if (scene->looks.chromatic) {
-            lost = lost_of_channels(w, k, k - from, to - from, weight, &transmittance);
-        } else {
-            lost = lost_in(w->tau[k] * w->length[k], weight, &through);
-            transmittance = lf_v3(through, through, through);
-        }
+        const float factor = visit->prefix.along && reached ? w->factor[k] : 1.0f,
+                    lost = visit->extinction->lost(visit, &fan, k, factor, &transmittance);
         w->met.material[k] = material;
         write_known(visit, pixel, k, m, lost, transmittance, e->constant ? &e->sky : NULL);
         if (e->veiled && w->mirrors && reached)
@@ -531,6 +474,6 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end)
         if (e->veiled && !reached)
             w->veil.seen[k].cover = 0.0f;
         if (visit->sums.feature)
-            write_feature(e, pixel, k, m && m->has_lobe, off);
+            write_feature(e, pixel, k, m && m->has_lobe, fan.off);
     }
 }

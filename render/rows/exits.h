@@ -7,13 +7,10 @@
 
 /* What the fans of a row share. */
 typedef struct lf_exits {
-    const lf_visit_plan *plan;
     const lf_visit *visit;
-    uint64_t key;
-    uint32_t index;
     lf_vec3 sky;   /* where it is constant */
     float density; /* of the points of correction weights */
-    bool constant, corrected, veiled;
+    bool constant, veiled;
     bool between; /* the row lies between others where worker->met.smooth says so */
     /* where in their pixels albedo is looked up, columns from the left; and how far that is below
      * the plane, as a slope: four visits look at the middles of a pixel's quarters */
@@ -21,6 +18,18 @@ typedef struct lf_exits {
     const bool *only; /* [view] of a column: the others are left as they are; NULL: all of them */
     int plane;        /* of the visit's: outlines.h */
 } lf_exits;
+
+/* The rays of a column's fan that may meet anything. */
+typedef struct lf_exit_fan {
+    int from, to;   /* lanes of the worker */
+    lf_rays rays;   /* the same … */
+    lf_lines lines; /* … and once more */
+    float off[2];   /* from their slopes to those at which albedo is looked up */
+} lf_exit_fan;
+
+/* What alpha surfaces and panes do to them (prefix_factor.h): multiplies worker->factor, and finds
+ * what is seen of them. */
+void lf_exits_veils(const lf_exits *e, const lf_exit_fan *fan);
 
 /* B, q and features of the views [first, end) in a column, from one film point. */
 void lf_exits_fan(const lf_exits *e, int column, int first, int end);
@@ -30,6 +39,6 @@ void lf_exits_fan(const lf_exits *e, int column, int first, int end);
 bool lf_exits_next_groups(uint32_t *left, int n_views, int *first, int *end);
 
 /* The sky of a row's rays where it is one; false: each looks for its own. */
-bool lf_exits_sky(const lf_visit_plan *plan, const lf_visit *visit, lf_vec3 *out);
+bool lf_exits_sky(const lf_visit *visit, lf_vec3 *out);
 
 #endif

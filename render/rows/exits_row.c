@@ -57,7 +57,7 @@ static bool sees_texture(const lf_exits *e, const lf_fan_end *at, int k)
 {
     const int material = at->material[k];
     return e->visit->sums.albedo && material >= 0 &&
-           (e->plan->scene->looks.coloured || e->plan->scene->materials[material].textures);
+           (e->visit->scene->looks.coloured || e->visit->scene->materials[material].textures);
 }
 
 /* Whether an edge runs between two columns of view k: what is seen there would be torn to a ramp.
@@ -110,15 +110,19 @@ static void fill_between(const lf_exits *e, const lf_fan_end *a, const lf_fan_en
     const lf_visit *visit = e->visit;
     const int views = visit->rig->n_views;
     const size_t width = (size_t)visit->rig->width;
-    float from = (float)a->column + lf_exits_film_point(e->key, a->column, e->index),
-          to = (float)b->column + lf_exits_film_point(e->key, b->column, e->index);
+    float from = (float)a->column +
+                 lf_exits_film_point(e->visit->number.key, a->column, e->visit->number.index),
+          to = (float)b->column +
+               lf_exits_film_point(e->visit->number.key, b->column, e->visit->number.index);
     uint32_t edges = 0;
     for (int k = 0; k < views && b->column > a->column + 1; k++)
         if (groups >> (k / LF_LANES) & 1 && has_edge(e, a, b, k))
             edges |= UINT32_C(1) << (k / LF_LANES);
     for (int column = a->column + 1; column < b->column; column++) {
         float t =
-            ((float)column + lf_exits_film_point(e->key, column, e->index) - from) / (to - from);
+            ((float)column +
+             lf_exits_film_point(e->visit->number.key, column, e->visit->number.index) - from) /
+            (to - from);
         uint32_t followed = edges, others = groups & ~edges;
         for (int first, end; lf_exits_next_groups(&followed, views, &first, &end);)
             lf_exits_fan(e, column, first, end);
@@ -188,7 +192,7 @@ static void choose_quarter(lf_exits *e)
 {
     static const float no_lens[2] = {0.5f, 0.5f};
     const lf_visit *visit = e->visit;
-    const uint32_t *visits = e->plan->film->rows[visit->row].visits, n = visits[0] + visits[1];
+    const uint32_t *visits = visit->plan->film->rows[visit->row].visits, n = visits[0] + visits[1];
     const bool right = (n & 1) != 0, below = right != ((n & 2) != 0);
     lf_row_plane of_quarter;
     e->quarter = right ? 0.75f : 0.25f;
@@ -198,20 +202,18 @@ static void choose_quarter(lf_exits *e)
 }
 
 /* What is said of a visit's plane. */
-static lf_exits begin(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key,
-                      uint32_t index)
+static lf_exits begin(const lf_visit *visit)
 {
     lf_scratch *w = visit->worker;
-    lf_exits e = {.plan = plan, .visit = visit, .key = key, .index = index};
-    e.constant = lf_exits_sky(plan, visit, &e.sky);
-    e.corrected = !plan->order.coarse && lf_correction_needed(&w->media) &&
-                  !lf_has_fault(visit, LF_FAULT_NO_CORRECTION);
-    e.density = lf_correction_exit_density(contributions(plan), visit->sums.feature);
-    e.veiled = plan->scene->looks.veiled;
+    lf_exits e = {.visit = visit};
+    e.constant = lf_exits_sky(visit, &e.sky);
+    e.density = lf_correction_exit_density(contributions(visit->plan), visit->sums.feature);
+    e.veiled = visit->scene->looks.veiled;
     choose_quarter(&e);
     for (int k = 0; k < LF_MAX_LANES; k++)
         w->met.segment[k] = -1; /* and so it stays without meshes */
-    for (int i = 0; i < LF_FAN_FACES && (plan->order.sunlight || plan->scene->looks.varied); i++)
+    for (int i = 0; i < LF_FAN_FACES && (visit->plan->order.sunlight || visit->scene->looks.varied);
+         i++)
         w->met.face[i].segment = -1;
     for (int i = 0; i < LF_VEIL_FACES && e.veiled; i++)
         w->veil.face[i].segment = -1;
@@ -220,25 +222,24 @@ static lf_exits begin(const lf_visit_plan *plan, const lf_visit *visit, uint64_t
     return e;
 }
 
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
-                  bool between)
+void lf_exits_row(const lf_visit *visit, bool between)
 {
     const lf_rig *rig = visit->rig;
+    const bool coarse = visit->plan->order.coarse;
     lf_scratch *w = visit->worker;
-    lf_exits e = begin(plan, visit, key, index);
+    lf_exits e = begin(visit);
     e.between = between;
-    w->tracer.rng = lf_hash64(lf_hash64(key, 14), index);
-    if (plan->order.coarse)
+    w->tracer.rng = lf_hash64(lf_hash64(visit->number.key, 14), visit->number.index);
+    if (coarse)
         coarse_row(&e);
-    for (int column = 0; column < rig->width && !plan->order.coarse; column++)
+    for (int column = 0; column < rig->width && !coarse; column++)
         lf_exits_fan(&e, column, 0, LF_MAX_LANES);
     if (w->mirrors)
         widen(w->mirrors, rig->n_views, rig->width);
 }
 
-void lf_exits_outlines(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key,
-                       uint32_t index, int plane)
+void lf_exits_outlines(const lf_visit *visit, int plane)
 {
-    lf_exits e = begin(plan, visit, key, index);
+    lf_exits e = begin(visit);
     lf_outlines_take(&e, plane);
 }

@@ -1,4 +1,4 @@
-#include "render/rows/visit.h"
+#include "render/rows/visit_steps.h"
 
 static double density(const lf_visit *visit, const lf_pivot *pivot, float sum, float depth)
 {
@@ -29,14 +29,13 @@ void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, flo
 }
 
 /* One point: in every medium that is there, since a collision is one medium's own. */
-static void scatter(const lf_visit_plan *plan, lf_visit *visit, int glow, uint64_t key,
-                    uint32_t index)
+static void scatter(lf_visit *visit, int glow, uint64_t key, uint32_t index)
 {
     lf_scratch *w = visit->worker;
     const lf_rig *rig = visit->rig;
     lf_sampler sampler;
     float place[3], u[3], lens = 0.0f;
-    lf_sampler_init(&sampler, plan->sampler, key, index);
+    lf_sampler_init(&sampler, visit->plan->sampler, key, index);
     w->tracer.rng = lf_hash64(key ^ visit->random, ~(uint64_t)index);
     lf_sampler_2d(&sampler, place);
     place[2] = lf_sampler_1d(&sampler);
@@ -67,8 +66,7 @@ static void scatter(const lf_visit_plan *plan, lf_visit *visit, int glow, uint64
     }
 }
 
-bool lf_glow_visit(const lf_visit_plan *plan, lf_visit *visit, float weight,
-                   const lf_cancel *cancel)
+bool lf_glow_visit(lf_visit *visit, float weight, const lf_cancel *cancel)
 {
     const lf_glow_row *row = &visit->worker->glows;
     for (int i = 0; i < row->n; i++) {
@@ -77,9 +75,9 @@ bool lf_glow_visit(const lf_visit_plan *plan, lf_visit *visit, float weight,
         int points =
             (int)(row->plane[i].points * weight + lf_sampler_radical(lf_hash64(key, 0), 0));
         for (int j = 0; j < points; j++) {
-            if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
+            if (lf_cancelled(cancel))
                 return false;
-            scatter(plan, visit, i, key, (uint32_t)j);
+            scatter(visit, i, key, (uint32_t)j);
         }
     }
     return true;

@@ -2,16 +2,13 @@
  * (pivot, direction) of docs/estimators.md, sections "Prefix weights" and "Direction". */
 #include <string.h>
 
+#include "render/rows/extinction.h"
 #include "render/rows/native.h"
+#include "render/rows/prefix_factor.h"
 
 /* Directions drawn at a pivot whose surface reflects each view's light elsewhere: a lobe that is
  * narrower than the cone of views serves few of them. */
 #define LF_GLOSSY_DIRECTIONS 4
-
-static int lanes_of(const lf_rig *rig)
-{
-    return (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
-}
 
 /* h_k for the views whose frame holds the pivot and who see its side (else 0), their film columns,
  * and the rays from them. Here and below base is the view that drew the pivot; < 0: none did, it
@@ -27,7 +24,7 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
     float yz2 = (1.0f + visit->plane.my * visit->plane.my) * pivot->z * pivot->z;
     const lf_projection of = {rig, pivot->x, pivot->z, pivot->lx, surface, nx, nyz, yz2};
     const lf_projected out = {w->x0, w->slope, w->z_end, w->column, w->scale};
-    visit->kernels->fans->project(&of, lanes_of(rig), &out);
+    visit->kernels->fans->project(&of, lf_rig_lanes(rig), &out);
     for (int k = 0; k < rig->n_views && lf_has_fault(visit, LF_FAULT_NO_H); k++)
         w->scale[k] = w->scale[k] > 0.0f ? 1.0f : 0.0f;
     /* The base sees its own pivot whatever rounding says about the frame's edge or a grazing
@@ -40,19 +37,16 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
     }
 }
 
-/* Takes views from which a surface hides the pivot out of scale, and of the others what veils keep;
- * the base counts as seeing it (disagreements are counted). */
+/* Takes views from which a surface hides the pivot out of scale, and of the others what is kept on
+ * the way; the base counts as seeing it (disagreements are counted). */
 static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     lf_scratch *w = visit->worker;
     const float seen[2] = {base >= 0 ? w->scale[base] : 0.0f, w->scale[0]};
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
-    lf_section_hide(&w->section, visit->triangles, visit->rig, pivot->event.p, on,
-                    lanes_of(visit->rig), w->x0, w->scale);
-    if (visit->scene->looks.veiled) {
-        const lf_veils veils = lf_visit_veils(visit);
-        lf_veils_before(&veils, pivot->event.p, on, lanes_of(visit->rig), w->x0, w->scale);
-    }
+    const lf_row_cut section = lf_visit_section(visit);
+    lf_section_hide(&section, pivot->event.p, on, lf_rig_lanes(visit->rig), w->x0, w->scale);
+    lf_prefix_between(visit, pivot);
     if (base >= 0 && !(w->scale[base] > 0.0f)) {
         w->base_hidden++;
         w->scale[base] = seen[0];
@@ -66,17 +60,12 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     lf_scratch *w = visit->worker;
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
-    int lanes = lanes_of(visit->rig);
+    int lanes = lf_rig_lanes(visit->rig);
     for (int k = 0; k < lanes && w->media.n_here == 0; k++)
         w->tau[k] = 0.0f;
     if (w->media.n_here == 0)
         return;
-    if (visit->scene->looks.chromatic)
-        lf_media_depths_of_channels(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end,
-                                    w->channels.tau, surface ? -1 : pivot->medium, w->sigma);
-    else
-        lf_media_depths(&w->media, visit->kernels, lanes, w->x0, w->slope, w->z_end, w->tau,
-                        surface ? -1 : pivot->medium, w->sigma);
+    visit->extinction->depths(visit, surface ? -1 : pivot->medium);
     /* At the very edge of what is occupied rounding may find nothing; the base has collided where
      * there is something. */
     if (!surface && base >= 0 && !(w->sigma[base] > 0.0f))
@@ -87,44 +76,6 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
         w->tau[k] *= sqrtf(my2 + w->slope[k] * w->slope[k]);
         w->scale[k] *= surface ? 1.0f : w->sigma[k];
     }
-}
-
-static void mean_of_channels(lf_scratch *w, int n)
-{
-    const float *d = w->channels.density;
-    for (int k = 0; k < n; k++)
-        w->density[k] = (d[k] + d[n + k] + d[2 * n + k]) * (1.0f / 3.0f);
-}
-
-/* The densities of all channels, and in w->density their mean; returns the sum of that. Depths
- * become those along the rays; tau is the least of the three where lights in media ask. */
-static float mean_densities(const lf_visit *visit, const lf_pivot *pivot)
-{
-    lf_scratch *w = visit->worker;
-    lf_channels *c = &w->channels;
-    const float even[3] = {1.0f, 1.0f, 1.0f}, *colour = pivot->event.kind == LF_EVENT_MEDIUM
-                                                            ? w->media.item[pivot->medium].colour
-                                                            : even;
-    int n = lanes_of(visit->rig);
-    float my2 = 1.0f + visit->plane.my * visit->plane.my, length[LF_MAX_LANES];
-    for (int k = 0; k < n; k++)
-        length[k] = w->media.n_here > 0 ? sqrtf(my2 + w->slope[k] * w->slope[k]) : 0.0f;
-    for (int i = 0; i < 3; i++) {
-        float *tau = c->tau + i * n, *scale = c->scale + i * n, share = colour[i];
-        for (int k = 0; k < n; k++) {
-            tau[k] = w->media.n_here > 0 ? tau[k] * length[k] : 0.0f;
-            scale[k] = w->scale[k] * share;
-        }
-    }
-    float sum = visit->kernels->densities(3 * n, c->scale, c->tau, c->density);
-    mean_of_channels(w, n);
-    for (int k = 0; k < n && w->glows.n > 0; k++) {
-        float depth[3];
-        for (int i = 0; i < 3; i++)
-            depth[i] = c->scale[i * n + k] > 0.0f ? c->tau[i * n + k] : INFINITY;
-        w->tau[k] = lf_min(depth[0], lf_min(depth[1], depth[2]));
-    }
-    return sum * (1.0f / 3.0f);
 }
 
 /* Expected counts of the pixels that the pivot projects to; views whose pixel nobody reads are left
@@ -149,7 +100,7 @@ static void counts(const lf_visit *visit, int base, int column)
 static float strategies(const lf_visit *visit, float sum)
 {
     lf_scratch *w = visit->worker;
-    memcpy(w->strategy, w->density, sizeof *w->strategy * (size_t)lanes_of(visit->rig));
+    memcpy(w->strategy, w->density, sizeof *w->strategy * (size_t)lf_rig_lanes(visit->rig));
     if (!visit->expected)
         return sum;
     sum = 0.0f;
@@ -161,48 +112,21 @@ static float strategies(const lf_visit *visit, float sum)
     return sum;
 }
 
-/* R of each channel's densities in place of one for all. */
-static void correct_channels(const lf_visit *visit, const lf_rays *rays)
+/* What views receive in place of what samples are drawn with, which stays in the sum over
+ * strategies: D_k becomes D_k R_k. false = nothing is there. */
+static bool receive(const lf_visit *visit, const lf_pivot *pivot)
 {
     lf_scratch *w = visit->worker;
-    lf_channels *c = &w->channels;
-    int n = rays->n;
-    for (int i = 0; i < 3; i++)
-        memcpy(c->factor + i * n, w->factor, sizeof *w->factor * (size_t)n);
-    lf_correction_transmittance(&w->media, rays, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, c->factor);
-    for (int i = 0; i < 3 * n; i++)
-        c->density[i] *= c->factor[i];
-    mean_of_channels(w, n);
-}
-
-/* What is drawn from slices counts for the grids: D_k becomes D_k R_k in what the views receive,
- * and stays as it is in the sum over strategies. false = nothing is there. */
-static bool correct(const lf_visit *visit, const lf_pivot *pivot)
-{
-    lf_scratch *w = visit->worker;
-    int n = lanes_of(visit->rig);
-    if (!lf_correction_needed(&w->media) || lf_has_fault(visit, LF_FAULT_NO_CORRECTION))
+    const int n = lf_rig_lanes(visit->rig);
+    float sampled[LF_MAX_LANES];
+    if (!visit->prefix.received)
         return true;
-    bool medium = pivot->event.kind == LF_EVENT_MEDIUM &&
-                  w->media.item[pivot->medium].kind == LF_MEDIUM_SLICE;
-    float truth = 1.0f;
-    if (medium)
-        truth = lf_correction_density(&w->media, pivot->medium, visit->scene, pivot->event.p, 1.0f,
-                                      &w->tracer);
-    if (!(truth > 0.0f))
+    const lf_rays rays = lf_visit_rays(visit, 0, n);
+    for (int k = 0; k < n; k++)
+        sampled[k] = w->density[k] > 0.0f ? w->sigma[k] : 0.0f;
+    if (!lf_prefix_received(visit, pivot, &rays, sampled, w->channels.factor))
         return false;
-    for (int k = 0; k < n; k++)
-        w->factor[k] = medium && w->density[k] > 0.0f ? truth / w->sigma[k] : 1.0f;
-    lf_rays rays = {
-        visit->scene, visit->rig, &visit->plane, visit->kernels, n,
-        w->x0,        w->slope,   w->z_end,      0.0f,           visit->scene->looks.chromatic};
-    if (rays.channels) {
-        correct_channels(visit, &rays);
-        return true;
-    }
-    lf_correction_transmittance(&w->media, &rays, LF_CORRECTION_PIVOT, 0.0f, &w->tracer, w->factor);
-    for (int k = 0; k < n; k++)
-        w->density[k] *= w->factor[k];
+    visit->extinction->weigh(visit, w->channels.factor);
     return true;
 }
 
@@ -218,50 +142,6 @@ static float realised_sum(const lf_visit *visit, int base)
     return sum * (float)visit->rig->n_views / (float)visit->subsets;
 }
 
-static size_t target(const lf_visit *visit, int k)
-{
-    int view = lf_has_fault(visit, LF_FAULT_SWAPPED_VIEWS) ? visit->rig->n_views - 1 - k : k;
-    return (size_t)view * (size_t)visit->rig->width + (size_t)visit->worker->column[k];
-}
-
-/* One radiance for all views, each of whose channels has a density of its own. */
-static void spread_channels(lf_visit *visit, lf_vec3 y, float scale)
-{
-    lf_scratch *w = visit->worker;
-    const float *const *d = w->channels.received;
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        float weight = w->density[k] * scale;
-        if (weight == 0.0f)
-            continue;
-        size_t pixel = target(visit, k);
-        lf_film_scatter(&visit->sums, pixel, d[0][k] * scale * y.x, d[1][k] * scale * y.y,
-                        d[2][k] * scale * y.z);
-        lf_film_weigh(&visit->sums, pixel, weight);
-        w->contributions++;
-    }
-}
-
-/* One radiance for all views. */
-static void spread_colour(lf_visit *visit, lf_vec3 y, float scale)
-{
-    lf_scratch *w = visit->worker;
-    const lf_film_scattered one = {{y.x, y.y, y.z}, 1.0f};
-    const lf_film_sums sums = visit->sums; /* nothing is written into this copy */
-    const int views = visit->rig->n_views;
-    const size_t width = (size_t)visit->rig->width;
-    const bool swapped = lf_has_fault(visit, LF_FAULT_SWAPPED_VIEWS);
-    int64_t received = 0;
-    for (int k = 0; k < views; k++) {
-        float weight = w->density[k] * scale;
-        if (weight == 0.0f)
-            continue;
-        size_t pixel = (size_t)(swapped ? views - 1 - k : k) * width + (size_t)w->column[k];
-        lf_film_add_times(&sums, pixel, weight, &one);
-        received++;
-    }
-    w->contributions += received;
-}
-
 /* The lobe does not depend on the view: one radiance for all. */
 static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
                            lf_vec3 wo, float sum)
@@ -273,13 +153,10 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
         y = lf_v3(0.0f, 0.0f, 0.0f);
     }
     float scale = pivot->boost / sum;
-    if (visit->scene->looks.chromatic)
-        spread_channels(visit, y, scale);
-    else
-        spread_colour(visit, y, scale);
+    visit->extinction->spread(visit, y, scale);
     for (int k = 0; k < visit->rig->n_views && visit->sums.half.w2; k++)
         if (w->density[k] * scale != 0.0f)
-            lf_film_weigh_direction(&visit->sums, target(visit, k), w->density[k] * scale);
+            lf_film_weigh_direction(&visit->sums, lf_visit_pixel(visit, k), w->density[k] * scale);
 }
 
 /* Henyey-Greenstein of every view towards wi, in one loop without branches (phase.h:
@@ -293,7 +170,7 @@ static void phases(lf_visit *visit, float g, lf_vec3 wi, float *out)
           numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
     lf_vec3 to = lf_v3(sign * lf_dot(wi, rig->right), sign * lf_dot(wi, rig->up),
                        sign * lf_dot(wi, rig->forward));
-    for (int k = 0; k < lanes_of(rig); k++) {
+    for (int k = 0; k < lf_rig_lanes(rig); k++) {
         float inverse = 1.0f / sqrtf(my2 + w->slope[k] * w->slope[k]);
         float x = w->slope[k] * inverse - to.x, y = my * inverse - to.y, z = inverse - to.z;
         float d = lf_max((1.0f - a) * (1.0f - a) + a * (x * x + y * y + z * z), 1e-12f);
@@ -309,7 +186,7 @@ static void mix_second_lobe(lf_visit *visit, const lf_second_lobe *second, lf_ve
                                across = lf_dot(wi, rig->right),
                                along = my * lf_dot(wi, rig->up) + lf_dot(wi, rig->forward);
     phases(visit, second->g, wi, other);
-    for (int k = 0; k < lanes_of(rig); k++) {
+    for (int k = 0; k < lf_rig_lanes(rig); k++) {
         float cosine = (w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
         w->lobe[k] =
             lf_lerp(w->lobe[k], other[k] * lf_phase_draine(second->g, second->alpha, cosine),
@@ -318,7 +195,7 @@ static void mix_second_lobe(lf_visit *visit, const lf_second_lobe *second, lf_ve
 }
 
 /* The directions to the views in a surface's frame: linear in the slope but for their length. */
-static void look_back(lf_visit *visit, const lf_hit *hit)
+void lf_fan_look_back(const lf_visit *visit, const lf_hit *hit)
 {
     lf_scratch *w = visit->worker;
     const lf_rig *rig = visit->rig;
@@ -328,7 +205,7 @@ static void look_back(lf_visit *visit, const lf_hit *hit)
     for (int a = 0; a < 3; a++) {
         float across = lf_dot(axis[a], rig->right),
               along = my * lf_dot(axis[a], rig->up) + lf_dot(axis[a], rig->forward);
-        for (int k = 0; k < lanes_of(rig); k++)
+        for (int k = 0; k < lf_rig_lanes(rig); k++)
             w->local[a][k] =
                 -(w->slope[k] * across + along) / sqrtf(my2 + w->slope[k] * w->slope[k]);
     }
@@ -355,7 +232,7 @@ static void tint_channels(lf_fan_lobes *lobes, int n)
 static void fold(const lf_visit *visit, const lf_hit *hit, lf_vec3 wi, lf_fan_lobes *out)
 {
     const lf_material *material = lf_hit_material(hit);
-    const int lanes = lanes_of(visit->rig);
+    const int lanes = lf_rig_lanes(visit->rig);
     float pdf[LF_MAX_LANES], weight[LF_FAN_TERMS][LF_MAX_LANES];
     lf_fan_lobes more = {.pdf = pdf, .weight = {weight[0], weight[1], weight[2]}};
     lf_vec3 t, b, back = lf_hit_mirrored(hit, wi);
@@ -393,7 +270,7 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
         lf_vec3 t, b;
         lf_tangents(hit->ns, &t, &b);
         const lf_material *material = lf_hit_material(hit);
-        material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, wi), lanes_of(visit->rig),
+        material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, wi), lf_rig_lanes(visit->rig),
                                  w->local[0], w->local[1], w->local[2], out);
         if (lf_hit_folds(hit))
             fold(visit, hit, wi, out);
@@ -401,21 +278,6 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
     for (int k = 0; k < visit->rig->n_views; k++)
         sum += w->strategy[k] * w->lobe[k];
     return sum;
-}
-
-/* As below, where each channel has a density of its own. */
-static void add_coloured_lobes(lf_visit *visit, const lf_fan_lobes *f,
-                               const lf_vec3 tinted[LF_FAN_TERMS])
-{
-    const float *const *d = visit->worker->channels.received;
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f), own = lf_v3(d[0][k], d[1][k], d[2][k]);
-        if (visit->worker->density[k] == 0.0f)
-            continue;
-        for (int t = 0; t < f->n_terms; t++)
-            y = lf_add(y, lf_mul(lf_scale(own, f->weight[t][k]), tinted[t]));
-        lf_film_scatter(&visit->sums, target(visit, k), y.x, y.y, y.z);
-    }
 }
 
 /* Adds density_k f_k times one radiance to every view. */
@@ -432,19 +294,7 @@ static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
         return;
     for (int t = 0; t < f->n_terms; t++)
         tinted[t] = lf_mul(radiance, f->colour[t]);
-    if (visit->scene->looks.chromatic) {
-        add_coloured_lobes(visit, f, tinted);
-        return;
-    }
-    for (int k = 0; k < visit->rig->n_views; k++) {
-        lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);
-        float d = w->density[k];
-        if (d == 0.0f)
-            continue;
-        for (int t = 0; t < f->n_terms; t++)
-            y = lf_madd(y, d * f->weight[t][k], tinted[t]);
-        lf_film_scatter(&visit->sums, target(visit, k), y.x, y.y, y.z);
-    }
+    visit->extinction->spread_lobes(visit, f, tinted);
 }
 
 /* W of every view. */
@@ -455,7 +305,7 @@ static void add_weights(lf_visit *visit, float scale)
         float weight = w->density[k] * scale;
         if (weight == 0.0f)
             continue;
-        lf_film_weigh(&visit->sums, target(visit, k), weight);
+        lf_film_weigh(&visit->sums, lf_visit_pixel(visit, k), weight);
         w->contributions++;
     }
 }
@@ -473,7 +323,7 @@ static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, 
         if (w->density[k] == 0.0f)
             continue;
         bool below = blinds && !(w->local[2][k] > LF_MIN_COS);
-        lf_film_weigh_direction(&visit->sums, target(visit, k),
+        lf_film_weigh_direction(&visit->sums, lf_visit_pixel(visit, k),
                                 w->density[k] * (below ? blind : drawn * w->lobe[k]));
     }
 }
@@ -535,7 +385,7 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suff
     for (const lf_suffix *next = suffix->next; next; next = next->next)
         n++;
     if (surface)
-        look_back(visit, &pivot->event.hit);
+        lf_fan_look_back(visit, &pivot->event.hit);
     add_weights(visit, pivot->boost / sum);
     if (suffix->has_light)
         spread_light(visit, pivot, suffix, sum, n);
@@ -550,15 +400,6 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suff
     }
 }
 
-/* A pane is met by the share of each view's light that does not come through. */
-static void met_by_chance(lf_visit *visit, const lf_pivot *pivot)
-{
-    lf_scratch *w = visit->worker;
-    look_back(visit, &pivot->event.hit);
-    for (int k = 0; k < visit->rig->n_views; k++)
-        w->scale[k] *= 1.0f - lf_pane_passes(pivot->event.hit.material, w->local[2][k]);
-}
-
 /* A pane weighs as everything that is met does, in W and in W'; what it reflects is native. */
 static void spread_pane(lf_visit *visit, const lf_pivot *pivot, float sum)
 {
@@ -566,7 +407,7 @@ static void spread_pane(lf_visit *visit, const lf_pivot *pivot, float sum)
     add_weights(visit, pivot->boost / sum);
     for (int k = 0; k < visit->rig->n_views && visit->sums.half.w2; k++)
         if (w->density[k] > 0.0f)
-            lf_film_weigh_direction(&visit->sums, target(visit, k),
+            lf_film_weigh_direction(&visit->sums, lf_visit_pixel(visit, k),
                                     w->density[k] * pivot->boost / sum);
 }
 
@@ -574,22 +415,14 @@ static void spread_pane(lf_visit *visit, const lf_pivot *pivot, float sum)
  */
 static float fan(lf_visit *visit, int base, int column, const lf_pivot *pivot)
 {
-    lf_scratch *w = visit->worker;
     geometry(visit, pivot, base);
     if (visit->expected)
         counts(visit, base, column);
     prefixes(visit, pivot, base);
     if (visit->triangles)
         visibility(visit, pivot, base);
-    if (pivot->is_pane)
-        met_by_chance(visit, pivot);
-    float sum;
-    if (visit->scene->looks.chromatic)
-        sum = mean_densities(visit, pivot);
-    else if (w->media.n_here > 0)
-        sum = visit->kernels->densities(lanes_of(visit->rig), w->scale, w->tau, w->density);
-    else
-        sum = visit->kernels->fans->densities(lanes_of(visit->rig), w->scale, w->density);
+    lf_prefix_at(visit, pivot);
+    float sum = visit->extinction->densities(visit, pivot);
     sum = strategies(visit, sum);
     return lf_has_fault(visit, LF_FAULT_REALISED) && base >= 0 ? realised_sum(visit, base) : sum;
 }
@@ -612,7 +445,7 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
         visit->worker->tracer.nonfinite++;
         return;
     }
-    if (!correct(visit, pivot))
+    if (!receive(visit, pivot))
         return;
     if (pivot->is_pane) {
         spread_pane(visit, pivot, sum);
@@ -639,7 +472,7 @@ static void glow_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
 {
     (void)view;
     float sum = fan(visit, -1, 0, pivot);
-    if (!(sum > 0.0f) || !correct(visit, pivot))
+    if (!(sum > 0.0f) || !receive(visit, pivot))
         return;
     lf_light_sample arriving = *light;
     float visible = lf_path_visible(&visit->worker->tracer, &pivot->event, &arriving);
@@ -655,7 +488,7 @@ static void glow_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
         if (visit->worker->density[k] == 0.0f)
             continue;
         lf_vec3 own = lf_v3(d[0][k], d[1][k], d[2][k]);
-        lf_visit_add_native(visit, target(visit, k),
+        lf_visit_add_native(visit, lf_visit_pixel(visit, k),
                             lf_mul(radiance, lf_scale(own, visit->worker->lobe[k])));
     }
 }

@@ -1,6 +1,7 @@
 #include "render/rows/native.h"
 
 #include "render/rows/adaptive.h"
+#include "render/rows/prefix_factor.h"
 #include "render/transport/path/delta_chain.h"
 #include "render/transport/surface/surface_glass.h"
 #include "render/transport/surface/surface_texture.h"
@@ -36,8 +37,8 @@ void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance)
 static lf_vec3 weight_of(const lf_visit *visit, int view, size_t pixel, const lf_pivot *pivot)
 {
     lf_vec3 channels;
-    float weight = visit->weight * native_weight(visit, pixel) *
-                   lf_visit_correction(visit, view, pivot, &channels);
+    float weight =
+        visit->weight * native_weight(visit, pixel) * lf_prefix_own(visit, view, pivot, &channels);
     return lf_scale(channels, weight);
 }
 
@@ -57,7 +58,7 @@ static void chain_begin(const lf_visit *visit, int view, const lf_pivot *pivot, 
                 my = visit->plane.my;
     *out = (lf_delta_chain){.tracer = &visit->worker->tracer,
                             .max_depth = visit->max_depth,
-                            .sunlight = visit->sunlight,
+                            .sunlight = visit->plan->order.sunlight,
                             .apart = apart,
                             .tinted = visit->worker->sums.albedo,
                             .distance = visit->rig->distance,
@@ -180,8 +181,8 @@ void lf_natives_of_surface(lf_visit *visit, int view, int column, const lf_pivot
     if (visit->scene->looks.veiled)
         add_glow_of_veil(visit, view, column, pivot);
     lf_shade(&pivot->event.hit, lf_scale(pivot->event.w, -1.0f), &shading);
-    if (visit->pilot && shading.n_deltas > 0)
-        lf_counts_mark_delta(visit->pilot, visit->row, view, column);
+    if (visit->plan->pilot && shading.n_deltas > 0)
+        lf_counts_mark_delta(visit->plan->pilot, visit->row, view, column);
     chain_begin(visit, view, pivot, stands_apart(visit, pivot), &chain);
     for (int i = 0; i < shading.n_deltas; i++)
         lf_delta_chain_follow(&chain, &pivot->event, &shading.delta[i], 1.0f);

@@ -94,19 +94,19 @@ typedef struct row_edge {
     lf_section *section, *veils; /* veils: NULL where there are none */
 } row_edge;
 
-static void cut_edge(const lf_visit_plan *plan, const lf_visit *visit, int edge, row_edge *out)
+static void cut_edge(const lf_visit *visit, int edge, row_edge *out)
 {
     static const float no_lens[2] = {0.5f, 0.5f};
-    const bool veiled = plan->scene->looks.veiled;
+    const bool veiled = visit->scene->looks.veiled;
     lf_scratch *w = visit->worker;
     out->section = edge == 0 ? &w->section : &w->met.outlines.edge;
     out->veils = edge == 0 ? &w->veil.section : &w->met.outlines.veils;
-    lf_rig_row_plane(plan->rig, (float)(visit->row + edge), no_lens, &out->plane);
-    lf_section_cut(out->section, plan->triangles, plan->scene, plan->rig, visit->row, &out->plane,
-                   veiled ? LF_CUT_OPAQUE : LF_CUT_ALL);
+    lf_rig_row_plane(visit->rig, (float)(visit->row + edge), no_lens, &out->plane);
+    lf_section_cut(out->section, visit->triangles, visit->scene, visit->rig, visit->row,
+                   &out->plane, veiled ? LF_CUT_OPAQUE : LF_CUT_ALL);
     if (veiled)
-        lf_section_cut(out->veils, plan->triangles, plan->scene, plan->rig, visit->row, &out->plane,
-                       LF_CUT_VEILS);
+        lf_section_cut(out->veils, visit->triangles, visit->scene, visit->rig, visit->row,
+                       &out->plane, LF_CUT_VEILS);
     else
         out->veils = NULL;
 }
@@ -117,15 +117,16 @@ static void look(const lf_visit *visit, const row_edge *edge, int column, uint32
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
-    const int lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    const int lanes = lf_rig_lanes(rig);
     const float s = (rig->x0 + (float)column * rig->dx) / rig->distance;
-    lf_section_nearest(edge->section, visit->triangles, rig, s, lanes, rig->b, w->z_end,
-                       w->met.segment);
+    lf_row_cut cut = {edge->section, visit->triangles, visit->scene, rig, &edge->plane};
+    const lf_lines lines = {s, lanes, rig->b};
+    lf_section_nearest(&cut, &lines, w->z_end, w->met.segment);
     for (int k = 0; k < lanes; k++)
         out->through[k] = 1.0f;
     if (edge->veils) {
-        const lf_veils veils = {edge->veils, visit->triangles, visit->scene, rig, &edge->plane};
-        lf_veils_along(&veils, s, lanes, rig->b, w->z_end, out->through, w->veil.mirrored, NULL);
+        cut.section = edge->veils;
+        lf_veils_along(&cut, &lines, w->z_end, out->through, w->veil.mirrored, NULL);
     }
     for (int k = 0; k < rig->n_views; k++) {
         const int segment = w->met.segment[k];
@@ -153,13 +154,14 @@ static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool 
  * much of itself in a pixel, and under suns edges of shadows. */
 static uint32_t comparable_triangles(const lf_visit *visit)
 {
-    const bool suns = visit->sunlight && lf_sunlight_has_suns(visit->sunlight);
+    const bool suns =
+        visit->plan->order.sunlight && lf_sunlight_has_suns(visit->plan->order.sunlight);
     return suns ? 0 : visit->triangles->mesh_start[visit->scene->n_meshes];
 }
 
-static bool look_at_row(const lf_visit_plan *plan, const lf_visit *visit)
+static bool look_at_row(const lf_visit *visit)
 {
-    const lf_rig *rig = plan->rig;
+    const lf_rig *rig = visit->rig;
     const size_t views = (size_t)rig->n_views;
     lf_outlines *outlines = &visit->worker->met.outlines;
     const uint32_t comparable = comparable_triangles(visit);
@@ -169,7 +171,7 @@ static bool look_at_row(const lf_visit_plan *plan, const lf_visit *visit)
     bool between[2][LF_MAX_LANES]; /* the upper corner and the lower one */
     memset(at, 0, sizeof at);
     for (int edge = 0; edge < EDGES; edge++)
-        cut_edge(plan, visit, edge, &edges[edge]);
+        cut_edge(visit, edge, &edges[edge]);
     for (int column = 0; column <= rig->width; column++) {
         corner *here = at[column % 2], *last = at[(column + 1) % 2];
         bool *now = between[column % 2], *before = between[(column + 1) % 2];
@@ -190,15 +192,16 @@ static bool look_at_row(const lf_visit_plan *plan, const lf_visit *visit)
     return any != 0;
 }
 
-bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit)
+bool lf_outlines_find(const lf_visit *visit)
 {
-    const lf_outline_map *map = &plan->outlines;
+    const lf_outline_map *map = &visit->plan->outlines;
     lf_outlines *outlines = &visit->worker->met.outlines;
     if (map->found && map->found[visit->row] != NOT_LOOKED_AT)
-        return recall(map, visit->row, plan->rig, outlines);
-    const bool any = look_at_row(plan, visit);
+        return recall(map, visit->row, visit->rig, outlines);
+    const bool any = look_at_row(visit);
     if (map->found)
-        keep(map, visit->row, (size_t)plan->rig->width * (size_t)plan->rig->n_views, outlines, any);
+        keep(map, visit->row, (size_t)visit->rig->width * (size_t)visit->rig->n_views, outlines,
+             any);
     return any;
 }
 

@@ -32,7 +32,7 @@ void lf_outline_map_finish(lf_outline_map *map);
 /* Looks for the outlines of a row, at the visit's moment, into worker->met.outlines; true: there
  * are some. Uses both sections of the worker: before the row's plane is cut. What plan->outlines
  * has of the row is not looked for again. */
-bool lf_outlines_find(const lf_visit_plan *plan, const lf_visit *visit);
+bool lf_outlines_find(const lf_visit *visit);
 
 /* Planes that a visit takes film points in, itself the first: index is its number in its half. */
 int lf_outlines_planes(uint32_t index);

@@ -6,7 +6,6 @@
 
 #include "render/film/film.h"
 #include "render/integrator.h"
-#include "render/plane/correction.h"
 #include "render/plane/media.h"
 #include "render/plane/reach.h"
 #include "render/plane/section.h"
@@ -24,9 +23,12 @@
 #include "render/transport/sampler.h"
 
 struct lf_visit;
+struct lf_visit_plan;
 struct lf_pivot;
 struct lf_suffix;
 struct lf_queue;
+struct lf_extinction;
+struct lf_prefix_factor;
 
 /* How what a base sample finds is spread over the views. A member of the table (rows.c) is one
  * file. */
@@ -157,8 +159,23 @@ typedef struct lf_pivot {
     lf_sampler *sampler; /* goes on with the pivot's own dimensions */
 } lf_pivot;
 
+/* Which visit of its row: all that it draws follows from this. */
+typedef struct lf_visit_number {
+    uint64_t key;   /* of its half's random numbers */
+    uint32_t index; /* its number in its half */
+} lf_visit_number;
+
+/* The factors of a plane (prefix_factor.h). */
+enum { LF_PREFIX_FACTORS = 3 };
+typedef struct lf_prefix_list {
+    int n;
+    bool received, along; /* one of them has such a function */
+    const struct lf_prefix_factor *factor[LF_PREFIX_FACTORS];
+} lf_prefix_list;
+
 /* One visit of one row: what the integrators need of it. */
 typedef struct lf_visit {
+    const struct lf_visit_plan *plan;
     const lf_scene *scene;
     const lf_rig *rig;
     const lf_kernels *kernels;
@@ -170,7 +187,10 @@ typedef struct lf_visit {
     struct lf_queue *queue; /* the plan's, while base samples are drawn; else NULL */
     lf_film_sums sums;      /* the worker's, or where holes are filled the film's own half */
     lf_row_plane plane;
-    int row;
+    lf_prefix_list prefix; /* of this plane */
+    const struct lf_extinction *extinction;
+    int row, half;
+    lf_visit_number number;
     bool outlines; /* this visit takes more film points where worker->met.outlines says so */
     int max_depth;
     int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
@@ -180,8 +200,6 @@ typedef struct lf_visit {
      * everywhere. 0 in pixels that nobody reads: they are sampled by nobody, missing in everybody's
      * sum, and receive nothing. */
     const float *expected;
-    const lf_counts *pilot;             /* as in lf_visit_plan */
-    const struct lf_sunlight *sunlight; /* lf_visit_order's */
     /* native samples of its own that each pixel of worker->mirrors gets, beyond base samples or in
      * their place (visit.c); and the same in units of subsets / n_views */
     int mirror_rounds;
@@ -194,9 +212,7 @@ typedef struct lf_visit {
 
 /* The points that a visit draws about its lights in media; weight: its native samples a pixel.
  * false = cancelled. */
-struct lf_visit_plan;
-bool lf_glow_visit(const struct lf_visit_plan *plan, lf_visit *visit, float weight,
-                   const lf_cancel *cancel);
+bool lf_glow_visit(lf_visit *visit, float weight, const lf_cancel *cancel);
 /* lf_glow_row_ratio at a pivot where base samples have the density sum exp(-depth), as in
  * lf_kernels.densities. */
 float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light *light, int view,
@@ -206,18 +222,19 @@ float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light
 void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth,
                      lf_suffix *suffix);
 
+/* Sets worker->local to the directions from a hit to the views (mvpt.c). */
+void lf_fan_look_back(const lf_visit *visit, const lf_hit *hit);
+
 /* All of a pivot but where it will be. The hit, most of its memory, is left alone: rays write it.
  */
 void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler);
 
-/* R of the base's own ray up to the pivot (correction.h): what a sample weighs that only its own
- * pixel receives. *out_channels: times this in each of them, D R over the mean of D in chromatic
- * media, else 1. */
-float lf_visit_correction(const lf_visit *visit, int view, const lf_pivot *pivot,
-                          lf_vec3 *out_channels);
+/* Lanes [from, to) of the worker as rays from the cameras. */
+lf_rays lf_visit_rays(const lf_visit *visit, int from, int to);
 
-/* The veils of the visit's plane. */
-lf_veils lf_visit_veils(const lf_visit *visit);
+/* The meshes in the visit's plane, but for veils; and those. */
+lf_row_cut lf_visit_section(const lf_visit *visit);
+lf_row_cut lf_visit_veils(const lf_visit *visit);
 
 /* True when the pixel (view, column) has a base sample in this visit: each with probability subsets
  * / n_views, each column as often as any other, all of them after a whole cycle. */
@@ -250,6 +267,13 @@ typedef enum lf_fault {
 #else
 #define lf_has_fault(holder, fault) ((void)(holder), false)
 #endif
+
+/* Where view k of the worker's lanes receives what a pivot sends it: [view][column]. */
+static inline size_t lf_visit_pixel(const lf_visit *visit, int k)
+{
+    int view = lf_has_fault(visit, LF_FAULT_SWAPPED_VIEWS) ? visit->rig->n_views - 1 - k : k;
+    return (size_t)view * (size_t)visit->rig->width + (size_t)visit->worker->column[k];
+}
 
 /* Everything that one visit of a row does. */
 typedef struct lf_visit_plan {
@@ -284,18 +308,16 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
  */
 float lf_exits_film_point(uint64_t key, int column, uint32_t index);
 
-/* B and q of one row for this visit (exits_row.c), into the visit's sums; index is its number in
- * its half. What a coarse visit finds is that of slices, which nothing corrects; between two fans
- * (LF_EXITS_COARSE) it is interpolated in views without an edge there, between the film points that
- * columns would have had. between: of a coarse visit, nothing is looked for where
- * worker->met.smooth says so (between.h); q is -1 there. */
-void lf_exits_row(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key, uint32_t index,
-                  bool between);
+/* B and q of one row for this visit (exits_row.c), into the visit's sums. What a coarse visit finds
+ * is that of slices, which nothing corrects; between two fans (LF_EXITS_COARSE) it is interpolated
+ * in views without an edge there, between the film points that columns would have had. between: of
+ * a coarse visit, nothing is looked for where worker->met.smooth says so (between.h); q is -1
+ * there. */
+void lf_exits_row(const lf_visit *visit, bool between);
 
 /* The film points of the row's outlines in another of their planes, which has been cut
  * (outlines.h). */
-void lf_exits_outlines(const lf_visit_plan *plan, const lf_visit *visit, uint64_t key,
-                       uint32_t index, int plane);
+void lf_exits_outlines(const lf_visit *visit, int plane);
 
 /* True when the camera sees the same light wherever it meets nothing. */
 bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);

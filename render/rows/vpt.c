@@ -1,13 +1,15 @@
 /* vpt: each view alone, the baseline. The same base samples, suffixes, samplers and known light as
  * mvpt; nothing is shared, so no weights are needed but one over the expected count of the base's
  * own pixel. */
+#include "render/rows/extinction.h"
 #include "render/rows/native.h"
+#include "render/rows/prefix_factor.h"
 
 static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot,
                       const lf_suffix *given)
 {
     lf_vec3 channels;
-    float correction = lf_visit_correction(visit, view, pivot, &channels);
+    float correction = lf_prefix_own(visit, view, pivot, &channels);
     if (correction == 0.0f)
         return; /* nothing is there */
     lf_suffix suffix = {0};
@@ -36,40 +38,13 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
         lf_film_weigh_direction(&visit->sums, pixel, weight);
 }
 
-/* In chromatic media: the mean over the channels, and the least of their depths. */
-static float mean_density(const lf_visit *visit, const lf_pivot *pivot, const float *tau,
-                          float length, float *out_depth)
-{
-    const float *colour = visit->worker->media.item[pivot->medium].colour;
-    float mean = 0.0f, least = INFINITY;
-    for (int c = 0; c < 3; c++)
-        least = lf_min(least, colour[c] > 0.0f ? tau[c * LF_LANES] * length : INFINITY);
-    for (int c = 0; c < 3 && least < INFINITY; c++)
-        mean += colour[c] * expf(least - lf_max(tau[c * LF_LANES] * length, least));
-    *out_depth = least;
-    return mean * (1.0f / 3.0f);
-}
-
 /* h sigma and the optical depth of a pivot in a medium, as this view alone samples it. */
 static float density(const lf_visit *visit, int view, const lf_pivot *pivot, float *out_depth)
 {
-    float x0[LF_LANES], slope[LF_LANES], z_end[LF_LANES], tau[3 * LF_LANES], sigma[LF_LANES],
-        c = visit->rig->b[view] + pivot->lx;
-    for (int i = 0; i < LF_LANES; i++) {
-        x0[i] = c;
-        slope[i] = (pivot->x - c) / pivot->z;
-        z_end[i] = pivot->z;
-    }
-    float length = sqrtf(1.0f + visit->plane.my * visit->plane.my + slope[0] * slope[0]);
-    if (visit->scene->looks.chromatic) {
-        lf_media_depths_of_channels(&visit->worker->media, visit->kernels, LF_LANES, x0, slope,
-                                    z_end, tau, pivot->medium, sigma);
-        return mean_density(visit, pivot, tau, length, out_depth) * sigma[0] * pivot->z * length;
-    }
-    lf_media_depths(&visit->worker->media, visit->kernels, LF_LANES, x0, slope, z_end, tau,
-                    pivot->medium, sigma);
-    *out_depth = tau[0] * length;
-    return sigma[0] * pivot->z * length;
+    lf_own_ray ray;
+    lf_own_ray_init(&ray, visit, view, pivot);
+    return visit->extinction->own_density(visit, pivot, &ray.rays, out_depth) * pivot->z *
+           lf_rays_length(&ray.rays, 0);
 }
 
 static void balance_vpt(lf_visit *visit, int view, int column, const lf_pivot *pivot,
@@ -104,7 +79,7 @@ static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_
     lf_light_sample arriving = *light;
     lf_vec3 channels;
     float visible = lf_path_visible(&w->tracer, &pivot->event, &arriving) *
-                    lf_visit_correction(visit, view, pivot, &channels);
+                    lf_prefix_own(visit, view, pivot, &channels);
     visible *= passed;
     lf_visit_add_native(visit, (size_t)view * (size_t)rig->width + (size_t)(int)u,
                         lf_scale(lf_mul(lf_mul(f, arriving.radiance), channels), visible / pdf));

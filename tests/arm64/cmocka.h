@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/left_out.h"
+
 struct CMUnitTest {
     const char *name;
     void (*function)(void **state);
@@ -67,14 +69,6 @@ static inline void lf_test_check(int holds, const char *what, const char *file, 
 #define assert_in_range(x, lo, hi)                                                                 \
     lf_test_check((uintmax_t)(x) >= (uintmax_t)(lo) && (uintmax_t)(x) <= (uintmax_t)(hi),          \
                   #x " in range", __FILE__, __LINE__)
-
-/* LF_TEST_SKIP=name,name: tests to be left out. */
-static inline int lf_test_left_out(const char *name)
-{
-    const char *list = getenv("LF_TEST_SKIP"), *found = list ? strstr(list, name) : NULL;
-    size_t n = strlen(name);
-    return found && (found == list || found[-1] == ',') && (found[n] == ',' || found[n] == 0);
-}
 
 static inline int lf_test_run(const char *group, const struct CMUnitTest *tests, size_t n)
 {

@@ -14,6 +14,7 @@
 #include "render/transport/lanes/suffix.h"
 #include "render/transport/path/path.h"
 #include "tests/render/grids.h"
+#include "tests/stat/kept.h"
 
 enum { n_jobs = 4096 };
 
@@ -228,55 +229,86 @@ static inline void assert_same_bits(lf_scene *scene, unsigned has)
 
 enum { PIECES = 4 };
 
-/* Lanes less path.c over replicates, whose places they have in common: of each quarter of the grid,
- * then of all. Over the mean of path.c in all. */
-typedef struct differences {
-    lf_moments of[PIECES + 1];
-    double mean; /* of path.c */
-} differences;
+/* Means over replicates of what arrives: of each quarter of the grid, then of all. */
+typedef struct comparison {
+    lf_moments lanes[PIECES + 1], single[PIECES + 1];
+    lf_moments off[PIECES + 1]; /* lanes less path.c, who have their places in common */
+} comparison;
 
-static inline differences compare_under(rig *r, int max_depth, int rounds)
+static inline void piece_means(const rig *r, const jobs *j, const double *value,
+                               double out[PIECES + 1])
 {
-    static jobs j;
-    static double alone[n_jobs];
     const float length = (float)(r->scene->volumes[0].grid->size[0] + 1);
-    differences d;
-    memset(&d, 0, sizeof d);
-    for (int round = 0; round < rounds; round++) {
-        double sum[PIECES + 1] = {0.0};
-        draw_jobs(r, 200 + (uint64_t)round, n_jobs, &j);
-        trace(best(), r, &j, 0, n_jobs, max_depth);
-        single(r, &j, max_depth, alone);
-        for (int i = 0; i < n_jobs; i++) {
-            double off = -alone[i];
-            int piece = (int)(PIECES * lf_min(lf_max((j.q[0][i] + 1.0f) / length, 0.0f), 0.99f));
-            for (int c = 0; c < 3; c++)
-                off += (double)j.radiance[c][i];
-            sum[piece] += PIECES * off / n_jobs;
-            sum[PIECES] += off / n_jobs;
-            d.mean += alone[i] / n_jobs / rounds;
-        }
-        for (int k = 0; k <= PIECES; k++)
-            lf_moments_add(&d.of[k], sum[k]);
+    int count[PIECES] = {0};
+    memset(out, 0, (PIECES + 1) * sizeof *out);
+    for (int i = 0; i < n_jobs; i++) {
+        int piece = (int)(PIECES * lf_min(lf_max((j->q[0][i] + 1.0f) / length, 0.0f), 0.99f));
+        count[piece]++;
+        out[piece] += value[i];
+        out[PIECES] += value[i] / n_jobs;
     }
-    return d;
+    for (int k = 0; k < PIECES; k++)
+        out[k] /= count[k];
 }
 
-/* Fails the test unless differences of `rounds` replicates are 0 by all that the level lets them be
- * off, and a relative bias of twice `bias` in the whole would be seen. */
-static inline void assert_mean_of_single_paths(rig *r, int number, int max_depth, int rounds,
+/* By path.c only every so many rounds. */
+static inline void compare_under(rig *r, int max_depth, int rounds, int every, comparison *out)
+{
+    static jobs j;
+    static double value[n_jobs];
+    double lanes_found[PIECES + 1], found[PIECES + 1];
+    memset(out, 0, sizeof *out);
+    for (int round = 0; round < rounds; round++) {
+        draw_jobs(r, 200 + (uint64_t)round, n_jobs, &j);
+        trace(best(), r, &j, 0, n_jobs, max_depth);
+        for (int i = 0; i < n_jobs; i++)
+            value[i] =
+                (double)j.radiance[0][i] + (double)j.radiance[1][i] + (double)j.radiance[2][i];
+        piece_means(r, &j, value, lanes_found);
+        const bool both = round % every == 0;
+        if (both) {
+            single(r, &j, max_depth, value);
+            piece_means(r, &j, value, found);
+        }
+        for (int k = 0; k <= PIECES; k++) {
+            lf_moments_add(&out->lanes[k], lanes_found[k]);
+            if (both) {
+                lf_moments_add(&out->single[k], found[k]);
+                lf_moments_add(&out->off[k], lanes_found[k] - found[k]);
+            }
+        }
+    }
+}
+
+/* How many p-values a case below looks at. */
+enum { LOOKS = 3 * (PIECES + 1) };
+
+/* Fails the test unless means of `rounds` replicates in lanes are those of path.c that are kept
+ * (tests/stat/kept.h), by all that the level lets them be off, and a relative bias of twice `bias`
+ * in the whole would be seen. A fourth of the rounds is drawn by path.c too, and must agree with
+ * both; under QUILTD_LONG four times as many by each. */
+static inline void assert_mean_of_single_paths(rig *r, const char *name, int max_depth, int rounds,
                                                double bias, double level)
 {
-    differences d = compare_under(r, max_depth, rounds);
+    const bool whole = lf_test_long() || lf_test_keeping();
+    comparison c;
+    lf_moments kept[PIECES + 1];
+    compare_under(r, max_depth, whole ? 4 * rounds : rounds, whole ? 1 : 4, &c);
+    if (lf_test_keeping())
+        lf_kept_write(name, PIECES + 1, c.single);
+    lf_kept_read(name, PIECES + 1, kept);
     for (int k = 0; k <= PIECES; k++)
-        if (!(lf_p_mean(&d.of[k], 0.0) > level))
-            fail_msg("case %d, piece %d: %.5g +- %.2g off, of %.5g", number, k, d.of[k].mean,
-                     lf_moments_error(&d.of[k]), d.mean);
-    print_message("case %d: %.2g +- %.2g off, of %.5g\n", number, d.of[PIECES].mean,
-                  lf_moments_error(&d.of[PIECES]), d.mean);
-    if (!(lf_p_mean(&d.of[PIECES], 2.0 * bias * d.mean) < level))
-        fail_msg("case %d: %.2g of %.5g is too much noise", number, lf_moments_error(&d.of[PIECES]),
-                 d.mean);
+        if (!(lf_p_welch(&c.lanes[k], &kept[k]) > level &&
+              lf_p_welch(&c.single[k], &kept[k]) > level && lf_p_mean(&c.off[k], 0.0) > level))
+            fail_msg("%s, piece %d: %.5g +- %.2g, path.c %.5g +- %.2g, kept as %.5g +- %.2g", name,
+                     k, c.lanes[k].mean, lf_moments_error(&c.lanes[k]), c.single[k].mean,
+                     lf_moments_error(&c.single[k]), kept[k].mean, lf_moments_error(&kept[k]));
+    lf_moments *mean = &c.lanes[PIECES], *all = &kept[PIECES];
+    print_message("%s: %.5g +- %.2g, by path.c %.5g +- %.2g\n", name, mean->mean,
+                  lf_moments_error(mean), all->mean, lf_moments_error(all));
+    mean->mean += 2.0 * bias * all->mean;
+    if (!(lf_p_welch(mean, all) < level))
+        fail_msg("%s: %.2g of %.5g is too much noise", name, lf_moments_error(mean), all->mean);
 }
 
 #endif

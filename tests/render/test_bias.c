@@ -33,18 +33,18 @@ static double first_view(const lf_renderer *r, lf_estimator estimator)
     return sum / (width * height);
 }
 
-/* Least squares of a + b/n, weighted by seeds n^2: a difference of n cycles has a variance near
- * 1/n^2. Every n costs the same. */
+/* Least squares of a + b/n, weighted by n^2: a difference of n cycles has a variance near 1/n^2.
+ * Every seed is looked at after each n: what its cycles have in common cancels in part. */
 static void add_group(lf_renderer *r, lf_estimator other, int group, line *out)
 {
     double s = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, mean = 0.0;
-    for (int i = 0; i < counts; i++) {
-        int n = 8 << i, seeds = (8 >> i) * (lf_test_long() ? 8 : 1);
-        double weight = (double)n * n, x = 1.0 / n;
-        for (int k = 0; k < seeds; k++) {
-            lf_test_reseed(r, lf_hash64(lf_hash64(lf_test_seed() + (uint64_t)n, (uint64_t)group),
-                                        (uint64_t)k));
-            lf_test_cycles(r, n);
+    for (int k = 0; k < 2 * (lf_test_long() ? 8 : 1); k++) {
+        lf_test_reseed(r, lf_hash64(lf_hash64(lf_test_seed(), (uint64_t)group), (uint64_t)k));
+        for (int i = 0, done = 0; i < counts; i++) {
+            const int n = 8 << i;
+            const double weight = (double)n * n, x = 1.0 / n;
+            lf_test_cycles(r, n - done);
+            done = n;
             double y = first_view(r, LF_ESTIMATOR_MWIS) - first_view(r, other);
             mean = i == counts - 1 ? first_view(r, other) : mean;
             s += weight;

@@ -110,6 +110,45 @@ static void wrong_lists_are_refused_where_they_are_wrong(void **state)
     }
 }
 
+/* What listed cameras cannot do is said in a line. */
+static void what_is_not_rendered_is_refused_by_name(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene, *integrator, *words;
+    } bad[] = {
+        {"'materials': {'m': {'type': 'conductor', 'roughness': 0}}, 'meshes': {'b': {'shape': "
+         "'sphere', 'material': 'm'}}",
+         NULL, "mirrors"},
+        {"'materials': {'m': {'type': 'principled', 'transmission': 1, 'roughness': 0.4}}, "
+         "'meshes': {'b': {'shape': 'sphere', 'material': 'm'}}",
+         NULL, "glass"},
+        {"'volumes': {'v': {'shape': 'box', 'density': 1, 'sigma_t': [0.2, 0.5, 1]}}", NULL,
+         "colour"},
+        {"'volumes': {'v': {'shape': 'box', 'density': 1, 'emission': 1}}", NULL, "emit"},
+        {"'volumes': {}", "amvpt", "one of mvpt, vpt"},
+        {"'volumes': {}", "mvpt2022", "one of mvpt, vpt"}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        char text[512];
+        lf_error err;
+        lf_renderer *r = NULL;
+        lf_pool *pool = NULL;
+        snprintf(text, sizeof text, "{'camera': {'views': {'circle': {'count': 3}}}, %s}",
+                 bad[i].scene);
+        lf_scene *scene = lf_test_scene(text);
+        lf_render_settings settings = {.camera = *lf_scene_camera(scene),
+                                       .width = 8,
+                                       .height = 8,
+                                       .integrator = bad[i].integrator};
+        lf_assert_ok(lf_pool_create(1, &pool), NULL);
+        lf_assert_status(lf_renderer_create(scene, &settings, pool, &r, &err), LF_E_ARG, &err);
+        if (!strstr(err.what, bad[i].words))
+            fail_msg("\"%s\" does not say \"%s\"", err.what, bad[i].words);
+        lf_pool_destroy(pool);
+        lf_scene_unref(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -117,6 +156,7 @@ int main(void)
         cmocka_unit_test(a_circle_goes_round_its_target),
         cmocka_unit_test(a_path_goes_through_its_cameras),
         cmocka_unit_test(wrong_lists_are_refused_where_they_are_wrong),
+        cmocka_unit_test(what_is_not_rendered_is_refused_by_name),
     };
     return cmocka_run_group_tests_name("camera_list", tests, NULL, lf_test_finish);
 }

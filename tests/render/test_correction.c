@@ -212,7 +212,15 @@ static lf_moments oblique(lf_media *media, const lf_renderer *r, const lf_row_pl
         s[k] = slope;
         end[k] = 100.0f;
     }
-    lf_media_depths(media, lf_kernels_get(), LF_LANES, x, s, end, tau, -1, NULL);
+    const lf_rays rays = {.scene = &lf_test_rows(r)->seen,
+                          .rig = &lf_test_rows(r)->rig,
+                          .plane = plane,
+                          .kernels = lf_kernels_get(),
+                          .n = LF_LANES,
+                          .x0 = x,
+                          .slope = s,
+                          .z_end = end};
+    lf_media_depths(media, &rays, tau, -1, NULL);
     for (double z = 0.5 * step; z < 3.0; z += step) {
         lf_vec3 at = lf_rig_point(&lf_test_rows(r)->rig, x0 + slope * (float)z,
                                   plane->ly + plane->my * (float)z, (float)z);
@@ -223,16 +231,6 @@ static lf_moments oblique(lf_media *media, const lf_renderer *r, const lf_row_pl
         float factor[LF_LANES];
         for (int k = 0; k < LF_LANES; k++)
             factor[k] = 1.0f;
-        lf_rays rays = {&lf_test_rows(r)->seen,
-                        &lf_test_rows(r)->rig,
-                        plane,
-                        lf_kernels_get(),
-                        LF_LANES,
-                        x,
-                        s,
-                        end,
-                        0.0f,
-                        false};
         lf_correction_transmittance(media, &rays, LF_CORRECTION_PIVOT, 0.0f, &tracer, factor);
         lf_moments_add(&m, exp(-(double)tau[0] * length) * (double)factor[0]);
     }
@@ -256,12 +254,14 @@ static void what_comes_along_oblique_rays_is_right_and_quiet(void **state)
     lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
     lf_assert_ok(lf_media_init(&media, &lf_test_rows(r)->frame), NULL);
     for (int i = 0; i < 24; i++) {
-        const float lens[2] = {0.5f, 0.5f},
-                    phase[2] = {(float)(i % 5) / 5.0f, (float)(i % 7) / 7.0f};
+        const float lens[2] = {0.5f, 0.5f};
         lf_row_plane plane;
         lf_rig_row_plane(&lf_test_rows(r)->rig, 0.5f * SIDE, lens, &plane);
-        lf_media_cut(&media, &lf_test_rows(r)->frame, lf_test_rows(r)->seen.volumes,
-                     &lf_test_rows(r)->rig, &plane, phase, lf_kernels_get(), &lookups);
+        const lf_media_plane at = {.rig = &lf_test_rows(r)->rig,
+                                   .plane = &plane,
+                                   .kernels = lf_kernels_get(),
+                                   .phase = {(float)(i % 5) / 5.0f, (float)(i % 7) / 7.0f}};
+        lf_media_cut(&media, &lf_test_rows(r)->frame, lf_test_rows(r)->seen.volumes, &at, &lookups);
         /* Through the edge of the box at X = 1.64, Z = 0.36. */
         float slope = 1.0f + 0.17f * (float)i, x = 1.58f + 0.002f * (float)i;
         double truth;

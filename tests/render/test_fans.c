@@ -189,8 +189,9 @@ static int ask(bench *b, float lx, lf_vec3 p, const lf_hit *on)
         c[k] = rig_of(b)->b[k] + lx;
         before[k] = k < rig_of(b)->n_views && uniform(&b->seed) < 0.9f ? uniform(&b->seed) : 0.0f;
     }
-    lf_question q = lf_section_ask(&b->section, &lf_test_rows(b->renderer)->triangles, rig_of(b), p,
-                                   on, n, c, scale);
+    const lf_row_cut of = {&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, rig_of(b),
+                           &b->plane};
+    lf_question q = lf_section_ask(&of, p, on, n, c, scale);
     memcpy(scale, before, sizeof before);
     memcpy(wanted, before, sizeof before);
     if (!lf_question_narrow(&q))

@@ -109,8 +109,8 @@ static void shapes_are_met_where_the_truncated_exponential_says(void **state)
         for (int k = 0; k < LANES; k += 3)
             fan.z_end[k] = k % 2 ? (float)z : INFINITY;
         lengths_of(&fan, length);
-        lf_kernels_get()->within(&body, LANES, fan.x0, fan.slope, fan.z_end, length,
-                                 (float)distance, tau, (float *const[]){out[0], out[1], out[2]});
+        const lf_feature_rays rays = {LANES, fan.x0, fan.slope, fan.z_end, length, (float)distance};
+        lf_kernels_get()->within(&body, &rays, tau, (float *const[]){out[0], out[1], out[2]});
         for (int k = 0; k < LANES; k += 3) {
             const shapes s = {&body, 1, (double)fan.x0[k], (double)fan.slope[k]};
             answer truth = integral(sigma_of_shapes, &s, z - 3.0 * half, k % 2 ? z : z + 3.0 * half,
@@ -151,8 +151,12 @@ static void several_media_are_met_in_turn(void **state)
         lengths_of(&fan, length);
         moments.distance = 5.0f;
         moments.first = 0;
-        lf_media_moments_of(media, lf_kernels_get(), LANES, fan.x0, fan.slope, fan.z_end, length,
-                            tau, &moments);
+        const lf_rays rays = {.kernels = lf_kernels_get(),
+                              .n = LANES,
+                              .x0 = fan.x0,
+                              .slope = fan.slope,
+                              .z_end = fan.z_end};
+        lf_media_moments_of(media, &rays, length, tau, &moments);
         for (int k = 0; k < LANES; k += 5) {
             const shapes s = {body, 2, (double)fan.x0[k], (double)fan.slope[k]};
             answer truth = integral(sigma_of_shapes, &s, 3.0, 7.0, (double)length[k], 5.0);
@@ -223,8 +227,8 @@ static void slices_are_met_where_a_walk_of_small_steps_says(void **state)
         smooth(&slice, densities[trial % 4]);
         make_fan(&fan, false, &seed);
         lengths_of(&fan, length);
-        lf_kernels_get()->moments(&slice, LANES, fan.x0, fan.slope, fan.z_end, length, 5.0f, tau,
-                                  sums);
+        const lf_feature_rays rays = {LANES, fan.x0, fan.slope, fan.z_end, length, 5.0f};
+        lf_kernels_get()->moments(&slice, &rays, tau, sums);
         for (int k = 0; k < 45; k += 5) {
             const slice_ray r = {&slice, (double)fan.x0[k], (double)fan.slope[k],
                                  (double)fan.z_end[k]};
@@ -279,7 +283,8 @@ static void voxels_are_met_where_a_walk_of_small_steps_says(void **state)
             z_end[k] = k == 3 ? 4.6f : INFINITY;
             length[k] = sqrtf(1.0f + slope[k] * slope[k]);
         }
-        lf_voxels_moments(&voxels, LF_LANES, x0, slope, z_end, length, 5.0f, tau, sums);
+        const lf_feature_rays rays = {LF_LANES, x0, slope, z_end, length, 5.0f};
+        lf_voxels_moments(&voxels, &rays, tau, sums);
         lf_voxels_depths(&voxels, LF_LANES, x0, slope, z_end, depth);
         assert_memory_equal(tau, depth, sizeof tau);
         for (int k = 0; k < LF_LANES; k++) {

@@ -58,16 +58,15 @@ static void moments_are_the_same_in_every_instruction_set(void **state)
         make_fan(&fan, trial % 2 == 0, &seed);
         for (int k = 0; k < LANES; k++)
             length[k] = sqrtf(1.2f + fan.slope[k] * fan.slope[k]);
+        const lf_feature_rays rays = {LANES, fan.x0, fan.slope, fan.z_end, length, 4.0f};
         lf_kernels_c.march(&slice, LANES, fan.x0, fan.slope, fan.z_end, plain[0], NULL);
         lf_kernels_c.through(&body, LANES, fan.x0, fan.slope, fan.z_end, plain[1]);
         for (int i = 0; lf_kernels_at(i); i++) {
             int j = i > 0;
             float *const sums[3] = {out[j][0][0], out[j][0][1], out[j][0][2]};
             memset(tau[j], 0, sizeof tau[j]);
-            lf_kernels_at(i)->moments(&slice, LANES, fan.x0, fan.slope, fan.z_end, length, 4.0f,
-                                      tau[j][0], sums);
-            lf_kernels_at(i)->within(&body, LANES, fan.x0, fan.slope, fan.z_end, length, 4.0f,
-                                     tau[j][1],
+            lf_kernels_at(i)->moments(&slice, &rays, tau[j][0], sums);
+            lf_kernels_at(i)->within(&body, &rays, tau[j][1],
                                      (float *const[]){out[j][1][0], out[j][1][1], out[j][1][2]});
             assert_memory_equal(tau[j], plain, sizeof plain);
             assert_memory_equal(out[0], out[j], sizeof out[0]);

@@ -62,13 +62,26 @@ static void pictures(const char *integrator, unsigned faults, uint64_t seed, lf_
     lf_scene_unref(scene);
 }
 
+static lf_blocks native;
+
+static int draw_native(void **state)
+{
+    (void)state;
+    pictures("vpt", 0, 100, &native);
+    return 0;
+}
+
+static int finish(void **state)
+{
+    lf_blocks_finish(&native);
+    return lf_test_finish(state);
+}
+
 static double p_of_agreement(unsigned faults)
 {
-    lf_blocks native, shared;
-    pictures("vpt", 0, 100, &native);
+    lf_blocks shared;
     pictures("mvpt", faults, 200, &shared);
     double p = lf_blocks_welch(&shared, &native, NULL);
-    lf_blocks_finish(&native);
     lf_blocks_finish(&shared);
     return p;
 }
@@ -170,5 +183,5 @@ int main(void)
         cmocka_unit_test(lobes_cut_at_the_horizon_are_caught),
         cmocka_unit_test(a_q_of_another_row_offset_is_caught),
     };
-    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
+    return cmocka_run_group_tests(tests, draw_native, finish);
 }

@@ -210,6 +210,11 @@ static void look(const bench *b, float lx, lf_vec3 p, float *c, float *scale)
     }
 }
 
+static lf_row_cut cut_of(const bench *b, int i)
+{
+    return (lf_row_cut){&b->section[i], lists(b, i), b->scene[i], rig_of(b), &b->plane};
+}
+
 typedef struct tally {
     int asked, hidden, wrong;
 } tally;
@@ -219,12 +224,11 @@ static void ask(bench *b, float lx, lf_vec3 p, const lf_hit *on, bool veils, tal
     float c[LF_MAX_LANES], scale[2][LF_MAX_LANES];
     for (int i = 0; i < 2; i++) {
         look(b, lx, p, c, scale[i]);
-        const lf_veils of = {&b->section[i], lists(b, i), b->scene[i], rig_of(b), &b->plane};
+        const lf_row_cut of = cut_of(b, i);
         if (veils)
             lf_veils_before(&of, p, on ? &on[i] : NULL, 48, c, scale[i]);
         else
-            lf_section_hide(&b->section[i], lists(b, i), rig_of(b), p, on ? &on[i] : NULL, 48, c,
-                            scale[i]);
+            lf_section_hide(&of, p, on ? &on[i] : NULL, 48, c, scale[i]);
     }
     look(b, lx, p, c, c);
     for (int k = 0; k < rig_of(b)->n_views; k++) {
@@ -277,10 +281,11 @@ static tally fans(bench *b, bool by_rays)
               xw = rig->x0 + (float)next_number(&b->random) * (float)width * rig->dx;
         for (int k = 0; k < LF_MAX_LANES; k++)
             c[k] = rig->b[k] + lx;
+        const lf_row_cut of[2] = {cut_of(b, 0), cut_of(b, 1)};
+        const lf_lines lines = {xw / rig->distance + lx * (1.0f / rig->window - 1.0f / rig->focus),
+                                48, c};
         for (int j = 0; j < 2; j++)
-            lf_section_nearest(&b->section[j], lists(b, j), rig,
-                               xw / rig->distance + lx * (1.0f / rig->window - 1.0f / rig->focus),
-                               48, c, z[j], segment[j]);
+            lf_section_nearest(&of[j], &lines, z[j], segment[j]);
         for (int k = 0; k < rig->n_views; k++) {
             t.asked++;
             t.hidden += segment[1][k] >= 0;
@@ -288,8 +293,7 @@ static tally fans(bench *b, bool by_rays)
             if (same && segment[0][k] >= 0) {
                 lf_face face[2];
                 for (int j = 0; j < 2; j++)
-                    lf_section_face(&b->section[j], lists(b, j), b->scene[j], segment[j][k],
-                                    &face[j]);
+                    lf_section_face(&of[j], segment[j][k], &face[j]);
                 same = fabsf(z[0][k] - z[1][k]) <= 1e-4f * z[1][k] &&
                        face[0].triangle == face[1].triangle &&
                        face[1].mesh ==
@@ -366,13 +370,14 @@ static tally among_veils(bench *b, bool by_rays)
         if (i % 4 == 0)
             cut(b, i / 4, LF_CUT_VEILS, by_rays);
         float s0 = rig->x0 + (float)next_number(&b->random) * (float)width * rig->dx;
-        const lf_veils of = {&b->section[0], lists(b, 0), b->scene[0], rig, &b->plane};
+        const lf_row_cut of = cut_of(b, 0);
+        const lf_lines lines = {s0 / rig->distance, 48, c};
         for (int k = 0; k < 48; k++) {
             c[k] = rig->b[k < rig->n_views ? k : rig->n_views - 1];
             end[k] = (0.5f + (float)next_number(&b->random)) * rig->distance;
             passed[k] = 1.0f;
         }
-        lf_veils_begin(&walk, &of, s0 / rig->distance, 48, c, end);
+        lf_veils_begin(&walk, &of, &lines, end);
         for (int step = 1; step <= 20; step++) {
             if (step == 11) {
                 lf_veils_rewind(&walk);
@@ -385,8 +390,7 @@ static tally among_veils(bench *b, bool by_rays)
                 whole[k] = 1.0f;
             }
             lf_veils_to(&walk, z, passed);
-            lf_veils_along(&of, s0 / rig->distance, 48, c, z, whole, mirrors,
-                           step % 2 ? kept : NULL);
+            lf_veils_along(&of, &lines, z, whole, mirrors, step % 2 ? kept : NULL);
             for (int k = 0; k < rig->n_views; k++) {
                 t.asked++;
                 t.hidden += whole[k] < 1.0f;
@@ -465,9 +469,10 @@ static void what_is_beside_the_views_is_left_out_and_nothing_else(void **state)
               xw = rig->x0 + (float)next_number(&random) * (float)width * rig->dx;
         for (int k = 0; k < LF_MAX_LANES; k++)
             c[k] = rig->b[k] + lx;
-        lf_section_nearest(&section, rows, rig,
-                           xw / rig->distance + lx * (1.0f / rig->window - 1.0f / rig->focus), 16,
-                           c, z, segment);
+        const lf_row_cut of = {&section, rows, scene, rig, &plane};
+        const lf_lines lines = {xw / rig->distance + lx * (1.0f / rig->window - 1.0f / rig->focus),
+                                16, c};
+        lf_section_nearest(&of, &lines, z, segment);
         for (int k = 0; k < rig->n_views; k++) {
             lf_vec3 o = lf_rig_point(rig, c[k], plane.ly, 0.0f),
                     w = lf_rig_direction(rig, (xw - rig->skew[k]) / rig->distance - lx / rig->focus,

@@ -259,6 +259,7 @@ static void assert_rows_find_as_rays(lf_scene *scene)
     lf_tracer tracer = {.scene = scene};
     lf_section section;
     lf_row_plane plane;
+    const lf_row_cut of = {&section, rows, scene, rig, &plane};
     int wrong = 0, found = 0;
     lf_assert_ok(lf_section_init(&section, rows->longest, rows->n_places), NULL);
     for (int row = 0; row < height; row++) {
@@ -267,7 +268,7 @@ static void assert_rows_find_as_rays(lf_scene *scene)
         for (int column = 0; column < width; column++) {
             float z[LF_MAX_LANES], xw = rig->x0 + ((float)column + 0.4f) * rig->dx;
             int segment[LF_MAX_LANES];
-            lf_section_nearest(&section, rows, rig, xw / rig->distance, 16, rig->b, z, segment);
+            lf_section_nearest(&of, &(lf_lines){xw / rig->distance, 16, rig->b}, z, segment);
             for (int k = 0; k < rig->n_views; k++) {
                 lf_hit hit;
                 lf_face face;
@@ -277,7 +278,7 @@ static void assert_rows_find_as_rays(lf_scene *scene)
                     INFINITY, &hit);
                 found += met;
                 if (segment[k] >= 0)
-                    lf_section_face(&section, rows, scene, segment[k], &face);
+                    lf_section_face(&of, segment[k], &face);
                 wrong += met != (segment[k] >= 0) ||
                          (met && (face.place != hit.place || fabsf(z[k] - hit.t) > 1e-4f * hit.t));
             }

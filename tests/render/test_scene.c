@@ -3,6 +3,7 @@
 #include "base/alloc.h"
 #include "base/image_io.h"
 #include "render/import/scene/json_reader.h"
+#include "render/render.h"
 #include "render/scene/geometry.h"
 #include "render/scene/scene.h"
 #include "render/transport/light/light_kind.h"

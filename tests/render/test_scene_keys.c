@@ -6,6 +6,7 @@
 
 #include "render/import/scene/member_read.h"
 #include "render/import/scene/mesh_shape.h"
+#include "render/render.h"
 #include "render/transport/light/light_kind.h"
 
 static json_t *schema;

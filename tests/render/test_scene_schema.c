@@ -5,6 +5,7 @@
 #include <dirent.h>
 #include <regex.h>
 
+#include "render/render.h"
 #include "render/scene/scene.h"
 
 static bool valid(const json_t *root, const json_t *schema, json_t *value);

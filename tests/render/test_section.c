@@ -56,6 +56,12 @@ static void cut(bench *b, int row, float moved)
                    LF_CUT_ALL);
 }
 
+static lf_row_cut cut_of(const bench *b)
+{
+    const lf_rows *rows = lf_test_rows(b->renderer);
+    return (lf_row_cut){&b->section, &rows->triangles, b->scene, &rows->rig, &b->plane};
+}
+
 /* Positions of the cameras, and which of them look at the side of the surface that p is on. */
 static void cameras(const bench *b, float lx, lf_vec3 p, const lf_hit *on, float *c, float *scale)
 {
@@ -115,7 +121,8 @@ static bool is_described(const bench *b, int segment, const lf_hit *hit, lf_vec3
 {
     lf_hit own;
     lf_face face;
-    lf_section_face(&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, segment, &face);
+    const lf_row_cut of = cut_of(b);
+    lf_section_face(&of, segment, &face);
     lf_face_hit(&face, hit->p, lf_normalize(w), &own);
     return &b->scene->materials[lf_section_material(&b->section, segment)] == hit->material &&
            own.material == hit->material && own.mesh == hit->mesh &&
@@ -174,8 +181,8 @@ static void ask(bench *b, float lx, lf_vec3 p, const lf_hit *on, tally *t)
     float c[LF_MAX_LANES], wanted[LF_MAX_LANES], scale[LF_MAX_LANES];
     cameras(b, lx, p, on, c, wanted);
     memcpy(scale, wanted, sizeof scale);
-    lf_section_hide(&b->section, &lf_test_rows(b->renderer)->triangles, rig, p, on,
-                    (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES, c, scale);
+    const lf_row_cut of = cut_of(b);
+    lf_section_hide(&of, p, on, lf_rig_lanes(rig), c, scale);
     for (int k = 0; k < rig->n_views; k++) {
         if (!(wanted[k] > 0.0f)) {
             assert_true(scale[k] == 0.0f);
@@ -242,8 +249,7 @@ static void assert_as_rays(const char *text)
 static void assert_fans(bench *b)
 {
     const lf_rig *rig = &lf_test_rows(b->renderer)->rig;
-    int asked = 0, found = 0, wrong = 0,
-        lanes = (rig->n_views + LF_LANES - 1) / LF_LANES * LF_LANES;
+    int asked = 0, found = 0, wrong = 0, lanes = lf_rig_lanes(rig);
     for (int i = 0; i < 40 * height; i++) {
         float c[LF_MAX_LANES], z[LF_MAX_LANES];
         int segment[LF_MAX_LANES];
@@ -253,9 +259,10 @@ static void assert_fans(bench *b)
               xw = rig->x0 + uniform(b) * (float)width * rig->dx;
         for (int k = 0; k < lanes; k++)
             c[k] = rig->b[k] + lx;
-        lf_section_nearest(&b->section, &lf_test_rows(b->renderer)->triangles, rig,
-                           xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus),
-                           lanes, c, z, segment);
+        const lf_row_cut of = cut_of(b);
+        const lf_lines lines = {
+            xw / rig->distance + lx * (1.0f / rig->distance - 1.0f / rig->focus), lanes, c};
+        lf_section_nearest(&of, &lines, z, segment);
         for (int k = 0; k < rig->n_views; k++) {
             lf_vec3 eye = lf_rig_point(rig, c[k], b->plane.ly, 0.0f);
             lf_vec3 w = lf_rig_direction(rig, (xw - rig->b[k]) / rig->distance - lx / rig->focus,
@@ -374,7 +381,8 @@ static void a_card_hides_the_views_behind_it(void **state)
     cut(&b, height / 2, 0.0f);
     lf_vec3 p = lf_rig_point(rig, 0.0f, b.plane.my * 8.0f, 8.0f);
     cameras(&b, 0.0f, p, NULL, c, scale);
-    lf_section_hide(&b.section, &lf_test_rows(b.renderer)->triangles, rig, p, NULL, 48, c, scale);
+    const lf_row_cut of = cut_of(&b);
+    lf_section_hide(&of, p, NULL, 48, c, scale);
     int hidden = 0;
     for (int k = 0; k < 45; k++) {
         assert_true((scale[k] > 0.0f) == (fabsf(rig->b[k]) * (1.0f - 2.0f / 8.0f) > 0.31f));

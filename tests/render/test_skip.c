@@ -200,11 +200,14 @@ static int count_reach(const char *text)
     int sum = 0;
     assert_int_equal(lf_media_init(&media, &lf_test_rows(r)->frame), LF_OK);
     for (int row = 0; row < height; row++) {
-        const float lens[2] = {0.5f, 0.5f}, phase[2] = {0.5f, 0.5f};
+        const float lens[2] = {0.5f, 0.5f};
         lf_row_plane plane;
+        const lf_media_plane at = {.rig = &lf_test_rows(r)->rig,
+                                   .plane = &plane,
+                                   .kernels = lf_kernels_get(),
+                                   .phase = {0.5f, 0.5f}};
         lf_rig_row_plane(&lf_test_rows(r)->rig, (float)row + 0.5f, lens, &plane);
-        lf_media_cut(&media, &lf_test_rows(r)->frame, scene->volumes, &lf_test_rows(r)->rig, &plane,
-                     phase, lf_kernels_get(), &lookups);
+        lf_media_cut(&media, &lf_test_rows(r)->frame, scene->volumes, &at, &lookups);
         lf_reach_of(&reach, &lf_test_rows(r)->seen, &lf_test_rows(r)->rig, &plane, &media, &flames);
         for (int k = 0; k < n_views; k++)
             sum += reach.end[k] - reach.first[k];

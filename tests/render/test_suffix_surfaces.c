@@ -276,10 +276,12 @@ static void the_mean_among_surfaces_is_that_of_single_paths(void **state)
     };
     enum { n = sizeof cases / sizeof *cases };
     for (int i = 0; i < n; i++) {
+        char name[64];
         rig r = make_rig(cases[i].text, cases[i].sigma);
         assert_true(r.lanes.has == LF_LANE_SURFACES);
-        assert_mean_of_single_paths(&r, i, cases[i].max_depth, cases[i].rounds, cases[i].bias,
-                                    level(n * (PIECES + 1)));
+        snprintf(name, sizeof name, "suffix_surfaces-%d", i);
+        assert_mean_of_single_paths(&r, name, cases[i].max_depth, cases[i].rounds, cases[i].bias,
+                                    level(n * LOOKS));
         drop_rig(&r);
     }
 }

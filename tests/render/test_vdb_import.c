@@ -6,6 +6,7 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "render/import/scene/vdb_import.h"
+#include "render/render.h"
 #include "render/scene/scene.h"
 
 static double pattern(int i, int j, int k)

@@ -1,6 +1,7 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
+#include "render/render.h"
 #include "render/scene/grid.h"
 #include "render/scene/scene.h"
 

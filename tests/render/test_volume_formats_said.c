@@ -6,6 +6,7 @@
 #include <jansson.h>
 
 #include "render/import/scene/vdb_import.h"
+#include "render/render.h"
 #include "render/scene/scene.h"
 
 /* Which grid of which file, and the words of a warning or an error. */
