@@ -8,10 +8,13 @@
 #include "render/transport/sampler.h"
 
 /* Which pixels a visit takes: each with probability subsets / n_views, each once in any n_views
- * passes. Column u = first, first + column_step, … takes the views u + start + j, j < subsets;
- * start is uniform in a half's first visit and runs on. */
+ * passes, however they were cut into visits. Column u = first, first + column_step, … takes the
+ * views step (u + start + j) mod n_views, j < subsets; start is uniform in a half's first visit and
+ * runs on. */
 typedef struct lf_visit_lattice {
-    int start, first, views;
+    int start, first;
+    int step; /* has no divisor in common with views */
+    int views;
 } lf_visit_lattice;
 
 /* The random numbers of a half of a row; random: lf_visit_order's. */
@@ -28,12 +31,13 @@ static inline lf_visit_lattice lf_visit_lattice_of(const lf_visit_order *order, 
         .start =
             (int)((lf_hash64(key, 7) >> 32) % (uint64_t)views) + (int)(llround(n * views) % views),
         .first = (int)((lf_hash64(lf_hash64(key, 3), index) >> 32) % (uint64_t)order->column_step),
+        .step = 1,
         .views = views};
 }
 
 static inline int lf_visit_lattice_view(const lf_visit_lattice *lattice, int column, int j)
 {
-    return (column + lattice->start + j) % lattice->views;
+    return (int)((int64_t)lattice->step * (column + lattice->start + j) % lattice->views);
 }
 
 #endif

@@ -63,9 +63,12 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
     visit->number.index = given_before(visit)->visits[visit->half];
     visit->random = lf_hash64(lf_hash64(visit->number.key, 3), visit->number.index);
     visit->subsets = plan->order.subsets;
-    visit->step = lf_lattice_step(views);
-    visit->start = (int)(lf_sampler_radical(lf_hash64(visit->number.key, 7), 0) * (float)views) +
-                   (int)(passes_before(visit) % views);
+    visit->lattice = (lf_visit_lattice){
+        .start = (int)(lf_sampler_radical(lf_hash64(visit->number.key, 7), 0) * (float)views) +
+                 (int)(passes_before(visit) % views),
+        .first = (int)((visit->random >> 32) % (uint64_t)plan->order.column_step),
+        .step = lf_lattice_step(views),
+        .views = views};
     visit->weight = 1.0f;
     visit->alone = 1.0f;
     visit->mirror_rounds = mirror_rounds(plan);
@@ -87,24 +90,17 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
                                       : w->density;
 }
 
-/* The first column of the lattice. */
-static int first_column(const lf_visit *visit)
-{
-    const int step = visit->plan->order.column_step;
-    return step > 1 ? (int)((visit->random >> 32) % (uint64_t)step) : 0;
-}
-
 /* Every pixel of the lattice once; false = cancelled. */
 static bool sample_lattice(lf_visit *visit, const lf_cancel *cancel)
 {
     const int64_t passes = passes_before(visit);
     const int step = visit->plan->order.column_step;
     lf_base base = {.film = -1.0f, .key = visit->number.key};
-    for (base.column = first_column(visit); base.column < visit->rig->width; base.column += step) {
+    for (base.column = visit->lattice.first; base.column < visit->rig->width; base.column += step) {
         for (int j = 0; j < visit->subsets; j++) {
             if (lf_cancelled(cancel))
                 return false;
-            base.view = lf_lattice_view(visit, base.column, j);
+            base.view = lf_visit_lattice_view(&visit->lattice, base.column, j);
             /* So many samples the pixel has had. */
             base.index = (uint32_t)((passes + j) / visit->rig->n_views);
             lf_base_sample(visit, &base);
@@ -119,7 +115,7 @@ static bool sample_lattice(lf_visit *visit, const lf_cancel *cancel)
 static bool sample_counts(lf_visit *visit, const lf_cancel *cancel)
 {
     const int width = visit->rig->width, views = visit->rig->n_views,
-              inverse = lf_lattice_inverse(visit->step, views);
+              inverse = lf_lattice_inverse(visit->lattice.step, views);
     const uint64_t key = visit->number.key;
     const double n = given_before(visit)->n[visit->half], share = (double)visit->subsets / views,
                  first = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
@@ -214,7 +210,7 @@ static void count_empty(const lf_visit *visit)
 {
     const lf_visit_plan *plan = visit->plan;
     const int step = plan->order.column_step,
-              columns = (visit->rig->width - first_column(visit) + step - 1) / step;
+              columns = (visit->rig->width - visit->lattice.first + step - 1) / step;
     visit->worker->base_paths += (int64_t)visit->subsets * columns;
     lf_film_count(plan->film, plan->order.stream, visit->row, visit->half, given_by(visit));
 }

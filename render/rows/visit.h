@@ -18,9 +18,10 @@
 #include "render/transport/lanes/suffix.h"
 #include "render/transport/path/face_albedo.h"
 #include "render/transport/path/path.h"
-#include "render/transport/path/sunlight.h"
 #include "render/transport/path/suffix_one.h"
+#include "render/transport/path/sunlight.h"
 #include "render/transport/sampler.h"
+#include "render/visit_lattice.h"
 
 struct lf_visit;
 struct lf_visit_plan;
@@ -193,7 +194,8 @@ typedef struct lf_visit {
     lf_visit_number number;
     bool outlines; /* this visit takes more film points where worker->met.outlines says so */
     int max_depth;
-    int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
+    int subsets;
+    lf_visit_lattice lattice; /* of base pixels */
     uint64_t random;          /* this visit's own */
     float weight;             /* of every base sample: 1, but for holes */
     /* [view][column] expected base samples of a pixel, in units of subsets / n_views; NULL: 1
