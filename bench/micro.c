@@ -185,7 +185,7 @@ static lf_status prepare(bench *b, lf_error *err)
     if (!b->pivots || !b->exits || !b->events || !b->ways || !b->answers[0] || !b->answers[1])
         return lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
     const lf_rig *rig = &b->rows->rig;
-    b->worker = b->rows->workers[0];
+    b->worker = &b->rows->workers[0];
     b->worker->tracer.scene = b->renderer->scene;
     b->worker->tracer.rng = lf_hash64(a->options.seed, 1);
     b->lanes = lf_rig_lanes(rig);

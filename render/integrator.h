@@ -32,6 +32,9 @@ typedef struct lf_integrator_needs {
     int visit_passes; /* passes in a visit of the offline schedule */
 } lf_integrator_needs;
 
+/* What a worker of a pool writes stands in no line of another's: where its struct begins. */
+#define LF_CACHE_LINE 64
+
 struct lf_sunlight;
 
 /* What a pass asks of every row that it visits. */
@@ -76,7 +79,7 @@ typedef struct lf_integrator {
     lf_status (*end)(void *state, const lf_pass *pass, const lf_cancel *cancel);
     /* Adds its workers' counters to *out; what does not apply becomes -1. */
     void (*count)(const void *state, lf_render_stats *out);
-    /* Adds what it leaves out of its own accord, as in lf_renderer_skipped. */
+    /* Adds what it leaves out of its own accord, as in lf_renderer_skipped. NULL: nothing. */
     void (*skipped)(const void *state, json_t *out);
     /* Accepts NULL. */
     void (*destroy)(void *state);

@@ -560,7 +560,8 @@ json_t *lf_renderer_skipped(const lf_renderer *renderer)
     unsigned skipped =
         lf_skip_found(renderer->scene) & renderer->settings.skip & renderer->integrator->skips;
     json_t *object = json_object();
-    renderer->integrator->skipped(renderer->state, object);
+    if (renderer->integrator->skipped)
+        renderer->integrator->skipped(renderer->state, object);
     for (int i = 0; lf_skip_at(i); i++)
         if (skipped & lf_skip_at(i)->bit)
             json_object_set_new(object, lf_skip_at(i)->name, json_string(lf_skip_at(i)->what));

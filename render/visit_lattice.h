@@ -8,11 +8,20 @@
 #include "render/transport/sampler.h"
 
 /* Which pixels a visit takes: each with probability subsets / n_views, each once in any n_views
- * passes. Column u = first, first + column_step, … takes the views u + start + j, j < subsets;
- * start is uniform in a half's first visit and runs on. */
+ * passes, however they were cut into visits. Column u = first, first + column_step, … takes the
+ * views step (u + start + j) mod n_views, j < subsets; start is uniform in a half's first visit and
+ * runs on. */
 typedef struct lf_visit_lattice {
-    int start, first, views;
+    int start, first;
+    int step; /* has no divisor in common with views */
+    int views;
 } lf_visit_lattice;
+
+/* The random numbers of a half of a row; random: lf_visit_order's. */
+static inline uint64_t lf_visit_key(uint64_t random, int row, int half)
+{
+    return lf_hash64(lf_hash64(random, (uint64_t)row), (uint64_t)half);
+}
 
 /* n, index: native samples a view pixel and visits of the row's half before; key: its own. */
 static inline lf_visit_lattice lf_visit_lattice_of(const lf_visit_order *order, uint64_t key,
@@ -22,12 +31,13 @@ static inline lf_visit_lattice lf_visit_lattice_of(const lf_visit_order *order, 
         .start =
             (int)((lf_hash64(key, 7) >> 32) % (uint64_t)views) + (int)(llround(n * views) % views),
         .first = (int)((lf_hash64(lf_hash64(key, 3), index) >> 32) % (uint64_t)order->column_step),
+        .step = 1,
         .views = views};
 }
 
 static inline int lf_visit_lattice_view(const lf_visit_lattice *lattice, int column, int j)
 {
-    return (column + lattice->start + j) % lattice->views;
+    return (int)((int64_t)lattice->step * (column + lattice->start + j) % lattice->views);
 }
 
 #endif

@@ -64,7 +64,7 @@ render/import/scene: render/render.h render/scene render/transport render/transp
 render/import/reader: render/scene render/transport/surface render/import/scene
 render/film: render/render.h render/transport render/transport/surface/albedo.h
 render/plane: render/render.h render/scene render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film
-render/rows: render/integrator.h render/scene render/transport render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film render/plane
+render/rows: render/integrator.h render/visit_lattice.h render/scene render/transport render/transport/surface render/transport/light render/transport/path render/transport/lanes render/film render/plane
 render/cameras: render/render.h render/integrator.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/visit_lattice.h
 render/papers: render/render.h render/integrator.h render/visit_lattice.h render/scene render/transport render/transport/light render/transport/path render/transport/lanes render/film render/plane/rig.h render/rows/adaptive.h
 render/layers: render/renderer.h render/transport render/transport/path render/plane/rig.h

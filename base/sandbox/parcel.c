@@ -17,6 +17,7 @@ static const size_t element_size[LF_PARCEL_TAGS] = {
     [LF_PARCEL_TRIANGLES] = sizeof(uint32_t),
     [LF_PARCEL_CHOICES] = sizeof(uint16_t),
     [LF_PARCEL_MATERIALS] = sizeof(lf_parcel_material),
+    [LF_PARCEL_SCALARS] = sizeof(float),
     [LF_PARCEL_UVS] = sizeof(float),
     [LF_PARCEL_COLOURS] = sizeof(float),
     [LF_PARCEL_TANGENTS] = sizeof(float),

@@ -17,7 +17,7 @@ extern "C" {
 
 #include "base/status.h"
 
-#define LF_PARCEL_MAGIC UINT64_C(0x376c637270746c71) /* "qltprcl7" */
+#define LF_PARCEL_MAGIC UINT64_C(0x386c637270746c71) /* "qltprcl8" */
 
 /* What a section holds, and what one of its elements is. */
 typedef enum lf_parcel_tag {
@@ -27,6 +27,7 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_TRIANGLES, /* uint32_t: three vertices of a triangle */
     LF_PARCEL_CHOICES,   /* uint16_t: the material of a triangle; absent: it is not the file's */
     LF_PARCEL_MATERIALS, /* lf_parcel_material */
+    LF_PARCEL_SCALARS,   /* float: lf_principled (render/scene/principled.h) of each material */
     LF_PARCEL_UVS,       /* float: u, v of a vertex, one set of all vertices behind the other */
     LF_PARCEL_COLOURS,   /* float: red, green, blue, alpha at a vertex, linear */
     LF_PARCEL_TANGENTS,  /* float: x, y, z, side at a vertex */
@@ -65,14 +66,10 @@ typedef struct lf_parcel_texture {
     float map[2][3], scale;
 } lf_parcel_texture;
 
+/* What is no scalar of it. */
 typedef struct lf_parcel_material {
-    uint32_t kind; /* place in lf_surface_kinds */
-    float albedo[3], roughness, ior, emission[3], metallic;
+    uint32_t kind;  /* place in lf_surface_kinds */
     uint32_t cover; /* lf_cover */
-    float alpha, cutoff;
-    float specular, specular_tint[3], coat, coat_roughness, sheen[3], sheen_roughness;
-    float transmission, absorption[3];
-    float brush, brush_turn[2];
     uint32_t is_solid;
     uint32_t glows_by_colours;
     lf_parcel_texture texture[13]; /* a slot each (render/scene/texture.h) */

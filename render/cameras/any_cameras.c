@@ -81,7 +81,7 @@ static void base_sample(lf_any_cameras *s, lf_any_worker *w, lf_any_pivot *p, ui
 static void look_ahead(void *the_state, int item, int worker_index)
 {
     lf_any_cameras *s = the_state;
-    lf_any_worker *w = s->workers[worker_index];
+    lf_any_worker *w = &s->workers[worker_index];
     (void)item;
     for (int i = 0; i < PILOT_PATHS; i++) {
         const uint64_t key = lf_hash64(0x70696c6f74, (uint64_t)i);
@@ -99,11 +99,6 @@ static void look_ahead(void *the_state, int item, int worker_index)
 
 /* ------------------------------------------------------------------------------------ visits -- */
 
-static uint64_t key_of(const lf_visit_order *order, int row, int half)
-{
-    return lf_hash64(lf_hash64(order->random, (uint64_t)row), (uint64_t)half);
-}
-
 /* Of a view pixel's visit. Its base sample and the ray of its B and q leave through the same point
  * of the film and of the lens: where the one has met a surface, so has the other, and no pixel
  * expects to have found something and has found nothing. */
@@ -119,11 +114,11 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
     lf_any_cameras *s = the_state;
     const lf_film_counts *before = &s->film->streams[order->stream].rows[row];
     const uint32_t index = before->visits[half];
-    const uint64_t key = key_of(order, row, half);
+    const uint64_t key = lf_visit_key(order->random, row, half);
     const lf_visit_lattice lattice =
         lf_visit_lattice_of(order, key, before->n[half], index, s->n_views);
     s->halves[row] = (uint8_t)half;
-    lf_any_worker *w = s->workers[worker_index];
+    lf_any_worker *w = &s->workers[worker_index];
     if (w->queue)
         lf_suffix_batch_clear(&w->queue->batch); /* a cancelled visit may have left some */
     for (int column = lattice.first; column < s->width; column += order->column_step)
@@ -214,11 +209,11 @@ static void close_row(void *context, int item, int worker_index)
 {
     const closing *c = context;
     lf_any_cameras *s = c->s;
-    lf_any_worker *w = s->workers[worker_index];
+    lf_any_worker *w = &s->workers[worker_index];
     const lf_visit_order *order = c->pass->order;
     const int row = c->pass->first_row + item * c->pass->row_step, half = s->halves[row];
     const uint32_t index = s->film->streams[order->stream].rows[row].visits[half];
-    const uint64_t key = key_of(order, row, half);
+    const uint64_t key = lf_visit_key(order->random, row, half);
     lf_film_meet(s->film, row, true);
     lf_film_sums_begin(&w->sums);
     lf_splats_take(&s->splats, row, &w->sums);
@@ -264,11 +259,8 @@ static void destroy(void *the_state)
 {
     lf_any_cameras *s = the_state;
     for (int i = 0; s && s->workers && i < s->n_workers; i++) {
-        if (s->workers[i]) {
-            lf_film_sums_finish(&s->workers[i]->sums);
-            lf_free(s->workers[i]->queue);
-        }
-        lf_free(s->workers[i]);
+        lf_film_sums_finish(&s->workers[i].sums);
+        lf_free(s->workers[i].queue);
     }
     if (s) {
         lf_splats_finish(&s->splats);
@@ -299,11 +291,9 @@ static lf_status make_memory(lf_any_cameras *s, const lf_film_layout *layout)
     if (!s->workers || !s->in_pass || !s->halves)
         return LF_E_NOMEM;
     for (int i = 0; i < s->n_workers; i++) {
-        s->workers[i] = lf_calloc(1, sizeof **s->workers);
-        if (!s->workers[i] || lf_film_sums_init(&s->workers[i]->sums, layout) != LF_OK)
-            return LF_E_NOMEM;
-        s->workers[i]->tracer.scene = &s->seen;
-        if (s->lanes && make_queue(s, s->workers[i]) != LF_OK)
+        lf_any_worker *w = &s->workers[i];
+        w->tracer.scene = &s->seen;
+        if (lf_film_sums_init(&w->sums, layout) != LF_OK || (s->lanes && make_queue(s, w) != LF_OK))
             return LF_E_NOMEM;
     }
     return lf_splats_init(&s->splats, layout);
@@ -360,7 +350,7 @@ static void count(const void *the_state, lf_render_stats *out)
 {
     const lf_any_cameras *s = the_state;
     for (int i = 0; i < s->n_workers; i++) {
-        const lf_any_worker *w = s->workers[i];
+        const lf_any_worker *w = &s->workers[i];
         lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
     }
     out->nonfinite_dropped += lf_splats_lost(&s->splats);
@@ -368,11 +358,6 @@ static void count(const void *the_state, lf_render_stats *out)
     out->rays_traced = s->has_meshes ? out->rays_traced : -1;
     out->volume_lookups = s->has_volumes ? out->volume_lookups : -1;
     out->base_hidden = -1;
-}
-
-static void skipped(const void *the_state, json_t *out)
-{
-    (void)the_state, (void)out;
 }
 
 const lf_integrator lf_integrator_any_cameras = {.skips = LF_SKIP_SURFACES | LF_SKIP_EMISSION |
@@ -383,5 +368,4 @@ const lf_integrator lf_integrator_any_cameras = {.skips = LF_SKIP_SURFACES | LF_
                                                  .visit = visit,
                                                  .end = end,
                                                  .count = count,
-                                                 .skipped = skipped,
                                                  .destroy = destroy};

@@ -71,19 +71,12 @@ static double look(const lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot
 
 /* ---------------------------------------------------------------------------------- suffixes -- */
 
-static bool view_dependent(const lf_any_cameras *s, const lf_event *event)
-{
-    return event->kind == LF_EVENT_SURFACE
-               ? event->hit.material->kind->view_dependent
-               : !lf_volume_is_isotropic(&s->seen.volumes[event->volume]);
-}
-
 /* The lobes of all views towards wi into f; returns the sum of density times pdf. */
 static double lobes(const lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p, lf_vec3 wi,
                     double densities)
 {
     double sum = 0.0;
-    if (!view_dependent(s, &p->event)) {
+    if (!lf_is_view_dependent(&s->seen, &p->event)) {
         lf_vec3 f;
         const float pdf = lf_scatter_eval(&s->seen, &p->event, lf_scale(p->event.w, -1.0f), wi, &f);
         for (int k = 0; k < s->n_views; k++)
@@ -125,7 +118,7 @@ static lf_vec3 of_light(const lf_light_sample *light, float left, double densiti
     return lf_scale(light->radiance, (float)((double)left / density));
 }
 
-static lf_vec3 of_direction(const lf_batch_direction *d, double densities, double over)
+static lf_vec3 of_direction(const lf_suffix *d, double densities, double over)
 {
     return lf_add(lf_scale(d->scattered, (float)(1.0 / over)),
                   lf_scale(d->found, (float)(1.0 / (over + (double)d->found_pdf * densities))));
@@ -135,17 +128,13 @@ static lf_vec3 of_direction(const lf_batch_direction *d, double densities, doubl
 static void spread_light(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
                          double densities, float share, bool pilot)
 {
-    float u[3];
-    lf_light_sample light;
-    u[0] = lf_sampler_1d(p->sampler);
-    lf_sampler_2d(p->sampler, u + 1);
-    if (!lf_light_draw(&s->seen, p->event.p, u, &light))
+    lf_suffix suffix = {0};
+    lf_suffix_draw_light(&w->tracer, &p->event, p->sampler, &suffix);
+    if (!(suffix.light_visible > 0.0f))
         return;
-    const float visible = lf_path_visible(&w->tracer, &p->event, &light);
-    if (!(visible > 0.0f))
-        return;
-    const double over = lobes(s, w, p, light.wi, densities);
-    spread(s, w, lf_scale(of_light(&light, visible, densities, over), share), pilot);
+    const double over = lobes(s, w, p, suffix.light.wi, densities);
+    spread(s, w, lf_scale(of_light(&suffix.light, suffix.light_visible, densities, over), share),
+           pilot);
 }
 
 /* The same by a direction of the base's own lobe, and all that comes along it. */
@@ -154,8 +143,7 @@ static void spread_direction(lf_any_cameras *s, lf_any_worker *w, const lf_any_p
 {
     float u[3];
     lf_vec3 f;
-    lf_event next;
-    lf_batch_direction d;
+    lf_suffix d = {0};
     lf_sampler_2d(p->sampler, u);
     u[2] = lf_sampler_1d(p->sampler);
     if (!(lf_scatter_sample(&s->seen, &p->event, lf_scale(p->event.w, -1.0f), u, &d.wi, &f) > 0.0f))
@@ -168,9 +156,7 @@ static void spread_direction(lf_any_cameras *s, lf_any_worker *w, const lf_any_p
     if (!(most > 0.0f) || !(over > 0.0))
         return;
     w->tracer.spread = LF_SUFFIX_SPREAD;
-    lf_path_next(&w->tracer, &p->event, d.wi, &next);
-    d.found = lf_path_light_found(&s->seen, &p->event, &next, &d.found_pdf);
-    d.scattered = lf_path_arriving(&w->tracer, &next, 2, s->max_depth);
+    lf_suffix_follow(&w->tracer, &p->event, s->max_depth, &d);
     spread(s, w, lf_scale(of_direction(&d, densities, over), share), pilot);
 }
 
@@ -180,10 +166,10 @@ static void spread_batch(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot
 {
     const lf_suffix_batch *batch = &w->queue->batch;
     const lf_batch_pivot *waits = &batch->pivot[at];
-    const bool same = !view_dependent(s, &p->event);
+    const bool same = !lf_is_view_dependent(&s->seen, &p->event);
     lf_vec3 sum = lf_v3(0.0f, 0.0f, 0.0f);
     for (int k = waits->has_light ? -1 : 0; k < batch->each; k++) {
-        lf_batch_direction d = {.wi = waits->light.wi};
+        lf_suffix d = {.wi = waits->light.wi};
         if (k >= 0)
             lf_suffix_batch_direction(batch, &s->seen, at, k, &d);
         const double over = batch->each * lobes(s, w, p, d.wi, densities);

@@ -5,6 +5,7 @@
 
 #include "render/cameras/pinhole.h"
 #include "render/cameras/splat.h"
+#include "render/integrator.h"
 #include "render/transport/lanes/suffix_batch.h"
 #include "render/transport/path/path.h"
 #include "render/transport/sampler.h"
@@ -32,7 +33,7 @@ typedef struct lf_any_queue {
 
 /* One worker's memory. */
 typedef struct lf_any_worker {
-    lf_tracer tracer;
+    _Alignas(LF_CACHE_LINE) lf_tracer tracer;
     lf_any_queue *queue; /* NULL: suffixes go one by one */
     lf_film_sums sums;
     int64_t base_paths, contributions;
@@ -54,7 +55,7 @@ typedef struct lf_any_cameras {
     bool has_meshes, has_volumes;
     lf_sampler_kind sampler;
     int max_depth, n_workers;
-    lf_any_worker **workers; /* [n_workers] each its own */
+    lf_any_worker *workers; /* [n_workers] */
     lf_splats splats;
     bool spilt;      /* something is left there of a pass that was cancelled */
     bool *in_pass;   /* [height] rows that the pass visits */

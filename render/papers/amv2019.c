@@ -113,7 +113,7 @@ lf_status lf_normalise(lf_general *g)
     g->share_seen = lf_calloc((size_t)n_views * (size_t)n_views, sizeof *g->share_seen);
     if (!g->share_seen)
         return LF_E_NOMEM;
-    lf_general_worker *w = g->workers[0];
+    lf_general_worker *w = &g->workers[0];
     const int64_t rays = w->tracer.rays;
     for (int view = 0; view < n_views; view++)
         for (int i = 0; i < LINES * LINES; i++) {

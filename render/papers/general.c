@@ -122,15 +122,14 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
                   const lf_cancel *cancel)
 {
     const lf_general *g = the_state;
-    lf_general_worker *w = g->workers[worker_index];
+    lf_general_worker *w = &g->workers[worker_index];
     const lf_film_counts *before = &g->film->streams[order->stream].rows[row];
-    const lf_general_visit v = {
-        .order = order,
-        .cancel = cancel,
-        .row = row,
-        .key = lf_hash64(lf_hash64(order->random, (uint64_t)row), (uint64_t)half),
-        .index = before->visits[half],
-        .n = before->n[half]};
+    const lf_general_visit v = {.order = order,
+                                .cancel = cancel,
+                                .row = row,
+                                .key = lf_visit_key(order->random, row, half),
+                                .index = before->visits[half],
+                                .n = before->n[half]};
     if (order->subsets == 0)
         return true; /* every pixel has a sample of its own after n_views passes */
     const double given = (double)order->subsets / order->column_step;
@@ -183,11 +182,8 @@ static void destroy(void *the_state)
 {
     lf_general *g = the_state;
     for (int i = 0; g && g->workers && i < g->n_workers; i++) {
-        if (g->workers[i]) {
-            lf_film_sums_finish(&g->workers[i]->sums);
-            lf_free(g->workers[i]->expected);
-        }
-        lf_free(g->workers[i]);
+        lf_film_sums_finish(&g->workers[i].sums);
+        lf_free(g->workers[i].expected);
     }
     if (g) {
         lf_counts_finish(&g->counts);
@@ -209,11 +205,9 @@ static lf_status make_workers(lf_general *g, const lf_film_layout *layout)
 {
     g->workers = lf_calloc((size_t)g->n_workers, sizeof *g->workers);
     for (int i = 0; g->workers && i < g->n_workers; i++) {
-        g->workers[i] = lf_calloc(1, sizeof **g->workers);
-        if (!g->workers[i] || lf_film_sums_init(&g->workers[i]->sums, layout) != LF_OK)
-            return LF_E_NOMEM;
-        g->workers[i]->tracer.scene = &g->seen;
-        if (make_counts(g, g->workers[i]) != LF_OK)
+        lf_general_worker *w = &g->workers[i];
+        w->tracer.scene = &g->seen;
+        if (lf_film_sums_init(&w->sums, layout) != LF_OK || make_counts(g, w) != LF_OK)
             return LF_E_NOMEM;
     }
     if (!g->workers)
@@ -276,7 +270,7 @@ static void count(const void *the_state, lf_render_stats *out)
 {
     const lf_general *g = the_state;
     for (int i = 0; i < g->n_workers; i++) {
-        const lf_general_worker *w = g->workers[i];
+        const lf_general_worker *w = &g->workers[i];
         lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
     }
     out->base_hidden = -1;
@@ -286,11 +280,6 @@ static void count(const void *the_state, lf_render_stats *out)
         out->volume_lookups = -1;
 }
 
-static void skipped(const void *the_state, json_t *out)
-{
-    (void)the_state, (void)out;
-}
-
 const lf_integrator lf_integrator_general = {.skips = LF_SKIP_SURFACES | LF_SKIP_DELTA_LOBES |
                                                       LF_SKIP_EMISSION,
                                              .entry = entry,
@@ -298,5 +287,4 @@ const lf_integrator lf_integrator_general = {.skips = LF_SKIP_SURFACES | LF_SKIP
                                              .begin = begin,
                                              .visit = visit,
                                              .count = count,
-                                             .skipped = skipped,
                                              .destroy = destroy};

@@ -137,10 +137,10 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
                   const lf_cancel *cancel)
 {
     const lf_restir *s = the_state;
-    lf_restir_worker *w = s->workers[worker_index];
+    lf_restir_worker *w = &s->workers[worker_index];
     const lf_film_counts *before = &s->film->streams[order->stream].rows[row];
     const uint32_t index = before->visits[half];
-    const uint64_t key = lf_hash64(lf_hash64(order->random, (uint64_t)row), (uint64_t)half);
+    const uint64_t key = lf_visit_key(order->random, row, half);
     const double given = (double)order->subsets / order->column_step;
     if (order->subsets == 0)
         return true; /* every pixel has a sample of its own after n_views passes */
@@ -189,16 +189,13 @@ static void destroy(void *the_state)
 {
     lf_restir *s = the_state;
     for (int i = 0; s && s->workers && i < s->n_workers; i++) {
-        lf_restir_worker *w = s->workers[i];
-        if (!w)
-            continue;
+        lf_restir_worker *w = &s->workers[i];
         lf_film_sums_finish(&w->sums);
         lf_free(w->walks);
         lf_free(w->pixels);
         lf_free(w->spread);
         lf_free(w->visited);
         lf_free(w->order);
-        lf_free(w);
     }
     if (!s)
         return;
@@ -214,16 +211,15 @@ static lf_status make_workers(lf_restir *s, const lf_film_layout *layout)
     size_t pixels = (size_t)layout->n_views * (size_t)layout->width;
     s->workers = lf_calloc((size_t)s->n_workers, sizeof *s->workers);
     for (int i = 0; s->workers && i < s->n_workers; i++) {
-        lf_restir_worker *w = s->workers[i] = lf_calloc(1, sizeof *w);
-        if (!w || lf_film_sums_init(&w->sums, layout) != LF_OK)
-            return LF_E_NOMEM;
+        lf_restir_worker *w = &s->workers[i];
         w->tracer.scene = &s->seen;
         w->walks = lf_calloc(LF_MAX_WALKS, sizeof *w->walks);
         w->pixels = lf_calloc(pixels, sizeof *w->pixels);
         w->spread = lf_calloc(pixels, sizeof *w->spread);
         w->visited = lf_calloc(pixels, sizeof *w->visited);
         w->order = lf_calloc(pixels, sizeof *w->order);
-        if (!w->walks || !w->pixels || !w->spread || !w->visited || !w->order)
+        if (lf_film_sums_init(&w->sums, layout) != LF_OK || !w->walks || !w->pixels || !w->spread ||
+            !w->visited || !w->order)
             return LF_E_NOMEM;
     }
     return s->workers ? LF_OK : LF_E_NOMEM;
@@ -303,15 +299,10 @@ static void count(const void *the_state, lf_render_stats *out)
 {
     const lf_restir *s = the_state;
     for (int i = 0; i < s->n_workers; i++) {
-        const lf_restir_worker *w = s->workers[i];
+        const lf_restir_worker *w = &s->workers[i];
         lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
     }
     out->rays_traced = out->base_hidden = -1;
-}
-
-static void skipped(const void *the_state, json_t *out)
-{
-    (void)the_state, (void)out;
 }
 
 const lf_integrator lf_integrator_restir = {.entry = entry,
@@ -319,5 +310,4 @@ const lf_integrator lf_integrator_restir = {.entry = entry,
                                             .begin = begin,
                                             .visit = visit,
                                             .count = count,
-                                            .skipped = skipped,
                                             .destroy = destroy};

@@ -34,7 +34,7 @@ typedef struct lf_restir_placed {
 } lf_restir_placed;
 
 typedef struct lf_restir_worker {
-    lf_tracer tracer;
+    _Alignas(LF_CACHE_LINE) lf_tracer tracer;
     lf_film_sums sums;
     int64_t base_paths, contributions;
     lf_light_walk *walks;    /* [LF_MAX_WALKS] */
@@ -56,7 +56,7 @@ typedef struct lf_restir {
     lf_reuse_weights weights;
     lf_sampler_kind sampler;
     int n_workers;
-    lf_restir_worker **workers;  /* [n_workers] each its own */
+    lf_restir_worker *workers;   /* [n_workers] */
     lf_restir_left *rows;        /* [height][2]; NULL unless there is temporal reuse */
     lf_restir_pixel *all_pixels; /* [height][2][view][column], theirs */
 } lf_restir;

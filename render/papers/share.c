@@ -1,12 +1,10 @@
 #include "render/papers/share.h"
 
+#include "render/transport/path/suffix_one.h"
+
 /* What behind the pivot all views share. */
 typedef struct shared {
-    lf_light_sample light;
-    float visible; /* 0: no light sample */
-    lf_vec3 wi, found, scattered;
-    float found_pdf;
-    bool has_direction;
+    lf_suffix suffix;
     lf_vec3 emitted; /* by the pivot itself */
 } shared;
 
@@ -55,57 +53,32 @@ static int pick_view(const lf_general *g, const lf_general_worker *w, float u)
     return last;
 }
 
-/* Follows a direction to what it finds. */
-static void follow(const lf_general *g, lf_general_worker *w, const lf_prefix *p, lf_vec3 wi,
-                   lf_vec3 *found, float *found_pdf, lf_vec3 *scattered)
-{
-    lf_event next;
-    lf_path_next(&w->tracer, &p->event, wi, &next);
-    *found = lf_mul(lf_path_absorbed(&g->seen, &next),
-                    lf_path_light_found(&g->seen, &p->event, &next, found_pdf));
-    *scattered = lf_path_arriving(&w->tracer, &next, 2, g->max_depth);
-}
-
 static void draw_shared(const lf_general *g, lf_general_worker *w, const lf_prefix *p, shared *out)
 {
-    float u[3];
-    lf_vec3 f;
     *out = (shared){.emitted = emitted_by(g, p)};
     if (p->event.kind == LF_EVENT_SURFACE && !p->event.hit.material->has_lobe)
         return;
-    u[0] = lf_sampler_1d(p->sampler);
-    lf_sampler_2d(p->sampler, u + 1);
-    if (lf_light_draw(&g->seen, p->event.p, u, &out->light)) {
-        out->visible = lf_path_visible(&w->tracer, &p->event, &out->light);
-        out->light.radiance =
-            lf_mul(out->light.radiance, lf_path_absorbed_light(&g->seen, &p->event, &out->light));
-    }
-    int from = pick_view(g, w, lf_sampler_1d(p->sampler));
-    lf_sampler_2d(p->sampler, u);
-    u[2] = lf_sampler_1d(p->sampler);
-    out->has_direction = lf_scatter_sample(&g->seen, &p->event, lf_scale(w->to_pivot[from], -1.0f),
-                                           u, &out->wi, &f) > 0.0f;
-    if (!out->has_direction || !(lf_max3(f) > 0.0f || lf_path_serves_others(&p->event, out->wi)))
-        return;
-    w->tracer.spread = LF_SUFFIX_SPREAD;
-    follow(g, w, p, out->wi, &out->found, &out->found_pdf, &out->scattered);
+    lf_suffix_draw_light(&w->tracer, &p->event, p->sampler, &out->suffix);
+    const int from = pick_view(g, w, lf_sampler_1d(p->sampler));
+    lf_suffix_redraw(&w->tracer, &p->event, lf_scale(w->to_pivot[from], -1.0f), p->sampler,
+                     g->max_depth, &out->suffix);
 }
 
 /* What of it arrives in a view, over the densities of light sampling and of the mixture. */
 static lf_vec3 radiance_of(const lf_general *g, const lf_general_worker *w, const lf_prefix *p,
                            const shared *behind, float light_mixture, float own_mixture, int view)
 {
+    const lf_suffix *s = &behind->suffix;
     lf_vec3 wo = lf_scale(w->to_pivot[view], -1.0f), f, sum = behind->emitted;
-    if (behind->visible > 0.0f) {
-        const lf_light_sample *light = &behind->light;
-        lf_scatter_eval(&g->seen, &p->event, wo, light->wi, &f);
-        float pdf = light->pdf + (light->delta ? 0.0f : light_mixture);
-        sum = lf_madd(sum, behind->visible / pdf, lf_mul(f, light->radiance));
+    if (s->light_visible > 0.0f) {
+        lf_scatter_eval(&g->seen, &p->event, wo, s->light.wi, &f);
+        float pdf = s->light.pdf + (s->light.delta ? 0.0f : light_mixture);
+        sum = lf_madd(sum, s->light_visible / pdf, lf_mul(f, s->light.radiance));
     }
-    if (behind->has_direction) {
-        lf_scatter_eval(&g->seen, &p->event, wo, behind->wi, &f);
-        lf_vec3 arriving = lf_add(lf_scale(behind->found, 1.0f / (own_mixture + behind->found_pdf)),
-                                  lf_scale(behind->scattered, 1.0f / own_mixture));
+    if (s->has_direction) {
+        lf_scatter_eval(&g->seen, &p->event, wo, s->wi, &f);
+        lf_vec3 arriving = lf_add(lf_scale(s->found, 1.0f / (own_mixture + s->found_pdf)),
+                                  lf_scale(s->scattered, 1.0f / own_mixture));
         sum = lf_add(sum, lf_mul(f, arriving));
     }
     return sum;
@@ -130,8 +103,9 @@ void lf_share_spread(const lf_general *g, lf_general_worker *w, const lf_prefix 
 {
     shared behind;
     draw_shared(g, w, p, &behind);
-    float light_mixture = behind.visible > 0.0f ? mixture(g, w, p, behind.light.wi) : 0.0f,
-          own_mixture = behind.has_direction ? mixture(g, w, p, behind.wi) : 0.0f;
+    const lf_suffix *s = &behind.suffix;
+    float light_mixture = s->light_visible > 0.0f ? mixture(g, w, p, s->light.wi) : 0.0f,
+          own_mixture = s->has_direction ? mixture(g, w, p, s->wi) : 0.0f;
     for (int k = 0; k < g->rig.n_views; k++) {
         if (!(w->weight[k] > 0.0))
             continue;
@@ -164,12 +138,13 @@ void lf_share_deltas(const lf_general *g, lf_general_worker *w, const lf_prefix 
         mark_alone(g, p);
     for (int i = 0; i < shading.n_deltas; i++) {
         const lf_delta *lobe = &shading.delta[i];
-        float probability = lf_min(1.0f, 4.0f * lf_max3(lobe->f)), pdf;
-        lf_vec3 found, scattered;
+        float probability = lf_min(1.0f, 4.0f * lf_max3(lobe->f));
+        lf_suffix suffix = {.wi = lobe->wi};
         if (lf_rng(&w->tracer) >= probability)
             continue;
-        follow(g, w, p, lobe->wi, &found, &pdf, &scattered);
-        lf_vec3 y = lf_scale(lf_mul(lobe->f, lf_add(found, scattered)), p->alone / probability);
+        lf_suffix_follow(&w->tracer, &p->event, g->max_depth, &suffix);
+        lf_vec3 y = lf_scale(lf_mul(lobe->f, lf_add(suffix.found, suffix.scattered)),
+                             p->alone / probability);
         if (isfinite(y.x + y.y + y.z))
             lf_film_add_native(&w->sums, pixel, y.x, y.y, y.z);
         else

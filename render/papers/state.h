@@ -15,7 +15,7 @@ struct lf_prefix;
 
 /* One worker's memory. */
 typedef struct lf_general_worker {
-    lf_tracer tracer;
+    _Alignas(LF_CACHE_LINE) lf_tracer tracer;
     lf_film_sums sums;
     int64_t base_paths, contributions;
     float *expected;     /* [view][column] of the row under way; NULL where no map is ever made */
@@ -64,7 +64,7 @@ typedef struct lf_general {
     int n_maps;        /* made so far */
     double next_map;   /* native samples a view pixel of each half that the next one takes */
     float *share_seen; /* [base][view] K of 2019's equation 9; NULL: nobody asks */
-    lf_general_worker **workers; /* [n_workers] each its own */
+    lf_general_worker *workers; /* [n_workers] */
 } lf_general;
 
 #endif

@@ -147,7 +147,7 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
                            lf_vec3 wo, float sum)
 {
     lf_scratch *w = visit->worker;
-    lf_vec3 y = lf_suffix_radiance(visit, pivot, suffix, wo);
+    lf_vec3 y = lf_suffix_radiance(visit->scene, &pivot->event, suffix, wo);
     if (!isfinite(y.x + y.y + y.z)) {
         w->tracer.nonfinite++;
         y = lf_v3(0.0f, 0.0f, 0.0f);
@@ -394,16 +394,10 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suff
         spread_direction(visit, pivot, next, sum, n);
     for (int i = 1; i < n && !suffix->next; i++) {
         float u = ((float)(i - 1) + lf_rng(&visit->worker->tracer)) / (float)(n - 1);
-        lf_suffix_redraw(visit, pivot, some_way_back(visit, pivot, u, sum), suffix);
+        lf_suffix_redraw(&visit->worker->tracer, &pivot->event, some_way_back(visit, pivot, u, sum),
+                         pivot->sampler, visit->max_depth, suffix);
         spread_direction(visit, pivot, suffix, sum, n);
     }
-}
-
-static bool view_dependent(const lf_visit *visit, const lf_event *event)
-{
-    return event->kind == LF_EVENT_SURFACE
-               ? event->hit.material->kind->view_dependent
-               : !lf_volume_is_isotropic(&visit->scene->volumes[event->volume]);
 }
 
 /* A pane weighs as everything that is met does, in W and in W'; what it reflects is native. */
@@ -462,10 +456,11 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
     if (given)
         suffix = *given;
     else
-        lf_suffix_draw(visit, pivot, wo, &suffix);
+        lf_suffix_draw(&visit->worker->tracer, &pivot->event, wo, pivot->sampler, visit->max_depth,
+                       &suffix);
     if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
         lf_glow_balance(visit, pivot, -1, sum, least_depth(visit), &suffix);
-    if (view_dependent(visit, &pivot->event))
+    if (lf_is_view_dependent(visit->scene, &pivot->event))
         spread_lobes(visit, pivot, &suffix, sum);
     else
         spread_uniform(visit, pivot, &suffix, wo, sum);

@@ -20,19 +20,6 @@ void lf_queue_push(lf_queue *queue, lf_visit *visit, int view, int column, const
         lf_queue_flush(queue, visit);
 }
 
-/* One of a pivot's directions and what it brings. */
-static void take_direction(const lf_queue *queue, const lf_scene *scene, int at, int k,
-                           lf_suffix *out)
-{
-    lf_batch_direction direction;
-    lf_suffix_batch_direction(&queue->batch, scene, at, k, &direction);
-    out->has_direction = true;
-    out->wi = direction.wi;
-    out->scattered = direction.scattered;
-    out->found = direction.found;
-    out->found_pdf = direction.found_pdf;
-}
-
 /* The suffix of a pivot whose every view is sent the same: the mean of what its directions bring,
  * what they found in balance with the light sample. */
 static void take_mean(const lf_queue *queue, const lf_scene *scene, int at, lf_suffix *out)
@@ -42,7 +29,7 @@ static void take_mean(const lf_queue *queue, const lf_scene *scene, int at, lf_s
     const float n = (float)queue->batch.each;
     for (int k = 0; k < queue->batch.each; k++) {
         lf_suffix one = {0};
-        take_direction(queue, scene, at, k, &one);
+        lf_suffix_batch_direction(&queue->batch, scene, at, k, &one);
         if (one.found_pdf > 0.0f) {
             float density = n * lf_volume_phase(volume, pivot->w, one.wi);
             one.found = lf_scale(one.found, density / (density + one.found_pdf));
@@ -72,7 +59,7 @@ static void take_suffixes(const lf_queue *queue, const lf_scene *scene, int at, 
             out[k] = (lf_suffix){0};
             out[k - 1].next = &out[k];
         }
-        take_direction(queue, scene, at, k, &out[k]);
+        lf_suffix_batch_direction(&queue->batch, scene, at, k, &out[k]);
     }
 }
 

@@ -16,7 +16,7 @@ typedef struct lf_queued {
 } lf_queued;
 
 typedef struct lf_queue {
-    lf_suffix_batch batch;
+    _Alignas(LF_CACHE_LINE) lf_suffix_batch batch;
     lf_queued item[LF_BATCH_PIVOTS];
 } lf_queue;
 

@@ -27,59 +27,52 @@ static const lf_sharing *find_native(void)
 
 /* -------------------------------------------------------------------------------- make, free -- */
 
-static void free_workers(lf_scratch **workers, int n)
+static void free_workers(lf_scratch *workers, int n)
 {
     for (int i = 0; i < n && workers; i++) {
-        if (workers[i]) {
-            lf_media_finish(&workers[i]->media);
-            lf_media_finish(&workers[i]->shine.flames);
-            lf_film_sums_finish(&workers[i]->sums);
-            lf_section_finish(&workers[i]->section);
-            lf_outlines_finish(&workers[i]->met.outlines);
-            lf_section_finish(&workers[i]->veil.section);
-            lf_free(workers[i]->expected);
-            lf_free(workers[i]->mirrors);
-        }
-        lf_free(workers[i]);
+        lf_scratch *w = &workers[i];
+        lf_media_finish(&w->media);
+        lf_media_finish(&w->shine.flames);
+        lf_film_sums_finish(&w->sums);
+        lf_section_finish(&w->section);
+        lf_outlines_finish(&w->met.outlines);
+        lf_section_finish(&w->veil.section);
+        lf_free(w->expected);
+        lf_free(w->mirrors);
     }
     lf_free(workers);
 }
 
-static lf_scratch **make_workers(const lf_rows *rows, const lf_film_layout *layout)
+static lf_status make_worker(const lf_rows *rows, const lf_film_layout *layout, lf_scratch *w)
 {
-    int n = rows->n_workers;
+    const size_t pixels = (size_t)layout->n_views * (size_t)layout->width;
     const bool mirrors = lf_has(&rows->seen, LF_TRAIT_MIRRORS),
+               veiled = lf_has(&rows->seen, LF_TRAITS_SEEN_THROUGH),
                outlines = layout->has_features && rows->triangles.first;
-    lf_scratch **workers = lf_calloc((size_t)n, sizeof *workers);
-    for (int i = 0; workers && i < n; i++) {
-        workers[i] = lf_calloc(1, sizeof **workers);
-        if (workers[i])
-            workers[i]->expected = lf_calloc((size_t)layout->n_views * (size_t)layout->width,
-                                             sizeof *workers[i]->expected);
-        if (workers[i] && mirrors)
-            workers[i]->mirrors = lf_calloc((size_t)layout->n_views * (size_t)layout->width,
-                                            sizeof *workers[i]->mirrors);
-        if (!workers[i] || !workers[i]->expected || (mirrors && !workers[i]->mirrors) ||
-            lf_media_init(&workers[i]->media, &rows->frame) != LF_OK ||
-            lf_media_init(&workers[i]->shine.flames, &rows->flames) != LF_OK ||
-            lf_film_sums_init(&workers[i]->sums, layout) != LF_OK ||
-            lf_section_init(&workers[i]->section, rows->triangles.longest,
-                            rows->triangles.n_places) != LF_OK ||
-            (outlines &&
-             lf_outlines_init(&workers[i]->met.outlines, &rows->triangles,
-                              lf_has(&rows->seen, LF_TRAITS_SEEN_THROUGH), layout) != LF_OK) ||
-            lf_section_init(&workers[i]->veil.section,
-                            lf_has(&rows->seen, LF_TRAITS_SEEN_THROUGH) ? rows->triangles.longest
-                                                                        : 0,
-                            rows->triangles.n_places) != LF_OK) {
-            free_workers(workers, n);
-            return NULL;
-        }
-        workers[i]->section.rays.tracer = workers[i]->veil.section.rays.tracer =
-            workers[i]->met.outlines.edge.rays.tracer = workers[i]->met.outlines.veils.rays.tracer =
-                &workers[i]->tracer;
-    }
-    return workers;
+    const lf_row_triangles *triangles = &rows->triangles;
+    w->expected = lf_calloc(pixels, sizeof *w->expected);
+    w->mirrors = mirrors ? lf_calloc(pixels, sizeof *w->mirrors) : NULL;
+    w->section.rays.tracer = w->veil.section.rays.tracer = w->met.outlines.edge.rays.tracer =
+        w->met.outlines.veils.rays.tracer = &w->tracer;
+    if (!w->expected || (mirrors && !w->mirrors) ||
+        lf_media_init(&w->media, &rows->frame) != LF_OK ||
+        lf_media_init(&w->shine.flames, &rows->flames) != LF_OK ||
+        lf_film_sums_init(&w->sums, layout) != LF_OK ||
+        lf_section_init(&w->section, triangles->longest, triangles->n_places) != LF_OK ||
+        (outlines && lf_outlines_init(&w->met.outlines, triangles, veiled, layout) != LF_OK) ||
+        lf_section_init(&w->veil.section, veiled ? triangles->longest : 0, triangles->n_places) !=
+            LF_OK)
+        return LF_E_NOMEM;
+    return LF_OK;
+}
+
+static lf_status make_workers(lf_rows *rows, const lf_film_layout *layout)
+{
+    rows->workers = lf_calloc((size_t)rows->n_workers, sizeof *rows->workers);
+    lf_status status = rows->workers ? LF_OK : LF_E_NOMEM;
+    for (int i = 0; i < rows->n_workers && status == LF_OK; i++)
+        status = make_worker(rows, layout, &rows->workers[i]);
+    return status;
 }
 
 static void free_moments(lf_rows *rows)
@@ -100,24 +93,14 @@ static lf_status make_moments(lf_rows *rows)
     return status;
 }
 
-static void free_queues(lf_rows *rows)
-{
-    for (int i = 0; rows->queues && i < rows->n_workers; i++)
-        lf_free(rows->queues[i]);
-    lf_free(rows->queues);
-}
-
 static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
 {
     if (!rows->lanes)
         return LF_OK;
     rows->queues = lf_calloc((size_t)rows->n_workers, sizeof *rows->queues);
-    for (int i = 0; rows->queues && i < rows->n_workers; i++) {
-        lf_queue *queue = rows->queues[i] = lf_calloc(1, sizeof *queue);
-        if (!queue)
-            return LF_E_NOMEM;
-        lf_suffix_batch_init(&queue->batch, rows->lanes, rows->suffixes, sharing->suffixes);
-    }
+    for (int i = 0; rows->queues && i < rows->n_workers; i++)
+        lf_suffix_batch_init(&rows->queues[i].batch, rows->lanes, rows->suffixes,
+                             sharing->suffixes);
     return rows->queues ? LF_OK : LF_E_NOMEM;
 }
 
@@ -167,7 +150,7 @@ static void destroy(void *state)
         return;
     free_workers(rows->workers, rows->n_workers);
     free_moments(rows);
-    free_queues(rows);
+    lf_free(rows->queues);
     lf_counts_finish(&rows->counts);
     lf_row_triangles_finish(&rows->triangles);
     lf_outline_map_finish(&rows->outlines);
@@ -205,8 +188,9 @@ static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_
     if (status != LF_OK)
         return status;
     rows->n_workers = lf_pool_threads(rows->pool);
-    rows->workers = make_workers(rows, layout);
-    status = rows->workers ? make_moments(rows) : LF_E_NOMEM;
+    status = make_workers(rows, layout);
+    if (status == LF_OK)
+        status = make_moments(rows);
     return status == LF_OK ? make_queues(rows, sharing) : status;
 }
 
@@ -288,14 +272,14 @@ static bool visit(void *state, const lf_visit_order *order, int row, int half, i
     lf_visit_plan plan = rows->plan;
     plan.order = *order;
     plan.counts = order->column_step == 1 ? plan.counts : NULL;
-    plan.queue = rows->queues ? rows->queues[worker] : NULL;
+    plan.queue = rows->queues ? &rows->queues[worker] : NULL;
     if (rows->moments) {
         plan.moment = &rows->moments[worker];
         plan.moving = &rows->moving;
         plan.scene = &plan.moment->scene;
         plan.rig = &plan.moment->rig;
     }
-    return lf_visit_row(&plan, row, half, rows->workers[worker], cancel);
+    return lf_visit_row(&plan, row, half, &rows->workers[worker], cancel);
 }
 
 /* ----------------------------------------------------------------------------------- reports -- */
@@ -304,7 +288,7 @@ static void count(const void *state, lf_render_stats *out)
 {
     const lf_rows *rows = state;
     for (int i = 0; i < rows->n_workers; i++) {
-        const lf_scratch *w = rows->workers[i];
+        const lf_scratch *w = &rows->workers[i];
         lf_integrator_count(out, &w->tracer, w->base_paths, w->contributions);
         out->base_hidden += w->base_hidden;
     }

@@ -23,8 +23,8 @@ typedef struct lf_rows {
     bool mapped;                /* the map has been made: plan.counts */
     lf_visit_plan plan;         /* of every visit, before an order is known */
     /* [lf_pool_threads] each its own allocation: no shared cache lines */
-    lf_scratch **workers;
-    struct lf_queue **queues; /* [n_workers] each its own; NULL: suffixes go one by one */
+    lf_scratch *workers;
+    struct lf_queue *queues;  /* [n_workers]; NULL: suffixes go one by one */
     lf_moment *moments;       /* [n_workers] of `moving`; NULL: nothing moves */
     lf_moving moving;
     int n_workers;

@@ -4,70 +4,6 @@
 #include "render/rows/queue.h"
 #include "render/rows/visit_steps.h"
 
-/* ------------------------------------------------------------------------------------ suffix -- */
-
-void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *suffix)
-{
-    lf_tracer *tracer = &visit->worker->tracer;
-    lf_vec3 f;
-    float u[3];
-    lf_sampler_2d(pivot->sampler, u);
-    u[2] = lf_sampler_1d(pivot->sampler);
-    suffix->found = suffix->scattered = lf_v3(0.0f, 0.0f, 0.0f);
-    suffix->found_pdf = 0.0f;
-    suffix->found_light = NULL;
-    float pdf = lf_scatter_sample(visit->scene, &pivot->event, wo, u, &suffix->wi, &f);
-    /* A direction counts in W' whether or not anything is reflected along it. */
-    suffix->has_direction = pdf > 0.0f;
-    if (!suffix->has_direction ||
-        !(lf_max3(f) > 0.0f || lf_path_serves_others(&pivot->event, suffix->wi)))
-        return;
-    lf_event next;
-    tracer->spread = LF_SUFFIX_SPREAD;
-    lf_path_next(tracer, &pivot->event, suffix->wi, &next);
-    suffix->found = lf_path_light_found(visit->scene, &pivot->event, &next, &suffix->found_pdf);
-    if (visit->worker->glows.n > 0 && suffix->found_pdf > 0.0f && next.kind == LF_EVENT_SURFACE)
-        suffix->found_light = lf_light_of_hit(visit->scene, &next.hit);
-    suffix->scattered = lf_path_arriving(tracer, &next, 2, visit->max_depth);
-    if (lf_has(visit->scene, LF_TRAITS_FILLED))
-        suffix->found = lf_mul(suffix->found, lf_path_absorbed(visit->scene, &next));
-}
-
-void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out)
-{
-    float u[3];
-    *out = (lf_suffix){0};
-    u[0] = lf_sampler_1d(pivot->sampler);
-    lf_sampler_2d(pivot->sampler, u + 1);
-    out->has_light = lf_light_draw(visit->scene, pivot->event.p, u, &out->light);
-    if (out->has_light)
-        out->light_visible = lf_path_visible(&visit->worker->tracer, &pivot->event, &out->light);
-    if (out->has_light && lf_has(visit->scene, LF_TRAITS_FILLED))
-        out->light.radiance = lf_mul(
-            out->light.radiance, lf_path_absorbed_light(visit->scene, &pivot->event, &out->light));
-    lf_suffix_redraw(visit, pivot, wo, out);
-}
-
-lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
-                           lf_vec3 wo)
-{
-    lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f), f;
-    if (suffix->has_light) {
-        float pdf = lf_scatter_eval(visit->scene, &pivot->event, wo, suffix->light.wi, &f);
-        float weight = suffix->light_visible /
-                       (suffix->light.delta ? suffix->light.pdf : suffix->light.pdf + pdf);
-        radiance = lf_scale(lf_mul(f, suffix->light.radiance), weight);
-    }
-    if (suffix->has_direction) {
-        float pdf = lf_scatter_eval(visit->scene, &pivot->event, wo, suffix->wi, &f);
-        lf_vec3 arriving =
-            lf_madd(suffix->scattered, pdf / (pdf + suffix->found_pdf), suffix->found);
-        if (pdf > 0.0f)
-            radiance = lf_madd(radiance, 1.0f / pdf, lf_mul(f, arriving));
-    }
-    return radiance;
-}
-
 /* ------------------------------------------------------------------------------------- visit -- */
 
 /* Native samples that a visit takes of each pixel with a delta lobe: one, so that the shortest
@@ -127,9 +63,12 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
     visit->number.index = given_before(visit)->visits[visit->half];
     visit->random = lf_hash64(lf_hash64(visit->number.key, 3), visit->number.index);
     visit->subsets = plan->order.subsets;
-    visit->step = lf_lattice_step(views);
-    visit->start = (int)(lf_sampler_radical(lf_hash64(visit->number.key, 7), 0) * (float)views) +
-                   (int)(passes_before(visit) % views);
+    visit->lattice = (lf_visit_lattice){
+        .start = (int)(lf_sampler_radical(lf_hash64(visit->number.key, 7), 0) * (float)views) +
+                 (int)(passes_before(visit) % views),
+        .first = (int)((visit->random >> 32) % (uint64_t)plan->order.column_step),
+        .step = lf_lattice_step(views),
+        .views = views};
     visit->weight = 1.0f;
     visit->alone = 1.0f;
     visit->mirror_rounds = mirror_rounds(plan);
@@ -151,24 +90,17 @@ static void begin(const lf_visit_plan *plan, lf_visit *visit)
                                       : w->density;
 }
 
-/* The first column of the lattice. */
-static int first_column(const lf_visit *visit)
-{
-    const int step = visit->plan->order.column_step;
-    return step > 1 ? (int)((visit->random >> 32) % (uint64_t)step) : 0;
-}
-
 /* Every pixel of the lattice once; false = cancelled. */
 static bool sample_lattice(lf_visit *visit, const lf_cancel *cancel)
 {
     const int64_t passes = passes_before(visit);
     const int step = visit->plan->order.column_step;
     lf_base base = {.film = -1.0f, .key = visit->number.key};
-    for (base.column = first_column(visit); base.column < visit->rig->width; base.column += step) {
+    for (base.column = visit->lattice.first; base.column < visit->rig->width; base.column += step) {
         for (int j = 0; j < visit->subsets; j++) {
             if (lf_cancelled(cancel))
                 return false;
-            base.view = lf_lattice_view(visit, base.column, j);
+            base.view = lf_visit_lattice_view(&visit->lattice, base.column, j);
             /* So many samples the pixel has had. */
             base.index = (uint32_t)((passes + j) / visit->rig->n_views);
             lf_base_sample(visit, &base);
@@ -183,7 +115,7 @@ static bool sample_lattice(lf_visit *visit, const lf_cancel *cancel)
 static bool sample_counts(lf_visit *visit, const lf_cancel *cancel)
 {
     const int width = visit->rig->width, views = visit->rig->n_views,
-              inverse = lf_lattice_inverse(visit->step, views);
+              inverse = lf_lattice_inverse(visit->lattice.step, views);
     const uint64_t key = visit->number.key;
     const double n = given_before(visit)->n[visit->half], share = (double)visit->subsets / views,
                  first = (double)(lf_sampler_radical(lf_hash64(key, 11), 0) * (float)views);
@@ -278,7 +210,7 @@ static void count_empty(const lf_visit *visit)
 {
     const lf_visit_plan *plan = visit->plan;
     const int step = plan->order.column_step,
-              columns = (visit->rig->width - first_column(visit) + step - 1) / step;
+              columns = (visit->rig->width - visit->lattice.first + step - 1) / step;
     visit->worker->base_paths += (int64_t)visit->subsets * columns;
     lf_film_count(plan->film, plan->order.stream, visit->row, visit->half, given_by(visit));
 }

@@ -18,8 +18,10 @@
 #include "render/transport/lanes/suffix.h"
 #include "render/transport/path/face_albedo.h"
 #include "render/transport/path/path.h"
+#include "render/transport/path/suffix_one.h"
 #include "render/transport/path/sunlight.h"
 #include "render/transport/sampler.h"
+#include "render/visit_lattice.h"
 
 struct lf_visit;
 struct lf_visit_plan;
@@ -123,7 +125,7 @@ typedef struct lf_veil_memory {
 
 /* One worker's memory. */
 typedef struct lf_scratch {
-    lf_tracer tracer;
+    _Alignas(LF_CACHE_LINE) lf_tracer tracer;
     lf_media media;
     lf_shine_memory shine; /* what they emit */
     lf_film_sums sums;     /* of the visit under way */
@@ -199,7 +201,8 @@ typedef struct lf_visit {
     lf_visit_number number;
     bool outlines; /* this visit takes more film points where worker->met.outlines says so */
     int max_depth;
-    int start, subsets, step; /* the lattice of base pixels: lf_lattice_has */
+    int subsets;
+    lf_visit_lattice lattice; /* of base pixels */
     uint64_t random;          /* this visit's own */
     float weight;             /* of every base sample: 1, but for holes */
     /* [view][column] expected base samples of a pixel, in units of subsets / n_views; NULL: 1
@@ -215,22 +218,6 @@ typedef struct lf_visit {
     float alone;
     unsigned faults; /* lf_fault: deliberate mistakes, for the negative controls of the tests */
 } lf_visit;
-
-/* The rest of the path behind a pivot, used by all views: a light sample, and a direction from the
- * lobe of one view with what was found along it. */
-typedef struct lf_suffix {
-    lf_light_sample light;
-    /* whose `found` is, where the scene has lights in media and it is a lamp's; else NULL */
-    const lf_light *found_light;
-    /* another direction of the same pivot, drawn as this one, with no light; NULL: none */
-    const struct lf_suffix *next;
-    float light_visible; /* what is left of it, 0..1 */
-    lf_vec3 wi;          /* the direction */
-    lf_vec3 found;       /* light met at its first event … */
-    float found_pdf;     /* … and p_L, the pdf of light sampling for it */
-    lf_vec3 scattered;   /* radiance scattered there */
-    bool has_light, has_direction;
-} lf_suffix;
 
 /* The points that a visit draws about its lights in media; weight: its native samples a pixel.
  * false = cancelled. */
@@ -250,18 +237,6 @@ void lf_fan_look_back(const lf_visit *visit, const lf_hit *hit);
 /* All of a pivot but where it will be. The hit, most of its memory, is left alone: rays write it.
  */
 void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler);
-
-/* Draws the suffix: wo is where its direction's lobe looks back to, the base view's place or that
- * of any view that sees the pivot. */
-void lf_suffix_draw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *out);
-/* Draws another direction in place of the suffix's own; its light sample stays. */
-void lf_suffix_redraw(const lf_visit *visit, const lf_pivot *pivot, lf_vec3 wo, lf_suffix *suffix);
-
-/* Radiance that the suffix gives to a view that looks from wo, when that view alone samples it
- * (balance heuristic between its lobe and light sampling). What vpt uses, and mvpt where the lobe
- * does not depend on the view. */
-lf_vec3 lf_suffix_radiance(const lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
-                           lf_vec3 wo);
 
 /* Lanes [from, to) of the worker as rays from the cameras. */
 lf_rays lf_visit_rays(const lf_visit *visit, int from, int to);

@@ -10,23 +10,13 @@ static inline bool lf_cancelled(const lf_cancel *cancel)
     return cancel && atomic_load_explicit(cancel, memory_order_relaxed);
 }
 
-/* The random numbers of a half of a row: lf_visit_number.key. random: of a stream. */
-static inline uint64_t lf_visit_key(uint64_t random, int row, int half)
-{
-    return lf_hash64(lf_hash64(random, (uint64_t)row), (uint64_t)half);
-}
-
 /* ----------------------------------------------------------------------------- visit_views.c -- */
 
 /* A step coprime to n near n times 1 - 1/golden ratio: neighbouring columns take distant views. */
 int lf_lattice_step(int n);
-/* 1 / step modulo n. */
+/* 1 / step modulo n: view k of column u has rank inverse k - u - start, the rank j that is below
+ * `subsets` in the visits that take it. */
 int lf_lattice_inverse(int step, int n);
-/* The views of a column in the order in which visits take them: rank r of column u is view step (u
- * + r) mod n. A visit takes the next `subsets` ranks of every column, from a start that is uniform
- * in a half's first visit: a pixel is sampled with probability subsets / n in each visit, and once
- * in any n passes, however they were cut into visits. */
-int lf_lattice_view(const lf_visit *visit, int column, int j);
 
 /* ------------------------------------------------------------------------------- visit_cut.c -- */
 

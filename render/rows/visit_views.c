@@ -14,11 +14,6 @@ int lf_lattice_step(int n)
     return step;
 }
 
-int lf_lattice_view(const lf_visit *visit, int column, int j)
-{
-    return (int)((int64_t)visit->step * (column + visit->start + j) % visit->rig->n_views);
-}
-
 int lf_lattice_inverse(int step, int n)
 {
     int inverse = 1;
@@ -30,7 +25,7 @@ int lf_lattice_inverse(int step, int n)
 bool lf_lattice_has(const lf_visit *visit, int view, int column)
 {
     for (int j = 0; j < visit->subsets; j++)
-        if (lf_lattice_view(visit, column, j) == view)
+        if (lf_visit_lattice_view(&visit->lattice, column, j) == view)
             return true;
     return false;
 }

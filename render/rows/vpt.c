@@ -17,10 +17,11 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
     if (given)
         suffix = *given;
     else if (!pivot->is_pane)
-        lf_suffix_draw(visit, pivot, wo, &suffix);
+        lf_suffix_draw(&visit->worker->tracer, &pivot->event, wo, pivot->sampler, visit->max_depth,
+                       &suffix);
     if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
         visit->sharing->balance(visit, view, column, pivot, &suffix);
-    lf_vec3 radiance = lf_suffix_radiance(visit, pivot, &suffix, wo);
+    lf_vec3 radiance = lf_suffix_radiance(visit->scene, &pivot->event, &suffix, wo);
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
     visit->worker->contributions++;
     if (!isfinite(radiance.x + radiance.y + radiance.z)) {

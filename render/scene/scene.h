@@ -14,6 +14,7 @@
 #include "render/scene/embree.h"
 #include "render/scene/grid.h"
 #include "render/scene/handle.h"
+#include "render/scene/principled.h"
 #include "render/scene/shape.h"
 #include "render/scene/texture.h"
 #include "render/scene/traits.h"
@@ -216,14 +217,8 @@ typedef struct lf_own_textures {
     lf_scene_picture *picture[LF_OWN_SLOTS]; /* counted references; NULL: the slot has none */
 } lf_own_textures;
 
-/* What is behind a surface that light goes through, and how it goes. */
+/* What is made of a surface that light goes through. */
 typedef struct lf_glass {
-    lf_vec3 absorption, scattering; /* inside of it, per scene unit */
-    float g;                        /* Henyey-Greenstein of what is scattered there, (-1, 1) */
-    /* Of what is neither metal nor glass, the share that enters flesh (flesh.h), and the mean free
-     * path there of each channel, scene units. */
-    float subsurface;
-    lf_vec3 radius;
     /* Made by lf_material_prepare: the lobe through it is no delta. */
     bool is_rough;
     /* Smooth clear sheets, and nothing else: what goes straight through is a matter of how much of
@@ -233,15 +228,12 @@ typedef struct lf_glass {
     /* Of a hit's own: between two media. ior, at least 1, is the one index over the other, and
      * is_inside says that the path comes from the greater (lf_glass_part). */
     bool is_parting;
-    float priority;                /* where solids overlap, the greatest is there (nest.h) */
     float kept[2][LF_GLASS_NODES]; /* E of rough glass, from outside and from within */
 } lf_glass;
 
-/* Grooves of a rough layered surface: its lobe is wider along them than across. */
+/* Grooves of a rough layered surface where it was hit (surface_texture.c): its lobe is wider along
+ * them than across. Elsewhere 0, and the lobe is round. */
 typedef struct lf_brush {
-    float strength; /* 0..1; 0: none. Along them alpha is lerp(alpha, 1, strength^2) */
-    float turn[2];  /* cosine and sine of the angle from the tangent to where it is wider */
-    /* Where a surface was hit (surface_texture.c); elsewhere 0, and the lobe is round. */
     float alpha[2]; /* along and across */
     float along[2]; /* the direction in the frame that lf_tangents makes of ns */
 } lf_brush;
@@ -261,30 +253,17 @@ typedef enum lf_tint {
 } lf_tint; /* all: emission, too */
 
 typedef struct lf_material {
-    const struct lf_surface_kind *kind; /* surface.h; says what it makes of the words below */
-    lf_vec3 albedo;
-    /* perceptual, 0..1; alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */
-    float roughness;
-    float ior;        /* of a coat, 1..LF_MAX_INDEX */
-    lf_vec3 emission; /* radiance leaving both sides; 0 = not a light */
-    lf_tint tint;     /* what colours of vertices multiply */
-    bool one_sided;   /* it leaves the front alone, where corners run counter-clockwise */
+    const struct lf_surface_kind *kind; /* surface.h; says what it makes of the scalars */
+    LF_PRINCIPLED_MEMBERS;
+    lf_tint tint;   /* what colours of vertices multiply */
+    bool one_sided; /* emission leaves the front alone, where corners run counter-clockwise */
+    bool is_solid;  /* what is behind is another medium of index ior; else a sheet */
+    lf_cover cover; /* what becomes of alpha and of the alpha of its texture */
     /* complex index eta + i k of each channel; eta.x = 0: none, albedo says it all */
     lf_vec3 eta, k;
-    float metallic;              /* 0..1: how much of a layered surface is metal */
-    lf_cover cover;              /* what becomes of `alpha` and of the alpha of its texture */
-    float alpha;                 /* 0..1 */
-    float cutoff;                /* LF_COVER_MASK: opaque from here on */
     const lf_textures *textures; /* borrowed from geometry or scene; NULL: none */
-    float specular;              /* of what a dielectric reflects, 0..1 … */
-    lf_vec3 specular_tint;       /* … and its colour, 0..1 */
-    float coat, coat_roughness;  /* a clear coat of index 1.5 on top, 0..1 */
     lf_vec3 coat_normal;         /* of a hit's own, where it is not the base's: as brush.along */
-    lf_vec3 sheen;               /* colour of fibres that stand up, 0..1; 0: none */
-    float sheen_roughness;       /* perceptual, 0..1 */
-    float transmission;          /* 0..1: of what is not metal goes through in place of diffuse */
-    bool is_solid;               /* what is behind is another medium of index ior; else a sheet */
-    lf_glass glass;              /* … and what it is then like */
+    lf_glass glass;
     lf_brush brush;
     /* Made of the above by lf_material_prepare (surface.h). */
     bool has_lobe;             /* any that is not delta */
@@ -303,19 +282,19 @@ static inline bool lf_has_mirror(const lf_material *m)
 /* Whether a lobe that is no delta leads through it. */
 static inline bool lf_has_far_lobe(const lf_material *m)
 {
-    return m->glass.is_rough || m->glass.subsurface > 0.0f;
+    return m->glass.is_rough || m->subsurface > 0.0f;
 }
 
 /* Whether its lobes are others from within than from outside. */
 static inline bool lf_is_sided(const lf_material *m)
 {
-    return (m->is_solid && m->glass.is_rough) || m->glass.subsurface > 0.0f;
+    return (m->is_solid && m->glass.is_rough) || m->subsurface > 0.0f;
 }
 
 /* Of a hit's own: flesh that is met from within, whose lobe does not depend on where from. */
 static inline bool lf_is_way_out(const lf_material *m)
 {
-    return m->glass.is_inside && m->glass.subsurface > 0.0f;
+    return m->glass.is_inside && m->subsurface > 0.0f;
 }
 
 /* What rays meet by chance, and views see through. */

@@ -90,7 +90,7 @@ static void check_materials(const lf_mesh_data *data)
         lf_fuzz_require(m->ior >= 1 && m->ior <= (float)LF_MAX_INDEX && m->roughness >= 0 &&
                         m->roughness <= 1);
         lf_fuzz_require(m->metallic >= 0 && m->metallic <= 1 && m->cover < LF_COVERS);
-        lf_fuzz_require(m->glass.absorption.x >= 0 && isfinite(m->glass.absorption.x));
+        lf_fuzz_require(m->absorption.x >= 0 && isfinite(m->absorption.x));
         for (int slot = 0; data->textures && slot < LF_SLOTS; slot++) {
             const lf_texture *t = &data->textures[i].slot[slot];
             lf_fuzz_require(t->picture <= (uint32_t)data->n_pictures);

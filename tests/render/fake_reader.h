@@ -43,6 +43,7 @@ typedef struct fake_mesh {
     uint32_t triangles[3];
     uint16_t choice;
     lf_parcel_material materials[2];
+    lf_principled scalars[2];
     lf_parcel_picture pictures[2];
     uint8_t texels[12];
     lf_parcel_light lights[3];
@@ -54,50 +55,53 @@ static inline fake_mesh fake_true_mesh(void)
 {
     const lf_parcel_texture picture = {
         .picture = 2, .wrap_u = 1, .set = 1, .map = {{1, 0, 0}, {0, -1, 1}}, .scale = 0.5f};
-    return (fake_mesh){.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0},
-                       .normals = {0, 0, 1, 0, 0, 1, 0, 0, 1},
-                       .uvs = {0, 0, 1, 0, 0, 1, -2, 0, 1, 0, 0, 7},
-                       .colours = {1, 1, 1, 1, 0, 0.5f, 0, 1, 1, 1, 1, 0},
-                       .tangents = {1, 0, 0, 1, 0, 1, 0, -1, 1, 0, 0, 1},
-                       .triangles = {0, 1, 2},
-                       .choice = 1,
-                       .materials = {{.kind = 0, .albedo = {1, 0, 0}, .roughness = 1, .ior = 1.5f},
-                                     {.kind = 1,
-                                      .albedo = {0, 1, 0},
-                                      .ior = 1.5f,
-                                      .emission = {1, 1, 1},
-                                      .cover = LF_COVER_BLEND,
-                                      .alpha = 0.5f,
-                                      .sheen = {0, 0, 0.25f},
-                                      .absorption = {7, 0, 0},
-                                      .is_solid = 1,
-                                      .texture[LF_SLOT_NORMAL] = picture}},
-                       .pictures = {{1, 1}, {1, 2}},
-                       .texels = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12},
-                       .lights = {{.position = {1, 2, 3}, .intensity = {4, 5, 6}},
-                                  {.direction = {0, 0.6, 0.8},
-                                   .intensity = {1, 1, 1},
-                                   .outer = 0.5,
-                                   .inner = 0.25,
-                                   .kind = LF_PUNCTUAL_SPOT},
-                                  {.direction = {0, 0, -1}, .kind = LF_PUNCTUAL_DISTANT}},
-                       .camera = {.position = {1, 2, 3},
-                                  .look = {0, 0.6, 0.8},
-                                  .up = {1, 0, 0},
-                                  .fov_y = 0.5,
-                                  .number = 7,
-                                  .name = "lens",
-                                  .node_name = "eye"},
-                       .n = {[LF_PARCEL_POSITIONS] = 9,
-                             [LF_PARCEL_NORMALS] = 9,
-                             [LF_PARCEL_TRIANGLES] = 3,
-                             [LF_PARCEL_CHOICES] = 1,
-                             [LF_PARCEL_MATERIALS] = 2,
-                             [LF_PARCEL_UVS] = 12,
-                             [LF_PARCEL_COLOURS] = 12,
-                             [LF_PARCEL_TANGENTS] = 12,
-                             [LF_PARCEL_PICTURES] = 2,
-                             [LF_PARCEL_TEXELS] = 12}};
+    fake_mesh m = {.positions = {0, 0, 0, 1, 0, 0, 0, 1, 0},
+                   .normals = {0, 0, 1, 0, 0, 1, 0, 0, 1},
+                   .uvs = {0, 0, 1, 0, 0, 1, -2, 0, 1, 0, 0, 7},
+                   .colours = {1, 1, 1, 1, 0, 0.5f, 0, 1, 1, 1, 1, 0},
+                   .tangents = {1, 0, 0, 1, 0, 1, 0, -1, 1, 0, 0, 1},
+                   .triangles = {0, 1, 2},
+                   .choice = 1,
+                   .materials = {{.kind = 0},
+                                 {.kind = 1,
+                                  .cover = LF_COVER_BLEND,
+                                  .is_solid = 1,
+                                  .texture[LF_SLOT_NORMAL] = picture}},
+                   .pictures = {{1, 1}, {1, 2}},
+                   .texels = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12},
+                   .lights = {{.position = {1, 2, 3}, .intensity = {4, 5, 6}},
+                              {.direction = {0, 0.6, 0.8},
+                               .intensity = {1, 1, 1},
+                               .outer = 0.5,
+                               .inner = 0.25,
+                               .kind = LF_PUNCTUAL_SPOT},
+                              {.direction = {0, 0, -1}, .kind = LF_PUNCTUAL_DISTANT}},
+                   .camera = {.position = {1, 2, 3},
+                              .look = {0, 0.6, 0.8},
+                              .up = {1, 0, 0},
+                              .fov_y = 0.5,
+                              .number = 7,
+                              .name = "lens",
+                              .node_name = "eye"},
+                   .n = {[LF_PARCEL_POSITIONS] = 9,
+                         [LF_PARCEL_NORMALS] = 9,
+                         [LF_PARCEL_TRIANGLES] = 3,
+                         [LF_PARCEL_CHOICES] = 1,
+                         [LF_PARCEL_MATERIALS] = 2,
+                         [LF_PARCEL_SCALARS] = 2 * LF_PRINCIPLED_FLOATS,
+                         [LF_PARCEL_UVS] = 12,
+                         [LF_PARCEL_COLOURS] = 12,
+                         [LF_PARCEL_TANGENTS] = 12,
+                         [LF_PARCEL_PICTURES] = 2,
+                         [LF_PARCEL_TEXELS] = 12}};
+    m.scalars[0] = m.scalars[1] = lf_principled_usual();
+    m.scalars[0].albedo = lf_v3(1, 0, 0);
+    m.scalars[1].albedo = lf_v3(0, 1, 0);
+    m.scalars[1].emission = lf_v3(1, 1, 1);
+    m.scalars[1].alpha = 0.5f;
+    m.scalars[1].sheen = lf_v3(0, 0, 0.25f);
+    m.scalars[1].absorption = lf_v3(7, 0, 0);
+    return m;
 }
 
 static inline void fake_lie_of_mesh(const char *lie, fake_mesh *m)
@@ -127,38 +131,37 @@ static inline void fake_lie_of_material(const char *lie, fake_mesh *m)
         m->choice = 2;
     if (strcmp(lie, "kind") == 0)
         one->kind = 1000;
-    if (strcmp(lie, "white") == 0)
-        m->materials[0].albedo[1] = 1.5f;
-    if (strcmp(lie, "emission") == 0)
-        one->emission[2] = (float)INFINITY;
-    if (strcmp(lie, "ior") == 0)
-        one->ior = (float)NAN;
     if (strcmp(lie, "cover") == 0)
         one->cover = LF_COVERS;
     if (strcmp(lie, "solid") == 0)
         one->is_solid = 2;
-    if (strcmp(lie, "tint") == 0)
-        one->specular_tint[2] = 1.5f;
-    if (strcmp(lie, "sheen") == 0)
-        one->sheen[0] = -1.0f;
-    if (strcmp(lie, "turn") == 0)
-        one->brush_turn[1] = (float)NAN;
-    if (strcmp(lie, "absorption") == 0)
-        one->absorption[1] = (float)INFINITY;
+    if (strcmp(lie, "glow") == 0)
+        one->glows_by_colours = 2;
+    if (strcmp(lie, "scalars") == 0)
+        m->n[LF_PARCEL_SCALARS]--;
     if (strcmp(lie, "name") == 0)
         memset(one->name, 'x', sizeof one->name);
-    /* the n-th of those between 0 and 1, or at least not less */
-    float *const words[] = {&one->metallic,        &one->alpha,        &one->cutoff,
-                            &one->specular,        &one->coat,         &one->coat_roughness,
-                            &one->sheen_roughness, &one->transmission, &one->brush};
-    for (int i = 0; i < 9; i++) {
-        char name[16];
-        snprintf(name, sizeof name, "word %d", i);
-        if (strcmp(lie, name) == 0)
-            *words[i] = (float)NAN;
-        snprintf(name, sizeof name, "below %d", i);
-        if (strcmp(lie, name) == 0)
-            *words[i] = -0.25f;
+}
+
+/* "low albedo", "high albedo", "nan albedo": the last float of a row, as little outside of its
+ * range as floats are; of an angle the first of two. */
+static inline void fake_lie_of_scalar(const char *lie, fake_mesh *m)
+{
+    for (const lf_param *const *row = lf_principled_rows; *row; row++) {
+        const char *name = strchr(lie, ' ');
+        int n;
+        float *field = lf_principled_at(&m->scalars[1], *row, &n),
+              *last = &field[(*row)->type == LF_PARAM_ANGLE ? 0 : n - 1];
+        if (!name || strcmp(name + 1, (*row)->name) != 0)
+            continue;
+        if (strncmp(lie, "low ", 4) == 0)
+            *last =
+                (*row)->type == LF_PARAM_ANGLE ? 0.99f : nextafterf((float)(*row)->low, -INFINITY);
+        if (strncmp(lie, "high ", 5) == 0)
+            *last =
+                (*row)->type == LF_PARAM_ANGLE ? 1.01f : nextafterf((float)(*row)->high, INFINITY);
+        if (strncmp(lie, "nan ", 4) == 0)
+            *last = (float)NAN;
     }
 }
 
@@ -348,6 +351,7 @@ static inline int fake_parcel(const char *lie)
     int fd = -1;
     fake_lie_of_mesh(lie, &m);
     fake_lie_of_material(lie, &m);
+    fake_lie_of_scalar(lie, &m);
     fake_lie_of_looks(lie, &m);
     fake_lie_of_lights(lie, &m);
     fake_lie_of_cameras(lie, &m.camera);
@@ -371,6 +375,8 @@ static inline int fake_parcel(const char *lie)
     if ((m.n[LF_PARCEL_MATERIALS] > 0 &&
          (lf_parcel_append(&writer, LF_PARCEL_MATERIALS, m.materials, 1, NULL) != LF_OK ||
           lf_parcel_append(&writer, LF_PARCEL_MATERIALS, m.materials + 1, 1, NULL) != LF_OK)) ||
+        lf_parcel_put(&writer, LF_PARCEL_SCALARS, m.scalars, m.n[LF_PARCEL_SCALARS], NULL) !=
+            LF_OK ||
         lf_parcel_put(&writer, LF_PARCEL_WARNINGS, "one\ntwo\n", 8, NULL) != LF_OK ||
         lf_parcel_seal(&writer, &fd, NULL) != LF_OK)
         _exit(3);

@@ -223,38 +223,9 @@ static inline void say_numbers(FILE *to, const char *name, const float *values, 
 
 static inline void say_material(FILE *to, const lf_material *m, const lf_texture_set *set)
 {
-    const float words[] = {m->albedo.x,
-                           m->albedo.y,
-                           m->albedo.z,
-                           m->emission.x,
-                           m->emission.y,
-                           m->emission.z,
-                           m->metallic,
-                           m->roughness,
-                           m->ior,
-                           (float)m->cover,
-                           m->alpha,
-                           m->cutoff,
-                           m->specular,
-                           m->specular_tint.x,
-                           m->specular_tint.y,
-                           m->specular_tint.z,
-                           m->coat,
-                           m->coat_roughness,
-                           m->sheen.x,
-                           m->sheen.y,
-                           m->sheen.z,
-                           m->sheen_roughness,
-                           m->transmission,
-                           (float)m->is_solid,
-                           m->glass.absorption.x,
-                           m->glass.absorption.y,
-                           m->glass.absorption.z,
-                           m->brush.strength,
-                           m->brush.turn[0],
-                           m->brush.turn[1],
-                           (float)(m->tint == LF_TINT_ALL)};
-    say_numbers(to, m->kind->name, words, sizeof words / sizeof *words);
+    const float words[] = {(float)m->cover, (float)m->is_solid, (float)(m->tint == LF_TINT_ALL)};
+    say_numbers(to, m->kind->name, (const float *)&m->p, LF_PRINCIPLED_FLOATS);
+    say_numbers(to, "", words, sizeof words / sizeof *words);
     for (int s = 0; set && s < LF_SLOTS; s++) {
         const lf_texture *t = &set->slot[s];
         fprintf(to, "%u %d %d %d %d %d ", t->picture, t->wrap_u, t->wrap_v, t->set, t->nearest,

@@ -37,7 +37,8 @@ static lf_material grooved(float strength, float turn)
                      .metallic = 1,
                      .ior = 1.5f,
                      .specular = 1,
-                     .brush = {.strength = strength, .turn = {cosf(turn), sinf(turn)}}};
+                     .anisotropy = strength,
+                     .anisotropy_rotation = {cosf(turn), sinf(turn)}};
     lf_material_prepare(&m);
     return m;
 }

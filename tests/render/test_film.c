@@ -408,9 +408,9 @@ static void light_that_is_not_stored_is_the_same_light(void **state)
         lf_film_layout layout = r->film.layout;
         layout.has_known = true;
         lf_film_finish(&r->film);
-        lf_film_sums_finish(&lf_test_rows(r)->workers[0]->sums);
+        lf_film_sums_finish(&lf_test_rows(r)->workers[0].sums);
         assert_int_equal(lf_film_init(&r->film, &layout), LF_OK);
-        assert_int_equal(lf_film_sums_init(&lf_test_rows(r)->workers[0]->sums, &layout), LF_OK);
+        assert_int_equal(lf_film_sums_init(&lf_test_rows(r)->workers[0].sums, &layout), LF_OK);
         lf_test_passes(r, 2 * views);
         resolve_all(r, (lf_estimator)e, stored);
         for (int i = 0; i < values; i++)

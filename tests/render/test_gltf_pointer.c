@@ -91,11 +91,11 @@ static void put_vector(lf_vec3 v, double out[4])
         out[0] = (double)(number);                                                                 \
     }
 /* clang-format off */
-LOOK(cutoff, m->cutoff)
+LOOK(cutoff, m->alpha_cutoff)
 LOOK(metallic, m->metallic)
 LOOK(roughness, m->roughness)
-LOOK(brush, m->brush.strength)
-LOOK(brush_turn, atan2f(m->brush.turn[1], m->brush.turn[0]))
+LOOK(brush, m->anisotropy)
+LOOK(brush_turn, atan2f(m->anisotropy_rotation[1], m->anisotropy_rotation[0]))
 LOOK(coat, m->coat)
 LOOK(coat_roughness, m->coat_roughness)
 LOOK(strength, m->emission.y / 0.5f)
@@ -104,7 +104,7 @@ LOOK(sheen_roughness, m->sheen_roughness)
 LOOK(specular, m->specular)
 LOOK(transmission, m->transmission)
 LOOK(solid, m->is_solid)
-LOOK(distance, log(2) / (double)m->glass.absorption.x)
+LOOK(distance, log(2) / (double)m->absorption.x)
 /* clang-format on */
 
 static void look_emission(const lf_mesh_data *data, double out[4])
@@ -125,7 +125,7 @@ static void look_tint(const lf_mesh_data *data, double out[4])
 /* After one unit of length. */
 static void look_attenuation(const lf_mesh_data *data, double out[4])
 {
-    put_vector(data->materials[0].glass.absorption, out);
+    put_vector(data->materials[0].absorption, out);
     for (int i = 0; i < 3; i++)
         out[i] = exp(-out[i]);
 }

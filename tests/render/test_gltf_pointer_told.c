@@ -74,7 +74,7 @@ static void what_a_pointer_cannot_move_is_told_and_stays(void **state)
         snprintf(words, sizeof words, "1 animation channel is left out, %s: ", cases[i].pointer);
         if (!gltf_warns(&data, words) || !gltf_warns(&data, cases[i].why))
             fail_msg("%s %s: not %s", cases[i].pointer, cases[i].sampler, cases[i].why);
-        assert_true(data.materials[0].roughness == 1 && data.materials[0].cutoff == 0.5f);
+        assert_true(data.materials[0].roughness == 1 && data.materials[0].alpha_cutoff == 0.5f);
         lf_assert_close(corner_of(&data, 2)[0], 0, 0, 0);
         lf_mesh_data_finish(&data);
     }
@@ -116,7 +116,7 @@ static void many_channels_are_one_warning(void **state)
                           "/materials/0/alphaCutoff: another channel moves the same"
                         : "10000 animation channels are left out, the first is "
                           "/materials/1/alphaCutoff: the file has nothing of that name"));
-        lf_assert_close((double)data.materials[0].cutoff, kind ? 0.25 : 0.5, 0, 1e-6);
+        lf_assert_close((double)data.materials[0].alpha_cutoff, kind ? 0.25 : 0.5, 0, 1e-6);
         lf_mesh_data_finish(&data);
     }
     free(channels);

@@ -128,8 +128,7 @@ static void what_lies_on_a_mesh_is_taken_over_whole(void **state)
     assert_int_equal(data.textures[0].slot[LF_SLOT_BASE].picture, 0);
     const lf_material *material = &data.materials[1];
     assert_true(material->cover == LF_COVER_BLEND && material->alpha == 0.5f);
-    assert_true(material->is_solid && material->glass.absorption.x == 7 &&
-                material->sheen.z == 0.25f);
+    assert_true(material->is_solid && material->absorption.x == 7 && material->sheen.z == 0.25f);
     assert_true(data.lights.n == 3 && data.cameras.n == 1 && data.cameras.open->number == 7);
     const lf_punctual *spot = &data.lights.open[1];
     assert_true(spot->kind == LF_PUNCTUAL_SPOT && spot->outer == 0.5 && spot->inner == 0.25);
@@ -158,9 +157,8 @@ static void what_was_not_asked_for_is_refused(void **state)
 /* Each is one lie in a parcel whose sections are all in place. */
 static void a_mesh_of_lies_is_refused(void **state)
 {
-    static const char *const lies[] = {"index",  "flat index", "nan",   "far",      "normal",
-                                       "choice", "kind",       "white", "emission", "ior",
-                                       "short",  "absent",     "odd"};
+    static const char *const lies[] = {"index", "flat index", "nan",   "far",    "normal", "choice",
+                                       "kind",  "scalars",    "short", "absent", "odd"};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
         assert_says(*state, lies[i], LF_E_FORMAT, "the reader's answer");
 }
@@ -190,16 +188,20 @@ static void parts_of_lies_are_refused(void **state)
 
 static void words_of_a_material_that_are_lies_are_refused(void **state)
 {
-    static const char *const lies[] = {"cover", "solid", "tint", "sheen", "absorption", "turn"};
+    static const char *const lies[] = {"cover", "solid", "glow"};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
         assert_says(*state, lies[i], LF_E_FORMAT, "no such material");
-    for (int i = 0; i < 9; i++) {
-        char lie[32];
-        snprintf(lie, sizeof lie, "word %d", i);
-        assert_says(*state, lie, LF_E_FORMAT, "no such material");
-        snprintf(lie, sizeof lie, "below %d", i);
-        assert_says(*state, lie, LF_E_FORMAT, "no such material");
-    }
+}
+
+static void scalars_out_of_their_range_are_refused(void **state)
+{
+    static const char *const how[] = {"low", "high", "nan"};
+    for (const lf_param *const *row = lf_principled_rows; *row; row++)
+        for (int i = 0; i < 3; i++) {
+            char lie[64];
+            snprintf(lie, sizeof lie, "%s %s", how[i], (*row)->name);
+            assert_says(*state, lie, LF_E_FORMAT, "no such material");
+        }
 }
 
 static lf_status import_grid_by(const char *folder, const char *mode, lf_grid **out, lf_error *err)
@@ -582,6 +584,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(looks_of_lies_are_refused),
         cmocka_unit_test(parts_of_lies_are_refused),
         cmocka_unit_test(words_of_a_material_that_are_lies_are_refused),
+        cmocka_unit_test(scalars_out_of_their_range_are_refused),
         cmocka_unit_test(a_grid_of_lies_is_refused),
         cmocka_unit_test(a_picture_of_lies_is_refused),
         cmocka_unit_test(a_mesh_of_random_bytes_is_refused_or_within_bounds),

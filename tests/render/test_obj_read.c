@@ -286,7 +286,7 @@ static void a_library_says_what_materials_are(void **state)
                         "usemtl a b\nf 1 2 3\nusemtl m\nf 1 3 4\nusemtl gone\nf 1 2 4\n");
     const lf_said *a = said_of(&soup, "a b"), *m = said_of(&soup, "m"), *s = said_of(&soup, "s");
     assert_true(soup.tells_missing);
-    lf_assert_close(a->diffuse.y, 0.2f, 0, 0);
+    lf_assert_close(a->albedo.y, 0.2f, 0, 0);
     lf_assert_close(a->highlight.z, 0.5f, 0, 0);
     lf_assert_close(a->exponent, 50, 0, 0);
     lf_assert_close(a->ior, 1.25, 0, 0);
@@ -295,7 +295,7 @@ static void a_library_says_what_materials_are(void **state)
     assert_true(m->is_metallic && !a->is_metallic);
     lf_assert_close(m->roughness, 0.25, 0, 0);
     assert_int_equal(m->lost, 0);
-    lf_assert_close(s->diffuse.x, 0.6f, 0, 0);
+    lf_assert_close(s->albedo.x, 0.6f, 0, 0);
     assert_int_equal(s->lost, 1u << LF_LOST_MAPS);
     assert_true(s->cover == LF_COVER_BLEND && s->alpha == 0.5f && a->cover == LF_COVER_OPAQUE);
     assert_true(a->has_diffuse && !s->has_diffuse);
@@ -421,8 +421,8 @@ static void several_libraries_stand_in_a_line(void **state)
     lf_test_write(*state, "x.mtl", "newmtl x\nKd 1 0 0\n");
     lf_test_write(*state, "y.mtl", "newmtl y\nKd 0 1 0\n");
     lf_soup soup = soup_of(*state, "mtllib x.mtl  y.mtl\n" SQUARE "f 1 2 3\n");
-    lf_assert_close(said_of(&soup, "x")->diffuse.x, 1, 0, 0);
-    lf_assert_close(said_of(&soup, "y")->diffuse.y, 1, 0, 0);
+    lf_assert_close(said_of(&soup, "x")->albedo.x, 1, 0, 0);
+    lf_assert_close(said_of(&soup, "y")->albedo.y, 1, 0, 0);
     lf_soup_finish(&soup);
 }
 

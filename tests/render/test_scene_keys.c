@@ -257,7 +257,8 @@ static void the_schema_says_of_surfaces_what_their_kinds_say(void **state)
 {
     (void)state;
     for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++) {
+        for (const lf_param *const *at = lf_surface_kinds[i]->keys; *at; at++) {
+            const lf_param *key = *at;
             const char *kind = lf_surface_kinds[i]->name;
             int n = 0;
             for (size_t j = 0; j < n_materials(); j++) {
@@ -285,8 +286,8 @@ static bool some_kind_has(const char *name)
     for (size_t i = 0; i < sizeof all_have / sizeof *all_have; i++)
         found = found || strcmp(name, all_have[i]) == 0;
     for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++)
-            found = found || strcmp(key->name, name) == 0;
+        for (const lf_param *const *key = lf_surface_kinds[i]->keys; *key; key++)
+            found = found || strcmp((*key)->name, name) == 0;
     return found;
 }
 
@@ -366,11 +367,43 @@ static void an_unknown_key_is_told_all_that_there_are(void **state)
     lf_scene *scene = NULL;
     lf_error err = {0};
     assert_int_equal(lf_scene_from_json(doc, "/", "t", NULL, NULL, &scene, &err), LF_E_FORMAT);
-    for (int i = 0; i < LF_MAX_KEYS && lf_surface_principled.keys[i].name; i++)
-        if (!strstr(err.what, lf_surface_principled.keys[i].name))
-            fail_msg("%s: %s", lf_surface_principled.keys[i].name, err.what);
+    for (const lf_param *const *key = lf_surface_principled.keys; *key; key++)
+        if (!strstr(err.what, (*key)->name))
+            fail_msg("%s: %s", (*key)->name, err.what);
     assert_string_equal(err.what + strlen(err.what) - strlen(", normal"), ", normal");
     json_decref(doc);
+}
+
+/* Of a principled material that says nothing but this. */
+static lf_principled said_alone(const lf_param *row, double value)
+{
+    json_t *doc =
+        json_pack("{s:{s:{s:s,s:f}}}", "materials", "m", "type", "principled", row->name, value);
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    lf_assert_ok(lf_scene_from_json(doc, "/", "t", NULL, NULL, &scene, &err), &err);
+    lf_principled p = scene->materials[0].p;
+    lf_scene_unref(scene);
+    json_decref(doc);
+    return p;
+}
+
+static void a_scene_says_every_scalar_and_no_other_with_it(void **state)
+{
+    (void)state;
+    for (const lf_param *const *row = lf_principled_rows; *row; row++) {
+        const bool turns = (*row)->type == LF_PARAM_ANGLE;
+        const double value = turns ? 30 : (*row)->low + 0.125 * fmin((*row)->high - (*row)->low, 4);
+        lf_principled want = lf_principled_usual(), p = said_alone(*row, value);
+        int n;
+        float *field = lf_principled_at(&want, *row, &n);
+        for (int i = 0; i < n; i++)
+            field[i] = turns ? (i == 0 ? sqrtf(0.75f) : 0.5f) : (float)value;
+        for (size_t i = 0; i < LF_PRINCIPLED_FLOATS; i++)
+            if (!(fabsf(((float *)&p)[i] - ((float *)&want)[i]) <= 1e-6f))
+                fail_msg("%s: number %zu is %g", (*row)->name, i, (double)((float *)&p)[i]);
+        assert_null(lf_principled_wrong(&p));
+    }
 }
 
 static int load_schema(void **state)
@@ -396,6 +429,7 @@ int main(void)
         cmocka_unit_test(the_schema_has_the_shapes_of_volumes_that_there_are),
         cmocka_unit_test(the_schema_has_the_shapes_of_meshes_that_there_are),
         cmocka_unit_test(an_unknown_key_is_told_all_that_there_are),
+        cmocka_unit_test(a_scene_says_every_scalar_and_no_other_with_it),
         cmocka_unit_test(lights_at_infinity_stand_first_in_the_table_and_faces_last),
     };
     return cmocka_run_group_tests(tests, load_schema, release_schema);

@@ -336,7 +336,7 @@ static int64_t waiting(rig *r, float sigma, float albedo)
     lf_assert_ok(lf_renderer_passes(renderer, NULL, 90, false, NULL, NULL, NULL), NULL);
     const lf_rows *rows = renderer->state;
     assert_non_null(rows->queues);
-    int64_t most = rows->queues[0]->batch.most;
+    int64_t most = rows->queues[0].batch.most;
     lf_renderer_destroy(renderer);
     return most;
 }

@@ -109,7 +109,7 @@ static void films_are_the_same_for_any_number_of_threads(void **state)
         assert_true(r->lanes && r->lanes->has == LF_LANE_SURFACES);
         lf_test_passes(r, views);
         const lf_rows *rows = r->state;
-        const lf_batch_pivot *last = &rows->queues[0]->batch.pivot[LF_BATCH_PIVOTS - 1];
+        const lf_batch_pivot *last = &rows->queues[0].batch.pivot[LF_BATCH_PIVOTS - 1];
         assert_true(i > 0 || last->rng != 0); /* a batch was full */
         lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, seen[i], NULL), NULL);
         lf_renderer_destroy(r);

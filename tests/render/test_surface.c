@@ -54,10 +54,9 @@ static lf_material brushed(float metallic, float along, float across, float angl
     m.specular = 1.0f;
     m.specular_tint = lf_v3(1.0f, 1.0f, 1.0f);
     m.roughness = sqrtf(sqrtf(0.5f * (along * along + across * across)));
-    m.brush = (lf_brush){.strength = 1.0f,
-                         .turn = {1.0f, 0.0f},
-                         .alpha = {along, across},
-                         .along = {cosf(angle), sinf(angle)}};
+    m.anisotropy = 1.0f;
+    m.anisotropy_rotation[0] = 1.0f;
+    m.brush = (lf_brush){.alpha = {along, across}, .along = {cosf(angle), sinf(angle)}};
     lf_material_prepare(&m);
     return m;
 }
@@ -69,8 +68,8 @@ static lf_material from_within(float metallic)
     m.metallic = metallic;
     m.specular = 1.0f;
     m.specular_tint = lf_v3(1.0f, 1.0f, 1.0f);
-    m.glass.subsurface = 0.7f;
-    m.glass.radius = lf_v3(1.0f, 1.0f, 1.0f);
+    m.subsurface = 0.7f;
+    m.subsurface_radius = lf_v3(1.0f, 1.0f, 1.0f);
     m.glass.is_inside = true;
     lf_material_prepare(&m);
     return m;
@@ -80,6 +79,7 @@ static lf_material from_within(float metallic)
 static lf_material leaning(float metallic, float tilt)
 {
     lf_material m = brushed(metallic, 0.5f, 0.1f, 0.7f);
+    m.anisotropy = 0.0f;
     m.brush = (lf_brush){0};
     m.coat = 0.8f;
     m.coat_roughness = 0.5f;
@@ -259,7 +259,7 @@ static void no_surface_makes_energy(void **state)
         white.albedo = lf_v3(1.0f, 1.0f, 1.0f);
         white.ior = i < n ? 1.5f : 1.3f;
         lf_material_prepare(&white);
-        for (int j = 0; j < 4 && !(white.brush.strength > 0.0f); j++) {
+        for (int j = 0; j < 4 && !(white.anisotropy > 0.0f); j++) {
             lf_vec3 wo = at_cosine(normals[1], cosines[j], 1.0f);
             lf_moments r = reflectance(&white, normals[1], wo, 16384);
             double delta = 0.0;
@@ -337,6 +337,7 @@ static void even_grooves_are_none(void **state)
 {
     (void)state;
     lf_material even = brushed(0.5f, 0.3f, 0.3f, 1.0f), none = even;
+    none.anisotropy = 0.0f;
     none.brush = (lf_brush){0};
     lf_material_prepare(&none);
     for (int i = 0; i < 64; i++) {

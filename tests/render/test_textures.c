@@ -56,7 +56,7 @@ static void clothe(lf_scene *scene, int number, lf_cover cover, const lf_texture
     m->textures = &dress.textures;
     m->cover = cover;
     m->alpha = 1.0f;
-    m->cutoff = 0.5f;
+    m->alpha_cutoff = 0.5f;
     scene->traits &= ~LF_TRAIT_ALPHA;
     scene->traits |= LF_TRAIT_VARYING | (cover != LF_COVER_OPAQUE ? LF_TRAIT_ALPHA : 0);
 }

@@ -115,7 +115,7 @@ static lf_said said_of(const struct aiMaterial *m)
     said.is_none = is_made_up(m);
     said.emission = get_emission(m);
     get_float(m, AI_MATKEY_REFRACTI, &said.ior);
-    get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &said.diffuse);
+    get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &said.albedo);
     get_colour(m, AI_MATKEY_COLOR_SPECULAR, &said.highlight);
     get_float(m, AI_MATKEY_SHININESS, &said.exponent);
     said.lost = losses(m);

@@ -26,7 +26,7 @@ static void take_base(const json_t *object, const char *key, lf_said *said)
     double c[4];
     if (!lf_gltf_numbers(object, key, 4, c))
         return;
-    said->diffuse = lf_v3((float)c[0], (float)c[1], (float)c[2]);
+    said->albedo = lf_v3((float)c[0], (float)c[1], (float)c[2]);
     said->alpha = (float)c[3];
 }
 
@@ -65,7 +65,7 @@ static void take_cover(const json_t *json, lf_said *said)
                                                : LF_COVER_OPAQUE;
     if (*mode && said->cover == LF_COVER_OPAQUE && strcmp(mode, "OPAQUE") != 0)
         said->lost |= 1u << LF_LOST_ALPHA_MODE;
-    said->cutoff = lf_gltf_number(json, "alphaCutoff", 0.5f);
+    said->alpha_cutoff = lf_gltf_number(json, "alphaCutoff", 0.5f);
 }
 
 /* -------------------------------------------------------------------------------- extensions -- */
@@ -100,9 +100,11 @@ static void take_coat_and_sheen(const lf_gltf *gltf, const json_t *json, lf_said
 static void take_brush(const lf_gltf *gltf, const json_t *json, lf_said *said)
 {
     const json_t *brush = lf_gltf_extension(json, "KHR_materials_anisotropy");
-    said->brush = lf_gltf_number(brush, "anisotropyStrength", 0);
-    said->brush_turn = lf_gltf_number(brush, "anisotropyRotation", 0);
-    if (said->brush > 0)
+    const float turn = lf_gltf_number(brush, "anisotropyRotation", 0);
+    said->anisotropy = lf_gltf_number(brush, "anisotropyStrength", 0);
+    said->anisotropy_rotation[0] = cosf(turn);
+    said->anisotropy_rotation[1] = sinf(turn);
+    if (said->anisotropy > 0)
         take_texture(gltf, brush, "anisotropyTexture", LF_SLOT_BRUSH, said);
 }
 
@@ -188,9 +190,9 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *sai
     lf_vec3 specular = lf_v3(1, 1, 1);
     *said = (lf_said){.name = said->name,
                       .is_metallic = true,
-                      .diffuse = {1, 1, 1},
-                      .alpha = 1,
+                      .p = lf_principled_usual(),
                       .lost = said->lost | 1u << LF_LOST_GLOSSINESS};
+    said->albedo = lf_v3(1, 1, 1);
     take_base(old, "diffuseFactor", said);
     take_colour(old, "specularFactor", &specular);
     take_texture(gltf, old, "diffuseTexture", LF_SLOT_BASE, said);
@@ -200,20 +202,17 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_said *sai
         said->roughness = fmaxf(said->roughness, 0.5f);
     }
     float rest = 1 - fminf(lf_max3(specular), 1.0f),
-          metallic = solve_metallic(brightness(said->diffuse), brightness(specular), rest);
+          metallic = solve_metallic(brightness(said->albedo), brightness(specular), rest);
     metallic = share(metallic);
     lf_vec3 left = lf_v3(USUAL_REFLECTANCE, USUAL_REFLECTANCE, USUAL_REFLECTANCE),
-            dull = lf_scale(said->diffuse,
-                            rest / (1 - USUAL_REFLECTANCE) / fmaxf(1 - metallic, 1e-3f)),
+            dull =
+                lf_scale(said->albedo, rest / (1 - USUAL_REFLECTANCE) / fmaxf(1 - metallic, 1e-3f)),
             shiny = lf_scale(lf_sub(specular, lf_scale(left, 1 - metallic)),
                              1 / fmaxf(metallic, 1e-3f));
     said->metallic = metallic;
-    said->diffuse = lf_madd(lf_scale(dull, 1 - metallic * metallic), metallic * metallic, shiny);
+    said->albedo = lf_madd(lf_scale(dull, 1 - metallic * metallic), metallic * metallic, shiny);
     /* what the model below has no room for is no word of the file */
-    said->diffuse = lf_v3(share(said->diffuse.x), share(said->diffuse.y), share(said->diffuse.z));
-    said->specular = 1;
-    said->specular_tint = lf_v3(1, 1, 1);
-    said->ior = 1.5f;
+    said->albedo = lf_v3(share(said->albedo.x), share(said->albedo.y), share(said->albedo.z));
 }
 
 /* ------------------------------------------------------------------------------ what is lost -- */
@@ -297,7 +296,7 @@ lf_said lf_gltf_said(const lf_gltf *gltf, uint32_t number, float scale)
     lf_said said = lf_said_begin(lf_gltf_text(json, "name"));
     said.is_none = says_nothing(json);
     said.is_metallic = true;
-    said.diffuse = lf_v3(1, 1, 1);
+    said.albedo = lf_v3(1, 1, 1);
     take_metallic_roughness(gltf, json_object_get(json, "pbrMetallicRoughness"), &said);
     take_specular(gltf, json, &said);
     if (old)
@@ -325,8 +324,8 @@ void lf_gltf_unlight(const lf_gltf *gltf, uint32_t number, bool coloured, lf_sai
     }
     said->is_metallic = false;
     said->glows_by_colours = coloured;
-    said->emission = said->diffuse;
-    said->diffuse = lf_v3(0, 0, 0);
+    said->emission = said->albedo;
+    said->albedo = lf_v3(0, 0, 0);
     said->textures.slot[LF_SLOT_EMISSION] = said->textures.slot[LF_SLOT_BASE];
     if (said->cover == LF_COVER_OPAQUE)
         said->textures.slot[LF_SLOT_BASE] = (lf_texture){0};

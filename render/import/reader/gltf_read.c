@@ -86,7 +86,7 @@ static lf_said made_up(bool white)
     lf_said said = lf_said_begin("");
     said.is_none = !white;
     if (white)
-        said.diffuse = lf_v3(1, 1, 1);
+        said.albedo = lf_v3(1, 1, 1);
     return said;
 }
 

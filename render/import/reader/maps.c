@@ -249,8 +249,8 @@ static void use_map(map_reading *r, const lf_map *map, picture_file *file)
     switch (map->use) {
     case LF_MAP_BASE:
         put_texture(r, map, LF_SLOT_BASE, file->picture);
-        if (!said->has_diffuse || !(lf_max3(said->diffuse) > 0))
-            said->diffuse = white; /* exporters say black beside a picture, and mean it */
+        if (!said->has_diffuse || !(lf_max3(said->albedo) > 0))
+            said->albedo = white; /* exporters say black beside a picture, and mean it */
         break;
     case LF_MAP_GLOW:
         put_texture(r, map, LF_SLOT_EMISSION, file->picture);

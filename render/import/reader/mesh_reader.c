@@ -8,41 +8,12 @@
 #include "render/import/reader/places_read.h"
 #include "render/transport/surface/surface.h"
 
-static void put_vector(lf_vec3 v, float out[3])
-{
-    out[0] = v.x;
-    out[1] = v.y;
-    out[2] = v.z;
-}
-
 static uint32_t place_of(const lf_surface_kind *kind)
 {
     uint32_t i = 0;
     while (lf_surface_kinds[i] != kind)
         i++;
     return i;
-}
-
-static void put_words(const lf_material *m, lf_parcel_material *out)
-{
-    put_vector(m->albedo, out->albedo);
-    put_vector(m->emission, out->emission);
-    out->metallic = m->metallic;
-    out->cover = (uint32_t)m->cover;
-    out->alpha = m->alpha;
-    out->cutoff = m->cutoff;
-    out->specular = m->specular;
-    put_vector(m->specular_tint, out->specular_tint);
-    out->coat = m->coat;
-    out->coat_roughness = m->coat_roughness;
-    put_vector(m->sheen, out->sheen);
-    out->sheen_roughness = m->sheen_roughness;
-    out->transmission = m->transmission;
-    put_vector(m->glass.absorption, out->absorption);
-    out->brush = m->brush.strength;
-    memcpy(out->brush_turn, m->brush.turn, sizeof out->brush_turn);
-    out->is_solid = m->is_solid;
-    out->glows_by_colours = m->tint == LF_TINT_ALL;
 }
 
 static void put_textures(const lf_texture_set *from, lf_parcel_material *out)
@@ -65,14 +36,18 @@ static lf_status put_materials(lf_parcel_writer *parcel, const lf_mesh_data *dat
     lf_status status = LF_OK;
     for (int i = 0; i < data->n_materials && status == LF_OK; i++) {
         const lf_material *m = &data->materials[i];
-        lf_parcel_material out = {
-            .kind = place_of(m->kind), .roughness = m->roughness, .ior = m->ior};
-        put_words(m, &out);
+        lf_parcel_material out = {.kind = place_of(m->kind),
+                                  .cover = (uint32_t)m->cover,
+                                  .is_solid = m->is_solid,
+                                  .glows_by_colours = m->tint == LF_TINT_ALL};
         memcpy(out.name, data->names[i], sizeof out.name);
         if (data->textures)
             put_textures(&data->textures[i], &out);
         status = lf_parcel_append(parcel, LF_PARCEL_MATERIALS, &out, 1, err);
     }
+    for (int i = 0; i < data->n_materials && status == LF_OK; i++)
+        status = lf_parcel_append(parcel, LF_PARCEL_SCALARS, &data->materials[i].p,
+                                  LF_PRINCIPLED_FLOATS, err);
     return status;
 }
 

@@ -39,7 +39,7 @@ lf_status lf_mtl_find(lf_soup *soup, const char *name, unsigned *out, lf_error *
     }
     lf_said said = lf_said_begin(name);
     said.is_missing = true;
-    said.diffuse = lf_v3(UNSAID, UNSAID, UNSAID);
+    said.albedo = lf_v3(UNSAID, UNSAID, UNSAID);
     *out = (unsigned)soup->n_said;
     return lf_soup_say(soup, said, err);
 }
@@ -134,7 +134,7 @@ static bool take_metallic(mtl *m, const char *at, lf_said *said)
 
 static bool take_diffuse(mtl *m, const char *at, lf_said *said)
 {
-    bool read = take_colour(m, at, &said->diffuse);
+    bool read = take_colour(m, at, &said->albedo);
     said->has_diffuse = said->has_diffuse || read;
     return read;
 }

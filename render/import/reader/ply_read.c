@@ -267,7 +267,7 @@ static lf_vec3 colour_of(const ply *p, const lf_ply_element *element, lf_ply_rol
 static lf_status take_material(ply *p, const lf_ply_element *element, lf_error *err)
 {
     lf_said said = lf_said_begin("");
-    said.diffuse = colour_of(p, element, LF_PLY_DIFFUSE_RED);
+    said.albedo = colour_of(p, element, LF_PLY_DIFFUSE_RED);
     said.highlight = colour_of(p, element, LF_PLY_SPECULAR_RED);
     said.exponent = (float)p->values[LF_PLY_SPECULAR_POWER];
     return lf_soup_say(p->soup, said, err);

@@ -8,18 +8,12 @@
 #include "base/alloc.h"
 #include "base/sandbox/reader.h"
 
-/* Of a dielectric that does not say. */
-#define USUAL_INDEX 1.5f
-
 lf_said lf_said_begin(const char *name)
 {
-    return (lf_said){.name = lf_strdup(name),
-                     .diffuse = {0.5f, 0.5f, 0.5f},
-                     .roughness = 1.0f,
-                     .alpha = 1.0f,
-                     .cutoff = 0.5f,
-                     .specular = 1.0f,
-                     .specular_tint = {1.0f, 1.0f, 1.0f}};
+    lf_said said = {.name = lf_strdup(name), .p = lf_principled_usual()};
+    said.roughness = 1.0f;
+    said.ior = 0.0f;
+    return said;
 }
 
 /* What a material says and no scene can: a value, and what it is cut to, in words. */
@@ -27,14 +21,10 @@ typedef struct cuts {
     char text[256];
 } cuts;
 
-static float clamp(float v, float high)
+/* NaN gives the lowest. */
+static float clamp(float v, const lf_param *row)
 {
-    return v > 0.0f ? fminf(v, high) : 0.0f; /* NaN gives 0 */
-}
-
-static lf_vec3 clamp_all(lf_vec3 c, float high)
-{
-    return lf_v3(clamp(c.x, high), clamp(c.y, high), clamp(c.z, high));
+    return v > (float)row->low ? fminf(v, (float)row->high) : (float)row->low;
 }
 
 /* Rounding is no matter. */
@@ -56,53 +46,49 @@ static void LF_PRINTF(2, 3) tell(cuts *c, const char *format, ...)
     va_end(arguments);
 }
 
-static float cut(cuts *c, const char *what, float said, float high)
+static void tell_number(cuts *c, const char *what, float said, float kept)
 {
-    float kept = clamp(said, high);
     if (differs(said, kept))
         tell(c, "%s %g to %g", what, (double)said, (double)kept);
-    return kept;
 }
 
-static lf_vec3 cut_colour(cuts *c, const char *what, lf_vec3 said, float high)
+static void tell_colour(cuts *c, const char *what, const float said[3], const float kept[3])
 {
-    lf_vec3 kept = clamp_all(said, high);
-    if (differs(said.x, kept.x) || differs(said.y, kept.y) || differs(said.z, kept.z))
-        tell(c, "%s (%g, %g, %g) to (%g, %g, %g)", what, (double)said.x, (double)said.y,
-             (double)said.z, (double)kept.x, (double)kept.y, (double)kept.z);
-    return kept;
+    if (differs(said[0], kept[0]) || differs(said[1], kept[1]) || differs(said[2], kept[2]))
+        tell(c, "%s (%g, %g, %g) to (%g, %g, %g)", what, (double)said[0], (double)said[1],
+             (double)said[2], (double)kept[0], (double)kept[1], (double)kept[2]);
 }
 
-static float cut_index(cuts *c, float said)
+/* Angles have no range. */
+static void cut(cuts *c, const lf_param *row, lf_principled *p)
 {
-    float kept = said >= 1.0f ? fminf(said, (float)LF_MAX_INDEX) : USUAL_INDEX;
-    if (differs(said, kept))
-        tell(c, "index of refraction %g to %g", (double)said, (double)kept);
-    return kept;
-}
-
-/* glTF's metallic-roughness model, and that of newer MTL files. */
-static void convert_metallic(const lf_said *said, lf_material *out, cuts *c)
-{
-    out->kind = &lf_surface_principled;
-    out->roughness = cut(c, "roughness", said->roughness, 1.0f);
-    out->metallic = cut(c, "metallic", said->metallic, 1.0f);
-    out->ior = said->ior != 0.0f ? cut_index(c, said->ior) : USUAL_INDEX;
-    out->brush.strength = cut(c, "anisotropy", said->brush, 1.0f);
-    out->brush.turn[0] = cosf(said->brush_turn);
-    out->brush.turn[1] = sinf(said->brush_turn);
+    int n;
+    float *field = lf_principled_at(p, row, &n), said[3] = {0};
+    memcpy(said, field, (size_t)n * sizeof *said);
+    for (int i = 0; i < n && row->type != LF_PARAM_ANGLE; i++)
+        field[i] = clamp(said[i], row);
+    if (row == &lf_principled_ior && !(said[0] >= 1.0f)) /* which is no index */
+        field[0] = (float)row->initial;
+    if (row->help && n == 1)
+        tell_number(c, row->help, said[0], field[0]);
+    else if (row->help && n == 3)
+        tell_colour(c, row->help, said, field);
 }
 
 /* Phong's Kd, Ks, Ns: a highlight without a diffuse part is a metal, with one a coat. */
 static void convert_phong(const lf_said *said, lf_material *out, cuts *c)
 {
-    lf_vec3 specular = clamp_all(said->highlight, 1.0f);
+    const lf_vec3 s = said->highlight;
+    const lf_param *share = &lf_principled_albedo;
+    lf_vec3 specular = lf_v3(clamp(s.x, share), clamp(s.y, share), clamp(s.z, share));
     if (!(lf_max3(specular) > 0.0f) || !(said->exponent > 0.0f) || !isfinite(said->exponent))
         return;
     /* alpha = sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5), roughness = sqrt(alpha). */
-    out->roughness = clamp(powf(2.0f / (said->exponent + 2.0f), 0.25f), 1.0f);
-    if (said->ior > 1.0f && isfinite(said->ior))
-        out->ior = cut_index(c, said->ior);
+    out->roughness = clamp(powf(2.0f / (said->exponent + 2.0f), 0.25f), &lf_principled_roughness);
+    if (said->ior > 1.0f && isfinite(said->ior)) {
+        out->ior = said->ior;
+        cut(c, &lf_principled_ior, &out->p);
+    }
     out->kind = &lf_surface_plastic;
     if (!(lf_max3(out->albedo) > 0.0f)) {
         out->kind = &lf_surface_conductor;
@@ -110,23 +96,22 @@ static void convert_phong(const lf_said *said, lf_material *out, cuts *c)
     }
 }
 
-/* What layered surfaces have, and every kind of cover. Nothing is as opaque as a cutoff above 1:
- * it hides all. */
-static void convert_layers(const lf_said *said, lf_material *out, cuts *c)
+/* What the model lacks that it is converted by, and what no range says. */
+static void settle(const lf_said *said, lf_principled *p)
 {
-    out->cover = said->cover < LF_COVERS ? said->cover : LF_COVER_OPAQUE;
-    out->alpha = out->cover == LF_COVER_OPAQUE ? clamp(said->alpha, 1.0f)
-                                               : cut(c, "alpha", said->alpha, 1.0f);
-    out->cutoff = clamp(said->cutoff, (float)LF_MAX_RADIANCE);
-    out->specular = cut(c, "specular", said->specular, 1.0f);
-    out->specular_tint = cut_colour(c, "specular colour", said->specular_tint, 1.0f);
-    out->coat = cut(c, "clear coat", said->coat, 1.0f);
-    out->coat_roughness = cut(c, "roughness of the clear coat", said->coat_roughness, 1.0f);
-    out->sheen = cut_colour(c, "sheen", said->sheen, 1.0f);
-    out->sheen_roughness = cut(c, "roughness of the sheen", said->sheen_roughness, 1.0f);
-    out->transmission = cut(c, "transmission", said->transmission, 1.0f);
-    out->is_solid = said->is_solid;
-    out->glass.absorption = cut_colour(c, "absorption", said->absorption, (float)LF_MAX_RADIANCE);
+    const lf_principled usual = lf_principled_usual();
+    if (!said->is_metallic || said->ior == 0.0f)
+        p->ior = usual.ior;
+    if (!said->is_metallic) {
+        p->roughness = usual.roughness;
+        p->metallic = p->anisotropy = 0.0f;
+    }
+    if (said->cover == LF_COVER_OPAQUE)
+        p->alpha = clamp(p->alpha, &lf_principled_alpha); /* of no matter */
+    else if (said->cover == LF_COVER_MASK && p->alpha_cutoff > 1.0f)
+        p->alpha = 0.0f;                 /* nothing is as opaque as that */
+    if (said->lost & 1u << LF_LOST_GLOW) /* which is black nearly everywhere */
+        p->emission = usual.emission;
 }
 
 static bool has_texture(const lf_said *said)
@@ -139,27 +124,22 @@ static bool has_texture(const lf_said *said)
 
 static lf_material convert_said(const lf_said *said, cuts *c)
 {
-    lf_material out = {.kind = &lf_surface_diffuse,
-                       .albedo = {0.5f, 0.5f, 0.5f},
-                       .roughness = 0.3f,
-                       .ior = USUAL_INDEX,
-                       .alpha = 1.0f,
-                       .cutoff = 0.5f,
-                       .specular = 1.0f,
-                       .specular_tint = {1.0f, 1.0f, 1.0f}};
+    lf_material out = {.kind = &lf_surface_diffuse, .p = lf_principled_usual()};
     if (said->is_none)
         return out;
-    convert_layers(said, &out, c);
-    out.albedo = cut_colour(c, "colour", said->diffuse, 1.0f);
+    out.p = said->p;
+    out.cover = said->cover;
+    out.is_solid = said->is_solid;
+    out.tint = said->glows_by_colours ? LF_TINT_ALL : LF_TINT_ALBEDO;
+    settle(said, &out.p);
+    for (const lf_param *const *row = lf_principled_rows; *row; row++)
+        cut(c, *row, &out.p);
     if (said->is_metallic)
-        convert_metallic(said, &out, c);
+        out.kind = &lf_surface_principled;
     else
         convert_phong(said, &out, c);
     if (has_texture(said))
         lf_material_make_pictured(&out);
-    out.tint = said->glows_by_colours ? LF_TINT_ALL : LF_TINT_ALBEDO;
-    if (!(said->lost & 1u << LF_LOST_GLOW)) /* which is black nearly everywhere */
-        out.emission = cut_colour(c, "emission", said->emission, (float)LF_MAX_RADIANCE);
     return out;
 }
 

@@ -38,22 +38,14 @@ typedef struct lf_said {
     bool has_diffuse; /* its colour was said */
     bool is_missing;  /* named by an OBJ file, and in none of its libraries */
     unsigned lost;    /* 1 << lf_lost each */
-    lf_vec3 diffuse, highlight, emission;
+    /* Roughness is glTF's, ior 0 where it was not said, and a cutoff above 1 hides all. */
+    LF_PRINCIPLED_MEMBERS;
+    lf_vec3 highlight;         /* Phong's … */
+    float exponent;            /* … 0: not said */
     bool lacks_base;           /* the texture of its colour was not to be had */
     bool glows_by_colours;     /* those of vertices multiply emission as well */
-    float exponent, ior;       /* Phong's; 0: not said */
-    float metallic, roughness; /* of the other */
-    lf_cover cover;            /* … and which share of it is there */
-    float alpha, cutoff;
-    float specular;             /* of what a dielectric reflects, 0..1 … */
-    lf_vec3 specular_tint;      /* … and its colour, 0..1 */
-    float coat, coat_roughness; /* a clear coat of index 1.5 on top, 0..1 */
-    lf_vec3 sheen;              /* colour of fibres that stand up, 0..1; 0: none */
-    float sheen_roughness;      /* perceptual, 0..1 */
-    float transmission;         /* 0..1: of what is not metal goes through in place of diffuse */
-    bool is_solid;              /* what is behind is another medium of index ior; else a sheet */
-    float brush, brush_turn;    /* grooves: how deep, 0..1, and radians from the tangent */
-    lf_vec3 absorption;         /* inside of it, per scene unit */
+    bool is_solid;             /* as a material's, and so is … */
+    lf_cover cover;
     lf_texture_set textures;    /* pictures of the mesh */
 } lf_said;
 

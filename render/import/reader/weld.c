@@ -228,7 +228,7 @@ static void whiten(lf_soup *soup)
         soup->colours.values[4 * i + 3] = 1.0f;
     for (size_t i = 0; i < soup->n_said; i++) {
         soup->said[i].is_none = false;
-        soup->said[i].diffuse = lf_v3(1, 1, 1);
+        soup->said[i].albedo = lf_v3(1, 1, 1);
         soup->said[i].cover = holes && some ? LF_COVER_BLEND : LF_COVER_OPAQUE;
     }
 }

@@ -44,7 +44,7 @@ static lf_texels_use use_of(const lf_material *m, int slot)
 lf_texels_use lf_slot_use(const lf_material *m, int slot, float *out_threshold)
 {
     const lf_texels_use use = use_of(m, slot);
-    *out_threshold = use == LF_TEXELS_CUTS ? m->cutoff / lf_max(m->alpha, 1e-6f) : 0.0f;
+    *out_threshold = use == LF_TEXELS_CUTS ? m->alpha_cutoff / lf_max(m->alpha, 1e-6f) : 0.0f;
     return use;
 }
 

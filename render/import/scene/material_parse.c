@@ -14,14 +14,12 @@
 #define MOST_MOVE 1e4  /* of a picture's place */
 
 /* What all kinds of surfaces may say. */
-enum { EMISSION, ALPHA, ALPHA_CUTOFF, NORMAL, COMMON };
+static const lf_param normal_key = {
+    .name = "normal", .type = LF_PARAM_NUMBER, .low = -MOST_SCALE, .high = MOST_SCALE};
 
-static const lf_param common[COMMON] = {
-    [EMISSION] = {.name = "emission", .type = LF_PARAM_COLOUR, .high = LF_MAX_RADIANCE},
-    [ALPHA] = {.name = "alpha", .type = LF_PARAM_NUMBER, .high = 1, .initial = 1},
-    [ALPHA_CUTOFF] = {.name = "alpha_cutoff", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.5},
-    [NORMAL] = {.name = "normal", .type = LF_PARAM_NUMBER, .low = -MOST_SCALE, .high = MOST_SCALE},
-};
+#define KEY(name, ...) &lf_principled_##name,
+#define OWN(key) &key,
+static const lf_param *const common[] = {LF_PRINCIPLED_COMMON(KEY, KEY, KEY) OWN(normal_key) NULL};
 
 const char *const lf_picture_keys[LF_OWN_SLOTS][2] = {
     [LF_SLOT_BASE] = {"albedo", "alpha"},
@@ -133,9 +131,9 @@ bool lf_has_pictures(const lf_pictures_desc *pictures)
 static bool has_key(const lf_surface_kind *kind, const char *name)
 {
     int i = 0;
-    while (kind->keys[i].name && strcmp(kind->keys[i].name, name) != 0)
+    while (kind->keys[i] && strcmp(kind->keys[i]->name, name) != 0)
         i++;
-    return kind->keys[i].name;
+    return kind->keys[i];
 }
 
 /* Whether a kind before the i-th has the key too. */
@@ -150,14 +148,14 @@ static bool is_repeated(const lf_param *key, int i)
 /* Refuses keys that no kind of surface has. */
 static void check_material_keys(lf_reader *reader, const lf_node *node)
 {
-    const char *names[LF_MAX_KINDS * LF_MAX_KEYS + COMMON + 2] = {"type"};
+    const char *names[LF_MAX_KINDS * LF_MAX_KEYS + sizeof common / sizeof *common + 1] = {"type"};
     int n = 1;
     for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++)
-            if (!is_repeated(key, i))
-                names[n++] = key->name;
-    for (int i = 0; i < COMMON; i++)
-        names[n++] = common[i].name;
+        for (const lf_param *const *key = lf_surface_kinds[i]->keys; *key; key++)
+            if (!is_repeated(*key, i))
+                names[n++] = (*key)->name;
+    for (int i = 0; common[i]; i++)
+        names[n++] = common[i]->name;
     names[n] = NULL;
     lf_read_object(reader, node, names);
 }
@@ -182,7 +180,8 @@ static void check_others(lf_reader *reader, const lf_node *node, const lf_surfac
 {
     lf_pictures_desc unused;
     for (int i = 0; lf_surface_kinds[i]; i++)
-        for (const lf_param *key = lf_surface_kinds[i]->keys; key->name; key++) {
+        for (const lf_param *const *at_key = lf_surface_kinds[i]->keys; *at_key; at_key++) {
+            const lf_param *key = *at_key;
             lf_node at = lf_node_child(node, key->name);
             lf_value value;
             if (!at.value || has_key(kind, key->name) || is_repeated(key, i))
@@ -197,22 +196,45 @@ static void check_others(lf_reader *reader, const lf_node *node, const lf_surfac
         }
 }
 
+/* Values of keys, a list that NULL ends; those of scalars become the material's. */
+static void read_keys(lf_reader *reader, const lf_node *node, const lf_param *const keys[],
+                      lf_value values[], lf_material *material, lf_pictures_desc *pictures)
+{
+    for (int i = 0; keys[i]; i++) {
+        read_key(reader, node, keys[i], &values[i], pictures);
+        (void)lf_principled_take(&material->p, keys[i], &values[i]);
+    }
+}
+
 /* What all kinds say alike. */
 static void read_common(lf_reader *reader, const lf_node *node, lf_material *material,
                         lf_pictures_desc *pictures)
 {
-    lf_value values[COMMON];
-    const lf_node normal = lf_node_child(node, common[NORMAL].name);
+    enum { N_COMMON = sizeof common / sizeof *common - 1 };
+    lf_value values[N_COMMON];
+    const lf_node normal = lf_node_child(node, normal_key.name),
+                  cutoff = lf_node_child(node, lf_principled_alpha_cutoff.name);
     if (normal.value && !json_is_object(normal.value))
         lf_read_fail(reader, &normal, "expected an object with the \"file\" of a normal map");
-    for (int i = 0; i < COMMON; i++)
-        read_key(reader, node, &common[i], &values[i], pictures);
-    material->emission = lf_to_vec3(values[EMISSION].number);
-    material->alpha = (float)values[ALPHA].number[0];
-    material->cutoff = (float)values[ALPHA_CUTOFF].number[0];
-    pictures->slot[LF_SLOT_NORMAL][0].texture.scale = (float)values[NORMAL].number[0];
+    read_keys(reader, node, common, values, material, pictures);
+    pictures->slot[LF_SLOT_NORMAL][0].texture.scale = (float)values[N_COMMON - 1].number[0];
     if (pictures->slot[LF_SLOT_BASE][1].file || material->alpha < 1.0f)
-        material->cover = values[ALPHA_CUTOFF].given ? LF_COVER_MASK : LF_COVER_BLEND;
+        material->cover = cutoff.value ? LF_COVER_MASK : LF_COVER_BLEND;
+}
+
+/* Refuses what the kind says is wrong, and takes what is its own. */
+static void read_own(lf_reader *reader, const lf_node *node, const lf_value values[],
+                     lf_material *material)
+{
+    const lf_surface_kind *kind = material->kind;
+    const lf_param *wrong = NULL;
+    const char *complaint = kind->check ? kind->check(values, material, &wrong) : NULL;
+    if (complaint) {
+        const lf_node at = lf_node_child(node, wrong->name);
+        lf_read_fail(reader, &at, "%s", complaint);
+    }
+    if (kind->read)
+        kind->read(values, material);
 }
 
 void lf_material_parse(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
@@ -226,18 +248,12 @@ void lf_material_parse(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     lf_refuse_foreign_material(reader, node);
     check_material_keys(reader, node);
     const lf_surface_kind *kind = lf_surface_kinds[lf_read_type(reader, node, types, 0)];
-    for (int i = 0; kind->keys[i].name; i++)
-        read_key(reader, node, &kind->keys[i], &values[i], pictures);
-    *material = (lf_material){.kind = kind, .specular = 1, .specular_tint = {1, 1, 1}};
+    *material = (lf_material){.kind = kind, .p = lf_principled_usual()};
+    read_keys(reader, node, kind->keys, values, material, pictures);
     read_common(reader, node, material, pictures);
     check_others(reader, node, kind, &desc->warnings);
     check_parts(reader, node, pictures);
-    int wrong = 0;
-    const char *complaint = kind->check ? kind->check(values, &wrong) : NULL;
-    lf_node at = lf_node_child(node, kind->keys[wrong].name);
-    if (complaint)
-        lf_read_fail(reader, &at, "%s", complaint);
-    kind->read(values, material);
+    read_own(reader, node, values, material);
     if (lf_has_pictures(pictures))
         lf_material_make_pictured(material);
 }

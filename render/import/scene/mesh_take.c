@@ -72,13 +72,14 @@ static bool counts_fit(const lf_parcel *parcel, lf_mesh_asked asked)
            normals = count_of(parcel, LF_PARCEL_NORMALS),
            triangles = count_of(parcel, LF_PARCEL_TRIANGLES),
            choices = count_of(parcel, LF_PARCEL_CHOICES),
-           kinds = count_of(parcel, LF_PARCEL_MATERIALS);
+           kinds = count_of(parcel, LF_PARCEL_MATERIALS),
+           scalars = count_of(parcel, LF_PARCEL_SCALARS);
     return positions > 0 && positions % 3 == 0 && positions / 3 <= 3 * (size_t)LF_MAX_TRIANGLES &&
            triangles > 0 && triangles % 3 == 0 && triangles / 3 <= LF_MAX_TRIANGLES &&
            (normals == 0 || normals == positions) &&
            (asked.materials ? kinds > 0 && kinds <= LF_MAX_MATERIALS && choices == triangles / 3
                             : kinds == 0 && choices == 0) &&
-           looks_fit(parcel, positions / 3, asked);
+           scalars == LF_PRINCIPLED_FLOATS * kinds && looks_fit(parcel, positions / 3, asked);
 }
 
 /* --------------------------------------------------------------------------------- materials -- */
@@ -91,53 +92,15 @@ static const lf_surface_kind *kind_at(uint32_t place)
     return *kind;
 }
 
-/* false: one of the three is out of range. */
-static bool take_vector(const float from[3], double high, lf_vec3 *out)
-{
-    *out = lf_v3(from[0], from[1], from[2]);
-    return within(from[0], 0, high) && within(from[1], 0, high) && within(from[2], 0, high);
-}
-
-/* The words that a layered surface has beside what all have. */
-static bool take_layers(const lf_parcel_material *from, lf_material *out)
-{
-    out->metallic = from->metallic;
-    out->specular = from->specular;
-    out->coat = from->coat;
-    out->coat_roughness = from->coat_roughness;
-    out->sheen_roughness = from->sheen_roughness;
-    out->transmission = from->transmission;
-    out->is_solid = from->is_solid == 1;
-    out->tint = from->glows_by_colours == 1 ? LF_TINT_ALL : LF_TINT_ALBEDO;
-    const float c = from->brush_turn[0], s = from->brush_turn[1];
-    const bool turns = within(c * c + s * s, 1.0f - UNIT_SLACK, 1.0f + UNIT_SLACK);
-    out->brush.strength = from->brush;
-    memcpy(out->brush.turn, from->brush_turn, sizeof out->brush.turn);
-    return within(from->brush, 0, 1) && within(from->brush_turn[0], -1, 1) &&
-           within(from->brush_turn[1], -1, 1) && (!(from->brush > 0.0f) || turns) &&
-           within(from->metallic, 0, 1) && within(from->specular, 0, 1) &&
-           within(from->coat, 0, 1) && within(from->coat_roughness, 0, 1) &&
-           within(from->sheen_roughness, 0, 1) && within(from->transmission, 0, 1) &&
-           from->is_solid <= 1 && from->glows_by_colours <= 1 &&
-           take_vector(from->specular_tint, 1, &out->specular_tint) &&
-           take_vector(from->sheen, 1, &out->sheen) &&
-           take_vector(from->absorption, LF_MAX_RADIANCE, &out->glass.absorption);
-}
-
-static bool take_material(const lf_parcel_material *from, lf_material *out)
+static bool take_material(const lf_parcel_material *from, const float scalars[], lf_material *out)
 {
     *out = (lf_material){.kind = kind_at(from->kind),
-                         .roughness = from->roughness,
-                         .ior = from->ior,
-                         .alpha = from->alpha,
-                         .cutoff = from->cutoff};
-    if (!out->kind || !within(from->roughness, 0, 1) || !within(from->ior, 1, LF_MAX_INDEX) ||
-        from->cover >= LF_COVERS || !within(from->alpha, 0, 1) ||
-        !within(from->cutoff, 0, LF_MAX_RADIANCE))
-        return false;
-    out->cover = (lf_cover)from->cover;
-    return take_vector(from->albedo, 1, &out->albedo) &&
-           take_vector(from->emission, LF_MAX_RADIANCE, &out->emission) && take_layers(from, out);
+                         .cover = from->cover < LF_COVERS ? (lf_cover)from->cover : LF_COVER_OPAQUE,
+                         .is_solid = from->is_solid == 1,
+                         .tint = from->glows_by_colours == 1 ? LF_TINT_ALL : LF_TINT_ALBEDO};
+    memcpy(&out->p, scalars, sizeof out->p);
+    return out->kind && from->cover < LF_COVERS && from->is_solid <= 1 &&
+           from->glows_by_colours <= 1 && !lf_principled_wrong(&out->p);
 }
 
 static bool take_texture(const lf_parcel_texture *from, const lf_mesh_data *data, lf_texture *out)
@@ -179,6 +142,7 @@ static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_e
                    "a texture for every slot");
     size_t n;
     const lf_parcel_material *from = lf_parcel_get(parcel, LF_PARCEL_MATERIALS, &n);
+    const float *scalars = lf_parcel_get(parcel, LF_PARCEL_SCALARS, &(size_t){0});
     if (n == 0)
         return LF_OK;
     out->materials = lf_calloc(n, sizeof *out->materials);
@@ -194,8 +158,9 @@ static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_e
             return no_memory(err);
     }
     for (size_t i = 0; i < n; i++) {
-        bool fits = take_material(&from[i], &out->materials[i]) &&
-                    memchr(from[i].name, 0, sizeof from[i].name);
+        bool fits =
+            take_material(&from[i], scalars + i * LF_PRINCIPLED_FLOATS, &out->materials[i]) &&
+            memchr(from[i].name, 0, sizeof from[i].name);
         memcpy(out->names[i], from[i].name, sizeof out->names[i]);
         for (int s = 0; s < LF_SLOTS && fits && out->textures; s++)
             fits = take_texture(&from[i].texture[s], out, &out->textures[i].slot[s]);

@@ -261,27 +261,10 @@ static bool same_triangles(const lf_mesh_data *a, const lf_mesh_data *b)
                0;
 }
 
-static bool same_vector(lf_vec3 a, lf_vec3 b)
-{
-    return memcmp(&a, &b, sizeof a) == 0;
-}
-
 /* Of what files say. */
 static bool same_material(const lf_material *a, const lf_material *b)
 {
-    const float one[] = {a->roughness,       a->ior,          a->metallic,       a->alpha,
-                         a->cutoff,          a->specular,     a->coat,           a->coat_roughness,
-                         a->sheen_roughness, a->transmission, a->brush.strength, a->brush.turn[0],
-                         a->brush.turn[1]},
-                other[] = {
-                    b->roughness,       b->ior,          b->metallic,       b->alpha,
-                    b->cutoff,          b->specular,     b->coat,           b->coat_roughness,
-                    b->sheen_roughness, b->transmission, b->brush.strength, b->brush.turn[0],
-                    b->brush.turn[1]};
-    return memcmp(one, other, sizeof one) == 0 && a->is_solid == b->is_solid &&
-           same_vector(a->albedo, b->albedo) && same_vector(a->emission, b->emission) &&
-           same_vector(a->specular_tint, b->specular_tint) && same_vector(a->sheen, b->sheen) &&
-           same_vector(a->glass.absorption, b->glass.absorption);
+    return memcmp(&a->p, &b->p, sizeof a->p) == 0 && a->is_solid == b->is_solid;
 }
 
 static bool same_textures(const lf_texture_set *a, const lf_texture_set *b)

@@ -83,7 +83,7 @@ static part part_of(const lf_scene *scene, int number, int material)
                 .material = material,
                 .joined = -1,
                 .box = whole || mesh->placed ? mesh->box : box_of(mesh, material),
-                .priority = scene->materials[material].glass.priority,
+                .priority = scene->materials[material].priority,
                 .number = -1};
     out.size = volume_of(&out.box);
     if (mesh->placed) { /* one of its places */

@@ -7,7 +7,7 @@ static bool is_fleshy(const lf_scene *scene, const lf_mesh *mesh)
     bool fleshy = false;
     for (int i = 0; i < mesh->n_triangles && !fleshy; i++) {
         const int m = lf_mesh_material(mesh, (uint32_t)i);
-        fleshy = scene->materials[m].glass.subsurface > 0.0f;
+        fleshy = scene->materials[m].subsurface > 0.0f;
     }
     return fleshy;
 }

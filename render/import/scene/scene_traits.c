@@ -47,19 +47,18 @@ static lf_traits mesh_traits(const lf_mesh *mesh)
 
 static lf_traits glass_traits(const lf_material *m)
 {
-    const lf_glass *glass = &m->glass;
     const bool solid = m->is_solid && m->transmission > 0.0f,
-               filled = lf_max3(glass->absorption) > 0.0f || lf_max3(glass->scattering) > 0.0f;
-    return (glass->is_pane ? LF_TRAIT_THIN_GLASS : 0) |
-           (m->is_solid && glass->is_rough ? LF_TRAIT_ROUGH_GLASS : 0) |
+               filled = lf_max3(m->absorption) > 0.0f || lf_max3(m->scattering) > 0.0f;
+    return (m->glass.is_pane ? LF_TRAIT_THIN_GLASS : 0) |
+           (m->is_solid && m->glass.is_rough ? LF_TRAIT_ROUGH_GLASS : 0) |
            (solid && filled ? LF_TRAIT_FILLED_GLASS : 0) |
-           (glass->subsurface > 0.0f ? LF_TRAIT_SUBSURFACE : 0);
+           (m->subsurface > 0.0f ? LF_TRAIT_SUBSURFACE : 0);
 }
 
 static lf_traits material_traits(const lf_material *m)
 {
     return glass_traits(m) | (m->has_delta ? LF_TRAIT_MIRRORS : 0) |
-           (m->textures || m->brush.strength > 0.0f ? LF_TRAIT_VARYING : 0) |
+           (m->textures || m->anisotropy > 0.0f ? LF_TRAIT_VARYING : 0) |
            (has_tinting_texture(m) ? LF_TRAIT_VARYING_ALBEDO : 0) |
            (m->cover != LF_COVER_OPAQUE ? LF_TRAIT_ALPHA : 0) |
            (lf_max3(m->emission) > 0.0f ? LF_TRAIT_EMISSION : 0) |

@@ -15,7 +15,7 @@ typedef struct frame {
 bool lf_mesh_wants_tangents(const lf_mesh_data *data)
 {
     for (int i = 0; i < data->n_materials; i++)
-        if (data->materials[i].brush.strength > 0.0f ||
+        if (data->materials[i].anisotropy > 0.0f ||
             (data->textures && (data->textures[i].slot[LF_SLOT_NORMAL].picture > 0 ||
                                 data->textures[i].slot[LF_SLOT_COAT_NORMAL].picture > 0)))
             return true;
@@ -28,7 +28,7 @@ static const lf_texture *map_of(const lf_mesh_data *data, int triangle)
 {
     static const lf_texture plain = {.map = {{1, 0, 0}, {0, 1, 0}}};
     const int material = data->triangle_material[triangle];
-    const bool brushed = data->materials[material].brush.strength > 0.0f;
+    const bool brushed = data->materials[material].anisotropy > 0.0f;
     const lf_texture *map = brushed ? &plain : NULL;
     if (data->textures) {
         const lf_texture *slot = data->textures[material].slot;

@@ -25,8 +25,8 @@ static bool is_opaque(const lf_scene *scene, const lf_mesh *mesh)
     bool opaque = true;
     for (int i = 0; i < mesh->n_triangles && opaque; i++) {
         const lf_material *m = &scene->materials[lf_mesh_material(mesh, (uint32_t)i)];
-        opaque = m->cover == LF_COVER_OPAQUE && !(m->transmission > 0.0f) &&
-                 !(m->glass.subsurface > 0.0f);
+        opaque =
+            m->cover == LF_COVER_OPAQUE && !(m->transmission > 0.0f) && !(m->subsurface > 0.0f);
     }
     return opaque;
 }

@@ -138,12 +138,13 @@ void lf_suffix_batch_keep_up(lf_suffix_batch *batch, lf_tracer *tracer, int max_
 }
 
 void lf_suffix_batch_direction(const lf_suffix_batch *batch, const lf_scene *scene, int at, int k,
-                               lf_batch_direction *out)
+                               lf_suffix *out)
 {
     const int path = at * batch->each + k;
-    *out = (lf_batch_direction){.wi = {batch->wi[0][path], batch->wi[1][path], batch->wi[2][path]},
-                                .scattered = {batch->radiance[0][path], batch->radiance[1][path],
-                                              batch->radiance[2][path]}};
+    out->has_direction = true;
+    out->wi = lf_v3(batch->wi[0][path], batch->wi[1][path], batch->wi[2][path]);
+    out->scattered =
+        lf_v3(batch->radiance[0][path], batch->radiance[1][path], batch->radiance[2][path]);
     if (batch->lanes->has & LF_LANE_SKY && batch->escaped[path] > 0.0f)
         out->found = lf_light_escape(scene, out->wi, &out->found_pdf);
 }

@@ -4,9 +4,7 @@
 #define LF_RENDER_SUFFIX_BATCH_H
 
 #include "render/transport/lanes/suffix.h"
-#include "render/transport/light/light.h"
-#include "render/transport/path/track.h"
-#include "render/transport/sampler.h"
+#include "render/transport/path/suffix_one.h"
 
 /* Pivots, and suffixes of each: one costs about a third of what the rest of a pivot costs
  * (docs/performance.md, "Suffixes in lanes"). */
@@ -39,13 +37,6 @@ typedef struct lf_suffix_batch {
     lf_lane_memory memory;
 } lf_suffix_batch;
 
-/* One of a pivot's directions, drawn by the phase function, and what comes along it. */
-typedef struct lf_batch_direction {
-    lf_vec3 wi, scattered;
-    lf_vec3 found;   /* light that it has met by itself … */
-    float found_pdf; /* … and the pdf of light samples for it; 0: none */
-} lf_batch_direction;
-
 /* Of memory that is all zero; each: suffixes of a pivot. Borrows the rest. */
 void lf_suffix_batch_init(lf_suffix_batch *batch, const lf_lane_scene *lanes,
                           const lf_suffixes *suffixes, int each);
@@ -73,8 +64,9 @@ void lf_suffix_batch_trace(lf_suffix_batch *batch, lf_tracer *tracer, int max_de
  * spread when, and so the order of sums, must not. */
 void lf_suffix_batch_keep_up(lf_suffix_batch *batch, lf_tracer *tracer, int max_depth);
 
-/* Direction k of pivot `at`, traced. */
+/* Direction k of pivot `at`, drawn by the phase function and traced, into a suffix that has none.
+ */
 void lf_suffix_batch_direction(const lf_suffix_batch *batch, const lf_scene *scene, int at, int k,
-                               lf_batch_direction *out);
+                               lf_suffix *out);
 
 #endif

@@ -1,6 +1,6 @@
 #include "render/transport/path/catcher.h"
 
-#include "render/transport/path/path.h"
+#include "render/transport/path/suffix_one.h"
 #include "render/transport/surface/surface_lobes.h"
 
 static float passed_by(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t)
@@ -72,17 +72,15 @@ static lf_vec3 arriving(lf_tracer *tracer, const lf_event *event, lf_vec3 wi, fl
                         int max_depth)
 {
     lf_event next;
+    lf_suffix suffix = {0};
     lf_path_next(tracer, event, wi, &next);
     if (next.kind == LF_EVENT_SURFACE && !is_thing(next.hit.mesh))
         next.kind = LF_EVENT_ESCAPE;
-    lf_vec3 radiance = lf_path_arriving(tracer, &next, 2, max_depth);
-    if (next.kind == LF_EVENT_SURFACE) {
-        float light_pdf;
-        const lf_vec3 found = lf_path_light_found(tracer->scene, event, &next, &light_pdf);
-        radiance = lf_madd(radiance, pdf > 0.0f ? pdf / (pdf + light_pdf) : 1.0f,
-                           lf_mul(found, lf_path_absorbed(tracer->scene, &next)));
-    }
-    return radiance;
+    lf_suffix_meet(tracer, event, &next, max_depth, &suffix);
+    if (next.kind == LF_EVENT_ESCAPE)
+        return suffix.scattered;
+    return lf_madd(suffix.scattered, pdf > 0.0f ? pdf / (pdf + suffix.found_pdf) : 1.0f,
+                   suffix.found);
 }
 
 /* A light sample, of things that shine. */
@@ -98,8 +96,7 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     const float pdf = lf_scatter_eval(tracer->scene, event, wo, light.wi, &f);
     if (!(lf_max3(f) > 0.0f))
         return nothing;
-    const float passed = lf_path_visible(tracer, event, &light);
-    f = lf_mul(f, lf_path_absorbed_light(tracer->scene, event, &light));
+    const float passed = lf_path_lit(tracer, event, &light);
     return lf_scale(lf_mul(f, light.radiance), passed / (light.pdf + pdf));
 }
 

@@ -18,8 +18,8 @@ float lf_flesh_albedo(float albedo, float g)
 static lf_flesh flesh_of(const lf_hit *hit)
 {
     const lf_material *m = lf_hit_material(hit);
-    float g = m->glass.g;
-    lf_vec3 r = m->glass.radius;
+    float g = m->g;
+    lf_vec3 r = m->subsurface_radius;
     return (lf_flesh){.of = hit->material,
                       .sigma_t = lf_v3(1.0f / r.x, 1.0f / r.y, 1.0f / r.z),
                       .albedo =
@@ -34,7 +34,7 @@ lf_flesh lf_flesh_beyond(const lf_event *from, lf_vec3 w)
     const lf_hit *hit = &from->hit;
     if (from->kind != LF_EVENT_SURFACE)
         return none;
-    if (!(hit->material->glass.subsurface > 0.0f) || !(lf_dot(hit->ng, w) < 0.0f))
+    if (!(hit->material->subsurface > 0.0f) || !(lf_dot(hit->ng, w) < 0.0f))
         return from->flesh;
     return hit->front ? flesh_of(hit) : none;
 }

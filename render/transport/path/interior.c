@@ -22,7 +22,7 @@ const lf_material *lf_interior_beyond(const lf_scene *scene, const lf_event *fro
 
 static lf_vec3 extinction(const lf_material *m)
 {
-    return lf_add(m->glass.absorption, m->glass.scattering);
+    return lf_add(m->absorption, m->scattering);
 }
 
 lf_vec3 lf_interior_left(const lf_material *in, float t)
@@ -41,14 +41,14 @@ float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec
     if (!(out->surface < INFINITY))
         in = NULL; /* no face ends it: the mesh is not closed */
     out->interior = in;
-    if (!in || !(lf_max3(in->glass.scattering) > 0.0f))
+    if (!in || !(lf_max3(in->scattering) > 0.0f))
         return INFINITY;
     return lf_coloured_way(tracer, extinction(in), beta);
 }
 
 lf_dimming lf_interior_dimming(const lf_material *in, lf_vec3 beta)
 {
-    return (lf_dimming){extinction(in), beta, lf_max3(in->glass.scattering) > 0.0f};
+    return (lf_dimming){extinction(in), beta, lf_max3(in->scattering) > 0.0f};
 }
 
 void lf_interior_weigh(lf_vec3 beta, lf_event *out)
@@ -58,10 +58,10 @@ void lf_interior_weigh(lf_vec3 beta, lf_event *out)
     if (!in)
         return;
     float t = lf_min(out->t, out->surface);
-    if (!(lf_max3(in->glass.scattering) > 0.0f))
+    if (!(lf_max3(in->scattering) > 0.0f))
         out->left = lf_interior_left(in, t);
     else if (out->kind == LF_EVENT_MEDIUM && out->volume == LF_INTERIOR)
-        out->left = lf_coloured_collision(beta, extinction(in), in->glass.scattering, t);
+        out->left = lf_coloured_collision(beta, extinction(in), in->scattering, t);
     else
         out->left = lf_coloured_passage(beta, extinction(in), t);
 }

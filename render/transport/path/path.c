@@ -84,7 +84,7 @@ lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
 /* Of the medium of a collision. */
 static float phase_of(const lf_scene *scene, const lf_event *event, lf_vec3 w, lf_vec3 wi)
 {
-    return event->volume == LF_INTERIOR ? lf_phase_between(event->interior->glass.g, w, wi)
+    return event->volume == LF_INTERIOR ? lf_phase_between(event->interior->g, w, wi)
                                         : lf_volume_phase(&scene->volumes[event->volume], w, wi);
 }
 
@@ -154,7 +154,7 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
     }
     lf_vec3 w = lf_scale(wo, -1.0f);
     *wi = event->volume == LF_INTERIOR
-              ? lf_phase_sample(event->interior->glass.g, w, u)
+              ? lf_phase_sample(event->interior->g, w, u)
               : lf_volume_phase_sample(&scene->volumes[event->volume], w, u);
     float phase = phase_of(scene, event, w, *wi);
     *f = lf_scale(albedo_of(scene, event), phase);
@@ -219,6 +219,15 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
         return passed * lf_track_transmittance(tracer, event->p, light->wi, light->distance);
     light->radiance = lf_mul(light->radiance,
                              lf_track_transmittances(tracer, event->p, light->wi, light->distance));
+    return passed;
+}
+
+float lf_path_lit(lf_tracer *tracer, const lf_event *event, lf_light_sample *light)
+{
+    const float passed = lf_path_visible(tracer, event, light);
+    if (lf_has(tracer->scene, LF_TRAITS_FILLED))
+        light->radiance =
+            lf_mul(light->radiance, lf_path_absorbed_light(tracer->scene, event, light));
     return passed;
 }
 
@@ -336,12 +345,8 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     float pdf = lf_scatter_eval(tracer->scene, event, wo, light.wi, &f);
     if (!(lf_max3(f) > 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    float weight =
-        lf_path_visible(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
+    float weight = lf_path_lit(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
     weight *= beside_glow(tracer->scene, event, light.light);
-    if (lf_has(tracer->scene, LF_TRAITS_FILLED))
-        light.radiance =
-            lf_mul(light.radiance, lf_path_absorbed_light(tracer->scene, event, &light));
     return lf_scale(lf_mul(f, light.radiance), weight);
 }
 

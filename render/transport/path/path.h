@@ -89,6 +89,8 @@ bool lf_path_serves_others(const lf_event *event, lf_vec3 wi);
  * the transmittance; chromatic media take theirs from the sample's radiance. 0 where the light lies
  * behind the surface. */
 float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample *light);
+/* The same; what solid glass takes of it, too, is taken from the sample's radiance. */
+float lf_path_lit(lf_tracer *tracer, const lf_event *event, lf_light_sample *light);
 
 /* Radiance found at the first event of a path that leaves with direction w (light reached without a
  * collision), times the event's channels, and the pdf with which light sampling at `from` would

@@ -76,14 +76,15 @@ typedef struct lf_fan_lobes {
 
 typedef struct lf_surface_kind {
     const char *name; /* what "type" says in a scene file */
-    /* At most LF_MAX_KEYS beside "type" and "emission". Other kinds' keys have no effect and get a
+    /* Rows of lf_principled (principled.h) and of its own, NULL behind the last: at most
+     * LF_MAX_KEYS, beside "type" and what all have. Other kinds' keys have no effect and get a
      * warning, or, exclusive ones, are errors. */
-    const lf_param *keys;
+    const lf_param *const *keys;
     const char *lacks; /* the warning's last words: why others' keys have none */
-    /* What is wrong with the values of keys taken together, and of which key to say so; NULL = all
-     * is well. The function may be NULL: it always is. */
-    const char *(*check)(const lf_value values[], int *out_key);
-    /* Fills the material's own words from the values of keys, in their order. */
+    /* What is wrong with the values of keys, in their order, taken together, and of which key to
+     * say so; NULL = all is well. m has its scalars. The function may be NULL: it always is. */
+    const char *(*check)(const lf_value values[], const lf_material *m, const lf_param **out_key);
+    /* Takes the values of the kind's own keys. NULL: it has none. */
     void (*read)(const lf_value values[], lf_material *m);
     /* Works out what lf_material says is made of its words. */
     void (*prepare)(lf_material *m);

@@ -134,35 +134,43 @@ static void prepare(lf_material *m)
 
 enum { ALBEDO, METAL, ETA, K, ROUGHNESS };
 
-static const lf_param keys[] = {
-    [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
-    [METAL] = {.name = "metal", .type = LF_PARAM_WORD, .exclusive = true, .words = lf_metal_names},
-    [ETA] = {.name = "eta", .type = LF_PARAM_COLOUR, .exclusive = true, .low = 0.01, .high = 20},
-    [K] = {.name = "k", .type = LF_PARAM_COLOUR, .exclusive = true, .high = 20},
-    [ROUGHNESS] = {.name = "roughness", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.3},
-    {0},
-};
+static const lf_param metal_key = {.name = "metal",
+                                   .type = LF_PARAM_WORD,
+                                   .exclusive = true,
+                                   .words = lf_metal_names},
+                      eta_key = {.name = "eta",
+                                 .type = LF_PARAM_COLOUR,
+                                 .exclusive = true,
+                                 .low = 0.01,
+                                 .high = 20},
+                      k_key = {.name = "k", .type = LF_PARAM_COLOUR, .exclusive = true, .high = 20};
+
+static const lf_param *const keys[] = {[ALBEDO] = &lf_principled_albedo,
+                                       [METAL] = &metal_key,
+                                       [ETA] = &eta_key,
+                                       [K] = &k_key,
+                                       [ROUGHNESS] = &lf_principled_roughness,
+                                       NULL};
 
 /* The colour is that of a metal by name, or eta's and k's; albedo is for those that have none. */
-static const char *check(const lf_value values[], int *out_key)
+static const char *check(const lf_value values[], const lf_material *m, const lf_param **out_key)
 {
+    (void)m;
     bool metal = values[METAL].given, eta = values[ETA].given, k = values[K].given;
-    *out_key = ALBEDO;
+    *out_key = &lf_principled_albedo;
     if (values[ALBEDO].given && (metal || eta || k))
         return metal ? "metal says the colour already"
                : eta ? "eta says the colour already"
                      : "k says the colour already";
-    *out_key = metal == eta ? ETA : K;
+    *out_key = metal == eta ? &eta_key : &k_key;
     if (metal && (eta || k))
         return "metal says eta and k already";
-    *out_key = eta ? K : ETA;
+    *out_key = eta ? &k_key : &eta_key;
     return eta != k ? "eta and k belong together" : NULL;
 }
 
 static void read(const lf_value values[], lf_material *m)
 {
-    m->albedo = lf_to_vec3(values[ALBEDO].number);
-    m->roughness = (float)values[ROUGHNESS].number[0];
     if (values[METAL].given) {
         const lf_metal *metal = &lf_metals[values[METAL].word];
         m->eta = metal->eta;

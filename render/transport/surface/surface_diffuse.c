@@ -32,23 +32,12 @@ static void vary(lf_material *m)
     (void)m; /* all that counts is its albedo */
 }
 
-enum { ALBEDO };
-
-static const lf_param keys[] = {
-    [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
-    {0},
-};
-
-static void read(const lf_value values[], lf_material *m)
-{
-    m->albedo = lf_to_vec3(values[ALBEDO].number);
-}
+static const lf_param *const keys[] = {&lf_principled_albedo, NULL};
 
 const lf_surface_kind lf_surface_diffuse = {
     .name = "diffuse",
     .keys = keys,
     .lacks = "diffuse surfaces have none",
-    .read = read,
     .prepare = prepare,
     .vary = vary,
     .eval = eval,

@@ -166,28 +166,13 @@ static void prepare(lf_material *m)
               rest_of((double)m->albedo.z, eta, loss));
 }
 
-enum { ALBEDO, ROUGHNESS, IOR };
-
-static const lf_param keys[] = {
-    [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
-    [ROUGHNESS] = {.name = "roughness", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.3},
-    [IOR] =
-        {.name = "ior", .type = LF_PARAM_NUMBER, .low = 1, .high = LF_MAX_INDEX, .initial = 1.5},
-    {0},
-};
-
-static void read(const lf_value values[], lf_material *m)
-{
-    m->albedo = lf_to_vec3(values[ALBEDO].number);
-    m->roughness = (float)values[ROUGHNESS].number[0];
-    m->ior = (float)values[IOR].number[0];
-}
+static const lf_param *const keys[] = {&lf_principled_albedo, &lf_principled_roughness,
+                                       &lf_principled_ior, NULL};
 
 const lf_surface_kind lf_surface_plastic = {
     .name = "plastic",
     .keys = keys,
     .lacks = "plastic surfaces have none",
-    .read = read,
     .prepare = prepare,
     .eval = eval,
     .eval_fan = eval_fan,

@@ -67,7 +67,7 @@ static layers layers_of(const lf_material *m)
     l.glass = m->glass.is_rough ? (1.0f - m->metallic) * m->transmission : 0.0f;
     l.below = (1.0f - m->metallic) * (1.0f - m->transmission);
     l.dielectric = m->glass.is_rough ? l.below : 1.0f - m->metallic;
-    l.flesh = l.below * m->glass.subsurface;
+    l.flesh = l.below * m->subsurface;
     l.below -= l.flesh;
     return l;
 }
@@ -419,7 +419,7 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
 {
     float cos_o = lf_min(lf_dot(ns, wo), 1.0f), coat = 0.0f;
     int n = 0;
-    if (!m->has_delta || !(cos_o > LF_MIN_COS) || (!front && m->glass.subsurface > 0.0f))
+    if (!m->has_delta || !(cos_o > LF_MIN_COS) || (!front && m->subsurface > 0.0f))
         return 0;
     front = m->glass.is_parting ? !m->glass.is_inside : front;
     layers l = layers_of(m);
@@ -487,7 +487,7 @@ static void prepare(lf_material *m)
 {
     /* what a texture makes of a smooth lobe is a rough one */
     if (has_texture(m, LF_SLOT_METAL_ROUGH) || has_texture(m, LF_SLOT_NORMAL) ||
-        has_texture(m, LF_SLOT_SPECULAR) || m->brush.strength > 0.0f)
+        has_texture(m, LF_SLOT_SPECULAR) || m->anisotropy > 0.0f)
         m->roughness = lf_max(m->roughness, LF_LEAST_ROUGHNESS);
     if (has_texture(m, LF_SLOT_COAT_ROUGH) || has_texture(m, LF_SLOT_COAT_NORMAL))
         m->coat_roughness = lf_max(m->coat_roughness, LF_LEAST_ROUGHNESS);
@@ -515,102 +515,28 @@ static void prepare(lf_material *m)
     lf_glass_prepare(m);
 }
 
-enum {
-    ALBEDO,
-    ROUGHNESS,
-    METALLIC,
-    IOR,
-    SPECULAR,
-    SPECULAR_TINT,
-    COAT,
-    COAT_ROUGHNESS,
-    SHEEN,
-    SHEEN_ROUGHNESS,
-    TRANSMISSION,
-    GLASS,
-    ABSORPTION,
-    SCATTERING,
-    PHASE,
-    SUBSURFACE,
-    RADIUS,
-    BRUSH,
-    BRUSH_TURN,
-    PRIORITY
-};
-
-#define LEAST_RADIUS 1e-6 /* its inverse squared is a float */
-
 static const char *const glasses[] = {"solid", "sheet", NULL};
+static const lf_param glass_key = {.name = "glass", .type = LF_PARAM_WORD, .words = glasses};
 
-static const lf_param keys[] = {
-    [ALBEDO] = {.name = "albedo", .type = LF_PARAM_COLOUR, .high = 1, .point = {0.5, 0.5, 0.5}},
-    [ROUGHNESS] = {.name = "roughness", .type = LF_PARAM_NUMBER, .high = 1, .initial = 0.3},
-    [METALLIC] = {.name = "metallic", .type = LF_PARAM_NUMBER, .high = 1},
-    [IOR] =
-        {.name = "ior", .type = LF_PARAM_NUMBER, .low = 1, .high = LF_MAX_INDEX, .initial = 1.5},
-    [SPECULAR] = {.name = "specular", .type = LF_PARAM_NUMBER, .high = 1, .initial = 1},
-    [SPECULAR_TINT] = {.name = "specular_tint",
-                       .type = LF_PARAM_COLOUR,
-                       .high = 1,
-                       .point = {1, 1, 1}},
-    [COAT] = {.name = "coat", .type = LF_PARAM_NUMBER, .high = 1},
-    [COAT_ROUGHNESS] = {.name = "coat_roughness", .type = LF_PARAM_NUMBER, .high = 1},
-    [SHEEN] = {.name = "sheen", .type = LF_PARAM_COLOUR, .high = 1},
-    [SHEEN_ROUGHNESS] = {.name = "sheen_roughness",
-                         .type = LF_PARAM_NUMBER,
-                         .high = 1,
-                         .initial = 0.5},
-    [TRANSMISSION] = {.name = "transmission", .type = LF_PARAM_NUMBER, .high = 1},
-    [GLASS] = {.name = "glass", .type = LF_PARAM_WORD, .words = glasses},
-    [ABSORPTION] = {.name = "absorption", .type = LF_PARAM_COLOUR, .high = 1e9},
-    [SCATTERING] = {.name = "scattering", .type = LF_PARAM_COLOUR, .high = 1e9},
-    [PHASE] = {.name = "g", .type = LF_PARAM_NUMBER, .low = -0.999, .high = 0.999},
-    [SUBSURFACE] = {.name = "subsurface", .type = LF_PARAM_NUMBER, .high = 1},
-    [RADIUS] = {.name = "subsurface_radius",
-                .type = LF_PARAM_COLOUR,
-                .low = LEAST_RADIUS,
-                .high = LF_MAX_COORDINATE,
-                .point = {0.1, 0.1, 0.1}},
-    [BRUSH] = {.name = "anisotropy", .type = LF_PARAM_NUMBER, .high = 1},
-    [BRUSH_TURN] = {.name = "anisotropy_rotation",
-                    .type = LF_PARAM_ANGLE,
-                    .low = -3600,
-                    .high = 3600},
-    [PRIORITY] = {.name = "priority", .type = LF_PARAM_NUMBER, .low = -1000, .high = 1000},
-    {0},
-};
+#define KEY(name, ...) &lf_principled_##name,
+#define OWN(key) &key,
+static const lf_param *const keys[] = {LF_PRINCIPLED_LAYERS(KEY, KEY, KEY) OWN(glass_key) NULL};
+
+enum { GLASS = sizeof keys / sizeof *keys - 2 };
+_Static_assert(GLASS < LF_MAX_KEYS, "values of all keys have room");
+
+static const char *check(const lf_value values[], const lf_material *m, const lf_param **out_key)
+{
+    (void)values;
+    *out_key = &lf_principled_subsurface;
+    return m->subsurface > 0.0f && m->transmission > 0.0f
+               ? "a surface has transmission or subsurface, not both"
+               : NULL;
+}
 
 static void read(const lf_value values[], lf_material *m)
 {
-    m->albedo = lf_to_vec3(values[ALBEDO].number);
-    m->roughness = (float)values[ROUGHNESS].number[0];
-    m->metallic = (float)values[METALLIC].number[0];
-    m->ior = (float)values[IOR].number[0];
-    m->specular = (float)values[SPECULAR].number[0];
-    m->specular_tint = lf_to_vec3(values[SPECULAR_TINT].number);
-    m->coat = (float)values[COAT].number[0];
-    m->coat_roughness = (float)values[COAT_ROUGHNESS].number[0];
-    m->sheen = lf_to_vec3(values[SHEEN].number);
-    m->sheen_roughness = (float)values[SHEEN_ROUGHNESS].number[0];
-    m->transmission = (float)values[TRANSMISSION].number[0];
     m->is_solid = values[GLASS].word == 0;
-    m->glass.absorption = lf_to_vec3(values[ABSORPTION].number);
-    m->glass.scattering = lf_to_vec3(values[SCATTERING].number);
-    m->glass.g = (float)values[PHASE].number[0];
-    m->glass.subsurface = (float)values[SUBSURFACE].number[0];
-    m->glass.radius = lf_to_vec3(values[RADIUS].number);
-    m->brush.strength = (float)values[BRUSH].number[0];
-    m->brush.turn[0] = (float)cos(values[BRUSH_TURN].number[0]);
-    m->brush.turn[1] = (float)sin(values[BRUSH_TURN].number[0]);
-    m->glass.priority = (float)values[PRIORITY].number[0];
-}
-
-static const char *check(const lf_value values[], int *out_key)
-{
-    *out_key = SUBSURFACE;
-    return values[SUBSURFACE].number[0] > 0 && values[TRANSMISSION].number[0] > 0
-               ? "a surface has transmission or subsurface, not both"
-               : NULL;
 }
 
 const lf_surface_kind lf_surface_principled = {

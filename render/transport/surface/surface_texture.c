@@ -97,7 +97,8 @@ float lf_hit_cover(const lf_hit *hit, float width)
         interpolate(&at, hit->mesh->colours, 4, colour);
         alpha *= colour[3];
     }
-    return share * (m->cover == LF_COVER_MASK ? (float)(alpha >= m->cutoff) : lf_min(alpha, 1.0f));
+    return share *
+           (m->cover == LF_COVER_MASK ? (float)(alpha >= m->alpha_cutoff) : lf_min(alpha, 1.0f));
 }
 
 /* Normals that spread about their mean, which has the length r, widen the lobe: alpha^2 grows by
@@ -189,12 +190,17 @@ static void brush(const place *at, float width, lf_hit *hit)
     lf_material *m = &hit->own;
     lf_brush *b = &m->brush;
     lf_vec3 along, across, x, y;
-    float texel[4], strength = b->strength, c = b->turn[0], s = b->turn[1];
+    float texel[4], strength = m->anisotropy, c = m->anisotropy_rotation[0],
+                    s = m->anisotropy_rotation[1];
     if (m->textures && look_up(at, m->textures, LF_SLOT_BRUSH, width, texel)) {
         float u = 2.0f * texel[0] - 1.0f, v = 2.0f * texel[1] - 1.0f, length = sqrtf(u * u + v * v);
         strength *= length > 1e-6f ? texel[2] : 0.0f;
-        c = length > 1e-6f ? (b->turn[0] * u - b->turn[1] * v) / length : c;
-        s = length > 1e-6f ? (b->turn[1] * u + b->turn[0] * v) / length : s;
+        c = length > 1e-6f
+                ? (m->anisotropy_rotation[0] * u - m->anisotropy_rotation[1] * v) / length
+                : c;
+        s = length > 1e-6f
+                ? (m->anisotropy_rotation[1] * u + m->anisotropy_rotation[0] * v) / length
+                : s;
     }
     if (!(strength > 0.0f) ||
         !tangents_of(at, hit, lf_scale(hit->ns, hit->front ? 1.0f : -1.0f), &along, &across))
@@ -272,7 +278,7 @@ void lf_hit_vary(lf_hit *hit, float width)
     }
     if (hit->material->textures)
         vary_by_textures(&at, hit->material->textures, width, hit);
-    if (hit->own.brush.strength > 0.0f)
+    if (hit->own.anisotropy > 0.0f)
         brush(&at, width, hit);
     hit->own.kind->vary(&hit->own);
 }

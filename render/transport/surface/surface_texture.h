@@ -13,8 +13,7 @@ static inline bool lf_is_coloured(const lf_mesh *mesh, const lf_material *materi
 /* Whether anything of the surface varies along the mesh. */
 static inline bool lf_is_varied(const lf_mesh *mesh, const lf_material *material)
 {
-    return (lf_is_coloured(mesh, material) || material->textures ||
-            material->brush.strength > 0.0f) &&
+    return (lf_is_coloured(mesh, material) || material->textures || material->anisotropy > 0.0f) &&
            material->kind->vary;
 }
 

@@ -1,0 +1,103 @@
+/* The scalars of a material, from file to hit: one struct of floats, and one table of their ranges
+ * that readers cut by, that what a reader hands over is checked by, and that scene files are parsed
+ * by; private to render/.
+ *
+ * A row is a field: its name, which is also its key in scene files, its range, its usual value, and
+ * what people are told it is; NULL: no file's value is told that it was cut. */
+#ifndef LF_RENDER_PRINCIPLED_H
+#define LF_RENDER_PRINCIPLED_H
+
+#include "render/scene/key.h"
+#include "render/scene/vec.h"
+
+#define LF_MAX_ABSORPTION 1e9
+#define LF_LEAST_FLESH_RADIUS 1e-6 /* its inverse squared is a float */
+
+/* clang-format off */
+/* Of all kinds of surfaces. */
+#define LF_PRINCIPLED_COMMON(NUMBER, COLOUR, ANGLE)                                                \
+    COLOUR(emission, 0, LF_MAX_RADIANCE, 0, "emission") /* radiance leaving both sides */          \
+    NUMBER(alpha, 0, 1, 1, "alpha")                     /* how much of it is there */              \
+    NUMBER(alpha_cutoff, 0, 1, 0.5, NULL)               /* LF_COVER_MASK: opaque from here on */
+
+/* Of those that are made of layers; others have some of them. Names are Blender's and glTF's. */
+#define LF_PRINCIPLED_LAYERS(NUMBER, COLOUR, ANGLE)                                                \
+    COLOUR(albedo, 0, 1, 0.5, "colour")                                                            \
+    /* perceptual: alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */       \
+    NUMBER(roughness, 0, 1, 0.3, "roughness")                                                      \
+    NUMBER(metallic, 0, 1, 0, "metallic")                                                          \
+    NUMBER(ior, 1, LF_MAX_INDEX, 1.5, "index of refraction")                                       \
+    NUMBER(specular, 0, 1, 1, "specular")             /* of what a dielectric reflects ... */      \
+    COLOUR(specular_tint, 0, 1, 1, "specular colour") /* ... and its colour */                     \
+    NUMBER(coat, 0, 1, 0, "clear coat")               /* on top, of index 1.5 */                   \
+    NUMBER(coat_roughness, 0, 1, 0, "roughness of the clear coat")                                 \
+    COLOUR(sheen, 0, 1, 0, "sheen")                   /* of fibres that stand up */                \
+    NUMBER(sheen_roughness, 0, 1, 0.5, "roughness of the sheen")                                   \
+    /* of what is not metal, what goes through in place of diffuse light */                        \
+    NUMBER(transmission, 0, 1, 0, "transmission")                                                  \
+    /* inside of a solid, per scene unit, and Henyey-Greenstein of what is scattered there */      \
+    COLOUR(absorption, 0, LF_MAX_ABSORPTION, 0, "absorption")                                      \
+    COLOUR(scattering, 0, LF_MAX_ABSORPTION, 0, "scattering")                                      \
+    NUMBER(g, -0.999, 0.999, 0, "g")                                                               \
+    /* of what is neither metal nor glass, the share that enters flesh (flesh.h), and the mean free\
+     * path there of each channel, scene units */                                                  \
+    NUMBER(subsurface, 0, 1, 0, "subsurface")                                                      \
+    COLOUR(subsurface_radius, LF_LEAST_FLESH_RADIUS, LF_MAX_COORDINATE, 0.1, "subsurface radius")  \
+    /* grooves: along them alpha is lerp(alpha, 1, anisotropy^2); from the tangent to where it is  \
+     * wider */                                                                                    \
+    NUMBER(anisotropy, 0, 1, 0, "anisotropy")                                                      \
+    ANGLE(anisotropy_rotation, -3600, 3600, 0, NULL)                                               \
+    NUMBER(priority, -1000, 1000, 0, "priority") /* of solids that overlap the greatest is there */
+/* clang-format on */
+
+#define LF_PRINCIPLED(NUMBER, COLOUR, ANGLE)                                                       \
+    LF_PRINCIPLED_LAYERS(NUMBER, COLOUR, ANGLE)                                                    \
+    LF_PRINCIPLED_COMMON(NUMBER, COLOUR, ANGLE)
+
+#define LF_NUMBER_FIELD(name, ...) float name;
+#define LF_COLOUR_FIELD(name, ...) lf_vec3 name;
+#define LF_ANGLE_FIELD(name, ...) float name[2]; /* cosine, sine */
+
+/* Floats and nothing else. */
+typedef struct lf_principled {
+    LF_PRINCIPLED(LF_NUMBER_FIELD, LF_COLOUR_FIELD, LF_ANGLE_FIELD)
+} lf_principled;
+
+#define LF_PRINCIPLED_FLOATS (sizeof(lf_principled) / sizeof(float))
+
+/* For a struct that has these scalars: by their own names, and all of them as `p`. */
+#define LF_PRINCIPLED_MEMBERS                                                                      \
+    union {                                                                                        \
+        lf_principled p;                                                                           \
+        struct {                                                                                   \
+            LF_PRINCIPLED(LF_NUMBER_FIELD, LF_COLOUR_FIELD, LF_ANGLE_FIELD)                        \
+        };                                                                                         \
+    }
+
+/* A row each. Types are LF_PARAM_NUMBER, _COLOUR and _ANGLE; the place is of floats in
+ * lf_principled, an angle's of two; help says what people are told it is. */
+#define LF_DECLARE_PRINCIPLED(name, ...) extern const lf_param lf_principled_##name;
+LF_PRINCIPLED(LF_DECLARE_PRINCIPLED, LF_DECLARE_PRINCIPLED, LF_DECLARE_PRINCIPLED)
+#undef LF_DECLARE_PRINCIPLED
+
+/* The same as a list, ended by NULL. */
+extern const lf_param *const lf_principled_rows[];
+
+/* All usual values. */
+lf_principled lf_principled_usual(void);
+
+/* The first row whose value is out of range, is no number or, of an angle, is not of the unit
+ * circle (but for rounding); NULL: all are well. */
+const lf_param *lf_principled_wrong(const lf_principled *p);
+
+/* Whether a key is a row's. If so, its field becomes what a scene file says. */
+bool lf_principled_take(lf_principled *p, const lf_param *key, const lf_value *value);
+
+/* The n floats of a row's field. */
+static inline float *lf_principled_at(lf_principled *p, const lf_param *row, int *out_n)
+{
+    *out_n = row->type == LF_PARAM_COLOUR ? 3 : row->type == LF_PARAM_ANGLE ? 2 : 1;
+    return (float *)p + row->place / sizeof(float);
+}
+
+#endif
