@@ -28,7 +28,7 @@ typedef struct lf_feature {
     float nearness; /* mean of D/Z, 0..LF_NEARNESS_MAX */
     float spread;   /* its standard deviation, from film points and along rays */
     float surface;  /* share of surfaces, 0..1; the rest are media */
-    float light;    /* what surfaces send on of light from small lamps, >= 0 (sunlight.h) */
+    float light;    /* what surfaces reflect of lights at infinity, >= 0 (sunlight.h) */
 } lf_feature;
 
 typedef struct lf_packed_feature {

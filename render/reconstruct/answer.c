@@ -10,6 +10,8 @@
 
 /* Planes that coarser nodes are asked for go far beyond what they were fitted to. */
 #define MOST_FROM_MEAN 1.5f
+/* W of a cell whose mean says something, in pixels that their paths have filled once. */
+#define LEAST_SEEN 1.0f
 
 static lf_to_show to_show(const lf_answered_row *o)
 {
@@ -134,14 +136,15 @@ static const lf_cell *cell_of(const lf_reconstruction *r, const lf_pixels *pixel
     return n >= 0 ? &band->cells[n] : NULL;
 }
 
-/* N/W of a cell; false: it has seen nothing. */
+/* N/W of a cell; false: its W is so little that one bright path, or signed weights that cancel,
+ * would be taken for what it shows. */
 static bool mean_of(const lf_cell *cell, float out[3])
 {
     const lf_moments *a = &cell->half[0][0], *b = &cell->half[1][1];
     const float w = a->w + b->w;
-    for (int c = 0; c < 3 && w > 0.0f; c++)
+    for (int c = 0; c < 3 && w >= LEAST_SEEN; c++)
         out[c] = fmaxf(0.0f, (a->n[c] + b->n[c]) / w);
-    return w > 0.0f;
+    return w >= LEAST_SEEN;
 }
 
 /* A pixel far from all cells in depth, as of an outline that the fit did not know: between the
@@ -172,7 +175,7 @@ static void predict_between(const lf_reconstruction *r, const lf_pixels *pixels,
 }
 
 /* What a cell's node says of a pixel that it was not fitted to, at most MOST_FROM_MEAN times as
- * much or as little as the cell has seen; false: it has seen nothing. */
+ * much or as little as the cell has seen; false: it has seen too little. */
 static bool predict_by(const lf_cell *cell, const lf_pixels *pixels, size_t i,
                        const float middle[3], float out[3])
 {

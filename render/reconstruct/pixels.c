@@ -73,7 +73,8 @@ static void read_albedo(const lf_view_row *in, bool halves, lf_pixels *out)
         float inverse = 3.0f / (a[0] + a[1] + a[2]), metal = all[LF_ALBEDO_METAL];
         for (int v = halves ? 0 : LF_BOTH; v < LF_VARIANTS; v++) {
             float *light = &out->f[v][LF_LIGHT][i], *media = &out->f[v][LF_MEDIA][i];
-            *media += in->white > 0.0f ? *light / in->white + *media - 1.0f
+            const float surface = 1.0f - *media;
+            *media += in->white > 0.0f ? *light / in->white - surface
                                        : of_gloss * ((1.0f - metal) * inverse - 1.0f);
             *light *= inverse;
             out->f[v][LF_PIVOTS][i] += of_metal * metal;

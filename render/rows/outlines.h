@@ -34,7 +34,8 @@ void lf_outline_map_finish(lf_outline_map *map);
  * has of the row is not looked for again. */
 bool lf_outlines_find(const lf_visit *visit);
 
-/* Planes that a visit takes film points in, itself the first: index is its number in its half. */
+/* Planes that a visit takes film points in, itself the first: index is its number in its half of
+ * its stream, coarse visits counted. */
 int lf_outlines_planes(uint32_t index);
 
 /* The film points of outlines in plane number `plane`, 1 .. lf_outlines_planes - 1, which has been

@@ -186,6 +186,41 @@ static void what_is_kept_is_what_would_be_found(void **state)
     lf_scene_unref(scene);
 }
 
+/* Share of view pixels that one pass finds to be outlines. */
+static double outlines_of(const char *text)
+{
+    lf_scene *scene = lf_test_scene(text);
+    lf_renderer *r = pass(scene, 1, NULL);
+    const lf_rows *rows = r->state;
+    const lf_outline_map *map = &rows->plan.outlines;
+    int n = 0;
+    for (size_t i = 0; i < HEIGHT * map->words; i++)
+        n += __builtin_popcount(map->bits[i]);
+    lf_renderer_destroy(r);
+    lf_scene_unref(scene);
+    return (double)n / (VIEWS * WIDTH * HEIGHT);
+}
+
+/* A ground seen at half a degree: within a pixel it is steeper than any outline needs to be. It is
+ * one triangle, but under a sun edges of shadows may lie anywhere on it. */
+static void a_steep_triangle_is_an_outline_under_suns_alone(void **state)
+{
+    (void)state;
+#define LOW_GROUND(lights)                                                                         \
+    "{ 'quiltd': 1, 'camera': { 'position': [-50, 2, 100], 'target': [-50, 0, -100], 'fov_y': "    \
+    "0.5, "                                                                                        \
+    "'aspect': 1.333, 'cone': 5, 'views': 9 }, 'meshes': { 'ground': { 'shape': 'quad', "          \
+    "'transform': { 'scale': 900 } } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': "  \
+    "1 }" lights " } }"
+    const double without = outlines_of(LOW_GROUND(""));
+    const double with = outlines_of(LOW_GROUND(
+        ", 'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': 2 }"));
+#undef LOW_GROUND
+    print_message("          outlines %.3f, under a sun %.3f\n", without, with);
+    assert_true(without < 0.1);
+    assert_true(with > 0.5);
+}
+
 static void any_number_of_threads_gives_the_same_film(void **state)
 {
     (void)state;
@@ -208,6 +243,7 @@ int main(void)
         cmocka_unit_test(the_mean_is_what_surfaces_fill),
         cmocka_unit_test(the_first_visits_bring_it_nearer),
         cmocka_unit_test(what_is_kept_is_what_would_be_found),
+        cmocka_unit_test(a_steep_triangle_is_an_outline_under_suns_alone),
         cmocka_unit_test(any_number_of_threads_gives_the_same_film),
     };
     return cmocka_run_group_tests(tests, NULL, lf_test_finish);

@@ -151,7 +151,7 @@ static lf_renderer *cubes(const char *material)
                                    WIDTH, HEIGHT, NULL);
 }
 
-/* What is kept of light, a number of 8 bits, is that of the normal times the albedo. */
+/* What is kept of light, the upper half of a float, is that of the normal times the albedo. */
 static void the_film_has_what_the_normal_tells(void **state)
 {
     (void)state;

@@ -408,6 +408,24 @@ static void maps_go_over_to_scenes_that_cast_the_same_shadows(void **state)
     tear_down(&b);
 }
 
+/* What the normal tells of a sky is kept for that sky alone. */
+static void skies_are_not_taken_over(void **state)
+{
+    (void)state;
+#define UNDER(radiance)                                                                            \
+    HEAD "'meshes': {" GROUND "}, 'materials': {'m': {'albedo': 0.5}, 'dark': {'albedo': 0.1}}, "  \
+         "'lights': {'sky': {'type': 'environment', 'radiance': " radiance "}}}"
+    bench b;
+    lf_scene *other = lf_test_scene(UNDER("2"));
+    set_up(&b, UNDER("1"), 64);
+    assert_true(lf_sunlight_needed(b.scene));
+    assert_true(lf_sunlight_adopt(b.sunlight, b.scene));
+    assert_false(lf_sunlight_adopt(b.sunlight, other));
+#undef UNDER
+    lf_scene_unref(other);
+    tear_down(&b);
+}
+
 /* What a diffuse ground reflects of two suns. */
 static void lights_add_up(void **state)
 {
@@ -473,6 +491,7 @@ int main(void)
         cmocka_unit_test(features_of_pictures_are_what_rays_find),
         cmocka_unit_test(ground_may_reach_far_beyond_the_texels_of_what_is_small),
         cmocka_unit_test(maps_go_over_to_scenes_that_cast_the_same_shadows),
+        cmocka_unit_test(skies_are_not_taken_over),
         cmocka_unit_test(lights_add_up),
         cmocka_unit_test(scenes_without_sun_or_surfaces_need_none),
         cmocka_unit_test(cancelling_leaves_nothing),

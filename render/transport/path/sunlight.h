@@ -21,7 +21,8 @@ typedef struct lf_sunlight lf_sunlight;
 /* More lights at infinity than this are left out, the weakest. */
 #define LF_SUNLIGHT_LIGHTS 4
 
-/* Whether there is anything to be made: surfaces, and a light at infinity. */
+/* Whether there is anything to be made: surfaces, and suns, or a sky that tells something of them:
+ * not one that is the same in all directions over materials of one albedo. */
 bool lf_sunlight_needed(const lf_scene *scene);
 
 /* Makes the maps on the pool, at most `texels` along a side (0: 2048, 16 MiB a light, 20 where
