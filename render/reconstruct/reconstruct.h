@@ -5,10 +5,10 @@
  * The answer of a view pixel is B + q max(0, a R), a its albedo (1 in films without), R the
  * prediction of a linear function of eight features (position along its epipolar line, row,
  * nearness, share of media, q, view, spread of nearness, light at infinity) whose coefficients lie
- * in nodes of the finest lattice, in between interpolated. They are fitted in cells of several sizes
- * to the sums N and W of each half and of both, and taken from coarse to fine as far as the other
- * half agrees, in the end towards N/W of the pixel itself: so the answer converges to that of mwis
- * with W.
+ * in nodes of the finest lattice, in between interpolated. They are fitted in cells of several
+ * sizes to the sums N and W of each half and of both, and taken from coarse to fine as far as the
+ * other half agrees, in the end towards N/W of the pixel itself: so the answer converges to that of
+ * mwis with W.
  *
  *     lf_reconstruction *r;
  *     lf_reconstruct_create(&view, pool, &r);             // once a rig and film
