@@ -1,6 +1,7 @@
 /* What a scene file says of a thing that comes in several kinds (lights, surfaces), key by key;
- * private to render/. A kind lists its keys once, as rows of base/param.h without a place; the
- * parser, docs/scene.schema.json (by a test) and the kind's own file go by the list. */
+ * private to render/. A kind lists its keys once, as rows of base/param.h, of which those of
+ * materials have a place (principled.h); the parser, docs/scene.schema.json (by a test) and the
+ * kind's own file go by the list. */
 #ifndef LF_RENDER_KEY_H
 #define LF_RENDER_KEY_H
 
