@@ -141,9 +141,11 @@ lf_status lf_integrator_check(const lf_integrator_entry *entry, const lf_scene *
                               const lf_render_settings *settings, lf_error *err)
 {
     const lf_traits has = scene->traits | lf_view_traits(settings);
-    char text[400], others[128] = "";
+    char who[80], text[400], others[128] = "";
     bool listed;
-    if (!lf_traits_missing(has, entry->supports, entry->name, text, sizeof text))
+    snprintf(who, sizeof who, "%s%s", entry->name,
+             settings->camera.list ? LF_OF_LISTED_CAMERAS : "");
+    if (!lf_traits_missing(has, entry->supports, who, text, sizeof text))
         return LF_OK;
     for (int i = 0; (entry = lf_support_at(i, &listed)); i++)
         if (listed == !!settings->camera.list && !(has & ~entry->supports))

@@ -9,21 +9,26 @@
 
 /* clang-format off */
 static const lf_param params[] = {
-    {.option = "shift", .argument = "NAME", CHOICE(SHIFT), .word_at = lf_shift_name,
+    [LF_PAPERS_SHIFT] = {
+     .option = "shift", .argument = "NAME", CHOICE(SHIFT), .word_at = lf_shift_name,
      .help = "those of 2022: how null collisions go from view to view (optical-stretch)",
      .about = "shifts"},
-    {.option = "selection", .argument = "NAME", CHOICE(SELECTION), .word_at = lf_selection_name,
+    [LF_PAPERS_SELECTION] = {
+     .option = "selection", .argument = "NAME", CHOICE(SELECTION), .word_at = lf_selection_name,
      .help = "mvpt2022, amvpt2022: which views share a path (tv, as printed: biased)",
      .about = "selections"},
-    {.option = "reuse", .argument = "NAME", CHOICE(REUSE), .word_at = lf_reuse_name,
+    [LF_PAPERS_REUSE] = {
+     .option = "reuse", .argument = "NAME", CHOICE(REUSE), .word_at = lf_reuse_name,
      .help = "restir, mvrestir: which reservoirs a pixel looks into (both)",
      .about = "reuse of reservoirs"},
-    {.option = "weights", .argument = "NAME", CHOICE(WEIGHTS), .word_at = lf_reuse_weights_name,
+    [LF_PAPERS_WEIGHTS] = {
+     .option = "weights", .argument = "NAME", CHOICE(WEIGHTS), .word_at = lf_reuse_weights_name,
      .help = "restir, mvrestir: what they count (unbiased)",
      .about = "weights of reservoirs"},
     {0},
 };
 /* clang-format on */
+_Static_assert(sizeof params / sizeof *params - 1 <= LF_MAX_CHOICES, "a place for each");
 
 void lf_papers_add(void)
 {

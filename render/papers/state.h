@@ -32,13 +32,13 @@ typedef struct lf_general_worker {
 /* What all methods support, beside media. */
 #define LF_GENERAL_SUPPORT                                                                         \
     (LF_TRAITS_PLAIN_SURFACES | LF_TRAITS_GLASS | LF_TRAIT_CATCHERS | LF_TRAIT_REFLECTIONS |       \
-     LF_TRAITS_LIGHT | LF_TRAIT_LENS | LF_TRAIT_VIEW_BLUR)
+     (LF_TRAITS_LIGHT & ~LF_TRAIT_EQUIANGULAR) | LF_TRAIT_LENS | LF_TRAIT_VIEW_BLUR)
 
 /* A method. One file may have several; a line each in the table of general.c. */
 typedef struct lf_general_kind {
     lf_integrator_entry entry;
-    bool mis;      /* W is n: every answer is N/n */
-    bool adaptive; /* behind a pilot base samples go where a map says */
+    bool mis;        /* W is n: every answer is N/n */
+    bool adaptive;   /* behind a pilot base samples go where a map says */
     bool normalises; /* by K, lf_general.share_seen */
     /* Makes that map, again and again; NULL: rows/adaptive.h does, once. */
     lf_status (*map)(const lf_film *film, lf_counts *counts);

@@ -121,10 +121,8 @@ void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, flo
 }
 
 float lf_correction_density(const lf_media *media, int medium, const lf_scene *scene, lf_vec3 p,
-                            float sampled, lf_tracer *tracer)
+                            lf_tracer *tracer)
 {
-    if (media->item[medium].kind != LF_MEDIUM_SLICE)
-        return sampled;
     tracer->lookups++;
     return lf_volume_sigma_t(&scene->volumes[media->item[medium].volume], p);
 }

@@ -44,9 +44,8 @@ bool lf_correction_needed(const lf_media *media);
 void lf_correction_transmittance(const lf_media *media, const lf_rays *rays, float dense,
                                  float least, lf_tracer *tracer, float *factor);
 
-/* sigma_t at a collision with a medium, the truth where the medium is a slice; sampled is what its
- * ray took it for. */
+/* sigma_t of the grid at a collision with a medium that is a slice of it. */
 float lf_correction_density(const lf_media *media, int medium, const lf_scene *scene, lf_vec3 p,
-                            float sampled, lf_tracer *tracer);
+                            lf_tracer *tracer);
 
 #endif

@@ -53,8 +53,8 @@ static bool correct_density(const lf_visit *visit, const lf_pivot *pivot, const 
                             const float *sampled, float *factor)
 {
     lf_scratch *w = visit->worker;
-    const float truth = lf_correction_density(&w->media, pivot->medium, visit->scene,
-                                              pivot->event.p, 1.0f, &w->tracer);
+    const float truth =
+        lf_correction_density(&w->media, pivot->medium, visit->scene, pivot->event.p, &w->tracer);
     float share[LF_MAX_LANES];
     int drawn = 0;
     for (int k = 0; k < rays->n; k++) {

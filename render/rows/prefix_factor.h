@@ -11,8 +11,9 @@
 typedef struct lf_prefix_factor {
     /* Whether the visit's plane has it. */
     bool (*applies)(const lf_visit *visit);
-    /* Multiplies worker->scale[lanes], which samples are drawn with: by what is between the pivot
-     * and the views; and by what of their light the pivot itself meets. */
+    /* Multiplies worker->scale[lanes], which samples are drawn with: by what surfaces between the
+     * pivot and the views let through, of scenes that have some; and by what of their light the
+     * pivot itself meets. Of mvpt: base rays of one view end by chance on what they meet. */
     void (*between)(const lf_visit *visit, const lf_pivot *pivot);
     void (*at)(const lf_visit *visit, const lf_pivot *pivot);
     /* Multiplies factor[1 or 3 channels][rays->n] by what is received of the pivot along these rays

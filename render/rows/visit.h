@@ -258,7 +258,7 @@ typedef enum lf_fault {
     LF_FAULT_REALISED = 4,      /* realised instead of expected counts in the weights */
     LF_FAULT_SWAPPED_VIEWS = 8, /* contributions land in mirrored views */
     LF_FAULT_NO_LIGHT_PDF = 16, /* the p_L term left out of the direction's weights */
-    /* B and q taken with another row offset than the base samples */
+    /* B and q taken in another plane of the row than the base samples, with other random numbers */
     LF_FAULT_OTHER_ROW = 32,
     LF_FAULT_NO_COUNTS = 64, /* c_k of an adaptive pass left out of the sums */
     /* directions drawn below a surface's horizon do not count in W' */

@@ -43,8 +43,7 @@ static const lf_trait_entry table[] = {
     {LF_TRAIT_VIEW_BLUR, 0, "view_blur", "the camera has some"},
     {LF_TRAIT_LISTED_CAMERAS, 0, "cameras listed one by one", SOME},
     {LF_TRAIT_FEATURES, 0, "reconstruction and depth",
-     "the picture asks for it (--reconstruct off "
-     "does not)"},
+     "the picture is reconstructed or has depth"},
 };
 #define N_ROWS (int)(sizeof table / sizeof table[0])
 _Static_assert(N_ROWS == LF_N_TRAITS, "a row for every bit");

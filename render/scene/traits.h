@@ -1,8 +1,8 @@
 /* Traits: what a scene, its camera and its picture have that an integrator must know of, a bit
- * each. A scene's are found once, when it is committed (lf_scene.traits); those of a view follow
- * from its settings (lf_view_traits). Integrators, kernels and outputs say what they support, in
- * the same bits and positively: what a mask does not name is refused, so that a new trait is
- * never rendered wrong in silence. Thread: any; no state. */
+ * each. A scene's are found while it is committed (lf_scene.traits); those of a view follow from
+ * its settings (lf_view_traits). Integrators and lanes say what they support, in the same bits and
+ * positively: what a mask does not name is refused, so that a new trait is never rendered wrong in
+ * silence. Thread: any; no state. */
 #ifndef LF_RENDER_TRAITS_H
 #define LF_RENDER_TRAITS_H
 

@@ -137,6 +137,12 @@ static inline void fake_lie_of_material(const char *lie, fake_mesh *m)
         one->is_solid = 2;
     if (strcmp(lie, "glow") == 0)
         one->glows_by_colours = 2;
+    if (strcmp(lie, "skin") == 0)
+        m->scalars[1].subsurface = 0.5f;
+    if (strcmp(lie, "milk") == 0)
+        m->scalars[1].scattering.y = 0.5f;
+    if (strcmp(lie, "first") == 0)
+        m->scalars[1].priority = 1.0f;
     if (strcmp(lie, "scalars") == 0)
         m->n[LF_PARCEL_SCALARS]--;
     if (strcmp(lie, "name") == 0)

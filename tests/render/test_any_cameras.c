@@ -302,11 +302,11 @@ static void pictures(lf_scene *scene, const char *integrator, int passes, uint64
 }
 
 /* What others are compared with. Takes the renderer. */
-static lf_blocks reference(lf_renderer *r, const char *name, int cycles, double level)
+static lf_blocks reference(lf_renderer *r, const char *name, int cycles, int parts, double level)
 {
     const int n = lf_test_long() ? 24 : 12;
     lf_blocks out;
-    lf_test_kept(r, &(lf_kept){name, n, cycles, 1, LF_ESTIMATOR_MIS, tile, level}, &out);
+    lf_test_kept(r, &(lf_kept){name, n, cycles, 1, LF_ESTIMATOR_MIS, tile, level, parts}, &out);
     return out;
 }
 
@@ -359,7 +359,7 @@ static void assert_as_rows(const char *name, const char *by_rows, const char *li
     lf_blocks seen[3];
     lf_scene *track = things(by_rows), *list = things(listed);
     lf_blocks rows =
-        reference(lf_test_renderer(track, "mvpt", width, height, NULL), name, 20, level);
+        reference(lf_test_renderer(track, "mvpt", width, height, NULL), name, 20, 4, level);
     pictures(list, "mvpt", 6 * n_views, 2, seen);
     for (int i = 0; i < 2; i++)
         assert_agreement(&seen[i], &rows, names[i], level);
@@ -405,7 +405,7 @@ static void cameras_all_around_agree_with_each_alone(void **state)
     lf_blocks seen[3];
     lf_scene *scene = things(AROUND THINGS_UNDER(WIDE_SUNS));
     lf_blocks alone = reference(lf_test_renderer(scene, "vpt", width, height, NULL),
-                                "any_cameras-around", 24, level);
+                                "any_cameras-around", 24, 4, level);
     pictures(scene, "mvpt", 6 * n_views, 5, seen);
     for (int i = 0; i < 2; i++)
         assert_agreement(&seen[i], &alone, names[i], level);
@@ -453,7 +453,7 @@ static void lanes_bring_what_single_paths_do(void **state)
         lf_scene *scene = things(cases[i].scene);
         snprintf(name, sizeof name, "any_cameras-alone-%d", i);
         lf_blocks alone =
-            reference(with_suffixes(scene, "vpt", false, NULL), name, cases[i].alone, level);
+            reference(with_suffixes(scene, "vpt", false, NULL), name, cases[i].alone, 2, level);
         for (int j = 0; j < 2; j++) {
             pictures_of(with_suffixes(scene, names[j], true, NULL), cases[i].lanes[j] * n_views, 7,
                         lanes);

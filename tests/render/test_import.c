@@ -188,7 +188,7 @@ static void parts_of_lies_are_refused(void **state)
 
 static void words_of_a_material_that_are_lies_are_refused(void **state)
 {
-    static const char *const lies[] = {"cover", "solid", "glow"};
+    static const char *const lies[] = {"cover", "solid", "glow", "skin", "milk", "first"};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
         assert_says(*state, lies[i], LF_E_FORMAT, "no such material");
 }

@@ -67,6 +67,11 @@ enum {
     "'half': { 'albedo': 0.1, 'alpha': 0.5 }, 'whole': { 'albedo': 0.1 }, " \
     "'sheet': { 'type': 'principled', 'roughness': 0, 'albedo': 0.4, 'transmission': 1, " \
     "'glass': 'sheet' }, " \
+    "'tinted': { 'type': 'principled', 'roughness': 0, 'albedo': [0.9, 0.3, 0.1], " \
+    "'transmission': 1, 'glass': 'sheet' }, 'frosted': { 'type': 'principled', 'roughness': " \
+    "0.5, 'albedo': 0.8, 'transmission': 1, 'glass': 'sheet' }, 'metal': { 'type': 'principled', " \
+    "'metallic': 1, 'albedo': 0.8, 'roughness': 0.5 }, 'brushed': { 'type': 'principled', " \
+    "'metallic': 1, 'albedo': 0.8, 'roughness': 0.5, 'anisotropy': 1 }, " \
     "'rough': { 'type': 'principled', 'roughness': 0.4, 'albedo': 1, 'transmission': 1 }, " \
     "'clear': { 'type': 'principled', 'roughness': 0, 'albedo': 1, 'transmission': 1 }, " \
     "'dark': { 'type': 'principled', 'roughness': 0, 'albedo': 1, 'transmission': 1, " \
@@ -97,10 +102,17 @@ static const struct {
     "0.4, 'translate': [-0.6, 0, 0] }, "
                 "{ 'scale': 0.4, 'translate': [0.6, 0, 0] }] }"},
      {.meshes = BALL("clay")}},
-    {LF_TRAIT_HIDDEN_MESHES, {.lights = RECTANGLE("false")}, {.lights = RECTANGLE("true")}},
+    {LF_TRAIT_HIDDEN_MESHES, {.meshes = GROUND, .lights = RECTANGLE("false")},
+    {.meshes = GROUND, .lights = RECTANGLE("true")}},
     {LF_TRAIT_VARYING | LF_TRAIT_VARYING_ALBEDO | LF_TRAIT_VERTEX_COLOURS,
      {.meshes = "'c': { 'file': '@c' }"}, {.meshes = "'c': { 'file': '@p' }"}},
+    {LF_TRAIT_VARYING, {.meshes = BALL("brushed"), .lights = SUN}, {.meshes = BALL("metal"),
+    .lights = SUN}},
     {LF_TRAIT_MIRRORS, {.meshes = BALL("mirror")}, {.meshes = BALL("whole")}},
+    {LF_TRAIT_MIRRORS, {.meshes = CARD("tinted")}, {.meshes = GROUND}},
+    {LF_TRAIT_VIEW_LOBES, {.meshes = BALL("glaze"), .lights = SUN}, {.meshes = BALL("clay"),
+    .lights = SUN}},
+    {LF_TRAIT_VIEW_LOBES, {.meshes = CARD("frosted")}, {.meshes = GROUND}},
     {LF_TRAIT_VIEW_LOBES, {.volumes = FOG(", 'g': -0.8"), .lights = BEHIND},
     {.volumes = FOG(""), .lights = BEHIND}},
     {LF_TRAIT_EMISSION, {.meshes = BALL("shining")}, {.meshes = BALL("clay")}},
@@ -139,6 +151,8 @@ static const struct {
     {LF_TRAIT_SUNS, {.volumes = FOG(""), .lights = SUN}, {.volumes = FOG("")}},
     {LF_TRAIT_SKY_PICTURES, {.volumes = FOG(""), .lights = "'s': { 'type': 'studio' }"},
     {.volumes = FOG("")}},
+    {LF_TRAIT_SKY_PICTURES, {.meshes = BALL("clay"), .lights = "'s': { 'type': 'studio' }"},
+    {.meshes = BALL("clay")}},
     {LF_TRAIT_LAMPS, {.volumes = FOG(""), .lights = POINT("[0.5, 2, 1]", "12")},
     {.volumes = FOG("")}},
     {LF_TRAIT_EQUIANGULAR, {.volumes = FOG(""), .lights = POINT("[0, 0, 0]", "6")},
@@ -154,6 +168,10 @@ static const struct {
     {LF_TRAIT_LENS, {.volumes = FOG(""), .camera = ", 'lens_radius': 1, 'focus_distance': "
     "1.5"}, {.volumes = FOG("")}},
     {LF_TRAIT_VIEW_BLUR, {.volumes = FOG(""), .camera = ", 'view_blur': 4"}, {.volumes = FOG("")}},
+    {LF_TRAIT_LENS | LF_TRAIT_BACKDROP, {.meshes = BALL("clay"), .camera = ", 'lens_radius': 1, "
+    "'focus_distance': 1.5", .more = ", 'backdrop': 1.5"}, {.meshes = BALL("clay")}},
+    {LF_TRAIT_VIEW_BLUR, {.meshes = BALL("clay"), .camera = ", 'view_blur': 4"},
+    {.meshes = BALL("clay")}},
     {LF_TRAIT_LISTED_CAMERAS, {.volumes = FOG("")}, {.volumes = FOG(""), .camera = ", "
     "'fov_y': 30"}},
     {LF_TRAIT_FEATURES, {.volumes = FOG("")}, {0}},
@@ -335,14 +353,18 @@ static void assert_right(const lf_blocks *seen, truth *t, const char *who)
 
 /* ------------------------------------------------------------------------------------- tests -- */
 
-static void assert_refused(const lf_error *err, const lf_integrator_entry *entry, lf_traits missing,
+static void assert_refused(const lf_error *err, const char *who, lf_traits missing,
                            const char *trait)
 {
     char words[512] = "";
-    assert_true(lf_traits_missing(missing, 0, entry->name, words, sizeof words));
+    assert_true(lf_traits_missing(missing, 0, who, words, sizeof words));
     if (strncmp(err->what, words, strlen(words)) != 0)
-        fail_msg("%s by %s: \"%s\" does not begin with \"%s\"", trait, entry->name, err->what,
-                 words);
+        fail_msg("%s: \"%s\" does not begin with \"%s\"", trait, err->what, words);
+}
+
+static bool is_list(int row)
+{
+    return rows[row].bits == LF_TRAIT_LISTED_CAMERAS;
 }
 
 static void assert_not_read(const parts *p, setting in, const char *pointer)
@@ -352,14 +374,17 @@ static void assert_not_read(const parts *p, setting in, const char *pointer)
     lf_test_assert_refused(folder_of, text, pointer, "");
 }
 
+/* What each integrator has rendered. */
+static lf_traits rendered_by[most_integrators];
+
 /* Renders it where it is supported, and looks at the error where it is not. */
-static bool hold(int row, const lf_integrator_entry *entry, bool listed, truth *t)
+static bool hold(int row, int n, const lf_integrator_entry *entry, bool listed, truth *t)
 {
-    const bool is_list = rows[row].bits == LF_TRAIT_LISTED_CAMERAS;
-    lf_scene *scene = scene_of(&rows[row].with, (setting){.listed = listed || is_list});
+    lf_scene *scene = scene_of(&rows[row].with, (setting){.listed = listed || is_list(row)});
     const lf_render_settings settings = settings_of(scene, entry->name, rows[row].bits);
     const lf_traits has = scene->traits | lf_view_traits(&settings);
     const bool view = rows[row].bits == LF_TRAIT_FEATURES;
+    char who[80];
     lf_error err = {0};
     lf_blocks seen = {0};
     lf_renderer *r = renderer_of(scene, &settings, &err);
@@ -370,13 +395,16 @@ static bool hold(int row, const lf_integrator_entry *entry, bool listed, truth *
     assert_true((has & rows[row].bits) == rows[row].bits);
     if (!!r != !(has & ~entry->supports))
         fail_msg("%s by %s: %s", t->trait, entry->name, r ? "rendered" : err.what);
+    snprintf(who, sizeof who, "%s%s", entry->name,
+             settings.camera.list ? " of cameras listed one by one" : "");
     if (!r)
-        assert_refused(&err, entry, has & ~entry->supports, t->trait);
+        assert_refused(&err, who, has & ~entry->supports, t->trait);
     if (r && view)
         assert_true(lf_film_at(&r->film, 0, 0).feature);
     if (r) {
         render(r, 3, &seen);
         assert_right(&seen, t, entry->name);
+        rendered_by[n] |= settings.camera.list && !listed ? 0 : has;
         lf_blocks_finish(&seen);
     }
     lf_renderer_destroy(r);
@@ -406,13 +434,25 @@ static void every_trait_is_rendered_right_or_refused(void **state)
             if (listed && rows[row].bits == LF_TRAIT_VIEW_BLUR)
                 assert_not_read(&rows[row].with, (setting){.listed = true}, "/camera/view_blur");
             else
-                rendered += hold(row, entry, listed, &t);
+                rendered += hold(row, n, entry, listed, &t);
         print_message("%s: rendered by %d of %d, told from its absence at p < %.1g\n", t.trait,
                       rendered, n, t.weakest);
         assert_true(rendered > 0 && n <= most_integrators);
         lf_blocks_finish(&t.with);
         lf_blocks_finish(&t.without);
     }
+}
+
+/* After the test above. */
+static void nothing_is_supported_that_was_not_rendered(void **state)
+{
+    (void)state;
+    bool listed;
+    char words[512];
+    for (int n = 0; lf_support_at(n, &listed); n++)
+        if (lf_traits_missing(lf_support_at(n, &listed)->supports, rendered_by[n],
+                              lf_support_at(n, &listed)->name, words, sizeof words))
+            fail_msg("never rendered: %s", words);
 }
 
 /* The row's scene, with a medium of one grid where it has none. */
@@ -427,18 +467,25 @@ static parts with_grid(const parts *p)
 static void lanes_serve_what_they_support(void **state)
 {
     (void)state;
+    lf_traits seen_before = 0;
     for (int row = 0; row < N_ROWS; row++) {
+        if (!(rows[row].bits & ~seen_before))
+            continue;
+        seen_before |= rows[row].bits;
         const parts with = with_grid(&rows[row].with),
                     without =
                         rows[row].with.volumes ? rows[row].without : with_grid(&rows[row].without);
         truth t = {.trait = name_of(rows[row].bits)};
-        const setting in = {.grid = rows[row].bits != LF_TRAIT_HOMOGENEOUS_MEDIA};
+        const setting in = {.listed = is_list(row),
+                            .grid = rows[row].bits != LF_TRAIT_HOMOGENEOUS_MEDIA};
         lf_scene *scene = scene_of(&with, in);
         const bool serves = !(scene->traits & ~LF_LANES_SUPPORT);
         const lf_render_settings settings = settings_of(scene, "mvpt", rows[row].bits);
+        const lf_traits has = scene->traits | lf_view_traits(&settings);
         lf_error err = {0};
         lf_blocks seen;
         print_message("%s: %s lanes\n", t.trait, serves ? "in" : "not in");
+        assert_true((has & rows[row].bits) == rows[row].bits);
         assert_true(lf_lane_scene_serves(scene) == serves);
         if (serves) {
             lf_renderer *r = renderer_of(scene, &settings, &err);
@@ -465,8 +512,7 @@ static void every_trait_has_a_scene_that_has_it(void **state)
         all |= lf_trait_at(i)->bit;
     }
     for (int row = 0; row < N_ROWS; row++) {
-        const bool listed = rows[row].bits == LF_TRAIT_LISTED_CAMERAS;
-        lf_scene *with = scene_of(&rows[row].with, (setting){.listed = listed}),
+        lf_scene *with = scene_of(&rows[row].with, (setting){.listed = is_list(row)}),
                  *without = scene_of(&rows[row].without, (setting){0});
         const lf_render_settings a = settings_of(with, "vpt", rows[row].bits),
                                  b = settings_of(without, "vpt", 0);
@@ -553,6 +599,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_trait_has_a_scene_that_has_it),
         cmocka_unit_test(every_trait_is_rendered_right_or_refused),
+        cmocka_unit_test(nothing_is_supported_that_was_not_rendered),
         cmocka_unit_test(lanes_serve_what_they_support),
         cmocka_unit_test(the_table_of_the_manual_is_that_of_the_masks),
     };

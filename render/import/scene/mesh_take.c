@@ -92,6 +92,22 @@ static const lf_surface_kind *kind_at(uint32_t place)
     return *kind;
 }
 
+/* What scene files alone say is as usual: media inside of solids, and which of two is there. */
+static bool says_what_files_say(const lf_principled *p)
+{
+    static const lf_param *const rows[] = {
+        &lf_principled_scattering, &lf_principled_g, &lf_principled_subsurface,
+        &lf_principled_subsurface_radius, &lf_principled_priority};
+    lf_principled said = *p, usual = lf_principled_usual();
+    bool same = true;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        int n;
+        const float *a = lf_principled_at(&said, rows[i], &n);
+        same = same && memcmp(a, lf_principled_at(&usual, rows[i], &n), (size_t)n * sizeof *a) == 0;
+    }
+    return same;
+}
+
 static bool take_material(const lf_parcel_material *from, const float scalars[], lf_material *out)
 {
     *out = (lf_material){.kind = kind_at(from->kind),
@@ -100,7 +116,8 @@ static bool take_material(const lf_parcel_material *from, const float scalars[],
                          .tint = from->glows_by_colours == 1 ? LF_TINT_ALL : LF_TINT_ALBEDO};
     memcpy(&out->p, scalars, sizeof out->p);
     return out->kind && from->cover < LF_COVERS && from->is_solid <= 1 &&
-           from->glows_by_colours <= 1 && !lf_principled_wrong(&out->p);
+           from->glows_by_colours <= 1 && !lf_principled_wrong(&out->p) &&
+           says_what_files_say(&out->p);
 }
 
 static bool take_texture(const lf_parcel_texture *from, const lf_mesh_data *data, lf_texture *out)

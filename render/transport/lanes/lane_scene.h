@@ -80,12 +80,13 @@ typedef struct lf_lane_scene {
     lf_lane_boxes boxes;            /* n = 0: there is no mesh */
 } lf_lane_scene;
 
-/* What lanes can do. Rays meet what is there for sure, and no path ends inside of anything. */
+/* What lanes can do. Rays meet what is there for sure, and no path ends inside of anything. What
+ * the view has makes no difference to suffixes. */
 #define LF_LANES_SUPPORT                                                                           \
-    (LF_TRAITS_PLAIN_SURFACES | LF_TRAIT_MIRRORS | LF_TRAIT_ROUGH_GLASS | LF_TRAIT_CATCHERS |      \
-     LF_TRAIT_REFLECTIONS | LF_TRAIT_MEDIA | LF_TRAIT_SUNS | LF_TRAIT_SKY_PICTURES |               \
-     LF_TRAIT_BACKDROP | LF_TRAIT_LENS | LF_TRAIT_VIEW_BLUR | LF_TRAIT_LISTED_CAMERAS |            \
-     LF_TRAIT_FEATURES)
+    ((LF_TRAITS_PLAIN_SURFACES & ~(LF_TRAIT_EMISSION | LF_TRAIT_OVERLAPS)) | LF_TRAIT_MIRRORS |    \
+     LF_TRAIT_ROUGH_GLASS | LF_TRAIT_CATCHERS | LF_TRAIT_REFLECTIONS | LF_TRAIT_MEDIA |            \
+     LF_TRAIT_SUNS | LF_TRAIT_SKY_PICTURES | LF_TRAIT_BACKDROP | LF_TRAIT_LENS |                   \
+     LF_TRAIT_VIEW_BLUR | LF_TRAIT_LISTED_CAMERAS | LF_TRAIT_FEATURES)
 
 /* Whether lanes can do the suffixes of all pivots in media: they support all traits of the scene,
  * and it has no more of each than they can hold. */
