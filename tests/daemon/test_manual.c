@@ -75,7 +75,7 @@ static void check_option(const char *page, const lf_param *row, bool words)
 static void every_option_of_a_print_stands_in_the_manual_of_quiltrender(void **state)
 {
     (void)state;
-    char *page = read_page("docs/man/quiltrender.1"), *guide = read_page("docs/print.md");
+    char *page = read_page("docs/man/quiltrender.1"), *guide = read_page("docs/guide/prints.md");
     char head[64];
     for (const lf_param *row = lf_print_params; row->name || row->option;
          row = lf_param_next(row)) {
@@ -126,7 +126,7 @@ static void every_option_of_photos_stands_in_the_manuals(void **state)
     (void)state;
     const lf_param *const tables[] = {lf_photo_params, lf_picture_params};
     char *page = read_page("docs/man/quiltrender.1"), *daemon = read_page("docs/man/quiltd.1"),
-         *guide = read_page("docs/print.md");
+         *guide = read_page("docs/guide/prints.md");
     for (int i = 0; i < 2; i++)
         for (const lf_param *row = tables[i]; row->option; row++) {
             char head[64];
