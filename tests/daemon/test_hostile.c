@@ -1,6 +1,6 @@
 /* One daemon that is given spoiled files of every kind, one after the other: whatever they hold, it
  * answers each, goes on showing what it showed, and keeps nothing of them. $QUILTD_LONG: more than
- * 5,000 (docs/security.md has what came of them). */
+ * 5,000 (docs/lab/security.md has what came of them). */
 #include "tests/testing.h"
 
 #include "base/thread.h"
