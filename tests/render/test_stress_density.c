@@ -1,4 +1,4 @@
-/* Stress cases of the media (docs/lab/estimators-tests.md, "Stress cases"): from a millionth to ten
+/* Stress cases of the media (docs/developer/test-cases.md, "Stress cases"): from a millionth to ten
  * thousand mean free paths, furnaces, contrast, tight majorants, cameras inside. Numbers of the
  * cases are those of the list there. */
 #include "tests/testing.h"

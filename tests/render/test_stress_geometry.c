@@ -1,4 +1,4 @@
-/* Stress cases of the rig and of surfaces (docs/lab/estimators-tests.md, "Stress cases"): grazing
+/* Stress cases of the rig and of surfaces (docs/developer/test-cases.md, "Stress cases"): grazing
  * planes, edges of frames and media, contact, scenes far away, tiny and huge, wide rigs, lenses,
  * mirrored scenes; and what the weights hold to whatever the scene. Numbers of the cases are those
  * of the list there. */

@@ -1,5 +1,5 @@
 /* Stress cases of lobes, colours, mirrors and scenes with nothing in them
- * (docs/lab/estimators-tests.md, "Stress cases"). Numbers of the cases are those of the list there.
+ * (docs/developer/test-cases.md, "Stress cases"). Numbers of the cases are those of the list there.
  */
 #include "tests/testing.h"
 
