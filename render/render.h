@@ -7,7 +7,7 @@
  *
  * Coordinates: right-handed, y up, scene units; angles in degrees in scene files and radians behind
  * the parser; colours linear Rec. 709, radiance in W m^-2 sr^-1. Views are numbered from the
- * leftmost camera. Rows count from the top. docs/estimators.md holds the formulas.
+ * leftmost camera. Rows count from the top. docs/developer/estimators.md holds the formulas.
  *
  * A whole picture, better with every round, rgb [row][view][column][3] (tests/render/test_usage.c
  * compiles and runs these lines):
@@ -112,7 +112,7 @@ json_t *lf_scene_schema(void);
 
 /* ---------------------------------------------------------------------------------- renderer -- */
 
-/* How to answer from a film (docs/estimators.md, section "Three answers"). */
+/* How to answer from a film (docs/developer/estimators.md, "8. Three estimators"). */
 typedef enum lf_estimator {
     /* B + q N/W or B + q N/W', per tile the one of smaller variance; consistent; the default */
     LF_ESTIMATOR_MWIS,
@@ -294,8 +294,8 @@ LF_NODISCARD lf_status lf_renderer_pass(lf_renderer *renderer, const lf_part *pa
  * hole_reach columns from a pixel of its view and row that has something, which is what a coarse
  * frame needs; hole_reach < 0 is lf_renderer_pass. They do not count as passes. mwis stays
  * consistent; mis and cv are too bright in those pixels by a share that vanishes with further
- * passes (docs/estimators.md, "Holes"): fixed budgets use lf_renderer_passes, which never does
- * this. */
+ * passes (docs/developer/estimators.md, "8. Three estimators"): fixed budgets use
+ * lf_renderer_passes, which never does this. */
 LF_NODISCARD lf_status lf_renderer_pass_filling(lf_renderer *renderer, const lf_part *part,
                                                 int subsets, int hole_reach, lf_row_fn row_done,
                                                 void *context, const lf_cancel *cancel);
@@ -521,7 +521,7 @@ typedef struct lf_render_stats {
  * estimate of the same. Negative while a row has not been seen by both halves, while there is no
  * error at all and rows have had few visits, where the picture is not finite, or without memory.
  * Takes about as long as two resolves, on the pool; same thread as lf_renderer_resolve.
- * docs/estimators.md, "The error and its bound". */
+ * docs/developer/estimators.md, "10. The error estimate". */
 /* What programs use: 95 %. */
 #define LF_ERROR_ALPHA 0.05
 double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimator, double alpha,

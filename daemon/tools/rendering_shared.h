@@ -3,8 +3,8 @@
  * A shutter that stays open for longer than a frame is cut into parts that fit the shutters of all
  * frames (lf_frames_parts). A part is a picture of its own, with a scene and random numbers that
  * are the same whichever frame asks; a frame is its parts together, each with its share of the
- * samples (docs/estimators.md, "Shutters that overlap"). Thread: the main thread, as the
- * rendering's. */
+ * samples (docs/developer/estimators/motion.md, "Shutters that overlap"). Thread: the main thread,
+ * as the rendering's. */
 #ifndef LF_DAEMON_RENDERING_SHARED_H
 #define LF_DAEMON_RENDERING_SHARED_H
 

@@ -1,4 +1,4 @@
-/* mvpt and vpt of cameras that are listed one by one: docs/estimators.md, "Any cameras". */
+/* mvpt and vpt of cameras that are listed one by one: docs/developer/estimators/cameras.md. */
 #include <math.h>
 #include <stdlib.h>
 

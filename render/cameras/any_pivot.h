@@ -1,5 +1,5 @@
 /* Pivots that cameras listed one by one have found, weighed for all of them and spread over those
- * that see them; private to render/papers/. docs/estimators.md, "Any cameras". */
+ * that see them; private to render/papers/. docs/developer/estimators/cameras.md. */
 #ifndef LF_RENDER_ANY_PIVOT_H
 #define LF_RENDER_ANY_PIVOT_H
 

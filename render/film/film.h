@@ -2,8 +2,8 @@
  *
  * Row-major by epipolar row: [row][half][view][column]. All targets of a base path lie in its row
  * and a row belongs to one thread, so there are no atomics and no locks, and the sums do not depend
- * on the number of threads. Two independent halves; per view pixel and half (docs/estimators.md,
- * "The film"):
+ * on the number of threads. Two independent halves; per view pixel and half
+ * (docs/developer/estimators.md, "9. The film"):
  *
  *     N   radiance of pivots, weighted
  *     W   prefix weights, E = n q

@@ -1,6 +1,6 @@
-/* What rows tell about the error of the picture (docs/estimators.md, "The error and its bound").
- * Views share paths and pixels of a row share an offset; what is independent is the rows, and the
- * halves. */
+/* What rows tell about the error of the picture (docs/developer/estimators.md, "10. The error
+ * estimate"). Views share paths and pixels of a row share an offset; what is independent is the
+ * rows, and the halves. */
 #include <math.h>
 
 #include "render/film/film.h"

@@ -1,6 +1,6 @@
-/* Three answers from one film (docs/estimators.md, "Three answers"). Everything is per row: a tile
- * is a block of neighbouring columns and views of one row, so that resolving needs nothing but the
- * row itself. */
+/* Three answers from one film (docs/developer/estimators.md, "8. Three estimators"). Everything is
+ * per row: a tile is a block of neighbouring columns and views of one row, so that resolving needs
+ * nothing but the row itself. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -417,7 +417,7 @@ static float believed(const lf_tile *t, int i, int c)
 }
 
 /* I^2 + epsilon of a channel, over what its inverse is expected to be more than that
- * (docs/estimators.md, "The error and its bound"). */
+ * (docs/developer/estimators.md, "10. The error estimate"). */
 static double scale_of(const lf_tile *t, lf_tile_answers *a, int i, int c, bool *out_doubt)
 {
     const lf_tile_pixel *p = &t->pixel[i];

@@ -49,7 +49,7 @@ typedef struct lf_beta {
     double lambda[2];
 } lf_beta;
 
-/* What one half says they are; docs/estimators.md, "Three answers". */
+/* What one half says they are; docs/developer/estimators.md, "8. Three estimators". */
 void lf_tile_regress(const lf_tile *tile, int half, lf_beta *out);
 
 #endif

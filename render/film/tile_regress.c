@@ -1,4 +1,4 @@
-/* The coefficients of cv (docs/estimators.md, "Three answers"). */
+/* The coefficients of cv (docs/developer/estimators.md, "8. Three estimators"). */
 #include "render/film/tile.h"
 
 #include <math.h>

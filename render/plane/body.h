@@ -1,5 +1,6 @@
 /* A homogeneous shape on one row's plane: nothing is resampled, every ray of the row knows its
- * interval in closed form; private to render/. (docs/estimators.md, "Media of a row") */
+ * interval in closed form; private to render/. (docs/developer/estimators.md, "6. Optical depth to
+ * all views") */
 #ifndef LF_RENDER_BODY_H
 #define LF_RENDER_BODY_H
 

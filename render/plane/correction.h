@@ -8,8 +8,8 @@
  * exponential, Georgiev et al. 2019): right in the mean for any lambda that is above 0 wherever the
  * two differ, with the relative variance exp(int (sigma - sigma~)^2 / lambda) - 1. lambda is what
  * the slice knows of its own roughness, so that a whole fan of views takes a few look-ups.
- * Homogeneous shapes, and voxels with edges, are cut exactly: R = 1. docs/estimators.md,
- * "Correction weights". */
+ * Homogeneous shapes, and voxels with edges, are cut exactly: R = 1.
+ * docs/developer/estimators/grids.md, "The weight". */
 #ifndef LF_RENDER_CORRECTION_H
 #define LF_RENDER_CORRECTION_H
 

@@ -1,7 +1,7 @@
 /* The participating media on one row's plane: interpolated grids as slices, voxels with edges and
  * homogeneous shapes exactly. Several media are independent processes: optical depths add up, and a
- * collision belongs to the medium in which it happened; private to render/. docs/estimators.md,
- * "Media of a row". */
+ * collision belongs to the medium in which it happened; private to render/.
+ * docs/developer/estimators.md, "6. Optical depth to all views". */
 #ifndef LF_RENDER_MEDIA_H
 #define LF_RENDER_MEDIA_H
 

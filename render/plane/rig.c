@@ -89,7 +89,8 @@ static double place_in(const lf_camera *c, int k)
     return (k + 0.5) / n - 0.5;
 }
 
-/* Offset of view i is D tan(a_i), or a share of the track (docs/estimators.md, "The rig"). */
+/* Offset of view i is D tan(a_i), or a share of the track (docs/developer/estimators.md, "2. The
+ * rig and its row planes"). */
 static void place_views(lf_rig *rig, const lf_camera *c, double distance)
 {
     int n = c->n_views;

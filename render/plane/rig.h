@@ -10,8 +10,8 @@
  *
  * Thin lens (all views the same radius): a ray leaves (b_k + lx, ly, 0) towards the point of the
  * focus plane Z = F that the pinhole ray of its film point hits. With one v and one ly for a whole
- * row every ray of the row, of every view, lies in one plane Y = ly + my Z (docs/estimators.md,
- * "The rig"):
+ * row every ray of the row, of every view, lies in one plane Y = ly + my Z
+ * (docs/developer/estimators.md, "2. The rig and its row planes"):
  *
  *     X(Z) = c_k + mx Z,   c_k = b_k + lx,   mx = (X_w - e_k)/D - lx/F,   my = Y_w/D - ly/F
  *     X_w  = e_k + D ((X - c_k)/Z + lx/F)

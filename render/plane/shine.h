@@ -2,8 +2,8 @@
  * without a path, T that of media and of the veils and panes among them, and above 0 also where
  * nothing collides; private to render/. A visit knows it in the mean over its jitter: homogeneous
  * shapes in closed form, where no other medium is on the row's plane; grids at one depth in each
- * voxel's length, jittered together, where the field itself is looked up. docs/estimators.md,
- * "Volumes that emit". */
+ * voxel's length, jittered together, where the field itself is looked up.
+ * docs/developer/estimators/volume-emission.md, "Along camera rays". */
 #ifndef LF_RENDER_SHINE_H
 #define LF_RENDER_SHINE_H
 

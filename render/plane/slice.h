@@ -8,7 +8,7 @@
  * grid itself. So it has to be above 0 where the grid is: samples beside one that is have a little
  * of it. A cell is at most a voxel, unless what the rays can meet is longer than LF_SLICE_MAX_SIDE
  * - 4 of these: then it is that share of the length. The phases of planes and samples are drawn
- * anew in every visit. docs/estimators.md, "Media of a row". */
+ * anew in every visit. docs/developer/estimators/grids.md, "Cells of a slice". */
 #ifndef LF_RENDER_SLICE_H
 #define LF_RENDER_SLICE_H
 

@@ -2,7 +2,7 @@
  * how much of them lies between a point and each view, and along the rays of a fan; private to
  * render/. They are a section of their own. What they let through is a factor of D_k, evaluated for
  * each view and never a coin: where a base sample ends is chosen by chance, and that chance is part
- * of D_k (docs/estimators.md, "Veils"). */
+ * of D_k (docs/developer/estimators/alpha.md, "Alpha surfaces"). */
 #ifndef LF_RENDER_VEIL_H
 #define LF_RENDER_VEIL_H
 

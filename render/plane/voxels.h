@@ -1,6 +1,7 @@
 /* A grid whose voxels have edges (interpolation "nearest") on one row's plane: nothing is
  * resampled. Along a ray its extinction is constant from face to face, so that optical depths and
- * collisions are exact; private to render/. (docs/estimators.md, "Media of a row") */
+ * collisions are exact; private to render/. (docs/developer/estimators.md, "6. Optical depth to all
+ * views") */
 #ifndef LF_RENDER_VOXELS_H
 #define LF_RENDER_VOXELS_H
 

@@ -3,7 +3,8 @@
  *
  * The map of a row is made from the pilots of its neighbours alone, never from its own: rows share
  * no random number, so that given its map a row's sums are what they would be under any fixed map,
- * and mis and cv stay unbiased (docs/estimators.md, "Adaptive counts"). Frozen once it is made. */
+ * and mis and cv stay unbiased (docs/developer/estimators/adaptive.md, "Why mis and cv stay
+ * unbiased"). Frozen once it is made. */
 #ifndef LF_RENDER_ADAPTIVE_H
 #define LF_RENDER_ADAPTIVE_H
 

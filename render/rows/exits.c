@@ -1,6 +1,7 @@
 /* B and q: what is known without sampling paths. A fan of one ray per view runs through one film
  * point of each pixel column: its rays share y and z steps, so one march gives the exit
- * transmittances of all views' pixels in that column at once (docs/estimators.md, "B and q"). */
+ * transmittances of all views' pixels in that column at once (docs/developer/estimators.md, "6.
+ * Optical depth to all views"). */
 #include <string.h>
 
 #include "render/rows/extinction.h"

@@ -2,7 +2,7 @@
  * chromatic, one a channel: a table of functions each, of which a visit has one; private to
  * render/rows/. Prefix densities of chromatic media are those of a base ray that draws a channel
  * and is tracked in that alone, D_k = h_k mean_c sigma_t T_k, and what a view receives is each
- * channel's own (docs/estimators.md, "Chromatic media"). */
+ * channel's own (docs/developer/estimators/coloured-media.md, "Prefixes"). */
 #ifndef LF_RENDER_EXTINCTION_H
 #define LF_RENDER_EXTINCTION_H
 

@@ -1,6 +1,6 @@
 /* Points drawn in the plane of a row about the lights in media (glow.h): one more strategy for the
  * direct light of these lights at pivots in media, beside the collisions of all views. Private to
- * render/. docs/estimators.md, "Lights in media".
+ * render/. docs/developer/estimators/equiangular.md, "Points in the row plane".
  *
  * In the plane Y = ly + my Z a light has a foot (x, z); a point at distance rho from it (true
  * lengths) is drawn with a density proportional to 1 / (rho^2 + e^2), e^2 = the light's squared
@@ -46,8 +46,9 @@ void lf_glow_row_draw(const lf_glow_row *row, int glow, int view, const float u[
 
 /* The density of a light's points at the pivot (x, z) over `density` times the light's probability
  * of being picked, which is how often collisions there sample it. density: of all base samples, in
- * units of r_k sigma T_k (docs/estimators.md, "Prefix weights"). view: the one that points are
- * shared out to; < 0: drawn evenly. 0 for lights that are not in media, and beyond reach. */
+ * units of r_k sigma T_k (docs/developer/estimators.md, "4. How a pivot is shared"). view: the one
+ * that points are shared out to; < 0: drawn evenly. 0 for lights that are not in media, and beyond
+ * reach. */
 float lf_glow_row_ratio(const lf_glow_row *row, const lf_light *light, float x, float z, int view,
                         double density);
 

@@ -1,6 +1,6 @@
 /* A scene and its rig at one moment of its shutter, for one worker; private to render/. Time is one
  * more coordinate of a visit: all that the visit draws, and all that is known of it, is of one
- * moment (docs/estimators.md, "A shutter that is open"). */
+ * moment (docs/developer/estimators/motion.md, "One time per visit"). */
 #ifndef LF_RENDER_MOMENT_H
 #define LF_RENDER_MOMENT_H
 

@@ -1,5 +1,5 @@
 /* mvpt: every pivot serves all views that see it. Prefix densities D_k and the full balance over
- * (pivot, direction) of docs/estimators.md, sections "Prefix weights" and "Direction". */
+ * (pivot, direction) of docs/developer/estimators.md, sections 4 and 7. */
 #include <string.h>
 
 #include "render/rows/extinction.h"

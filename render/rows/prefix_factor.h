@@ -1,7 +1,7 @@
 /* Factors of what a view receives of a pivot, and of what comes to it unscattered, beside geometry,
  * surfaces that hide and extinction: a list, made for each plane that a visit cuts, of those that
  * apply there; private to render/rows/. mvpt walks it for all views at once, vpt and native samples
- * for one, B and q for a fan of rays. docs/estimators.md, "Prefix weights". */
+ * for one, B and q for a fan of rays. docs/developer/estimators.md, "4. How a pivot is shared". */
 #ifndef LF_RENDER_PREFIX_FACTOR_H
 #define LF_RENDER_PREFIX_FACTOR_H
 

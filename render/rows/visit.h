@@ -95,8 +95,8 @@ typedef struct lf_fan_met {
 
 /* The channels of a fan where media are chromatic: prefix densities are those of a base ray that
  * draws one of them and is tracked in that alone, D_k = h_k mean_c sigma_t T_k, and what a view
- * receives is each channel's own (docs/estimators.md, "Chromatic media"). [channel * lanes + lane],
- * as many lanes as are in work. */
+ * receives is each channel's own (docs/developer/estimators/coloured-media.md, "Prefixes").
+ * [channel * lanes + lane], as many lanes as are in work. */
 typedef struct lf_channels {
     float tau[3 * LF_MAX_LANES], scale[3 * LF_MAX_LANES], density[3 * LF_MAX_LANES],
         factor[3 * LF_MAX_LANES];
@@ -161,8 +161,8 @@ typedef struct lf_pivot {
     int medium;   /* of a collision: index into the worker's media */
     float x, z;   /* camera space; y follows from the row's plane */
     float lx;     /* the base ray's lens offset, copied to every view */
-    float boost;  /* 1, or q/s when the collision was forced (docs/estimators.md, "Forced
-                     collisions") */
+    float boost;  /* 1, or q when the collision was forced (docs/developer/estimators.md, "3.
+                     Passes, visits and expected counts") */
     bool is_pane; /* of a pane (lf_glass), which reflects natively: it weighs and sends nothing */
     lf_sampler *sampler; /* goes on with the pivot's own dimensions */
 } lf_pivot;

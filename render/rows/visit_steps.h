@@ -48,9 +48,9 @@ void lf_base_sample(lf_visit *visit, const lf_base *base);
 /* Fills the holes of a row: in the plane of the visit that has just been (now: its number in its
  * half; < 0: none has), where most are found at once, then in those of earlier visits, one of which
  * has found that something scatters there: of the pass's stream, then of the others. Each sample
- * weighs as much as the half's count so far (docs/estimators.md, "Holes"). What only older visits
- * have met counts as dark until a path arrives, whose weight is beyond comparison. false =
- * cancelled. */
+ * weighs as much as the half's count so far (docs/developer/estimators.md, "8. Three estimators").
+ * What only older visits have met counts as dark until a path arrives, whose weight is beyond
+ * comparison. false = cancelled. */
 bool lf_fill_holes(lf_visit *visit, int64_t now, const lf_cancel *cancel);
 
 #endif

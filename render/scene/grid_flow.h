@@ -6,8 +6,7 @@
  *     f_t(x) = f(x - t v(x - t v(x)))
  *
  * or by v(x) where nothing is stored there. Where no velocity is stored it is 0, and what is there
- * stands still. docs/estimators.md, "Values
- * that flow". */
+ * stands still. docs/developer/estimators/motion.md, "Velocities". */
 #ifndef LF_RENDER_GRID_FLOW_H
 #define LF_RENDER_GRID_FLOW_H
 

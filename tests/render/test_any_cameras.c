@@ -125,8 +125,8 @@ static void points_land_where_each_camera_has_them(void **state)
 static const float centre[2] = {0.0f, 0.0f};
 
 /* Where a view has a point, and the density of its samples over that of view 0, as the rig's
- * formulas have them (docs/estimators.md, "Prefix weights"): r_k in media. What is sampled of a
- * pixel's solid angle is the same. */
+ * formulas have them (docs/developer/estimators.md, "4. How a pivot is shared"): r_k in media. What
+ * is sampled of a pixel's solid angle is the same. */
 static void densities_are_those_of_the_rig(void **state)
 {
     (void)state;

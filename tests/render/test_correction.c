@@ -1,6 +1,6 @@
-/* What is drawn from slices counts for the grids themselves (docs/estimators.md, "Correction
- * weights"): single scattering in closed form where slices are worst, transmittance by brute force,
- * and the same with the correction pulled out. */
+/* What is drawn from slices counts for the grids themselves (docs/developer/estimators/grids.md,
+ * "The weight"): single scattering in closed form where slices are worst, transmittance by brute
+ * force, and the same with the correction pulled out. */
 #include "tests/testing.h"
 
 #include "base/alloc.h"

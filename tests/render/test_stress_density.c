@@ -1,6 +1,6 @@
-/* Stress cases of the media (docs/estimators.md, "Stress cases"): from a millionth to ten thousand
- * mean free paths, furnaces, contrast, tight majorants, cameras inside. Numbers of the cases are
- * those of the list there. */
+/* Stress cases of the media (docs/developer/test-cases.md, "Stress cases"): from a millionth to ten
+ * thousand mean free paths, furnaces, contrast, tight majorants, cameras inside. Numbers of the
+ * cases are those of the list there. */
 #include "tests/testing.h"
 
 #include "tests/render/grids.h"

@@ -1,7 +1,7 @@
-/* Stress cases of the rig and of surfaces (docs/estimators.md, "Stress cases"): grazing planes,
- * edges of frames and media, contact, scenes far away, tiny and huge, wide rigs, lenses, mirrored
- * scenes; and what the weights hold to whatever the scene. Numbers of the cases are those of the
- * list there. */
+/* Stress cases of the rig and of surfaces (docs/developer/test-cases.md, "Stress cases"): grazing
+ * planes, edges of frames and media, contact, scenes far away, tiny and huge, wide rigs, lenses,
+ * mirrored scenes; and what the weights hold to whatever the scene. Numbers of the cases are those
+ * of the list there. */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"

@@ -1,5 +1,6 @@
-/* Stress cases of lobes, colours, mirrors and scenes with nothing in them (docs/estimators.md,
- * "Stress cases"). Numbers of the cases are those of the list there. */
+/* Stress cases of lobes, colours, mirrors and scenes with nothing in them
+ * (docs/developer/test-cases.md, "Stress cases"). Numbers of the cases are those of the list there.
+ */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"

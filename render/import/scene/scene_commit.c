@@ -94,8 +94,8 @@ static void load_grid(commit *c, const lf_volume_desc *desc, const char *name, c
 
 /* Values that velocities carry lie between voxels and are interpolated once more. What that takes
  * from the density's contrast makes pictures brighter: white noise by 0.09 % where it takes 0.1
- * mean free paths a voxel, by 1 % at 0.4 and 3 % at 1.6 (docs/estimators.md, "Values that flow").
- */
+ * mean free paths a voxel, by 1 % at 0.4 and 3 % at 1.6 (docs/developer/estimators/motion.md,
+ * "Velocities"). */
 static void check_roughness(const commit *c, int i)
 {
     const double most = 0.14;

@@ -3,7 +3,7 @@
  * does: the colour is that of Planck's spectrum (observer.h), of luminance 1, and its brightness
  * goes as T^4 (Stefan and Boltzmann), 1 at LF_FLAME_KELVIN. (That the eye sees but a part of that,
  * and of colder bodies less of it, is left out: a flame would show its hottest spot alone.)
- * docs/estimators.md, "Volumes that emit". */
+ * docs/developer/estimators/volume-emission.md, "Black bodies". */
 #ifndef LF_RENDER_FLAME_H
 #define LF_RENDER_FLAME_H
 

@@ -1,8 +1,8 @@
 /* Lights in media: point lights and small lamps that stand in a volume or close to one. Next event
  * from where a path happens to collide has no finite variance there, since it grows as 1/r^2; so
  * points are also drawn about the light: along path segments (equiangular sampling, Kulla and
- * Fajardo 2012), and in the planes of rows (glow_row.c). Private to render/. docs/estimators.md,
- * "Lights in media". */
+ * Fajardo 2012), and in the planes of rows (glow_row.c). Private to render/.
+ * docs/developer/estimators/equiangular.md. */
 #ifndef LF_RENDER_GLOW_H
 #define LF_RENDER_GLOW_H
 

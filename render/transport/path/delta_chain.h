@@ -1,6 +1,7 @@
 /* Light that comes to a camera by way of smooth surfaces, mirrors and clear glass alone (a delta
  * chain): both branches of every smooth dielectric are followed and weighed by Fresnel's equations,
- * instead of one that chance picks. Private to render/. docs/estimators.md, "Delta lobes".
+ * instead of one that chance picks. Private to render/. docs/developer/estimators/surfaces.md,
+ * "Both branches".
  *
  * A chain branches behind the camera's first surface as long as surfaces have nothing but delta
  * lobes. Each branch ends at the sky, in a medium, or at the first surface that scatters. The light
