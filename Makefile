@@ -131,14 +131,18 @@ libs = $(patsubst %,$(O)/lib%.a,$(1))
 link = $(call say,LD )$(CXX) $(lf_ldflags) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(dep_libs) $(1) $(LDLIBS)
 
 define program
-$(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model papers,$(libraries))))
+$(O)/$(1): $(call objs,$($(1)_srcs)) $(call libs,$(or $(libs_$(1)),$(filter-out model papers,$(libraries)))) $(if $(filter $(readers),$(1)),$(O)/readers.stamp)
+	@rm -f $$@
 	$$(call link,$$(link_$(1)))
 endef
 $(foreach p,$(if $(READERS),$(filter-out $(readers),$(programs)),$(programs)),$(eval $(call program,$(p))))
 ifdef READERS
-$(addprefix $(O)/,$(readers)): $(O)/%: $(READERS)/%
+$(addprefix $(O)/,$(readers)): $(O)/%: $(READERS)/% $(O)/readers.stamp
 	@ln -sfn $(abspath $<) $@
 endif
+# whose readers they are: rewritten only when that changes
+$(O)/readers.stamp: FORCE
+	@mkdir -p $(@D); echo '$(READERS)' > $@.new; if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 
 # --------------------------------------------------------------------------------------------------------- testing --
 test_srcs := $(call wild,tests/*/test_*.c)

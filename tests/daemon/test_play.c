@@ -42,6 +42,7 @@ static bool on_due(void *context, int frame)
 
 static int set_up(void **state)
 {
+    woken_in = -1;
     static const lf_play_events events = {.due = on_due};
     owner *o = *state = calloc(1, sizeof *o);
     assert_non_null(o);
