@@ -1,5 +1,5 @@
-/* quiltbench papers FOLDER: the estimators of the papers beside ours (docs/papers.md), on the kinds
- * of scenes of their figures, all in turns in one run. */
+/* quiltbench papers FOLDER: the estimators of the papers beside ours (docs/developer/papers.md), on
+ * the kinds of scenes of their figures, all in turns in one run. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* quiltbench shown SCENE: what the reconstruction is worth. The picture that people see against the
  * unfiltered one after the same CPU time or passes: errors, the worst tile, the change from view to
- * view, whether what it says of its own error is true (docs/reconstruct.md), and what an eye sees
- * of both through a panel's lenses. */
+ * view, whether what it says of its own error is true (docs/developer/reconstruction.md), and what
+ * an eye sees of both through a panel's lenses. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* quiltbench table FOLDER: equal-time ratios of mvpt to vpt for the kinds of scenes of Fraboni et
  * al. 2022, Table 1, as a light field and as a lenticular print, each held against what
- * docs/performance.md promises. */
+ * docs/lab/performance.md promises. */
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>

@@ -374,11 +374,11 @@ lf_status lf_renderer_resolve_row(const lf_renderer *renderer, lf_estimator esti
 LF_NODISCARD lf_status lf_renderer_resolve(const lf_renderer *renderer, lf_estimator estimator,
                                            float *out, uint8_t *flags);
 
-/* The reconstructed picture (docs/reconstruct.md): of a film with settings.features. A fit takes
- * what the film holds now, for rows that are resolved from then on, also while further passes add
- * to them: to be made again when n has grown by a third or so. On the pool, the thread of passes;
- * not while a pass is under way. LF_E_STATE: no features. LF_E_NOMEM; LF_E_CANCELLED: within 20 ms;
- * there is no fit then. */
+/* The reconstructed picture (docs/developer/reconstruction.md): of a film with settings.features. A
+ * fit takes what the film holds now, for rows that are resolved from then on, also while further
+ * passes add to them: to be made again when n has grown by a third or so. On the pool, the thread
+ * of passes; not while a pass is under way. LF_E_STATE: no features. LF_E_NOMEM; LF_E_CANCELLED:
+ * within 20 ms; there is no fit then. */
 LF_NODISCARD lf_status lf_renderer_fit(lf_renderer *renderer, const lf_cancel *cancel);
 /* Whether the next fit begins with what the last one knew before the renderer was restarted with
  * the same scene (the camera has moved): until one of a film with all rows visited was made, in
@@ -529,7 +529,7 @@ double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimat
 /* The same of the reconstructed picture by the last fit: x what lf_renderer_show_row answers, with
  * the bias that it shares with its neighbours. Both are negative while there is no fit, or a row
  * has not been seen by both halves, or when it was cancelled (NULL: never).
- * docs/reconstruct.md, "How far off it is". */
+ * docs/developer/reconstruction.md, "The stated error". */
 double lf_renderer_shown_error(const lf_renderer *renderer, double alpha, double *out_estimate,
                                const lf_cancel *cancel);
 

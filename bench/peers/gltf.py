@@ -15,7 +15,7 @@ file, so that mistakes can be told from differences of the models:
     layers roughness three tenths of the file's (of rough dielectrics Cycles' lobes have more than microfacets reflect), Cycles'
            Diffuse and Glossy BSDFs mixed by Fresnel's equation and by metallic: our model, but for highlights' Fresnel, which
            Cycles takes at the normal; coats, sheen and glass are not in it
-    whole  as the file is, Cycles' Principled BSDF: differs by what the models are (docs/samples.md)
+    whole  as the file is, Cycles' Principled BSDF: differs by what the models are (docs/lab/samples.md)
 
 One line each: the share of the picture that the thing covers, both means there, Cycles' over ours - 1, and the rms of 8x8 blocks,
 relative to the mean.

@@ -1,5 +1,6 @@
 /* Features of a view pixel: where the fan of B and q met what scatters there, without any noise of
- * paths, and its albedo; private to render/. docs/reconstruct.md, "Features" and "Albedo".
+ * paths, and its albedo; private to render/. docs/developer/reconstruction.md, "Features" and
+ * "Albedo".
  *
  * Each is a mean over the film points of a half, weighted by the pivot probability q. 8 bytes a
  * view pixel and half; albedo 4 of both halves together. What does not fit is rounded up or down at

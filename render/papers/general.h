@@ -1,8 +1,8 @@
 /* Integrators that know no rows of rectified rigs: reference modes, plain and slow, as the renderer
  * drives them (integrator.h); private to render/.
  *
- * mvpt2022 (docs/papers.md): multi-view path tracing as Fraboni et al. (2022) have it. Media
- * are tracked with one majorant a volume; the null-scattering chain of a base prefix is
+ * mvpt2022 (docs/developer/papers.md): multi-view path tracing as Fraboni et al. (2022) have it.
+ * Media are tracked with one majorant a volume; the null-scattering chain of a base prefix is
  * shifted to every view (--shift), views are selected (--selection), one suffix from
  * the mixture of their lobes is shared, and view j gets it with the weight of equation 23, over the
  * selected views:

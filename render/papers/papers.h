@@ -1,5 +1,5 @@
-/* Reproductions of papers (docs/papers.md) as integrators: a library of its own, for programs that
- * compare with them. Plain and slow; quiltd does not have it. */
+/* Reproductions of papers (docs/developer/papers.md) as integrators: a library of its own, for
+ * programs that compare with them. Plain and slow; quiltd does not have it. */
 #ifndef LF_RENDER_PAPERS_H
 #define LF_RENDER_PAPERS_H
 

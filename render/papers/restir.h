@@ -1,11 +1,11 @@
-/* restir (docs/papers.md): Volumetric ReSTIR as Lin, Wyman and Yuksel (2021) have it, each view
- * alone. A visit gives every view pixel that it takes a ray and a reservoir of LF_RESTIR_WALKS
- * walks (light_path.h), puts it together with what an earlier visit of the same half left in the
- * pixel (--reuse; M capped) and with those of LF_RESTIR_NEIGHBOURS columns of its row drawn
- * within LF_RESTIR_REACH, and adds what all of them bring, corrected by the exact transmittances of
- * the path that is kept (lf_path_sample_radiance), to what the ray sees behind the media. W of the
- * film is n: every answer is N/n. Halves never see each other's reservoirs. What is kept is no part
- * of the film: one that is read from a file goes on with new reservoirs.
+/* restir (docs/developer/papers.md): Volumetric ReSTIR as Lin, Wyman and Yuksel (2021) have it,
+ * each view alone. A visit gives every view pixel that it takes a ray and a reservoir of
+ * LF_RESTIR_WALKS walks (light_path.h), puts it together with what an earlier visit of the same
+ * half left in the pixel (--reuse; M capped) and with those of LF_RESTIR_NEIGHBOURS columns of its
+ * row drawn within LF_RESTIR_REACH, and adds what all of them bring, corrected by the exact
+ * transmittances of the path that is kept (lf_path_sample_radiance), to what the ray sees behind
+ * the media. W of the film is n: every answer is N/n. Halves never see each other's reservoirs.
+ * What is kept is no part of the film: one that is read from a file goes on with new reservoirs.
  *
  * By blocks (--reuse vertices) pixels have LF_RESTIR_BLOCK_WALKS walks, and those of a block of
  * LF_RESTIR_BLOCK_COLUMNS columns all of their paths in common (vertex_reuse.h); where blocks begin

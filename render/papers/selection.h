@@ -8,7 +8,7 @@
  *   tv         each view is taken or left by a draw of its own, with probability 1 - TV(base, view)
  *              (section 4.3). AS PRINTED, and inconsistent: which views stand in the sum depends on
  *              the base, so that weights do not sum to 1 over the bases, and N/W converges to a
- *              value that is off by what docs/papers.md says.
+ *              value that is off by what docs/developer/papers.md says.
  *   none       all views, always.
  *   partition  the line of cameras is cut where D_k = sum of TV(l - 1, l), l = 1..k, passes whole
  *              numbers behind one uniform offset: views share with probability max(0, 1 - |D_i -

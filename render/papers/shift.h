@@ -1,7 +1,7 @@
 /* Shifts of null-scattering chains between views: the six mappings of the supplement of Fraboni et
  * al., "Volumetric Multi-View Rendering" (2022), and what a chain weighs with them; private to
  * render/. Only reference estimators use them: rows/ knows the same densities in closed form
- * (docs/papers.md). Pure functions of their arguments, in double precision.
+ * (docs/developer/papers.md). Pure functions of their arguments, in double precision.
  *
  * A chain is what tracking with a majorant meets between a lens and the pivot: m null collisions at
  * distances t_q. A mapping takes each to a distance t' on the ray from another lens to the same

@@ -1,5 +1,5 @@
 /* Highlights that no feature knows, kept out of the fit; private to render/reconstruct.
- * docs/reconstruct.md, "Highlights", has the formulas.
+ * docs/developer/reconstruction-extensions.md, "Highlights", has the formulas.
  *
  * Around every cell of level 1 there is a bound, a few times a mean of N/W that is itself bounded
  * so. What is above it in pixels of either half is compared; where the halves agree on which

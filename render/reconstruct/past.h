@@ -1,6 +1,6 @@
 /* The last fit of a rig as a first guess for another one's: nodes of the finest lattice, looked up
- * where the old rig saw the place; private to render/reconstruct. docs/reconstruct.md, "A camera
- * that moves". */
+ * where the old rig saw the place; private to render/reconstruct.
+ * docs/developer/reconstruction-extensions.md, "A camera that moves". */
 #ifndef LF_RENDER_RECONSTRUCT_PAST_H
 #define LF_RENDER_RECONSTRUCT_PAST_H
 

@@ -1,6 +1,6 @@
 /* The picture that people see: N/W by local regression on features that have no path noise, over a
- * lattice of cells in the world that all views share; private to render/. docs/reconstruct.md has
- * the formulas.
+ * lattice of cells in the world that all views share; private to render/.
+ * docs/developer/reconstruction.md has the formulas.
  *
  * The answer of a view pixel is B + q max(0, a R), a its albedo (1 in films without), R the
  * prediction of a linear function of eight features (position along its epipolar line, row,

@@ -1,5 +1,5 @@
 /* What the picture lacks in tiles of single views; private to render/reconstruct.
- * docs/reconstruct.md, "What tiles lack", has the formulas.
+ * docs/developer/reconstruction-extensions.md, "What tiles lack", has the formulas.
  *
  * Cells of the lattice hold all views together, and features say little of what moves with the eye:
  * a lamp mirrored in a gloss, a caustic. So what is shown is compared with what was found, in tiles

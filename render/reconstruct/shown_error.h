@@ -1,5 +1,5 @@
-/* How far the shown picture is from the truth; private to render/. docs/reconstruct.md, "How far
- * off it is", has the formulas. */
+/* How far the shown picture is from the truth; private to render/.
+ * docs/developer/reconstruction.md, "The stated error", has the formulas. */
 #ifndef LF_RENDER_SHOWN_ERROR_H
 #define LF_RENDER_SHOWN_ERROR_H
 

@@ -8,7 +8,7 @@
  *
  * d in the denominator of both halves together, sums over the pixels around. Predictions are
  * linear, so that all of it follows from the moments of cells. The last step is to N/W itself.
- * docs/reconstruct.md, "From coarse to fine". */
+ * docs/developer/reconstruction.md, "From coarse to fine". */
 #ifndef LF_RENDER_RECONSTRUCT_SHRINK_H
 #define LF_RENDER_RECONSTRUCT_SHRINK_H
 
@@ -20,7 +20,7 @@
  * 1. What the step of each cell from the level above to this one is worth. */
 void lf_shrink_weigh(lf_reconstruction *r, int level, int number);
 /* The same of the step from the finest level to what the past says, which knows the noise of
- * neither half (docs/reconstruct.md, "A camera that moves"). */
+ * neither half (docs/developer/reconstruction-extensions.md, "A camera that moves"). */
 void lf_shrink_weigh_past(lf_reconstruction *r, int number);
 /* The same of the step from the finest level to N/W. */
 void lf_shrink_weigh_raw(lf_reconstruction *r, int number);

@@ -166,8 +166,8 @@ static double wall_p(const lf_moments *seen, double value)
     return lf_p_mean(seen, fmin(fmax(seen->mean, value - slack), value + slack));
 }
 
-/* docs/papers.md has this table. Rejected: a bias that is gone, or greater or smaller by a quarter.
- */
+/* docs/developer/papers.md has this table. Rejected: a bias that is gone, or greater or smaller by
+ * a quarter. */
 static void normalisation_by_k_is_off_by_what_theory_says(void **state)
 {
     (void)state;

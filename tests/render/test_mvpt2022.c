@@ -382,9 +382,9 @@ static double slab_p(const lf_moments *seen, double weights)
     return lf_p_mean(seen, fmin(fmax(seen->mean, weights - slack), weights + slack));
 }
 
-/* docs/papers.md has this table: view j is off by 1 / (T + (1 - T) A_j) - 1, T what is let through.
- * A bias that is gone or by a quarter greater is rejected at its edges. Pivots beside the middle,
- * and densities that differ from view to view, leave 0.01 in A_j. */
+/* docs/developer/papers.md has this table: view j is off by 1 / (T + (1 - T) A_j) - 1, T what is
+ * let through. A bias that is gone or by a quarter greater is rejected at its edges. Pivots beside
+ * the middle, and densities that differ from view to view, leave 0.01 in A_j. */
 static void total_variation_is_off_by_what_theory_says(void **state)
 {
     (void)state;

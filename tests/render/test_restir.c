@@ -368,9 +368,9 @@ static void box_columns(const char *reuse, const char *weights, uint64_t salt, l
 /* Light scattered once straight back, of 3 W/m^2: 3/(4 pi) (1 - exp(-2 tau))/2, tau = 1. */
 #define BOX_RADIANCE (3 / (4 * M_PI) * (1 - exp(-2.0)) / 2)
 
-/* docs/papers.md has this. Beside the edge the picture is dark by the columns that find nothing
- * there; a bias that is gone, or by a quarter greater, is seen. Far from it, and with the weights,
- * there is none. */
+/* docs/developer/papers.md has this. Beside the edge the picture is dark by the columns that find
+ * nothing there; a bias that is gone, or by a quarter greater, is seen. Far from it, and with the
+ * weights, there is none. */
 static void the_shortcut_is_off_by_what_theory_says(void **state)
 {
     (void)state;

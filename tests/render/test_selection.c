@@ -106,7 +106,7 @@ static double bias(double weights)
     return (5 + weights) / (1 + weights) / 3 - 1;
 }
 
-/* The table of docs/papers.md; a table within 0.05 % of these. */
+/* The table of docs/developer/papers.md; a table within 0.05 % of these. */
 static void total_variation_is_off_by_the_table(void **state)
 {
     (void)state;

@@ -6,7 +6,7 @@
  * neither noise nor look-ups between pivots and second vertices.
  *
  * What decides whether it is built is how many suffixes of one pivot alone one that is shared
- * counts for, in the variance of a view pixel: docs/performance.md, "What is left". With
+ * counts for, in the variance of a view pixel: docs/lab/performance.md, "What is left". With
  * QUILTD_LONG it prints that table. */
 #include "tests/testing.h"
 

@@ -7,7 +7,7 @@
 #include "render/transport/path/suffix_one.h"
 
 /* Pivots, and suffixes of each: one costs about a third of what the rest of a pivot costs
- * (docs/performance.md, "Suffixes in lanes"). */
+ * (docs/lab/performance.md, "Suffixes in lanes"). */
 enum { LF_BATCH_PIVOTS = 1024, LF_BATCH_EACH = 4 };
 
 typedef struct lf_batch_pivot {

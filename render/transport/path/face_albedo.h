@@ -3,7 +3,8 @@
  * About how much of the light that arrives a surface sends on by lobes that are no delta: the
  * colour of its base, with its texture and the colours of vertices, and what a dielectric reflects
  * straight on. Roughness, normals, coats and sheen are not looked at: it is what the reconstruction
- * divides by (docs/reconstruct.md, "Albedo"), so that it has to be cheap and near, not exact. */
+ * divides by (docs/developer/reconstruction.md, "Albedo"), so that it has to be cheap and near, not
+ * exact. */
 #ifndef LF_RENDER_FACE_ALBEDO_H
 #define LF_RENDER_FACE_ALBEDO_H
 

@@ -1,5 +1,5 @@
-/* The albedo that pictures are divided by before they are smoothed (docs/reconstruct.md, "Albedo");
- * private to render/. */
+/* The albedo that pictures are divided by before they are smoothed
+ * (docs/developer/reconstruction.md, "Albedo"); private to render/. */
 #ifndef LF_RENDER_ALBEDO_H
 #define LF_RENDER_ALBEDO_H
 
