@@ -256,8 +256,6 @@ static void memory_and_the_memory_file_are_not_twice_the_limit(void **state)
 /* As readers find it. */
 static lf_landlock landlock_here(void)
 {
-    if (SANITIZED)
-        return LF_LANDLOCK_OFF;
     if (syscall(SYS_landlock_create_ruleset, NULL, 0, LANDLOCK_CREATE_RULESET_VERSION) >= 1)
         return LF_LANDLOCK_ON;
     return errno == ENOSYS || errno == EOPNOTSUPP ? LF_LANDLOCK_OFF : LF_LANDLOCK_REFUSED;
@@ -320,7 +318,10 @@ static void whether_landlock_helps_is_told(void **state)
     importing one = {.folder = folder};
     (void)import_one(&one);
     lf_assert_ok(one.status, &one.err);
-    assert_int_equal(lf_import_landlock(), landlock_here());
+    /* Readers with a sanitizer go without; a test with one may have the release's (make READERS).
+     */
+    assert_true(lf_import_landlock() == landlock_here() ||
+                (SANITIZED && lf_import_landlock() == LF_LANDLOCK_OFF));
     assert_string_equal(lf_landlock_name(LF_LANDLOCK_REFUSED), "refused");
     if (SANITIZED)
         return;
