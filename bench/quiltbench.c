@@ -158,8 +158,8 @@ int lf_bench_fail(const lf_error *err)
 {
     lf_log_error(err);
     if (lacks_data(err))
-        lf_log(LF_LOG_ERROR, "quiltd does not come with this file: docs/scene.md, \"Shipped "
-                             "scenes\", says where it is from");
+        lf_log(LF_LOG_ERROR, "quiltd does not come with this file: docs/reference/scene-format.md, "
+                             "\"Shipped scenes\", says where it is from");
     return LF_EXIT_FAILED;
 }
 

@@ -6,7 +6,7 @@
 #include "base/alloc.h"
 #include "render/render.h"
 
-/* The rule of docs/scene.md, "Framing". */
+/* The rule of docs/reference/scene-format.md, "Framing". */
 #define THIN (1.0 / 20.0)
 #define MUCH_LARGER 4.0
 

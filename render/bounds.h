@@ -11,8 +11,8 @@ int lf_scene_things(const lf_scene *scene);
  * volumes and meshes that the camera does not see have none. */
 bool lf_thing_box(const lf_scene *scene, int thing, lf_box *out);
 
-/* Which things a fit leaves out (docs/scene.md, "Framing"): out[lf_scene_things]. Whether there
- * are any. */
+/* Which things a fit leaves out (docs/reference/scene-format.md, "Framing"): out[lf_scene_things].
+ * Whether there are any. */
 bool lf_find_grounds(const lf_scene *scene, bool *out);
 
 /* A box as numbers, and the axis along which it is thinnest. */

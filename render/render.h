@@ -51,9 +51,9 @@
 
 /* ------------------------------------------------------------------------------------- scene -- */
 
-/* How a file of a mesh or a volume is shown that stands in a scene's place (docs/scene.md, "Files
- * without a scene"). Zeroed: turned as its kind is, its front towards the eye, on a ground, in a
- * studio. */
+/* How a file of a mesh or a volume is shown that stands in a scene's place
+ * (docs/reference/scene-format.md, "Files without a scene"). Zeroed: turned as its kind is, its
+ * front towards the eye, on a ground, in a studio. */
 typedef enum lf_up { LF_UP_OF_FILE, LF_UP_Y, LF_UP_Z } lf_up;
 typedef struct lf_alone {
     bool bare;               /* no ground, no studio: before a dark backdrop */
@@ -105,7 +105,8 @@ LF_NODISCARD lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf
  * what the camera does not see have none. false: nothing is there. */
 bool lf_scene_bounds(const lf_scene *scene, const char *name, double out_bounds[2][3]);
 /* The meshes that lf_scene_bounds leaves out as grounds: what the scene says, or else the rule of
- * docs/scene.md, "Framing". NULL behind the last; the names belong to the scene. */
+ * docs/reference/scene-format.md, "Framing". NULL behind the last; the names belong to the scene.
+ */
 const char *lf_scene_ground(const lf_scene *scene, int index);
 /* The JSON Schema of scene files (docs/scene.schema.json, compiled in); a new reference. */
 json_t *lf_scene_schema(void);
@@ -209,7 +210,7 @@ typedef struct lf_render_settings {
  * window, in pixels of a view: between cameras b apart a point at distance Z along the view axis
  * moves by b (1 - D/Z), D the window's distance. Positive behind the window, negative before it;
  * -INFINITY where things begin at the cameras. What is finer than its step is not seen once but
- * several times. docs/scene.md, "Depth". */
+ * several times. docs/reference/scene-format.md, "Depth". */
 typedef struct lf_depth {
     double nearest, farthest; /* Z, scene units */
     double nearest_step, farthest_step;

@@ -2,7 +2,7 @@
 
     blender -b --factory-startup --python-exit-code 1 --python cycles.py -- SCENE.json WIDTH HEIGHT THREADS STEP_RATE
 
-Understands what the peers' scenes use (docs/scene.md): grids, .obj meshes and quads, diffuse materials, a constant sky, distant
+Understands what the peers' scenes use (docs/reference/scene-format.md): grids, .obj meshes and quads, diffuse materials, a constant sky, distant
 lights. Anything else ends it with a line that says what. Blender takes the scene's coordinates as they are: nothing in Cycles
 prefers an axis, so y stays up.
 

@@ -2,9 +2,9 @@
  * Rows of a grid of cameras, a light field each, are frames in all that follows, but for their
  * numbers, which begin with 0.
  *
- * Frames have numbers. A scene says what is there in a frame (docs/scene.md, "Frames"); a turntable
- * of N frames, 1 to N, takes its camera once round the target. Nothing here keeps state. Thread:
- * any. */
+ * Frames have numbers. A scene says what is there in a frame (docs/reference/scene-format.md,
+ * "Frames"); a turntable of N frames, 1 to N, takes its camera once round the target. Nothing here
+ * keeps state. Thread: any. */
 #ifndef LF_DAEMON_FRAMES_H
 #define LF_DAEMON_FRAMES_H
 

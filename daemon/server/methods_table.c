@@ -59,7 +59,8 @@ static const lf_method methods[] = {
      "scene.patch patch:={\"lights\":{\"sky\":null}}",
      OBJECT_WITH("\"patch\"",
          KEY("patch", "\"type\":\"object\",\"additionalProperties\":true",
-             "keys of the scene file (scene.md) with their new values; null takes one away") ","
+             "keys of the scene file (scene-format.md) with their new values; null takes one "
+             "away") ","
          FILES),
      lf_method_scene_patch},
     {"camera.set", "set keys of the scene's camera; those that are left out stay as they are",

@@ -24,7 +24,7 @@ const lf_param lf_camera_params[] = {
      .about = "width of the window over its height"},
     {.name = "views", PLACE(n_views), .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_VIEWS,
      .initial = 45, .or_object = true,
-     .about = "number of views, or an object that places the cameras (scene.md)"},
+     .about = "number of views, or an object that places the cameras (scene-format.md)"},
     {.name = "cone", PLACE(cone), .type = LF_PARAM_ANGLE, .unit = "degrees",
      .low = 0, .high = 160, .initial = 40,
      .about = "angle over which the cameras are spread, seen from the target"},

@@ -46,7 +46,7 @@ static void assert_box(live_client *c, double x, double reach)
 }
 
 /* A ball of radius 1 at 9 in six views of 24 pixels under a panel's cone of 40 degrees: the closed
- * form of docs/scene.md. */
+ * form of docs/reference/scene-format.md. */
 static void the_depth_and_bounds_are_told_and_framed(void **state)
 {
     (void)state;
@@ -240,8 +240,8 @@ static void an_exposure_that_is_set_starts_nothing_over(void **state)
     live_finish(&l);
 }
 
-/* docs/scene.md: the accumulation is not touched by `film`, nor by a patch that changes nothing. It
- * is paused, so that one that starts over is seen to. */
+/* docs/reference/scene-format.md: the accumulation is not touched by `film`, nor by a patch that
+ * changes nothing. It is paused, so that one that starts over is seen to. */
 static void a_patch_of_the_film_starts_nothing_over(void **state)
 {
     (void)state;

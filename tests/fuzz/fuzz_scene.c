@@ -1,5 +1,6 @@
 /* Any text as a scene, and what is behind a zero byte as a patch of it: what it says is understood
- * within the limits of docs/scene.md, or refused with a word and a line. No file is read. */
+ * within the limits of docs/reference/scene-format.md, or refused with a word and a line. No file
+ * is read. */
 #include "tests/fuzz/fuzz.h"
 
 #include <math.h>

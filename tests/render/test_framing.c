@@ -1,5 +1,6 @@
 /* How a scene lies in the window: its box, its depth, and where the camera must stand, against
- * projections made here (docs/scene.md, "camera": off-axis cameras on a line, at D tan(a_i)). */
+ * projections made here (docs/reference/scene-format.md, "camera": off-axis cameras on a line, at D
+ * tan(a_i)). */
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"

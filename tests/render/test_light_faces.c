@@ -71,7 +71,8 @@ static double polygon(double corner[][3], int n, const double p[3])
     return fabs(0.5 * sum);
 }
 
-/* The corners of a rectangle as docs/scene.md says, for directions that are not vertical. */
+/* The corners of a rectangle as docs/reference/scene-format.md says, for directions that are not
+ * vertical. */
 static void corners_of(const double centre[3], const double direction[3], double width,
                        double height, double degrees, double out[4][3])
 {

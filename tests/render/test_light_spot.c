@@ -26,7 +26,7 @@ static lf_scene *make_spot(int cone, double height, double tilt)
 }
 
 /* How much of the intensity goes along a direction `degrees` off the axis: the words of
- * docs/scene.md. */
+ * docs/reference/scene-format.md. */
 static double share(int cone, double degrees)
 {
     double outer = 0.5 * cones[cone].angle, inner = outer * (1.0 - cones[cone].blend);

@@ -86,7 +86,7 @@ static double landing(const lf_camera *camera, double b, double x, double z, dou
 }
 
 /* The rig's own words: the window is D wide of the line of cameras, view k sits at D tan(a_k), or
- * at its place on a track (scene.md, camera). */
+ * at its place on a track (scene-format.md, camera). */
 static double place_of(const lf_camera *camera, int view)
 {
     if (camera->track > 0.0)

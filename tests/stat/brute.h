@@ -1,7 +1,8 @@
 /* A path tracer that shares nothing with render/ but the description of a scene: double precision,
  * every quad asked for every ray, no light is looked for (what a path meets by chance is all it
  * finds), no weights but albedos, one view pixel at a time. It reads the little scene below; the
- * same scene as a file is written from it. What it computes is what docs/scene.md says. */
+ * same scene as a file is written from it. What it computes is what docs/reference/scene-format.md
+ * says. */
 #ifndef LF_TESTS_BRUTE_H
 #define LF_TESTS_BRUTE_H
 

@@ -1,5 +1,6 @@
 /* A scene around one file: what is shown where a mesh or a volume stands in a scene's place, and
- * nothing says how (docs/scene.md, "Files without a scene"); private to render/. */
+ * nothing says how (docs/reference/scene-format.md, "Files without a scene"); private to render/.
+ */
 #ifndef LF_RENDER_FILE_ALONE_H
 #define LF_RENDER_FILE_ALONE_H
 

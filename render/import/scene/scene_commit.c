@@ -591,7 +591,8 @@ static void collect_warnings(const commit *c)
         lf_warn_of_walled_camera(scene, c->desc, &scene->warnings);
     else
         lf_warnings_add(&scene->warnings, scene->file.where,
-                        "no light shines here: %s will be black (see lights in docs/scene.md)",
+                        "no light shines here: %s will be black (see lights in "
+                        "docs/reference/scene-format.md)",
                         scene->backdrop.given ? "all before the backdrop" : "the picture");
 }
 

@@ -1,6 +1,6 @@
 /* What a scene file says, before anything is loaded; private to render/. Angles are radians,
  * lengths and directions as in the file (world coordinates). Strings are borrowed from the JSON
- * document. docs/scene.md is the manual. */
+ * document. docs/reference/scene-format.md is the manual. */
 #ifndef LF_RENDER_SCENE_PARSE_H
 #define LF_RENDER_SCENE_PARSE_H
 

@@ -1,5 +1,5 @@
 /* Where things stand, as a scene says it; private to render/. Errors stick to the reader, as in
- * json_reader.h. docs/scene.md is the manual. */
+ * json_reader.h. docs/reference/scene-format.md is the manual. */
 #ifndef LF_RENDER_TRANSFORM_READ_H
 #define LF_RENDER_TRANSFORM_READ_H
 

@@ -96,7 +96,7 @@ void lf_warn_of_unused_grids(lf_warnings *warnings, const lf_scene_desc *desc, c
     if (still[0])
         lf_warnings_add(warnings, file,
                         "the shutter is open, and no volume says that it moves by %s "
-                        "(see \"velocity\" in docs/scene.md)",
+                        "(see \"velocity\" in docs/reference/scene-format.md)",
                         still);
     if (unused[0])
         lf_warnings_add(warnings, file, "grids that no volume is made of: %s", unused);
