@@ -77,19 +77,21 @@ static bool weigh(const lf_general *g, lf_general_worker *w, const lf_prefix *p)
     return isfinite(sum);
 }
 
+#define SUPPORT (LF_GENERAL_SUPPORT | LF_TRAITS_PLAIN_MEDIA | LF_TRAIT_EQUIANGULAR)
+
 const lf_general_kind lf_general_mvpt2022 = {
     .entry = {.name = "mvpt2022",
               .what = "null chains shifted to all views, as in 2022",
               .shares = true,
               .takes = LF_PAPERS_TAKES(SHIFT) | LF_PAPERS_TAKES(SELECTION),
-              .supports = LF_GENERAL_SUPPORT | LF_REFERENCE_SUPPORT},
+              .supports = SUPPORT},
     .weigh = weigh};
 const lf_general_kind lf_general_mismvpt = {
     .entry = {.name = "mismvpt",
               .what = "the same with weights of multiple importance sampling",
               .shares = true,
               .takes = LF_PAPERS_TAKES(SHIFT),
-              .supports = LF_GENERAL_SUPPORT | LF_REFERENCE_SUPPORT},
+              .supports = SUPPORT},
     .mis = true,
     .weigh = weigh};
 const lf_general_kind lf_general_amvpt2022 = {
@@ -98,6 +100,6 @@ const lf_general_kind lf_general_amvpt2022 = {
               .shares = true,
               .takes = LF_PAPERS_TAKES(SHIFT) | LF_PAPERS_TAKES(SELECTION),
               .remembers = true,
-              .supports = LF_GENERAL_SUPPORT | LF_REFERENCE_SUPPORT},
+              .supports = SUPPORT},
     .adaptive = true,
     .weigh = weigh};

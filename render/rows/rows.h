@@ -24,8 +24,8 @@ typedef struct lf_rows {
     lf_visit_plan plan;         /* of every visit, before an order is known */
     /* [lf_pool_threads] each its own allocation: no shared cache lines */
     lf_scratch *workers;
-    struct lf_queue *queues;  /* [n_workers]; NULL: suffixes go one by one */
-    lf_moment *moments;       /* [n_workers] of `moving`; NULL: nothing moves */
+    struct lf_queue *queues; /* [n_workers]; NULL: suffixes go one by one */
+    lf_moment *moments;      /* [n_workers] of `moving`; NULL: nothing moves */
     lf_moving moving;
     int n_workers;
 } lf_rows;

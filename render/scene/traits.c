@@ -42,8 +42,7 @@ static const lf_trait_entry table[] = {
     {LF_TRAIT_LENS, 0, "depth of field", "the camera has a lens_radius"},
     {LF_TRAIT_VIEW_BLUR, 0, "view_blur", "the camera has some"},
     {LF_TRAIT_LISTED_CAMERAS, 0, "cameras listed one by one", SOME},
-    {LF_TRAIT_FEATURES, 0, "reconstruction and depth",
-     "the picture is reconstructed or has depth"},
+    {LF_TRAIT_FEATURES, 0, "reconstruction and depth", "the picture is reconstructed or has depth"},
 };
 #define N_ROWS (int)(sizeof table / sizeof table[0])
 _Static_assert(N_ROWS == LF_N_TRAITS, "a row for every bit");

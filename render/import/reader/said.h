@@ -40,13 +40,13 @@ typedef struct lf_said {
     unsigned lost;    /* 1 << lf_lost each */
     /* Roughness is glTF's, ior 0 where it was not said, and a cutoff above 1 hides all. */
     LF_PRINCIPLED_MEMBERS;
-    lf_vec3 highlight;         /* Phong's … */
-    float exponent;            /* … 0: not said */
-    bool lacks_base;           /* the texture of its colour was not to be had */
-    bool glows_by_colours;     /* those of vertices multiply emission as well */
-    bool is_solid;             /* as a material's, and so is … */
+    lf_vec3 highlight;     /* Phong's … */
+    float exponent;        /* … 0: not said */
+    bool lacks_base;       /* the texture of its colour was not to be had */
+    bool glows_by_colours; /* those of vertices multiply emission as well */
+    bool is_solid;         /* as a material's, and so is … */
     lf_cover cover;
-    lf_texture_set textures;    /* pictures of the mesh */
+    lf_texture_set textures; /* pictures of the mesh */
 } lf_said;
 
 /* One that says nothing but its name, of which it takes a copy: opaque, without a coat, and where

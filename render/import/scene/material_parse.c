@@ -211,7 +211,7 @@ static void read_common(lf_reader *reader, const lf_node *node, lf_material *mat
                         lf_pictures_desc *pictures)
 {
     enum { N_COMMON = sizeof common / sizeof *common - 1 };
-    lf_value values[N_COMMON];
+    lf_value values[N_COMMON] = {0};
     const lf_node normal = lf_node_child(node, normal_key.name),
                   cutoff = lf_node_child(node, lf_principled_alpha_cutoff.name);
     if (normal.value && !json_is_object(normal.value))
