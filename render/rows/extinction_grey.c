@@ -45,14 +45,16 @@ static void spread_lobes(lf_visit *visit, const lf_fan_lobes *lobes,
                          const lf_vec3 colour[LF_FAN_TERMS])
 {
     const lf_scratch *w = visit->worker;
-    for (int k = 0; k < visit->rig->n_views; k++) {
+    lf_film_sums sums = visit->sums; /* what it points at is written, not the copy */
+    const int views = visit->rig->n_views, terms = lobes->n_terms;
+    for (int k = 0; k < views; k++) {
         lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);
         float d = w->density[k];
         if (d == 0.0f)
             continue;
-        for (int t = 0; t < lobes->n_terms; t++)
+        for (int t = 0; t < terms; t++)
             y = lf_madd(y, d * lobes->weight[t][k], colour[t]);
-        lf_film_scatter(&visit->sums, lf_visit_pixel(visit, k), y.x, y.y, y.z);
+        lf_film_scatter(&sums, lf_visit_pixel(visit, k), y.x, y.y, y.z);
     }
 }
 
