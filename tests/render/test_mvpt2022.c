@@ -279,8 +279,9 @@ static void what_it_does_not_know_is_refused(void **state)
     settings.features = true;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(
-        err.what, "mvpt2022 does not support reconstruction and depth; the picture asks for it "
-                  "(--reconstruct off does not); use one of mvpt, vpt, amvpt");
+        err.what,
+        "mvpt2022 does not support reconstruction and depth; the picture is reconstructed "
+        "or has depth; use one of mvpt, vpt, amvpt");
     settings.features = false;
     lf_scene *flames = lf_test_scene(LF_TEST_FLAMES("3", ""));
     lf_assert_status(lf_renderer_restart(r, flames, &settings, &err), LF_E_ARG, &err);
