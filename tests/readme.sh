@@ -16,7 +16,15 @@ stop_daemon() {
     daemon=''
 }
 trap 'stop_daemon; rm -rf "$top"' EXIT
-export PATH="$out:$PATH" HOME=$top XDG_RUNTIME_DIR=$top/run
+# As they stand there but for the size of views, a sixteenth of the pixels: what is asked is whether they work.
+mkdir "$top/bin"
+for program in quiltd quiltrender; do
+    printf '%s\n' '#!/bin/bash' \
+        "case \" \$* \" in *' --chart '* | *' --panel '* | *' --print '*) size=() ;; *) size=(--view-size 105x140) ;; esac" \
+        "exec '$out/$program' \"\$@\" \"\${size[@]}\"" > "$top/bin/$program"
+    chmod 755 "$top/bin/$program"
+done
+export PATH="$top/bin:$out:$PATH" HOME=$top XDG_RUNTIME_DIR=$top/run
 unset QUILTD_SOCKET
 mkdir -m 700 "$XDG_RUNTIME_DIR"
 cd "$top" || exit 1
