@@ -153,8 +153,8 @@ static void clamp(const lf_image_source *source, lf_image32 *image)
         }
         pixels += !finite;
     }
-    if (pixels > 0 && source->said)
-        lf_image_note(&source->said->notes,
+    if (pixels > 0 && source->meta)
+        lf_image_note(&source->meta->notes,
                       "%zu %s not finite: +Inf is taken as %g, NaN and -Inf as 0", pixels,
                       pixels == 1 ? "pixel is" : "pixels are", (double)largest);
 }

@@ -213,7 +213,7 @@ static void note_others(const parts *p)
 {
     const lf_exr_input *in = p->in;
     char list[LIST] = "";
-    if (!in->session->source->said)
+    if (!in->session->source->meta)
         return;
     for (int part = 0; part < p->n; part++) {
         const exr_attr_chlist_t *channels = channels_of(in, part);
@@ -227,7 +227,7 @@ static void note_others(const parts *p)
         }
     }
     if (list[0])
-        lf_image_note(&in->session->source->said->notes, "channels that are not read: %s", list);
+        lf_image_note(&in->session->source->meta->notes, "channels that are not read: %s", list);
 }
 
 static lf_status check_sampling(lf_exr_input *in)

@@ -49,7 +49,7 @@ static const struct {
 
 static lf_image_notes *notes_of(const lf_exr_input *in)
 {
-    return in->session->source->said ? &in->session->source->said->notes : NULL;
+    return in->session->source->meta ? &in->session->source->meta->notes : NULL;
 }
 
 /* NULL: there is none of this name and type. */
@@ -159,8 +159,8 @@ static void read_layout(lf_exr_input *in)
                       "envmap is a cube, but %lldx%lld pixels are not six squares: taken as "
                       "latitude-longitude",
                       (long long)width, (long long)height);
-    else if (envmap->uc == EXR_ENVMAP_CUBE && in->session->source->said)
-        in->session->source->said->layout = LF_IMAGE_CUBE;
+    else if (envmap->uc == EXR_ENVMAP_CUBE && in->session->source->meta)
+        in->session->source->meta->layout = LF_IMAGE_CUBE;
 }
 
 static void note_windows(const lf_exr_input *in)
@@ -178,9 +178,9 @@ static void note_numbers(const lf_exr_input *in)
     const exr_attribute_t *luminance = find(in, "whiteLuminance", EXR_ATTR_FLOAT),
                           *turn = find(in, "Orientation", EXR_ATTR_INT);
     float aspect = 1;
-    if (in->session->source->said &&
+    if (in->session->source->meta &&
         exr_get_pixel_aspect_ratio(in->exr, in->part, &aspect) == EXR_ERR_SUCCESS)
-        lf_image_say_aspect(in->session->source->said, "pixelAspectRatio", (double)aspect);
+        lf_image_metadata_aspect(in->session->source->meta, "pixelAspectRatio", (double)aspect);
     if (luminance)
         lf_image_note(notes_of(in), "whiteLuminance %g is not used: 1 stays 1",
                       (double)luminance->f);

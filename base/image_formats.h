@@ -8,15 +8,15 @@
 #define LF_BASE_IMAGE_FORMATS_H
 
 #include "base/image_io.h"
-#include "base/image_said.h"
+#include "base/image_metadata.h"
 
 typedef struct lf_image_source {
     int fd;
     uint64_t size_bytes;
     const char *where;
-    const uint8_t *data; /* the whole file, of 8-bit formats alone; NULL: it is behind fd */
-    int channels;        /* that read8 is asked for: 3, or 4 with coverage */
-    lf_image_said *said; /* filled; NULL: nobody listens */
+    const uint8_t *data;     /* the whole file, of 8-bit formats alone; NULL: it is behind fd */
+    int channels;            /* that read8 is asked for: 3, or 4 with coverage */
+    lf_image_metadata *meta; /* filled; NULL: nobody listens */
 } lf_image_source;
 
 typedef struct lf_image_format {

@@ -98,7 +98,7 @@ static bool divide_gain(double *gain, double by)
 
 static lf_image_notes *notes_of(const reader *r)
 {
-    return r->source->said ? &r->source->said->notes : NULL;
+    return r->source->meta ? &r->source->meta->notes : NULL;
 }
 
 static lf_status take_format(const reader *r, const char *line, hdr_header *h)
@@ -327,8 +327,8 @@ static lf_status read_hdr(const lf_image_source *source, lf_image32 *out, lf_err
     if (status == LF_OK) {
         lf_image_colours colours = colours_of(r, &header);
         lf_image_settle(source, &colours, &image);
-        if (source->said)
-            lf_image_say_aspect(source->said, "PIXASPECT", 1 / header.pixel_height);
+        if (source->meta)
+            lf_image_metadata_aspect(source->meta, "PIXASPECT", 1 / header.pixel_height);
     }
     lf_free(r);
     if (status == LF_OK)

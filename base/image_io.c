@@ -94,29 +94,29 @@ static lf_status recognise(const lf_image_source *source, const lf_image_format 
 }
 
 /* Of a file that is open. said: what it will say of its meaning. */
-static lf_status look_at(int fd, const char *path, lf_image_said *said, lf_image_source *source,
+static lf_status look_at(int fd, const char *path, lf_image_metadata *meta, lf_image_source *source,
                          const lf_image_format **format, lf_error *err)
 {
     struct stat info;
-    *said = (lf_image_said){0};
+    *meta = (lf_image_metadata){0};
     if (fstat(fd, &info) != 0)
         return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
     if (!S_ISREG(info.st_mode) || (uint64_t)info.st_size > LF_IMAGE_MAX_BYTES)
         return lf_error_set(err, LF_E_FORMAT, path, "no regular file of at most 4 GiB");
     *source = (lf_image_source){
-        .fd = fd, .size_bytes = (uint64_t)info.st_size, .where = path, .channels = 3, .said = said};
+        .fd = fd, .size_bytes = (uint64_t)info.st_size, .where = path, .channels = 3, .meta = meta};
     return recognise(source, format, err);
 }
 
 /* On LF_OK the caller closes source->fd. */
-static lf_status open_source(const char *path, const lf_roots *roots, lf_image_said *said,
+static lf_status open_source(const char *path, const lf_roots *roots, lf_image_metadata *meta,
                              lf_image_source *source, const lf_image_format **format, lf_error *err)
 {
     int fd;
     lf_status status = lf_file_open(path, roots, LF_IMAGE_MAX_BYTES, &fd, NULL, err);
     if (status != LF_OK)
         return status;
-    status = look_at(fd, path, said, source, format, err);
+    status = look_at(fd, path, meta, source, format, err);
     if (status != LF_OK)
         close(fd);
     return status;
@@ -125,10 +125,10 @@ static lf_status open_source(const char *path, const lf_roots *roots, lf_image_s
 lf_status lf_image_probe(const char *path, const lf_roots *roots, lf_image_kind *out_kind,
                          lf_error *err)
 {
-    lf_image_said said;
+    lf_image_metadata meta;
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = open_source(path, roots, &said, &source, &format, err);
+    lf_status status = open_source(path, roots, &meta, &source, &format, err);
     if (status != LF_OK)
         return status;
     close(source.fd);
@@ -138,10 +138,10 @@ lf_status lf_image_probe(const char *path, const lf_roots *roots, lf_image_kind 
 
 lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind, lf_error *err)
 {
-    lf_image_said said;
+    lf_image_metadata meta;
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = look_at(fd, path, &said, &source, &format, err);
+    lf_status status = look_at(fd, path, &meta, &source, &format, err);
     if (status == LF_OK)
         *out_kind = format->kind;
     return status;
@@ -150,21 +150,21 @@ lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind,
 /* The right way up. */
 static lf_status turn(const lf_image_source *source, lf_image8 *image, lf_error *err)
 {
-    lf_image_said *said = source->said;
-    const bool swaps = lf_orientation_swaps(said->orientation);
+    lf_image_metadata *meta = source->meta;
+    const bool swaps = lf_orientation_swaps(meta->orientation);
     lf_image8 turned = {0};
-    if (said->orientation < 2)
+    if (meta->orientation < 2)
         return LF_OK;
     lf_status status = lf_image8_init(&turned, swaps ? image->height : image->width,
                                       swaps ? image->width : image->height, image->channels);
     if (status != LF_OK)
         return lf_error_set(err, status, source->where, "no memory for the picture");
-    lf_orient(said->orientation, image->data, image->stride, image->width, image->height,
+    lf_orient(meta->orientation, image->data, image->stride, image->width, image->height,
               (size_t)image->channels, turned.data);
     lf_image8_finish(image);
     *image = turned;
-    if (swaps && said->pixel_aspect > 0)
-        said->pixel_aspect = 1 / said->pixel_aspect;
+    if (swaps && meta->pixel_aspect > 0)
+        meta->pixel_aspect = 1 / meta->pixel_aspect;
     return LF_OK;
 }
 
@@ -194,10 +194,10 @@ static lf_status read8_from(const lf_image_source *source, const lf_image_format
 
 lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out, lf_error *err)
 {
-    lf_image_said said;
+    lf_image_metadata meta;
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = open_source(path, roots, &said, &source, &format, err);
+    lf_status status = open_source(path, roots, &meta, &source, &format, err);
     if (status != LF_OK)
         return status;
     status = read8_from(&source, format, out, err);
@@ -205,19 +205,19 @@ lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out
     return status;
 }
 
-lf_status lf_image8_read_said(int fd, const char *path, lf_image8 *out, lf_image_said *said,
-                              lf_error *err)
+lf_status lf_image8_read_metadata(int fd, const char *path, lf_image8 *out, lf_image_metadata *meta,
+                                  lf_error *err)
 {
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = look_at(fd, path, said, &source, &format, err);
+    lf_status status = look_at(fd, path, meta, &source, &format, err);
     return status == LF_OK ? read8_from(&source, format, out, err) : status;
 }
 
 lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err)
 {
-    lf_image_said said;
-    return lf_image8_read_said(fd, path, out, &said, err);
+    lf_image_metadata meta;
+    return lf_image8_read_metadata(fd, path, out, &meta, err);
 }
 
 static lf_status decode_srgb(const lf_image8 *in, const char *where, lf_image32 *out, lf_error *err)
@@ -261,10 +261,10 @@ static lf_status read32_from(const lf_image_source *source, const lf_image_forma
 
 lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *out, lf_error *err)
 {
-    lf_image_said said;
+    lf_image_metadata meta;
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = open_source(path, roots, &said, &source, &format, err);
+    lf_status status = open_source(path, roots, &meta, &source, &format, err);
     if (status != LF_OK)
         return status;
     status = read32_from(&source, format, out, err);
@@ -272,17 +272,17 @@ lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *o
     return status;
 }
 
-lf_status lf_image32_read_said(int fd, const char *path, lf_image32 *out, lf_image_said *said,
-                               lf_error *err)
+lf_status lf_image32_read_metadata(int fd, const char *path, lf_image32 *out,
+                                   lf_image_metadata *meta, lf_error *err)
 {
     lf_image_source source;
     const lf_image_format *format;
-    lf_status status = look_at(fd, path, said, &source, &format, err);
+    lf_status status = look_at(fd, path, meta, &source, &format, err);
     return status == LF_OK ? read32_from(&source, format, out, err) : status;
 }
 
 lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out, lf_error *err)
 {
-    lf_image_said said;
-    return lf_image32_read_said(fd, path, out, &said, err);
+    lf_image_metadata meta;
+    return lf_image32_read_metadata(fd, path, out, &meta, err);
 }

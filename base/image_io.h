@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 #include "base/image.h"
-#include "base/image_said.h"
+#include "base/image_metadata.h"
 
 #define LF_IMAGE_MAX_BYTES ((uint64_t)1 << 32)
 #define LF_IMAGE_MAX_SIDE 65536
@@ -51,10 +51,10 @@ LF_NODISCARD lf_status lf_image32_read_open(int fd, const char *path, lf_image32
                                             lf_error *err);
 
 /* The same two, and what else the file says: *said is filled anew, whatever comes of it. */
-LF_NODISCARD lf_status lf_image8_read_said(int fd, const char *path, lf_image8 *out,
-                                           lf_image_said *said, lf_error *err);
-LF_NODISCARD lf_status lf_image32_read_said(int fd, const char *path, lf_image32 *out,
-                                            lf_image_said *said, lf_error *err);
+LF_NODISCARD lf_status lf_image8_read_metadata(int fd, const char *path, lf_image8 *out,
+                                               lf_image_metadata *meta, lf_error *err);
+LF_NODISCARD lf_status lf_image32_read_metadata(int fd, const char *path, lf_image32 *out,
+                                                lf_image_metadata *meta, lf_error *err);
 
 /* A text attribute written into an EXR header or PNG tEXt chunk. */
 typedef struct lf_attribute {

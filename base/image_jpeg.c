@@ -54,13 +54,13 @@ static bool begins(const struct jpeg_marker_struct *marker, int code, const char
 }
 
 static void note_marker(const struct jpeg_decompress_struct *jpeg,
-                        const struct jpeg_marker_struct *marker, lf_image_said *said)
+                        const struct jpeg_marker_struct *marker, lf_image_metadata *meta)
 {
-    lf_image_notes *notes = &said->notes;
+    lf_image_notes *notes = &meta->notes;
     const uint8_t *data = marker->data;
     size_t n = marker->data_length;
     if (begins(marker, JPEG_APP0 + 1, "Exif\0", 6))
-        lf_exif_read(data + 6, n - 6, said);
+        lf_exif_read(data + 6, n - 6, meta);
     /* the first part of a profile, behind its number and how many there are */
     if (begins(marker, JPEG_APP0 + 2, "ICC_PROFILE", 12) && n > 14 && data[12] == 1 &&
         !lf_icc_is_srgb(data + 14, n - 14))
@@ -72,12 +72,13 @@ static void note_marker(const struct jpeg_decompress_struct *jpeg,
 
 static void note_markers(const struct jpeg_decompress_struct *jpeg, const lf_image_source *source)
 {
-    if (!source->said)
+    if (!source->meta)
         return;
     for (const struct jpeg_marker_struct *m = jpeg->marker_list; m; m = m->next)
-        note_marker(jpeg, m, source->said);
+        note_marker(jpeg, m, source->meta);
     if (jpeg->saw_JFIF_marker && jpeg->X_density > 0 && jpeg->Y_density > 0)
-        lf_image_say_aspect(source->said, "the density", (double)jpeg->Y_density / jpeg->X_density);
+        lf_image_metadata_aspect(source->meta, "the density",
+                                 (double)jpeg->Y_density / jpeg->X_density);
 }
 
 /* ------------------------------------------------------------------------------------ pixels -- */
@@ -124,7 +125,7 @@ static void open_jpeg(struct jpeg_decompress_struct *jpeg, const jpeg_session *s
         jpeg_stdio_src(jpeg, stream);
     else
         jpeg_mem_src(jpeg, s->source->data, (unsigned long)s->source->size_bytes);
-    for (int i = 1; i <= 2 && s->source->said; i++)
+    for (int i = 1; i <= 2 && s->source->meta; i++)
         jpeg_save_markers(jpeg, JPEG_APP0 + i, 0xffff);
     jpeg_read_header(jpeg, TRUE);
 }

@@ -109,7 +109,7 @@ static void drop_alpha(const png_session *s, lf_image8 *out)
     out->channels = 3;
     out->stride = 3 * (size_t)out->width;
     if (clear > 0)
-        lf_image_note(&s->source->said->notes, "%zu %s not opaque: alpha is not used", clear,
+        lf_image_note(&s->source->meta->notes, "%zu %s not opaque: alpha is not used", clear,
                       clear == 1 ? "pixel is" : "pixels are");
 }
 
@@ -133,7 +133,7 @@ static lf_status read_rows(png_session *s, lf_image8 *out)
     int64_t width = png_get_image_width(s->png, s->info),
             height = png_get_image_height(s->png, s->info);
     /* whether alpha is a loss its numbers alone tell */
-    const bool looks = s->source->said && has_alpha(s) && width * height <= (int64_t)1 << 29;
+    const bool looks = s->source->meta && has_alpha(s) && width * height <= (int64_t)1 << 29;
     const int channels = looks ? 4 : s->source->channels;
     s->status = lf_image_check_shape(s->source, width, height, (size_t)channels, s->err);
     if (s->status != LF_OK)

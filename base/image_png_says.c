@@ -69,14 +69,14 @@ static void take_srgb(walk *w)
 
 static void take_exif(walk *w)
 {
-    lf_exif_read(w->data, w->n, w->source->said);
+    lf_exif_read(w->data, w->n, w->source->meta);
 }
 
 static void take_aspect(walk *w)
 {
     if (w->n >= 9)
-        lf_image_say_aspect(w->source->said, "pHYs",
-                            (double)lf_be32(w->data + 4) / lf_be32(w->data));
+        lf_image_metadata_aspect(w->source->meta, "pHYs",
+                                 (double)lf_be32(w->data + 4) / lf_be32(w->data));
 }
 
 static void note_animation(walk *w)
@@ -148,9 +148,9 @@ static void note_colours(const walk *w, const uint8_t *profile, size_t size)
 
 void lf_png_note(const lf_image_source *source, const uint8_t *profile, size_t size)
 {
-    if (!source->said)
+    if (!source->meta)
         return;
-    walk w = {.source = source, .notes = &source->said->notes, .data = lf_calloc(HELD, 1)};
+    walk w = {.source = source, .notes = &source->meta->notes, .data = lf_calloc(HELD, 1)};
     if (!w.data)
         return;
     walk_chunks(&w);

@@ -105,25 +105,25 @@ static uint32_t find_number(tiff *t, size_t folder, uint32_t tag)
     return 0;
 }
 
-void lf_exif_read(const uint8_t *data, size_t size, lf_image_said *said)
+void lf_exif_read(const uint8_t *data, size_t size, lf_image_metadata *meta)
 {
     enum { ORIENTATION = 0x0112, EXIF_FOLDER = 0x8769, COLOUR_SPACE = 0xa001 };
     tiff t = {data, size, size >= 2 && data[0] == 'M', false};
     if (size < 8 || (memcmp(data, "II*\0", 4) != 0 && memcmp(data, "MM\0*", 4) != 0)) {
-        lf_image_note(&said->notes, "the EXIF is broken: it is not used");
+        lf_image_note(&meta->notes, "the EXIF is broken: it is not used");
         return;
     }
     uint32_t folder = number(&t, 4, 4), turn = find_number(&t, folder, ORIENTATION);
     uint32_t more = find_number(&t, folder, EXIF_FOLDER);
     uint32_t space = more ? find_number(&t, more, COLOUR_SPACE) : 0;
     if (t.is_broken)
-        lf_image_note(&said->notes, "the EXIF is broken: what is left of it is used");
+        lf_image_note(&meta->notes, "the EXIF is broken: what is left of it is used");
     if (turn > 8)
-        lf_image_note(&said->notes, "EXIF orientation %u is unknown: the picture is not turned",
+        lf_image_note(&meta->notes, "EXIF orientation %u is unknown: the picture is not turned",
                       turn);
-    else if (turn > 0 && said->orientation == 0)
-        said->orientation = (int)turn;
+    else if (turn > 0 && meta->orientation == 0)
+        meta->orientation = (int)turn;
     if (space > 1 && space != 0xffff) /* that is none of both that EXIF knows: a profile's */
-        lf_image_note(&said->notes, "EXIF colour space %u%s is not used: colours are taken as sRGB",
+        lf_image_note(&meta->notes, "EXIF colour space %u%s is not used: colours are taken as sRGB",
                       space, space == 2 ? " (Adobe RGB)" : "");
 }

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "base/image_said.h"
+#include "base/image_metadata.h"
 
 /* Four bytes, the highest first. */
 static inline uint32_t lf_be32(const uint8_t *p)
@@ -20,6 +20,6 @@ bool lf_icc_is_srgb(const uint8_t *data, size_t size);
 
 /* Takes what EXIF (a TIFF, beginning with its byte order) says of the pixels: the orientation of
  * the main picture (the first that is said counts), and notes a colour space other than sRGB. */
-void lf_exif_read(const uint8_t *data, size_t size, lf_image_said *said);
+void lf_exif_read(const uint8_t *data, size_t size, lf_image_metadata *meta);
 
 #endif

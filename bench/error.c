@@ -165,7 +165,7 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
     lf_status status = lf_raster_open(path, NULL, true, &field->image, err);
     if (status == LF_OK) {
         size_t width = (size_t)field->image.width * 3;
-        lf_log_notes(&field->image.said.notes, path);
+        lf_log_notes(&field->image.meta.notes, path);
         field->views = (lf_views32){.n_views = 1,
                                     .width = field->image.width,
                                     .height = field->image.height,

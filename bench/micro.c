@@ -45,7 +45,7 @@ typedef struct bench {
     lf_row_plane plane;
     lf_body body; /* a shape of the size of the window, for the kernel of shapes */
     int lanes, n_fans, n_rays;
-    fan *pivots, *exits; /* [N_FANS] that end at a collision, and that go through */
+    fan *pivots, *unscattered; /* [N_FANS] that end at a collision, and that go through */
     int medium[N_FANS];
     lf_event *events; /* [N_RAYS] collisions … */
     lf_vec3 *ways;    /* … and a direction from each */
@@ -115,7 +115,7 @@ static void draw_fans(bench *b)
         float x = ray.x0 + ray.slope * c.z;
         if (b->n_fans < N_FANS) {
             b->medium[b->n_fans] = c.medium;
-            b->exits[b->n_fans] = fan_to(b, window, INFINITY);
+            b->unscattered[b->n_fans] = fan_to(b, window, INFINITY);
             b->pivots[b->n_fans++] = fan_to(b, x, c.z);
         }
         lf_vec3 travel = lf_normalize(lf_rig_direction(rig, ray.slope, b->plane.my, 1.0f));
@@ -177,12 +177,12 @@ static lf_status prepare(bench *b, lf_error *err)
         return status;
     b->rows = b->renderer->state;
     b->pivots = lf_calloc(N_FANS, sizeof *b->pivots);
-    b->exits = lf_calloc(N_FANS, sizeof *b->exits);
+    b->unscattered = lf_calloc(N_FANS, sizeof *b->unscattered);
     b->events = lf_calloc(N_RAYS, sizeof *b->events);
     b->ways = lf_calloc(N_RAYS, sizeof *b->ways);
     for (int i = 0; i < 2; i++)
         b->answers[i] = lf_calloc(1, sizeof *b->answers[i]);
-    if (!b->pivots || !b->exits || !b->events || !b->ways || !b->answers[0] || !b->answers[1])
+    if (!b->pivots || !b->unscattered || !b->events || !b->ways || !b->answers[0] || !b->answers[1])
         return lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
     const lf_rig *rig = &b->rows->rig;
     b->worker = &b->rows->workers[0];
@@ -220,10 +220,10 @@ static void run_march(const bench *b, const lf_kernels *k, answers *out)
     }
 }
 
-static void run_exits(const bench *b, const lf_kernels *k, answers *out)
+static void run_unscattered(const bench *b, const lf_kernels *k, answers *out)
 {
     for (int i = 0; i < b->n_fans; i++) {
-        const lf_rays rays = rays_of(b, &b->exits[i], k);
+        const lf_rays rays = rays_of(b, &b->unscattered[i], k);
         lf_media_depths(&b->worker->media, &rays, out->tau[i], -1, NULL);
     }
 }
@@ -257,8 +257,10 @@ static const struct kernel {
     const char *name;
     void (*run)(const bench *b, const lf_kernels *k, answers *out);
 } kernels[] = {
-    {"march to a collision", run_march},      {"densities", run_densities},
-    {"march through (exits fan)", run_exits}, {"through a shape", run_through},
+    {"march to a collision", run_march},
+    {"densities", run_densities},
+    {"march through (exits fan)", run_unscattered},
+    {"through a shape", run_through},
     {"transmittances of a pivot", run_pivot},
 };
 
@@ -562,7 +564,7 @@ int lf_bench_micro(int argc, char **argv)
     if (status == LF_OK && a.json)
         status = write_json(&b, &err);
     lf_free(b.pivots);
-    lf_free(b.exits);
+    lf_free(b.unscattered);
     lf_free(b.events);
     lf_free(b.ways);
     lf_free(b.answers[0]);

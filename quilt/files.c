@@ -105,7 +105,7 @@ static void turn_layout(lf_layout *l, int orientation)
 /* As it is meant to be seen. */
 static double aspect_of(int width, int height, const lf_raster *p)
 {
-    return (double)width / height * (p->said.pixel_aspect > 0 ? p->said.pixel_aspect : 1);
+    return (double)width / height * (p->meta.pixel_aspect > 0 ? p->meta.pixel_aspect : 1);
 }
 
 static lf_status cut_quilt(const char *path, const lf_raster *p, const lf_photo *photo,
@@ -164,7 +164,7 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
     lf_status status = lf_raster_open(path, roots, false, &p, err);
     if (status == LF_OK)
         status = cut_quilt(path, &p, photo, q, err);
-    lf_image_note_lines(&q->notes, p.said.notes.text, p.said.notes.length);
+    lf_image_note_lines(&q->notes, p.meta.notes.text, p.meta.notes.length);
     lf_raster_close(&p);
     return status;
 }
@@ -314,7 +314,7 @@ static void count_odd(folder *f, const char *path, const lf_raster *p,
 /* Before what the files say, of which there may be more than is kept. */
 static void note_folder(const folder *f)
 {
-    lf_image_notes *notes = &f->q->notes, said = *notes;
+    lf_image_notes *notes = &f->q->notes, meta = *notes;
     if (f->n_odd == 0)
         return;
     notes->length = 0;
@@ -333,7 +333,7 @@ static void note_folder(const folder *f)
     if (f->down.n > 0)
         lf_image_note(notes, "%d of them scaled down by more than 2, %s most: by %.3g", f->down.n,
                       f->down.name, f->down.by);
-    lf_image_note_lines(notes, said.text, said.length);
+    lf_image_note_lines(notes, meta.text, meta.length);
 }
 
 /* A picture of another size than the first; shape: as it is turned. */
@@ -390,7 +390,7 @@ static lf_status take_picture(folder *f, int view, lf_error *err)
     lf_status status = lf_raster_open(f->list.names[view], f->roots, false, &p, err);
     if (status == LF_OK)
         status = take_raster(f, view, &p, err);
-    lf_image_note_lines(&f->q->notes, p.said.notes.text, p.said.notes.length);
+    lf_image_note_lines(&f->q->notes, p.meta.notes.text, p.meta.notes.length);
     lf_raster_close(&p);
     return status;
 }

@@ -54,9 +54,9 @@ bool lf_thing_box(const lf_scene *scene, int thing, lf_box *out)
         return is_there(out);
     }
     grow_by_volume(&scene->volumes[thing], out);
-    for (int f = 0; f < scene->flames.n; f++)
-        if (scene->flames.light[f].volume == thing)
-            grow_by_volume(&scene->flames.field[f], out);
+    for (int f = 0; f < scene->emissive.n; f++)
+        if (scene->emissive.light[f].volume == thing)
+            grow_by_volume(&scene->emissive.field[f], out);
     return is_there(out);
 }
 

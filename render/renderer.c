@@ -316,7 +316,7 @@ lf_status lf_renderer_pass_fans(lf_renderer *renderer, const lf_cancel *cancel)
         return LF_E_STATE;
     /* what lights in media and veils send out natively is no fan's to find */
     const lf_scene *scene = renderer->scene;
-    if (scene->glows.n > 0 ||
+    if (scene->equiangular.n > 0 ||
         (lf_has(scene, LF_TRAITS_SEEN_THROUGH) && lf_has(scene, LF_TRAIT_EMISSION)))
         return LF_OK;
     return run(&job);

@@ -22,7 +22,7 @@ fuzz_libs_places := meshes render base
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
 # Sources with mistakes that its tests switch on, built a second time for them (lf_fault in render/rows/visit.h).
-test_faults_render := $(patsubst %,render/rows/%.c,exits extinction_chromatic extinction_grey glow_visit mvpt prefix_factor visit visit_cut)
+test_faults_render := $(patsubst %,render/rows/%.c,unscattered extinction_chromatic extinction_grey equiangular_visit mvpt prefix_factor visit visit_cut)
 
 # what statistical tests share
 stat_srcs := $(filter-out tests/stat/test_%,$(call wild,tests/stat/*.c))
@@ -47,7 +47,7 @@ optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
 # readers of meshes, which ask whoever links them for files
-meshes_srcs := $(patsubst %,render/import/reader/%.c,input words said soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read places_read) \
+meshes_srcs := $(patsubst %,render/import/reader/%.c,input words source_material soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read instances_read) \
  $(call wild,render/import/reader/gltf_*.c) render/import/reader/draco_read.cc
 
 # a kernel with displays

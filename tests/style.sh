@@ -222,7 +222,7 @@ render/scene render/transport/surface/surface.h
 render/transport/surface render/transport/light/light.h
 render/transport/light render/transport/path/track.h
 render/transport/path render/transport/lanes/suffix.h
-render/import/scene render/import/reader/said.h
+render/import/scene render/import/reader/source_material.h
 render/import/scene render/film/film.h
 render/film render/import/scene/scene_parse.h
 render/film render/plane/rig.h

@@ -53,7 +53,7 @@ typedef struct child {
 static const char *const programs[] = {[LF_IMPORT_MESH] = "quiltimport",
                                        [LF_IMPORT_GRID] = "quiltimport-vdb",
                                        [LF_IMPORT_PICTURE] = "quiltimport-picture",
-                                       [LF_IMPORT_PLACES] = "quiltimport",
+                                       [LF_IMPORT_INSTANCES] = "quiltimport",
                                        [LF_IMPORT_TEXTURE] = "quiltimport"};
 
 /* The readers stand beside the program, or where they are installed to. */
@@ -176,13 +176,13 @@ const char *lf_landlock_name(lf_landlock which)
 }
 
 /* What a reader says of it, which may be anything. */
-static void note_landlock(uint32_t said)
+static void note_landlock(uint32_t meta)
 {
     static atomic_flag told = ATOMIC_FLAG_INIT;
-    if (said == LF_LANDLOCK_UNKNOWN || said >= LF_N_LANDLOCK)
+    if (meta == LF_LANDLOCK_UNKNOWN || meta >= LF_N_LANDLOCK)
         return;
-    atomic_store(&landlock, (int)said);
-    if (said == LF_LANDLOCK_REFUSED && !atomic_flag_test_and_set(&told))
+    atomic_store(&landlock, (int)meta);
+    if (meta == LF_LANDLOCK_REFUSED && !atomic_flag_test_and_set(&told))
         lf_log(LF_LOG_WARNING, "readers of files go without Landlock: the kernel has it, but it is "
                                "refused here (a filter of system calls?); seccomp holds them");
 }

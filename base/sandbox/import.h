@@ -72,8 +72,8 @@ typedef enum lf_import_kind {
     LF_IMPORT_MESH,
     LF_IMPORT_GRID,
     LF_IMPORT_PICTURE,
-    LF_IMPORT_PLACES, /* where a mesh stands, of many places */
-    LF_IMPORT_TEXTURE /* a picture for surfaces, with its alpha (base/image_rgba.h) */
+    LF_IMPORT_INSTANCES, /* where a mesh stands, of many places */
+    LF_IMPORT_TEXTURE    /* a picture for surfaces, with its alpha (base/image_rgba.h) */
 } lf_import_kind;
 
 typedef struct lf_import_request {
@@ -84,7 +84,7 @@ typedef struct lf_import_request {
     /* of a mesh */
     uint32_t normals;                   /* lf_normals (render/render.h) */
     uint32_t materials;                 /* 1: the file's own are wanted */
-    uint32_t shines;                    /* 1: it is a light: nothing of it is told as places */
+    uint32_t emits;                     /* 1: it is a light: nothing of it is told as places */
     uint32_t wants_uvs, wants_tangents; /* lf_mesh_wants (render/import/scene/scene_parse.h) */
     double transform[12];
     /* which of its animations, by name or ("") by number; whether it is not repeated; seconds since

@@ -44,7 +44,7 @@ typedef enum lf_parcel_tag {
     LF_PARCEL_SPAN,      /* double: one, seconds that an animation takes; absent: nothing moves */
     LF_PARCEL_LIGHTS,    /* lf_parcel_light */
     LF_PARCEL_CAMERAS,   /* lf_parcel_camera */
-    LF_PARCEL_PLACES,    /* double: 3x4, row-major, of each place that a mesh stands in */
+    LF_PARCEL_INSTANCES, /* double: 3x4, row-major, of each place that a mesh stands in */
     LF_PARCEL_PARTS, /* uint32_t: first triangle, triangles, first vertex, vertices of each part */
     LF_PARCEL_PART_OF, /* uint32_t: which of them stands in a place */
     LF_PARCEL_ODD,     /* double: four, lf_grid_odd (render/scene/grid.h); absent: none */
@@ -71,7 +71,7 @@ typedef struct lf_parcel_material {
     uint32_t kind;  /* place in lf_surface_kinds */
     uint32_t cover; /* lf_cover */
     uint32_t is_solid;
-    uint32_t glows_by_colours;
+    uint32_t emits_by_colours;
     lf_parcel_texture texture[13]; /* a slot each (render/scene/texture.h) */
     char name[128];                /* with its end */
 } lf_parcel_material;

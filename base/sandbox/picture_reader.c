@@ -5,23 +5,23 @@
 #include "base/image_io.h"
 #include "base/sandbox/reader.h"
 
-static lf_status put_said(lf_parcel_writer *parcel, int width, int height,
-                          const lf_image_said *said, lf_error *err)
+static lf_status put_metadata(lf_parcel_writer *parcel, int width, int height,
+                              const lf_image_metadata *meta, lf_error *err)
 {
-    const int64_t shape[] = {width, height, said->layout, llround(said->pixel_aspect * 1e6)};
+    const int64_t shape[] = {width, height, meta->layout, llround(meta->pixel_aspect * 1e6)};
     lf_status status = lf_parcel_put(parcel, LF_PARCEL_SHAPE, shape, 4, err);
-    return status == LF_OK ? lf_parcel_put(parcel, LF_PARCEL_WARNINGS, said->notes.text,
-                                           said->notes.length, err)
+    return status == LF_OK ? lf_parcel_put(parcel, LF_PARCEL_WARNINGS, meta->notes.text,
+                                           meta->notes.length, err)
                            : status;
 }
 
 static lf_status read_floats(int fd, lf_parcel_writer *parcel, lf_error *err)
 {
     lf_image32 image = {0};
-    lf_image_said said;
-    lf_status status = lf_image32_read_said(fd, LF_HERE, &image, &said, err);
+    lf_image_metadata meta;
+    lf_status status = lf_image32_read_metadata(fd, LF_HERE, &image, &meta, err);
     if (status == LF_OK)
-        status = put_said(parcel, image.width, image.height, &said, err);
+        status = put_metadata(parcel, image.width, image.height, &meta, err);
     if (status == LF_OK)
         status = lf_parcel_put(parcel, LF_PARCEL_PIXELS32, image.data,
                                3 * (size_t)image.width * (size_t)image.height, err);
@@ -32,10 +32,10 @@ static lf_status read_floats(int fd, lf_parcel_writer *parcel, lf_error *err)
 static lf_status read_bytes(int fd, lf_parcel_writer *parcel, lf_error *err)
 {
     lf_image8 image = {0};
-    lf_image_said said;
-    lf_status status = lf_image8_read_said(fd, LF_HERE, &image, &said, err);
+    lf_image_metadata meta;
+    lf_status status = lf_image8_read_metadata(fd, LF_HERE, &image, &meta, err);
     if (status == LF_OK)
-        status = put_said(parcel, image.width, image.height, &said, err);
+        status = put_metadata(parcel, image.width, image.height, &meta, err);
     for (int y = 0; y < image.height && status == LF_OK; y++)
         status = lf_parcel_append(parcel, LF_PARCEL_PIXELS8, image.data + (size_t)y * image.stride,
                                   3 * (size_t)image.width, err);

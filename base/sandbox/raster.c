@@ -32,11 +32,11 @@ static lf_status take_pixels(lf_raster *out, lf_error *err)
     out->width = (int)shape[0];
     out->height = (int)shape[1];
     if (n >= 3 && shape[2] == LF_IMAGE_CUBE && shape[1] == 6 * shape[0])
-        out->said.layout = LF_IMAGE_CUBE;
+        out->meta.layout = LF_IMAGE_CUBE;
     if (n == 4 && shape[3] >= 10000 && shape[3] <= 100000000)
-        out->said.pixel_aspect = (double)shape[3] / 1e6;
+        out->meta.pixel_aspect = (double)shape[3] / 1e6;
     const char *notes = lf_parcel_get(&out->parcel, LF_PARCEL_WARNINGS, &n_notes);
-    lf_image_note_lines(&out->said.notes, notes, n_notes);
+    lf_image_note_lines(&out->meta.notes, notes, n_notes);
     return out->data32 ? check_floats(out, err) : LF_OK;
 }
 

@@ -3,7 +3,7 @@
 #define LF_BASE_RASTER_H
 
 #include "base/file.h"
-#include "base/image_said.h"
+#include "base/image_metadata.h"
 #include "base/sandbox/parcel.h"
 
 /* A picture in the memory that its reader handed over: not copied, read-only. */
@@ -12,7 +12,7 @@ typedef struct lf_raster {
     /* one of both, [height][width][3]: display encoded, or linear and finite */
     const uint8_t *data8;
     const float *data32;
-    lf_image_said said; /* what else the file says; orientation has been obeyed, and is 0 */
+    lf_image_metadata meta; /* what else the file says; orientation has been obeyed, and is 0 */
     lf_parcel parcel;
 } lf_raster;
 

@@ -47,8 +47,8 @@ const lf_param lf_response_params[] = {
 };
 /* clang-format on */
 
-static lf_status weave(const lf_output_request *request, const lf_views8 *views, double aspect,
-                       lf_image8 *panel, lf_error *err)
+static lf_status interlace(const lf_output_request *request, const lf_views8 *views, double aspect,
+                           lf_image8 *panel, lf_error *err)
 {
     const lf_calibration *calibration = request->calibration;
     lf_interlacer *interlacer = NULL;
@@ -82,7 +82,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
     output_attributes_fill(&attributes, request->settings);
     lf_status status = output_views8(request, source, &views, &buffer, err);
     if (status == LF_OK)
-        status = weave(request, &views, source->aspect, &panel, err);
+        status = interlace(request, &views, source->aspect, &panel, err);
     if (status == LF_OK) {
         output_progress(request, 0.5);
         status = lf_png_write(files, &panel, PNG_LEVEL, attributes.list, attributes.n, err);

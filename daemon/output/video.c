@@ -60,11 +60,11 @@ const lf_output_kind lf_output_video = {.name = "video",
                                         .n_files = 1,
                                         .complete = output_quilt_path};
 
-const lf_output_kind lf_output_walk = {.name = "video",
-                                       .what = "a video of views",
-                                       .endings = endings,
-                                       .n_files = 1,
-                                       .complete = output_still_path};
+const lf_output_kind lf_output_track = {.name = "video",
+                                        .what = "a video of views",
+                                        .endings = endings,
+                                        .n_files = 1,
+                                        .complete = output_still_path};
 
 const lf_output_kind lf_output_wiggle = {.name = "wiggle",
                                          .what = "a loop of views",

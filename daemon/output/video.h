@@ -12,7 +12,7 @@
 
 /* The names of quilts with another ending; of views, any that says no tiles. Only lf_video writes
  * them: they have no write. */
-extern const lf_output_kind lf_output_video, lf_output_walk;
+extern const lf_output_kind lf_output_video, lf_output_track;
 /* The same of loops, GIF or MP4. */
 extern const lf_output_kind lf_output_wiggle;
 

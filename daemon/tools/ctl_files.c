@@ -136,7 +136,7 @@ static void gather_beside(gathering *g, const char *name, int fd)
 {
     lf_import_request request = {.kind = LF_IMPORT_MESH,
                                  .materials = 1,
-                                 .shines = 1,
+                                 .emits = 1,
                                  .transform = {[0] = 1, [5] = 1, [10] = 1}};
     char *folder = lf_path_folder(name);
     beside b = {.g = g,

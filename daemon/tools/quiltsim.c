@@ -23,7 +23,7 @@ typedef enum option_kind {
     U64,     /* uint64_t */
     SIZE,    /* width_px and height_px */
     FORMATS, /* formats and n_formats */
-    LIE,     /* int */
+    FAULT,   /* int */
 } option_kind;
 
 static const struct option_rule {
@@ -48,7 +48,7 @@ static const struct option_rule {
     {"hang-every", U64, TO(gud.hang_every)},
     {"unplug-after", U64, TO(gud.unplug_after)},
     {"bytes-per-second", U64, TO(gud.bytes_per_s)},
-    {"lie", LIE, TO(gud.lie)},
+    {"lie", FAULT, TO(gud.fault)},
     {"hid-split", FLAG, TO(hid.split)},
     {"hid-stale", INT, TO(hid.stale)},
     {"hid-mute-every", INT, TO(hid.mute_every)},
@@ -61,7 +61,7 @@ static const struct option_rule {
 
 enum { N_RULES = sizeof rules / sizeof rules[0] };
 
-static const char *const lies[LF_GUD_LIES] = {
+static const char *const faults[LF_GUD_FAULTS] = {
     [LF_GUD_HONEST] = "none",
     [LF_GUD_WRONG_MAGIC] = "wrong-magic",
     [LF_GUD_VERSION_0] = "version-0",
@@ -108,8 +108,8 @@ static void print_help(void)
         "  --unplug-after N, --bytes-per-second N            is gone after N rectangles, is slow\n"
         "  --lie NAME             one of:",
         LF_USBIP_PORT);
-    for (int i = 0; i < LF_GUD_LIES; i++)
-        printf("%s%s", i % 6 == 0 && i > 0 ? "\n                         " : " ", lies[i]);
+    for (int i = 0; i < LF_GUD_FAULTS; i++)
+        printf("%s%s", i % 6 == 0 && i > 0 ? "\n                         " : " ", faults[i]);
     printf("\n"
            "  --hid-split, --hid-stale N, --hid-mute-every N, --hid-stall-every N, "
            "--hid-short-every N, --hid-press-every N,\n"
@@ -182,10 +182,10 @@ static lf_status take_formats(lf_simulator_config *config, const char *text, lf_
     return LF_OK;
 }
 
-static lf_status take_lie(const char *text, int *out, lf_error *err)
+static lf_status take_fault(const char *text, int *out, lf_error *err)
 {
-    for (int i = 0; i < LF_GUD_LIES; i++) {
-        if (strcmp(text, lies[i]) == 0) {
+    for (int i = 0; i < LF_GUD_FAULTS; i++) {
+        if (strcmp(text, faults[i]) == 0) {
             *out = i;
             return LF_OK;
         }
@@ -212,8 +212,8 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return take_size(config, text, err);
     case FORMATS:
         return take_formats(config, text, err);
-    case LIE:
-        return take_lie(text, to, err);
+    case FAULT:
+        return take_fault(text, to, err);
     default:
         return take_whole(rule, where, text, to, err);
     }

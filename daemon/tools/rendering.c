@@ -327,8 +327,8 @@ static lf_layers32 layers_laid_out(const lf_rendering *r, const char *names[LF_M
                          r->layers};
 }
 
-static lf_status write_walk(const lf_rendering *r, const lf_output_request *request,
-                            const lf_output_source *source, lf_error *err)
+static lf_status write_track(const lf_rendering *r, const lf_output_request *request,
+                             const lf_output_source *source, lf_error *err)
 {
     lf_status status = lf_video_add_views(r->video, request, source, err);
     return status == LF_OK ? lf_video_finish(r->video, err) : status;
@@ -377,8 +377,8 @@ lf_status lf_rendering_write(lf_rendering *r, lf_error *err)
         .progress = show_writing,
         .context = r,
     };
-    if (lf_rendering_is_walk(r))
-        status = write_walk(r, &request, &source, err);
+    if (lf_rendering_is_track(r))
+        status = write_track(r, &request, &source, err);
     else
         status = r->video ? lf_video_add(r->video, &request, &source, err)
                           : lf_output_write(&request, &source, err);

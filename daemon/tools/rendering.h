@@ -95,7 +95,7 @@ LF_NODISCARD lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_erro
  * video, unless --quilt says how it is laid out. */
 const lf_output_kind *lf_rendering_kind(const lf_rendering *r);
 /* Whether it is a video of the views of one job: a walk along a track. */
-bool lf_rendering_is_walk(const lf_rendering *r);
+bool lf_rendering_is_track(const lf_rendering *r);
 /* Renders r->scene (nothing, of a finished light field). */
 LF_NODISCARD lf_status lf_rendering_run(lf_rendering *r, lf_error *err);
 /* Writes what was rendered, or is drawn, to r->path. */

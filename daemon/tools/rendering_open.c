@@ -390,7 +390,7 @@ static char *out_of(const lf_rendering *r, int frame)
     return is_one ? lf_strdup(a->out) : lf_frames_path(a->out, frame);
 }
 
-bool lf_rendering_is_walk(const lf_rendering *r)
+bool lf_rendering_is_track(const lf_rendering *r)
 {
     const lf_output_kind *kind = r->arguments->kind;
     return kind == &lf_output_wiggle || (kind == &lf_output_video && !r->sequence.on);
@@ -400,8 +400,8 @@ const lf_output_kind *lf_rendering_kind(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
     const bool one = r->layout.n_views == 1 && a->options.columns == 0;
-    if (a->kind == &lf_output_video && (one || lf_rendering_is_walk(r)))
-        return &lf_output_walk;
+    if (a->kind == &lf_output_video && (one || lf_rendering_is_track(r)))
+        return &lf_output_track;
     return one && a->kind == &lf_output_quilt ? &lf_output_still : a->kind;
 }
 
@@ -450,7 +450,7 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
                         lf_frames_noun(&a->frames), lf_frames_option(&a->frames));
 }
 
-static lf_status check_walk(const lf_rendering *r, lf_error *err)
+static lf_status check_track(const lf_rendering *r, lf_error *err)
 {
     const lf_camera *camera = &r->settings.camera;
     if (camera->n_rows > 0 && !camera->has_parts)
@@ -488,14 +488,16 @@ static lf_video_options video_options(const lf_rendering *r)
 /* Whether it can be a video; that of views begins here, before hours of rendering. */
 static lf_status open_video(lf_rendering *r, lf_error *err)
 {
-    const bool is_walk = lf_rendering_is_walk(r);
+    const bool is_track = lf_rendering_is_track(r);
     const lf_video_options options = video_options(r);
-    const lf_layout layout = is_walk ? lf_video_view_layout(&r->layout) : r->layout;
+    const lf_layout layout = is_track ? lf_video_view_layout(&r->layout) : r->layout;
     const char *warning = NULL;
-    lf_status status = options.wiggle ? check_wiggle(r, err) : is_walk ? check_walk(r, err) : LF_OK;
+    lf_status status = options.wiggle ? check_wiggle(r, err)
+                       : is_track     ? check_track(r, err)
+                                      : LF_OK;
     if (status == LF_OK)
         status = lf_video_check(&options, &layout, r->path, &warning, err);
-    if (status == LF_OK && is_walk && !r->arguments->plan)
+    if (status == LF_OK && is_track && !r->arguments->plan)
         status = lf_video_create(r->path, &layout, &options, r->cancel, &r->video, err);
     if (warning)
         lf_log(LF_LOG_WARNING, "%s: %s", r->path, warning);

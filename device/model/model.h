@@ -84,11 +84,11 @@ typedef struct lf_model_gud_faults {
     uint64_t hang_every;   /* every n-th bulk transfer is never taken */
     uint64_t unplug_after; /* so many rectangles, then it is gone */
     uint64_t bytes_per_s;  /* how slow it is: for whoever drives it (lf_model_gud_delay_ns) */
-    int lie;               /* one of lf_model_gud_lie */
+    int fault;             /* one of lf_model_gud_fault */
 } lf_model_gud_faults;
 
 /* How a display lies about itself. */
-typedef enum lf_model_gud_lie {
+typedef enum lf_model_gud_fault {
     LF_GUD_HONEST,
     LF_GUD_WRONG_MAGIC,
     LF_GUD_VERSION_0,
@@ -106,8 +106,8 @@ typedef enum lf_model_gud_lie {
     LF_GUD_NO_MODES,        /* nor an EDID */
     LF_GUD_COMPRESSED_FULL, /* FULL_UPDATE together with LZ4, which the protocol forbids */
     LF_GUD_BAD_STATUS,      /* GET_STATUS says 200 */
-    LF_GUD_LIES,
-} lf_model_gud_lie;
+    LF_GUD_FAULTS,
+} lf_model_gud_fault;
 
 typedef struct lf_model_gud lf_model_gud;
 

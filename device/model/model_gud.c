@@ -122,9 +122,9 @@ static size_t answer_descriptor(const lf_model_gud *gud, uint8_t *out)
 {
     const lf_model_gud_options *o = &gud->options;
     lf_gud_descriptor d = {
-        .version = gud->faults.lie == LF_GUD_VERSION_0   ? 0
-                   : gud->faults.lie == LF_GUD_VERSION_9 ? 9
-                                                         : 1,
+        .version = gud->faults.fault == LF_GUD_VERSION_0   ? 0
+                   : gud->faults.fault == LF_GUD_VERSION_9 ? 9
+                                                           : 1,
         .flags = (o->status_on_set ? LF_GUD_FLAG_STATUS_ON_SET : 0u) |
                  (o->full_update ? LF_GUD_FLAG_FULL_UPDATE : 0u),
         .compression = o->lz4 ? LF_GUD_COMPRESSION_LZ4 : 0,
@@ -134,27 +134,27 @@ static size_t answer_descriptor(const lf_model_gud *gud, uint8_t *out)
         .min_height = (uint32_t)o->height,
         .max_height = (uint32_t)o->height,
     };
-    if (gud->faults.lie == LF_GUD_TINY_BUFFER)
+    if (gud->faults.fault == LF_GUD_TINY_BUFFER)
         d.max_buffer_size = (uint32_t)o->width * 2 - 1;
-    if (gud->faults.lie == LF_GUD_COMPRESSED_FULL) {
+    if (gud->faults.fault == LF_GUD_COMPRESSED_FULL) {
         d.flags |= LF_GUD_FLAG_FULL_UPDATE;
         d.compression = LF_GUD_COMPRESSION_LZ4;
     }
-    if (gud->faults.lie == LF_GUD_MODE_65535 || gud->faults.lie == LF_GUD_MODE_0X0) {
+    if (gud->faults.fault == LF_GUD_MODE_65535 || gud->faults.fault == LF_GUD_MODE_0X0) {
         d.min_width = d.min_height = 0;
         d.max_width = d.max_height = UINT32_MAX;
     }
     lf_gud_descriptor_write(&d, out);
-    if (gud->faults.lie == LF_GUD_WRONG_MAGIC)
+    if (gud->faults.fault == LF_GUD_WRONG_MAGIC)
         out[0] ^= 1;
-    return gud->faults.lie == LF_GUD_SHORT_DESCRIPTOR ? LF_GUD_DESCRIPTOR_BYTES - 7
-                                                      : LF_GUD_DESCRIPTOR_BYTES;
+    return gud->faults.fault == LF_GUD_SHORT_DESCRIPTOR ? LF_GUD_DESCRIPTOR_BYTES - 7
+                                                        : LF_GUD_DESCRIPTOR_BYTES;
 }
 
 static size_t answer_formats(const lf_model_gud *gud, uint8_t *out)
 {
     static const uint8_t unknown[] = {0x01, 0x08, 0x30, 0xfe};
-    switch (gud->faults.lie) {
+    switch (gud->faults.fault) {
     case LF_GUD_NO_FORMATS:
         return 0;
     case LF_GUD_UNKNOWN_FORMATS:
@@ -172,25 +172,25 @@ static size_t answer_formats(const lf_model_gud *gud, uint8_t *out)
 static size_t answer_modes(const lf_model_gud *gud, uint8_t *out)
 {
     lf_gud_mode mode = gud->mode;
-    if (gud->faults.lie == LF_GUD_MODE_0X0)
+    if (gud->faults.fault == LF_GUD_MODE_0X0)
         mode.hdisplay = mode.vdisplay = 0;
-    if (gud->faults.lie == LF_GUD_MODE_65535)
+    if (gud->faults.fault == LF_GUD_MODE_65535)
         mode.hdisplay = mode.vdisplay = UINT16_MAX;
     lf_gud_mode_write(&mode, out);
-    return gud->faults.lie == LF_GUD_NO_MODES    ? 0
-           : gud->faults.lie == LF_GUD_MODES_CUT ? LF_GUD_MODE_BYTES - 3
-                                                 : LF_GUD_MODE_BYTES;
+    return gud->faults.fault == LF_GUD_NO_MODES    ? 0
+           : gud->faults.fault == LF_GUD_MODES_CUT ? LF_GUD_MODE_BYTES - 3
+                                                   : LF_GUD_MODE_BYTES;
 }
 
 static size_t answer_edid(const lf_model_gud *gud, uint8_t *out)
 {
     memcpy(out, gud->edid, gud->options.n_edid);
-    if (gud->faults.lie == LF_GUD_SHORT_EDID) {
+    if (gud->faults.fault == LF_GUD_SHORT_EDID) {
         memset(out, 0, SHORT_EDID);
         memcpy(out, gud->edid, gud->options.n_edid < SHORT_EDID ? gud->options.n_edid : SHORT_EDID);
         return SHORT_EDID;
     }
-    return gud->faults.lie == LF_GUD_NO_MODES ? 0 : gud->options.n_edid;
+    return gud->faults.fault == LF_GUD_NO_MODES ? 0 : gud->options.n_edid;
 }
 
 /* One property of the plane and one of the connector: a host has to give both back in every state.
@@ -205,7 +205,7 @@ static size_t answer_property(uint16_t id, uint64_t value, uint8_t *out)
 static size_t answer_connectors(const lf_model_gud *gud, uint8_t *out)
 {
     memset(out, 0, LF_GUD_CONNECTOR_BYTES);
-    return gud->faults.lie == LF_GUD_NO_CONNECTORS ? 0 : LF_GUD_CONNECTOR_BYTES;
+    return gud->faults.fault == LF_GUD_NO_CONNECTORS ? 0 : LF_GUD_CONNECTOR_BYTES;
 }
 
 /* Bytes in out[MAX_ANSWER], -1 = no such request. */
@@ -363,7 +363,7 @@ static int get(lf_model_gud *gud, uint8_t request, uint8_t *data, size_t n)
     if (request == LF_GUD_GET_STATUS) {
         if (n == 0)
             return 0;
-        data[0] = gud->faults.lie == LF_GUD_BAD_STATUS ? ODD_STATUS : gud->status;
+        data[0] = gud->faults.fault == LF_GUD_BAD_STATUS ? ODD_STATUS : gud->status;
         return 1;
     }
     int length = answer(gud, request, all);

@@ -9,7 +9,7 @@
 #include <stdint.h>
 
 /* What is read behind the last sample that lf_quilt_kernels.weave may be sent to. */
-#define LF_WEAVE_SLACK 3
+#define LF_INTERLACE_SLACK 3
 
 /* Views of the subpixels of a row: phase = (across + along) * pitch - center in lens periods, z =
  * fract(phase) or 1 - fract(phase) (from_right), clamped into the open interval, times n_views.
@@ -34,8 +34,8 @@ typedef struct lf_tone_table {
 typedef struct lf_quilt_kernels {
     const char *name;
     /* out[i] = from[view[i] * stride + place[i]], i < n. */
-    void (*weave)(size_t n, const uint8_t *view, const uint16_t *place, uint32_t stride,
-                  const uint8_t *from, uint8_t *out);
+    void (*interlace)(size_t n, const uint8_t *view, const uint16_t *place, uint32_t stride,
+                      const uint8_t *from, uint8_t *out);
     /* The views of n subpixels, narrow (n_views <= 256) or wide. */
     void (*views8)(const lf_places *places, size_t n, uint8_t *out);
     void (*views16)(const lf_places *places, size_t n, uint16_t *out);

@@ -23,8 +23,8 @@ static inline __m256i fetch(const uint8_t *view, const uint16_t *place, __m256i 
                             _mm256_set1_epi32(255));
 }
 
-static void weave(size_t n, const uint8_t *view, const uint16_t *place, uint32_t stride,
-                  const uint8_t *from, uint8_t *out)
+static void interlace(size_t n, const uint8_t *view, const uint16_t *place, uint32_t stride,
+                      const uint8_t *from, uint8_t *out)
 {
     const __m256i s = _mm256_set1_epi32((int)stride);
     size_t i = 0;
@@ -35,7 +35,7 @@ static void weave(size_t n, const uint8_t *view, const uint16_t *place, uint32_t
                 d = fetch(view + i + 24, place + i + 24, s, from);
         _mm256_storeu_si256((__m256i *)(void *)(out + i), pack(a, b, c, d));
     }
-    lf_quilt_kernels_c.weave(n - i, view + i, place + i, stride, from, out + i);
+    lf_quilt_kernels_c.interlace(n - i, view + i, place + i, stride, from, out + i);
 }
 
 /* Place times n_views of four subpixels, cut to a whole number. */
@@ -129,7 +129,7 @@ static void tone(const lf_tone_table *table, size_t n, const float *in, uint8_t 
 }
 
 const lf_quilt_kernels lf_quilt_kernels_avx2 = {
-    .name = "avx2", .weave = weave, .views8 = views8, .views16 = views16, .tone = tone};
+    .name = "avx2", .interlace = interlace, .views8 = views8, .views16 = views16, .tone = tone};
 
 #else
 typedef int lf_quilt_kernels_avx2_not_here;

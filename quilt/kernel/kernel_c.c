@@ -3,8 +3,8 @@
 
 #include "quilt/kernel/kernel_place.h"
 
-static void weave(size_t n, const uint8_t *view, const uint16_t *place, uint32_t stride,
-                  const uint8_t *from, uint8_t *out)
+static void interlace(size_t n, const uint8_t *view, const uint16_t *place, uint32_t stride,
+                      const uint8_t *from, uint8_t *out)
 {
     for (size_t i = 0; i < n; i++)
         out[i] = from[view[i] * stride + place[i]];
@@ -50,4 +50,4 @@ static void tone(const lf_tone_table *table, size_t n, const float *in, uint8_t 
 }
 
 const lf_quilt_kernels lf_quilt_kernels_c = {
-    .name = "c", .weave = weave, .views8 = views8, .views16 = views16, .tone = tone};
+    .name = "c", .interlace = interlace, .views8 = views8, .views16 = views16, .tone = tone};

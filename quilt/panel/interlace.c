@@ -377,10 +377,10 @@ copy_row(const lf_interlacer *it, const lf_views8 *views, int row, bool wide, ui
 }
 
 /* Panel rows [row0, row1), all of which show row `row` of the views, by strips. */
-static void weave_rows(const lf_interlacer *it, const lf_views8 *views, lf_image8 *out, int row0,
-                       int row1)
+static void interlace_rows(const lf_interlacer *it, const lf_views8 *views, lf_image8 *out,
+                           int row0, int row1)
 {
-    _Alignas(64) uint8_t copy[STRIP_BYTES + LF_WEAVE_SLACK];
+    _Alignas(64) uint8_t copy[STRIP_BYTES + LF_INTERLACE_SLACK];
     const uint8_t *in = views->data + (size_t)it->rows[row0].nearest * views->row_stride;
     const size_t width = (size_t)it->calibration.screen_width_px * 3, stride = it->strip_stride;
     for (const strip *s = it->strips; s < it->strips + it->n_strips; s++) {
@@ -389,9 +389,9 @@ static void weave_rows(const lf_interlacer *it, const lf_views8 *views, lf_image
                    in + (size_t)view * views->view_stride + s->first_byte, s->n_bytes);
         size_t first = (size_t)s->x0 * 3, n = (size_t)(s->x1 - s->x0) * 3;
         for (int row = row0; row < row1; row++)
-            it->kernels->weave(n, (const uint8_t *)it->views + (size_t)row * width + first,
-                               it->places + first, it->strip_stride, copy,
-                               out->data + (size_t)row * out->stride + first);
+            it->kernels->interlace(n, (const uint8_t *)it->views + (size_t)row * width + first,
+                                   it->places + first, it->strip_stride, copy,
+                                   out->data + (size_t)row * out->stride + first);
     }
 }
 
@@ -450,7 +450,7 @@ void lf_interlace_rows(const lf_interlacer *interlacer, const lf_views8 *views, 
                 show_row(interlacer, views, end, to);
         }
         if (shown >= 0 && interlacer->strips)
-            weave_rows(interlacer, views, out, row, end);
+            interlace_rows(interlacer, views, out, row, end);
     }
 }
 

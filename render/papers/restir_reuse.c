@@ -89,7 +89,7 @@ static int block_of(const block_grid *g, int at)
 
 static int compare(const void *a, const void *b)
 {
-    const lf_restir_placed *x = a, *y = b;
+    const lf_restir_instanced *x = a, *y = b;
     return x->block != y->block ? (x->block > y->block) - (x->block < y->block)
                                 : (x->at > y->at) - (x->at < y->at);
 }
@@ -97,12 +97,12 @@ static int compare(const void *a, const void *b)
 static void sort_by_block(const block_grid *g, lf_restir_worker *w)
 {
     for (int i = 0; i < w->n_visited; i++)
-        w->order[i] = (lf_restir_placed){block_of(g, w->visited[i]), w->visited[i]};
+        w->order[i] = (lf_restir_instanced){block_of(g, w->visited[i]), w->visited[i]};
     qsort(w->order, (size_t)w->n_visited, sizeof *w->order, compare);
 }
 
 static void meet_block(const lf_restir *s, lf_restir_worker *w, int n,
-                       const lf_restir_placed *order)
+                       const lf_restir_instanced *order)
 {
     lf_block_pixel pixels[LF_MAX_BLOCK];
     for (int i = 0; i < n; i++)

@@ -29,19 +29,19 @@ typedef struct lf_restir_left {
 } lf_restir_left;
 
 /* A pixel of a block. */
-typedef struct lf_restir_placed {
+typedef struct lf_restir_instanced {
     int block, at;
-} lf_restir_placed;
+} lf_restir_instanced;
 
 typedef struct lf_restir_worker {
     _Alignas(LF_CACHE_LINE) lf_tracer tracer;
     lf_film_sums sums;
     int64_t base_paths, contributions;
-    lf_light_walk *walks;    /* [LF_MAX_WALKS] */
-    lf_restir_pixel *pixels; /* [view][column] of this visit */
-    lf_path_sample *spread;  /* the same, put together with their neighbours */
-    int *visited;            /* [view * width] those that this visit takes */
-    lf_restir_placed *order; /* [view * width] the same, block by block */
+    lf_light_walk *walks;       /* [LF_MAX_WALKS] */
+    lf_restir_pixel *pixels;    /* [view][column] of this visit */
+    lf_path_sample *spread;     /* the same, put together with their neighbours */
+    int *visited;               /* [view * width] those that this visit takes */
+    lf_restir_instanced *order; /* [view * width] the same, block by block */
     int n_visited;
 } lf_restir_worker;
 

@@ -102,7 +102,7 @@ static void exit_probabilities(const lf_media *media, const lf_media_ray *ray, i
 lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, int channel, float u,
                               bool forced, lf_tracer *tracer)
 {
-    lf_collision first = {.z = INFINITY, .boost = 1.0f};
+    lf_collision first = {.z = INFINITY, .forced_weight = 1.0f};
     float q[LF_MAX_VOLUMES], any[LF_MAX_VOLUMES], z_end = ray->z_end;
     /* The sampler's numbers are multiples of 2^-24: what is below counts in thin media. */
     u = lf_min(u + lf_rng(tracer) * 0x1p-24f, 1.0f - 0x1p-24f);
@@ -110,7 +110,7 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, in
         exit_probabilities(media, ray, channel, q, any);
         if (!(any[0] > 0.0f))
             return first;
-        first.boost = any[0];
+        first.forced_weight = any[0];
     }
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];

@@ -64,9 +64,9 @@ typedef struct lf_media_ray {
 } lf_media_ray;
 
 typedef struct lf_collision {
-    float z;     /* INFINITY: the ray goes through */
-    int medium;  /* index into lf_media.item */
-    float boost; /* 1, or the probability q of any collision when it was forced */
+    float z;             /* INFINITY: the ray goes through */
+    int medium;          /* index into lf_media.item */
+    float forced_weight; /* 1, or the probability q of any collision when it was forced */
 } lf_collision;
 
 /* volumes: the scene's, or what they emit (its flames), whose value is then what stands for sigma_t

@@ -99,7 +99,7 @@ static void add_media(shadow *s, const lf_media *media, const lf_volume *volumes
 }
 
 void lf_reach_of(lf_reach *reach, const lf_scene *scene, const lf_rig *rig,
-                 const lf_row_plane *plane, const lf_media *media, const lf_media *flames)
+                 const lf_row_plane *plane, const lf_media *media, const lf_media *emissive)
 {
     shadow s = {.rig = rig, .lens_chord = plane->lens_chord};
     for (int k = 0; k < LF_MAX_LANES; k++) {
@@ -107,7 +107,7 @@ void lf_reach_of(lf_reach *reach, const lf_scene *scene, const lf_rig *rig,
         s.hi[k] = -INFINITY;
     }
     add_media(&s, media, scene->volumes, plane);
-    add_media(&s, flames, scene->flames.field, plane);
+    add_media(&s, emissive, scene->emissive.field, plane);
     const lf_geometry *geometry = scene->geometry;
     if (geometry) {
         lf_vec3 bounds[2];

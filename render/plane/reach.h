@@ -18,6 +18,6 @@ typedef struct lf_reach {
 void lf_reach_whole(lf_reach *reach, const lf_rig *rig);
 /* media, and what they emit, as cut by the plane. */
 void lf_reach_of(lf_reach *reach, const lf_scene *scene, const lf_rig *rig,
-                 const lf_row_plane *plane, const lf_media *media, const lf_media *flames);
+                 const lf_row_plane *plane, const lf_media *media, const lf_media *emissive);
 
 #endif

@@ -2,7 +2,7 @@
 #include "render/plane/fan.h"
 #include "render/plane/kernel.h"
 #include "render/plane/section_cut.h"
-#include "render/plane/section_placed.h"
+#include "render/plane/section_instances.h"
 #include "render/plane/section_rays.h"
 
 enum { WIDE = LF_SECTION_WIDE };
@@ -38,7 +38,7 @@ static size_t larger(size_t a, size_t b)
  */
 static bool grow(lf_section *section, size_t segments, size_t slots)
 {
-    lf_section_places *places = &section->places;
+    lf_section_instances *places = &section->places;
     const size_t most = larger(places->most, segments + segments / 4 + places->listed),
                  room = larger(places->room, slots + slots / 4);
     lf_section old = *section;
@@ -60,13 +60,13 @@ static bool grow(lf_section *section, size_t segments, size_t slots)
     return true;
 }
 
-lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_places)
+lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_instances)
 {
     *section = (lf_section){.fans = lf_kernels_get()->fans};
     lf_status status = allocate(section, longest);
     section->places.listed = longest;
-    if (status == LF_OK && n_places > 0) {
-        section->places.slot_of = lf_calloc(n_places, sizeof *section->places.slot_of);
+    if (status == LF_OK && n_instances > 0) {
+        section->places.slot_of = lf_calloc(n_instances, sizeof *section->places.slot_of);
         status = section->places.slot_of && grow(section, LF_MAX_LANES, LF_MAX_LANES) ? LF_OK
                                                                                       : LF_E_NOMEM;
     }
@@ -108,10 +108,10 @@ static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_
 }
 
 /* Whether it is one of those that may not be there whole. */
-static bool is_veil(const lf_scene *scene, const lf_row_triangle *t)
+static bool is_alpha_surface(const lf_scene *scene, const lf_row_triangle *t)
 {
     const lf_mesh *mesh = &scene->meshes[t->mesh];
-    return lf_is_veil(&scene->materials[lf_mesh_material(mesh, t->triangle)]);
+    return lf_is_alpha_surface(&scene->materials[lf_mesh_material(mesh, t->triangle)]);
 }
 
 static void clear_boxes(lf_section_node *node)
@@ -173,7 +173,7 @@ static int cut_listed(lf_section *section, const cutting *of)
         const lf_row_triangle *t = &rows->list[at];
         const lf_mesh *mesh = &of->scene->meshes[t->mesh];
         lf_cut_corner end[2];
-        if (of->what != LF_CUT_ALL && is_veil(of->scene, t) != (of->what == LF_CUT_VEILS))
+        if (of->what != LF_CUT_ALL && is_alpha_surface(of->scene, t) != (of->what == LF_CUT_ALPHAS))
             continue;
         if (cut_triangle(of->rig, of->plane, mesh, t->triangle, end)) {
             lf_section_leaf *leaf = &section->leaves[n / WIDE];
@@ -186,22 +186,22 @@ static int cut_listed(lf_section *section, const cutting *of)
     return n;
 }
 
-static size_t cut_placed(lf_section *section, const cutting *of, int n)
+static size_t cut_instances(lf_section *section, const cutting *of, int n)
 {
-    return lf_section_cut_placed(section, of->rows, of->scene, of->rig, of->plane, of->what,
-                                 (size_t)n);
+    return lf_section_cut_instances(section, of->rows, of->scene, of->rig, of->plane, of->what,
+                                    (size_t)n);
 }
 
 /* The segments of places behind the n of the list; how many there are then: none, if rays are to be
  * asked. */
-static int add_placed(lf_section *section, const cutting *of, int n)
+static int add_instances(lf_section *section, const cutting *of, int n)
 {
-    lf_section_places *places = &section->places;
-    size_t all = cut_placed(section, of, n);
+    lf_section_instances *places = &section->places;
+    size_t all = cut_instances(section, of, n);
     bool too_many = places->n_segments > LF_SECTION_MOST,
          fits = all <= places->most && places->n <= places->room;
     if (!too_many && !fits && grow(section, all, places->n)) {
-        all = cut_placed(section, of, cut_listed(section, of));
+        all = cut_instances(section, of, cut_listed(section, of));
         fits = true;
     }
     section->rays.on = too_many || !fits;
@@ -216,8 +216,8 @@ void lf_section_cut(lf_section *section, const lf_row_triangles *rows, const lf_
 {
     const cutting of = {rows, scene, rig, row, plane, what};
     int n = cut_listed(section, &of);
-    if (rows->n_places > 0)
-        n = add_placed(section, &of, n);
+    if (rows->n_instances > 0)
+        n = add_instances(section, &of, n);
     section->n_leaves = groups(n);
     for (; n % WIDE != 0; n++) {
         lf_section_leaf *leaf = &section->leaves[n / WIDE];
@@ -246,8 +246,8 @@ lf_question lf_section_ask(const lf_row_cut *cut, lf_vec3 p, const lf_hit *on, i
         /* the rounding of p, and of the ray that found it */
         q.behind += 5e-7f * (lf_max(fabsf(p.x), lf_max(fabsf(p.y), fabsf(p.z))) + (float)at[2]) *
                     inverse * inverse;
-        q.on = on->mesh->placed ? lf_section_placed_number(cut->section, on)
-                                : cut->rows->mesh_start[on->mesh->geom_id] + on->triangle;
+        q.on = on->mesh->instances ? lf_section_instance_number(cut->section, on)
+                                   : cut->rows->mesh_start[on->mesh->geom_id] + on->triangle;
     }
     return q;
 }
@@ -286,7 +286,7 @@ void lf_section_face(const lf_row_cut *cut, int segment, lf_face *out)
     const uint32_t triangle = lf_section_triangle(cut->section, segment);
     int mesh = 0, count = cut->scene->n_meshes;
     if (triangle >= rows->mesh_start[count]) {
-        lf_section_placed_face(cut->section, cut->scene, triangle, out);
+        lf_section_instance_face(cut->section, cut->scene, triangle, out);
         return;
     }
     while (count > 1) {

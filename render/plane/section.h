@@ -30,8 +30,8 @@ typedef struct lf_row_triangles {
     lf_row_triangle *list; /* of row r: [first[r], first[r + 1]) */
     /* [meshes + 1] number of a mesh's first triangle, counted through all meshes that are listed */
     uint32_t *mesh_start;
-    size_t longest;    /* triangles of the row that has most */
-    uint32_t n_places; /* of meshes that stand in many, which rows do not list */
+    size_t longest;       /* triangles of the row that has most */
+    uint32_t n_instances; /* of meshes that stand in many, which rows do not list */
 } lf_row_triangles;
 
 /* Sorts the scene's triangles into the rig's rows, on the pool: where they move, into all that they
@@ -65,9 +65,9 @@ typedef struct lf_section_slot {
     uint32_t mesh, place, first;
 } lf_section_slot;
 
-/* Of meshes that stand in many places (section_placed.h). Their segments are numbered from 0 on,
+/* Of meshes that stand in many places (section_instances.h). Their segments are numbered from 0 on,
  * and in leaves from .first on, behind the triangles of all other meshes. */
-typedef struct lf_section_places {
+typedef struct lf_section_instances {
     size_t listed; /* triangles of the longest row */
     size_t most;   /* segments that there is room for, those of rows' lists included; 0: none yet */
     size_t n, room;
@@ -75,17 +75,18 @@ typedef struct lf_section_places {
     uint32_t *triangle;    /* [most] of its mesh, by number */
     uint32_t *slot_of;     /* [places of the scene] where a place was put; NULL: there are none */
     uint32_t first, n_segments;
-} lf_section_places;
+} lf_section_instances;
 
-/* Which triangles: those whose surface may not be there whole (veil.h), or the others. */
-typedef enum lf_cut_what { LF_CUT_ALL, LF_CUT_OPAQUE, LF_CUT_VEILS } lf_cut_what;
+/* Which triangles: those whose surface may not be there whole (alpha.h), or the others. */
+typedef enum lf_cut_what { LF_CUT_ALL, LF_CUT_OPAQUE, LF_CUT_ALPHAS } lf_cut_what;
 
 /* Where segments of places would be too many, rays are asked (section_rays.h). */
 typedef struct lf_section_rays {
     bool on;
     lf_cut_what what;
     lf_row_plane plane;
-    /* the worker's, with the scene of the visit; set by who owns the section, where n_places > 0 */
+    /* the worker's, with the scene of the visit; set by who owns the section, where n_instances > 0
+     */
     lf_tracer *tracer;
 } lf_section_rays;
 
@@ -96,13 +97,13 @@ typedef struct lf_section {
     lf_section_leaf *leaves;
     lf_section_node *nodes, *roots;
     int n_leaves, n_roots;
-    lf_section_places places;
+    lf_section_instances places;
     lf_section_rays rays;
 } lf_section;
 
-/* Memory for sections of up to `longest` triangles, and of what n_places places come to;
+/* Memory for sections of up to `longest` triangles, and of what n_instances places come to;
  * LF_E_NOMEM. Release with lf_section_finish, also then. */
-LF_NODISCARD lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_places);
+LF_NODISCARD lf_status lf_section_init(lf_section *section, size_t longest, uint32_t n_instances);
 /* Accepts one that is all zero. */
 void lf_section_finish(lf_section *section);
 

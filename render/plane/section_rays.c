@@ -10,8 +10,9 @@ static bool next(const lf_section_rays *rays, lf_vec3 o, lf_vec3 w, float t, flo
 {
     bool wanted = false;
     while (!wanted && lf_trace_next(rays->tracer, o, w, t, t_max, hit)) {
-        wanted = !hit->mesh->hidden && (rays->what == LF_CUT_ALL ||
-                                        lf_is_veil(hit->material) == (rays->what == LF_CUT_VEILS));
+        wanted = !hit->mesh->hidden &&
+                 (rays->what == LF_CUT_ALL ||
+                  lf_is_alpha_surface(hit->material) == (rays->what == LF_CUT_ALPHAS));
         t = lf_behind(hit->t);
     }
     return wanted;
@@ -38,7 +39,7 @@ void lf_section_hide_by_rays(const lf_row_cut *cut, lf_vec3 p, const lf_hit *on,
         lf_hit hit;
         float t = 0.0f;
         while (scale[k] > 0.0f && next(rays, o, w, t, 1.0f - 1e-6f, &hit)) {
-            scale[k] *= rays->what == LF_CUT_VEILS ? 1.0f - stopped(rig, &hit, w) : 0.0f;
+            scale[k] *= rays->what == LF_CUT_ALPHAS ? 1.0f - stopped(rig, &hit, w) : 0.0f;
             t = lf_behind(hit.t);
         }
     }
@@ -55,13 +56,13 @@ static void ray_of(const lf_row_cut *cut, const lf_lines *lines, int k, lf_vec3 
 }
 
 /* Segment k is what a ray has met: a slot each. */
-static void put(lf_section_places *places, lf_section_leaf *leaves, const lf_row_triangles *rows,
+static void put(lf_section_instances *places, lf_section_leaf *leaves, const lf_row_triangles *rows,
                 const lf_scene *scene, int k, const lf_hit *hit)
 {
     lf_section_leaf *leaf = &leaves[k / WIDE];
     leaf->material[k % WIDE] = (int)(hit->material - scene->materials);
     leaf->triangle[k % WIDE] = rows->mesh_start[hit->mesh->geom_id] + hit->triangle;
-    if (!hit->mesh->placed)
+    if (!hit->mesh->instances)
         return;
     leaf->triangle[k % WIDE] = places->first + (uint32_t)k;
     places->triangle[k] = hit->triangle;
@@ -73,7 +74,7 @@ void lf_section_nearest_by_rays(const lf_row_cut *cut, const lf_lines *lines, fl
 {
     const lf_section *section = cut->section;
     /* Of the worker who asks, as all of the section. */
-    lf_section_places *places = (lf_section_places *)(uintptr_t)&section->places;
+    lf_section_instances *places = (lf_section_instances *)(uintptr_t)&section->places;
     places->n = 0;
     for (int k = 0; k < lines->n; k++) {
         lf_vec3 o, w;
@@ -87,19 +88,19 @@ void lf_section_nearest_by_rays(const lf_row_cut *cut, const lf_lines *lines, fl
     }
 }
 
-void lf_section_veils_by_rays(const lf_row_cut *veils, const lf_lines *lines, const float *z_end,
-                              float *through, bool *mirrors, lf_veil_crossings *kept)
+void lf_section_alphas_by_rays(const lf_row_cut *alphas, const lf_lines *lines, const float *z_end,
+                               float *through, bool *mirrors, lf_alpha_crossings *kept)
 {
-    const lf_section_rays *rays = &veils->section->rays;
+    const lf_section_rays *rays = &alphas->section->rays;
     for (int k = 0; k < lines->n; k++) {
         lf_vec3 o, w;
         lf_hit hit;
         float t = 0.0f;
-        ray_of(veils, lines, k, &o, &w);
+        ray_of(alphas, lines, k, &o, &w);
         while (through[k] > 0.0f && next(rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
-            const float passed = 1.0f - stopped(veils->rig, &hit, w);
+            const float passed = 1.0f - stopped(alphas->rig, &hit, w);
             if (kept)
-                lf_veil_keep(&kept[k], hit.t, passed, -1);
+                lf_alpha_keep(&kept[k], hit.t, passed, -1);
             through[k] *= passed;
             mirrors[k] |= lf_has_mirror(hit.material);
             t = lf_behind(hit.t);
@@ -107,22 +108,23 @@ void lf_section_veils_by_rays(const lf_row_cut *veils, const lf_lines *lines, co
     }
 }
 
-void lf_section_crossings_by_rays(const lf_row_cut *veils, const lf_lines *lines,
-                                  const float *z_end, lf_veil_crossings *ray)
+void lf_section_crossings_by_rays(const lf_row_cut *alphas, const lf_lines *lines,
+                                  const float *z_end, lf_alpha_crossings *ray)
 {
-    const lf_section_rays *rays = &veils->section->rays;
+    const lf_section_rays *rays = &alphas->section->rays;
     for (int k = 0; k < lines->n; k++) {
         lf_vec3 o, w;
         lf_hit hit;
         if (!ray[k].wanted)
             continue;
         float t = ray[k].first;
-        ray_of(veils, lines, k, &o, &w);
-        while (ray[k].n < LF_VEILS_KEPT && next(rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
-            lf_veil_keep(&ray[k], hit.t, 1.0f - stopped(veils->rig, &hit, w), -1);
+        ray_of(alphas, lines, k, &o, &w);
+        while (ray[k].n < LF_ALPHA_CROSSINGS_KEPT &&
+               next(rays, o, w, t, z_end[k] * (1.0f - 1e-6f), &hit)) {
+            lf_alpha_keep(&ray[k], hit.t, 1.0f - stopped(alphas->rig, &hit, w), -1);
             t = lf_behind(hit.t);
         }
-        if (ray[k].n == LF_VEILS_KEPT)
+        if (ray[k].n == LF_ALPHA_CROSSINGS_KEPT)
             ray[k].known = t;
     }
 }

@@ -143,7 +143,7 @@ static uint32_t cell_of(float x, float min, float max)
 /* Those that rows list. */
 static int listed_of(const lf_mesh *mesh)
 {
-    return mesh->placed ? 0 : mesh->n_triangles;
+    return mesh->instances ? 0 : mesh->n_triangles;
 }
 
 /* Counting sort of the spans into rows. */
@@ -214,7 +214,7 @@ lf_status lf_row_triangles_init(lf_row_triangles *out, const lf_scene *scene, co
         return LF_E_NOMEM;
     for (int i = 0; i < scene->n_meshes; i++)
         out->mesh_start[i + 1] = out->mesh_start[i] + (uint32_t)listed_of(&scene->meshes[i]);
-    out->n_places = scene->geometry ? scene->geometry->n_places : 0;
+    out->n_instances = scene->geometry ? scene->geometry->n_instances : 0;
     size_t n = out->mesh_start[scene->n_meshes];
     spans job = {.scene = scene,
                  .rigs = rigs,

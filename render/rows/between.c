@@ -18,7 +18,7 @@ bool lf_between_find(const lf_film *film, int row, lf_between *out)
         out->feature[i] = half.feature;
         out->known[i] = lf_film_known_at(film, at[i]);
     }
-    return at[1] - at[0] <= LF_EXITS_COARSE;
+    return at[1] - at[0] <= LF_UNSCATTERED_COARSE;
 }
 
 /* Less of a surface is not worth a look at its texture. */
@@ -85,8 +85,8 @@ static bool is_smooth(const told_range *a, const told_range *b, float apart)
 
 bool lf_between_mark(const lf_between *rows, const lf_rig *rig, uint32_t smooth[LF_MAX_CHUNKS])
 {
-    const float apart = 6.0f * LF_EXITS_COARSE * rig->dx / rig->distance;
-    const int last = rig->width - 1, n = (last + LF_EXITS_COARSE - 1) / LF_EXITS_COARSE;
+    const float apart = 6.0f * LF_UNSCATTERED_COARSE * rig->dx / rig->distance;
+    const int last = rig->width - 1, n = (last + LF_UNSCATTERED_COARSE - 1) / LF_UNSCATTERED_COARSE;
     bool all = true;
     for (int i = 0; i <= n; i++)
         smooth[i] = ~UINT32_C(0);
@@ -95,7 +95,8 @@ bool lf_between_mark(const lf_between *rows, const lf_rig *rig, uint32_t smooth[
         told_range ends[2];
         column_range(rows, start, &ends[0]);
         for (int i = 0; i < n; i++) {
-            const int column = (i + 1) * LF_EXITS_COARSE < last ? (i + 1) * LF_EXITS_COARSE : last;
+            const int column =
+                (i + 1) * LF_UNSCATTERED_COARSE < last ? (i + 1) * LF_UNSCATTERED_COARSE : last;
             column_range(rows, start + (size_t)column, &ends[(i + 1) % 2]);
             if (!(rows->tinted && greater(ends[0].surface, ends[1].surface) > LEAST_SURFACE) &&
                 is_smooth(&ends[0], &ends[1], apart))

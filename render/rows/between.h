@@ -7,8 +7,8 @@
 #include "render/plane/rig.h"
 
 /* Fans of a coarse visit: in every column that this divides, and in the last. */
-#define LF_EXITS_COARSE 4
-#define LF_MAX_CHUNKS (LF_MAX_VIEW_SIDE / LF_EXITS_COARSE + 1)
+#define LF_UNSCATTERED_COARSE 4
+#define LF_MAX_CHUNKS (LF_MAX_VIEW_SIDE / LF_UNSCATTERED_COARSE + 1)
 
 /* The two rows, arrays [view][column]; known NULL: it is not stored. */
 typedef struct lf_between {
@@ -18,7 +18,7 @@ typedef struct lf_between {
     bool tinted; /* the film keeps albedo: what surfaces are like between is not known */
 } lf_between;
 
-/* false: there are none that have been visited, at most LF_EXITS_COARSE rows apart. */
+/* false: there are none that have been visited, at most LF_UNSCATTERED_COARSE rows apart. */
 bool lf_between_find(const lf_film *film, int row, lf_between *out);
 /* Where both change little from one fan to the next and from row to row: bit g of smooth[i] is that
  * of the views from g * LF_LANES on, in the columns from fan i up to the next. Whether they do

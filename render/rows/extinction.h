@@ -6,7 +6,7 @@
 #ifndef LF_RENDER_EXTINCTION_H
 #define LF_RENDER_EXTINCTION_H
 
-#include "render/rows/exits.h"
+#include "render/rows/unscattered.h"
 
 typedef struct lf_extinction {
     int channels; /* that differ: 1 or 3 */
@@ -34,11 +34,11 @@ typedef struct lf_extinction {
     float (*own_density)(const lf_visit *visit, const lf_pivot *pivot, const lf_rays *ray,
                          float *out_depth);
 
-    /* Of the rays of B and q (exits.c): depths, and moments where features are wanted. */
-    void (*march)(const lf_visit *visit, const lf_exit_fan *fan);
+    /* Of the rays of B and q (unscattered.c): depths, and moments where features are wanted. */
+    void (*march)(const lf_visit *visit, const lf_unscattered_rays *fan);
     /* The light that is lost along ray k, in the mean over the channels, and what is left of each;
      * factor: what else takes of it. */
-    float (*lost)(const lf_visit *visit, const lf_exit_fan *fan, int k, float factor,
+    float (*lost)(const lf_visit *visit, const lf_unscattered_rays *fan, int k, float factor,
                   lf_vec3 *out_transmittance);
 } lf_extinction;
 

@@ -35,7 +35,7 @@ static float densities(const lf_visit *visit, const lf_pivot *pivot)
     }
     float sum = visit->kernels->densities(3 * n, c->scale, c->tau, c->density);
     mean_of_channels(w, n);
-    for (int k = 0; k < n && w->glows.n > 0; k++) {
+    for (int k = 0; k < n && w->equiangular.n > 0; k++) {
         float depth[3];
         for (int i = 0; i < 3; i++)
             depth[i] = c->scale[i * n + k] > 0.0f ? c->tau[i * n + k] : INFINITY;
@@ -117,7 +117,7 @@ static float own_density(const lf_visit *visit, const lf_pivot *pivot, const lf_
     return mean * (1.0f / 3.0f) * sigma[0];
 }
 
-static void march(const lf_visit *visit, const lf_exit_fan *fan)
+static void march(const lf_visit *visit, const lf_unscattered_rays *fan)
 {
     lf_scratch *w = visit->worker;
     if (visit->sums.feature)
@@ -128,7 +128,7 @@ static void march(const lf_visit *visit, const lf_exit_fan *fan)
         w->channels.factor[i] = 1.0f;
 }
 
-static float lost(const lf_visit *visit, const lf_exit_fan *fan, int k, float factor,
+static float lost(const lf_visit *visit, const lf_unscattered_rays *fan, int k, float factor,
                   lf_vec3 *out_transmittance)
 {
     const lf_scratch *w = visit->worker;

@@ -74,7 +74,7 @@ static float own_density(const lf_visit *visit, const lf_pivot *pivot, const lf_
     return sigma[0];
 }
 
-static void march(const lf_visit *visit, const lf_exit_fan *fan)
+static void march(const lf_visit *visit, const lf_unscattered_rays *fan)
 {
     lf_scratch *w = visit->worker;
     if (visit->sums.feature)
@@ -84,7 +84,7 @@ static void march(const lf_visit *visit, const lf_exit_fan *fan)
         lf_media_depths(&w->media, &fan->rays, w->tau + fan->from, -1, NULL);
 }
 
-static float lost(const lf_visit *visit, const lf_exit_fan *fan, int k, float factor,
+static float lost(const lf_visit *visit, const lf_unscattered_rays *fan, int k, float factor,
                   lf_vec3 *out_transmittance)
 {
     const lf_scratch *w = visit->worker;

@@ -152,7 +152,7 @@ static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suff
         w->tracer.nonfinite++;
         y = lf_v3(0.0f, 0.0f, 0.0f);
     }
-    float scale = pivot->boost / sum;
+    float scale = pivot->forced_weight / sum;
     visit->extinction->spread(visit, y, scale);
     for (int k = 0; k < visit->rig->n_views && visit->sums.half.w2; k++)
         if (w->density[k] * scale != 0.0f)
@@ -228,7 +228,7 @@ static void tint_channels(lf_fan_lobes *lobes, int n)
     lobes->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);
 }
 
-/* Adds what is mirrored by the surface (lf_hit_folds). */
+/* Adds what is mirrored by the surface (lf_hit_bent_normal). */
 static void fold(const lf_visit *visit, const lf_hit *hit, lf_vec3 wi, lf_fan_lobes *out)
 {
     const lf_material *material = lf_hit_material(hit);
@@ -242,8 +242,8 @@ static void fold(const lf_visit *visit, const lf_hit *hit, lf_vec3 wi, lf_fan_lo
                              visit->worker->local[2], &more);
     tint_channels(out, lanes);
     tint_channels(&more, lanes);
-    float own = lf_hit_leads_astray(hit, wi) ? 0.0f : 1.0f,
-          mirrored = lf_hit_leads_astray(hit, back) ? 1.0f : 0.0f;
+    float own = lf_hit_wrong_side(hit, wi) ? 0.0f : 1.0f,
+          mirrored = lf_hit_wrong_side(hit, back) ? 1.0f : 0.0f;
     for (int k = 0; k < lanes; k++) {
         out->pdf[k] = own * out->pdf[k] + mirrored * pdf[k];
         for (int i = 0; i < out->n_terms; i++)
@@ -272,7 +272,7 @@ static float lobes(lf_visit *visit, const lf_pivot *pivot, lf_vec3 wi, lf_fan_lo
         const lf_material *material = lf_hit_material(hit);
         material->kind->eval_fan(material, lf_to_frame(t, b, hit->ns, wi), lf_rig_lanes(visit->rig),
                                  w->local[0], w->local[1], w->local[2], out);
-        if (lf_hit_folds(hit))
+        if (lf_hit_bent_normal(hit))
             fold(visit, hit, wi, out);
     }
     for (int k = 0; k < visit->rig->n_views; k++)
@@ -318,7 +318,8 @@ static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, 
     lf_scratch *w = visit->worker;
     bool blinds =
         pivot->event.kind == LF_EVENT_SURFACE && !lf_is_way_out(lf_hit_material(&pivot->event.hit));
-    float drawn = over > 0.0f ? pivot->boost / over : 0.0f, blind = pivot->boost / sum;
+    float drawn = over > 0.0f ? pivot->forced_weight / over : 0.0f,
+          blind = pivot->forced_weight / sum;
     for (int k = 0; k < visit->rig->n_views; k++) {
         if (w->density[k] == 0.0f)
             continue;
@@ -337,8 +338,9 @@ static void spread_light(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
     float over = (float)n * lobes(visit, pivot, light->wi, &f);
     bool alone = light->delta || lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF);
     float denominator = light->pdf * sum + (alone ? 0.0f : over);
-    add_lobes(visit, &f,
-              lf_scale(light->radiance, pivot->boost * suffix->light_visible / denominator));
+    add_lobes(
+        visit, &f,
+        lf_scale(light->radiance, pivot->forced_weight * suffix->light_visible / denominator));
 }
 
 /* One of n directions, in balance with the light sample. */
@@ -353,8 +355,8 @@ static void spread_direction(lf_visit *visit, const lf_pivot *pivot, const lf_su
     if (over > 0.0f) {
         float with_light =
             over + (lf_has_fault(visit, LF_FAULT_NO_LIGHT_PDF) ? 0.0f : suffix->found_pdf * sum);
-        lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->boost / over),
-                                   pivot->boost / with_light, suffix->found);
+        lf_vec3 radiance = lf_madd(lf_scale(suffix->scattered, pivot->forced_weight / over),
+                                   pivot->forced_weight / with_light, suffix->found);
         add_lobes(visit, &f, radiance);
     }
     if (visit->sums.half.w2)
@@ -386,7 +388,7 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suff
         n++;
     if (surface)
         lf_fan_look_back(visit, &pivot->event.hit);
-    add_weights(visit, pivot->boost / sum);
+    add_weights(visit, pivot->forced_weight / sum);
     if (suffix->has_light)
         spread_light(visit, pivot, suffix, sum, n);
     spread_direction(visit, pivot, suffix, sum, n);
@@ -401,14 +403,14 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suff
 }
 
 /* A pane weighs as everything that is met does, in W and in W'; what it reflects is native. */
-static void spread_pane(lf_visit *visit, const lf_pivot *pivot, float sum)
+static void spread_thin(lf_visit *visit, const lf_pivot *pivot, float sum)
 {
     lf_scratch *w = visit->worker;
-    add_weights(visit, pivot->boost / sum);
+    add_weights(visit, pivot->forced_weight / sum);
     for (int k = 0; k < visit->rig->n_views && visit->sums.half.w2; k++)
         if (w->density[k] > 0.0f)
             lf_film_weigh_direction(&visit->sums, lf_visit_pixel(visit, k),
-                                    w->density[k] * pivot->boost / sum);
+                                    w->density[k] * pivot->forced_weight / sum);
 }
 
 /* The densities of the pivot under all views; returns the sum of those that samples are drawn with.
@@ -447,8 +449,8 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
     }
     if (!receive(visit, pivot))
         return;
-    if (pivot->is_pane) {
-        spread_pane(visit, pivot, sum);
+    if (pivot->is_thin) {
+        spread_thin(visit, pivot, sum);
         return;
     }
     lf_suffix suffix;
@@ -458,8 +460,8 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
     else
         lf_suffix_draw(&visit->worker->tracer, &pivot->event, wo, pivot->sampler, visit->max_depth,
                        &suffix);
-    if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
-        lf_glow_balance(visit, pivot, -1, sum, least_depth(visit), &suffix);
+    if (visit->worker->equiangular.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
+        lf_equiangular_balance(visit, pivot, -1, sum, least_depth(visit), &suffix);
     if (lf_is_view_dependent(visit->scene, &pivot->event))
         spread_lobes(visit, pivot, &suffix, sum);
     else
@@ -467,8 +469,8 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
 }
 
 /* A point about a light serves all views that see it, beside their own base samples. */
-static void glow_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
-                      const lf_light_sample *light)
+static void equiangular_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
+                             const lf_light_sample *light)
 {
     (void)view;
     float sum = fan(visit, -1, 0, pivot);
@@ -480,7 +482,7 @@ static void glow_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
         return;
     lf_fan_lobes f;
     float over = lobes(visit, pivot, light->wi, &f),
-          ratio = lf_glow_ratio(visit, pivot, light->light, -1, sum, least_depth(visit));
+          ratio = lf_equiangular_ratio(visit, pivot, light->light, -1, sum, least_depth(visit));
     float denominator = light->pdf * (1.0f + ratio) * sum + (light->delta ? 0.0f : over);
     lf_vec3 radiance = lf_scale(lf_mul(arriving.radiance, f.colour[0]), visible / denominator);
     const float *const *d = visit->worker->channels.received;
@@ -497,7 +499,7 @@ static void balance_mvpt(lf_visit *visit, int view, int column, const lf_pivot *
                          lf_suffix *suffix)
 {
     float sum = fan(visit, view, column, pivot);
-    lf_glow_balance(visit, pivot, -1, sum, least_depth(visit), suffix);
+    lf_equiangular_balance(visit, pivot, -1, sum, least_depth(visit), suffix);
 }
 
 const lf_sharing lf_sharing_mvpt = {.entry = {.name = "mvpt",
@@ -507,7 +509,7 @@ const lf_sharing lf_sharing_mvpt = {.entry = {.name = "mvpt",
                                               .supports = LF_ROWS_SUPPORT},
                                     .suffixes = 4,
                                     .pivot = pivot_mvpt,
-                                    .glow = glow_mvpt,
+                                    .equiangular = equiangular_mvpt,
                                     .balance = balance_mvpt};
 const lf_sharing lf_sharing_amvpt = {.entry = {.name = "amvpt",
                                                .what = "mvpt with more paths where the error is",
@@ -518,5 +520,5 @@ const lf_sharing lf_sharing_amvpt = {.entry = {.name = "amvpt",
                                      .suffixes = 4,
                                      .adaptive = true,
                                      .pivot = pivot_mvpt,
-                                     .glow = glow_mvpt,
+                                     .equiangular = equiangular_mvpt,
                                      .balance = balance_mvpt};

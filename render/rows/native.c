@@ -127,8 +127,8 @@ static void chain_end(lf_visit *visit, int view, int column, const lf_pivot *piv
 }
 
 /* What a veil sends out by itself: native, as how much of it is there is a matter of chance for a
- * sample; of other surfaces it is known (exits.c). */
-static void add_glow_of_veil(lf_visit *visit, int view, int column, const lf_pivot *pivot)
+ * sample; of other surfaces it is known (unscattered.c). */
+static void add_emission_of_alpha(lf_visit *visit, int view, int column, const lf_pivot *pivot)
 {
     const lf_hit *hit = &pivot->event.hit;
     if (hit->material->cover == LF_COVER_OPAQUE || !(lf_max3(hit->material->emission) > 0.0f))
@@ -138,15 +138,15 @@ static void add_glow_of_veil(lf_visit *visit, int view, int column, const lf_piv
         visit, pixel, lf_mul(lf_hit_material(hit)->emission, weight_of(visit, view, pixel, pivot)));
 }
 
-void lf_natives_of_panes(lf_visit *visit, int view, int column, const lf_pivot *ray, lf_vec3 eye,
-                         float t_end)
+void lf_natives_of_thin_glass(lf_visit *visit, int view, int column, const lf_pivot *ray,
+                              lf_vec3 eye, float t_end)
 {
     lf_tracer *tracer = &visit->worker->tracer;
     lf_pivot pivot = *ray;
     lf_event *event = &pivot.event;
     float t = 0.0f;
     event->kind = LF_EVENT_SURFACE;
-    while (lf_trace_pane(tracer, eye, event->w, t, t_end, &event->hit)) {
+    while (lf_trace_thin(tracer, eye, event->w, t, t_end, &event->hit)) {
         lf_vec3 d = lf_sub(event->hit.p, visit->rig->eye);
         lf_delta lobe[LF_MAX_DELTAS];
         lf_delta_chain chain;
@@ -160,7 +160,7 @@ void lf_natives_of_panes(lf_visit *visit, int view, int column, const lf_pivot *
                             event->hit.front, lobe) == 0)
             continue;
         chain_begin(visit, view, &pivot, false, &chain);
-        lf_delta_chain_follow(&chain, event, lobe, 1.0f - lf_pane_passes(m, cosine));
+        lf_delta_chain_follow(&chain, event, lobe, 1.0f - lf_thin_passes(m, cosine));
         chain_end(visit, view, column, &pivot, &chain);
     }
 }
@@ -179,7 +179,7 @@ void lf_natives_of_surface(lf_visit *visit, int view, int column, const lf_pivot
     if (!visit->sums.native)
         return;
     if (lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH))
-        add_glow_of_veil(visit, view, column, pivot);
+        add_emission_of_alpha(visit, view, column, pivot);
     lf_shade(&pivot->event.hit, lf_scale(pivot->event.w, -1.0f), &shading);
     if (visit->plan->pilot && shading.n_deltas > 0)
         lf_counts_mark_delta(visit->plan->pilot, visit->row, view, column);

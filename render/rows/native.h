@@ -18,7 +18,7 @@ void lf_natives_of_surface(lf_visit *visit, int view, int column, const lf_pivot
 /* What every pane that a base ray from eye along ray->event.w reaches reflects, up to t_end: rays
  * pass them and end on them by chance, so that each is reached as often as its light comes through
  * what is before it. */
-void lf_natives_of_panes(lf_visit *visit, int view, int column, const lf_pivot *ray, lf_vec3 eye,
-                         float t_end);
+void lf_natives_of_thin_glass(lf_visit *visit, int view, int column, const lf_pivot *ray,
+                              lf_vec3 eye, float t_end);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include "base/alloc.h"
 
-lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows, bool veiled,
+lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows, bool has_alphas,
                            const lf_film_layout *layout)
 {
     const size_t columns = (size_t)layout->width;
@@ -12,16 +12,16 @@ lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows, bool 
     out->views = lf_calloc(columns * (size_t)layout->n_views, sizeof *out->views);
     if (!out->groups || !out->views)
         return LF_E_NOMEM;
-    lf_status status = lf_section_init(&out->edge, rows->longest, rows->n_places);
+    lf_status status = lf_section_init(&out->edge, rows->longest, rows->n_instances);
     return status == LF_OK
-               ? lf_section_init(&out->veils, veiled ? rows->longest : 0, rows->n_places)
+               ? lf_section_init(&out->alphas, has_alphas ? rows->longest : 0, rows->n_instances)
                : status;
 }
 
 void lf_outlines_finish(lf_outlines *outlines)
 {
     lf_section_finish(&outlines->edge);
-    lf_section_finish(&outlines->veils);
+    lf_section_finish(&outlines->alphas);
     lf_free(outlines->groups);
     lf_free(outlines->views);
 }
@@ -91,24 +91,24 @@ typedef struct corner {
 enum { EDGES = 2 };
 typedef struct row_edge {
     lf_row_plane plane;
-    lf_section *section, *veils; /* veils: NULL where there are none */
+    lf_section *section, *alphas; /* veils: NULL where there are none */
 } row_edge;
 
 static void cut_edge(const lf_visit *visit, int edge, row_edge *out)
 {
     static const float no_lens[2] = {0.5f, 0.5f};
-    const bool veiled = lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
+    const bool has_alphas = lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
     lf_scratch *w = visit->worker;
     out->section = edge == 0 ? &w->section : &w->met.outlines.edge;
-    out->veils = edge == 0 ? &w->veil.section : &w->met.outlines.veils;
+    out->alphas = edge == 0 ? &w->alpha.section : &w->met.outlines.alphas;
     lf_rig_row_plane(visit->rig, (float)(visit->row + edge), no_lens, &out->plane);
     lf_section_cut(out->section, visit->triangles, visit->scene, visit->rig, visit->row,
-                   &out->plane, veiled ? LF_CUT_OPAQUE : LF_CUT_ALL);
-    if (veiled)
-        lf_section_cut(out->veils, visit->triangles, visit->scene, visit->rig, visit->row,
-                       &out->plane, LF_CUT_VEILS);
+                   &out->plane, has_alphas ? LF_CUT_OPAQUE : LF_CUT_ALL);
+    if (has_alphas)
+        lf_section_cut(out->alphas, visit->triangles, visit->scene, visit->rig, visit->row,
+                       &out->plane, LF_CUT_ALPHAS);
     else
-        out->veils = NULL;
+        out->alphas = NULL;
 }
 
 /* comparable: triangles from this number on are not told. */
@@ -124,9 +124,9 @@ static void look(const lf_visit *visit, const row_edge *edge, int column, uint32
     lf_section_nearest(&cut, &lines, w->z_end, w->met.segment);
     for (int k = 0; k < lanes; k++)
         out->through[k] = 1.0f;
-    if (edge->veils) {
-        cut.section = edge->veils;
-        lf_veils_along(&cut, &lines, w->z_end, out->through, w->veil.mirrored, NULL);
+    if (edge->alphas) {
+        cut.section = edge->alphas;
+        lf_alphas_along(&cut, &lines, w->z_end, out->through, w->alpha.mirrored, NULL);
     }
     for (int k = 0; k < rig->n_views; k++) {
         const int segment = w->met.segment[k];
@@ -142,12 +142,12 @@ static void look(const lf_visit *visit, const row_edge *edge, int column, uint32
  * could have unless it is one triangle, or of which veils let much more of one through. */
 static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool *out)
 {
-    const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance, most_veil = 0.25f;
+    const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance, most_alpha = 0.25f;
     for (int k = 0; k < rig->n_views; k++)
         out[k] |= (a->material[k] != b->material[k]) |
                   ((fabsf(a->nearness[k] - b->nearness[k]) > apart) &
                    !(a->triangle[k] == b->triangle[k] && a->triangle[k] != NO_TRIANGLE)) |
-                  (fabsf(a->through[k] - b->through[k]) > most_veil);
+                  (fabsf(a->through[k] - b->through[k]) > most_alpha);
 }
 
 /* What lies between two corners of one triangle is no outline. But a ground seen from low above has
@@ -208,16 +208,16 @@ bool lf_outlines_find(const lf_visit *visit)
 /* ------------------------------------------------------------------------- their film points -- */
 
 /* What a pixel's film points have said. */
-typedef struct lf_exits_pixel {
+typedef struct lf_unscattered_pixel {
     float q, known[3], albedo[LF_ALBEDO_NUMBERS];
     lf_feature feature;
     bool mirror;
-} lf_exits_pixel;
+} lf_unscattered_pixel;
 
-static void take_pixel(const lf_visit *visit, size_t i, lf_exits_pixel *out)
+static void take_pixel(const lf_visit *visit, size_t i, lf_unscattered_pixel *out)
 {
     const lf_film_sums *sums = &visit->sums;
-    *out = (lf_exits_pixel){.q = sums->half.q[i], .feature = sums->feature[i]};
+    *out = (lf_unscattered_pixel){.q = sums->half.q[i], .feature = sums->feature[i]};
     if (sums->known)
         memcpy(out->known, sums->known[i], sizeof out->known);
     if (sums->albedo)
@@ -227,7 +227,7 @@ static void take_pixel(const lf_visit *visit, size_t i, lf_exits_pixel *out)
 }
 
 /* The mean of what a pixel has and of what it had, which counts n times as much. */
-static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had, float n)
+static void mix_pixel(const lf_visit *visit, size_t i, const lf_unscattered_pixel *had, float n)
 {
     const lf_film_sums *sums = &visit->sums;
     const float share = 1.0f / (n + 1.0f), now = lf_max(share * sums->half.q[i], 0.0f),
@@ -248,16 +248,16 @@ static void mix_pixel(const lf_visit *visit, size_t i, const lf_exits_pixel *had
 /* One more film point of those of the views [first, end) of a column that want it, which have had
  * n.
  */
-static void take_point(const lf_exits *e, int column, int first, int end, int n)
+static void take_point(const lf_unscattered *e, int column, int first, int end, int n)
 {
     const lf_visit *visit = e->visit;
     const size_t width = (size_t)visit->rig->width;
-    lf_exits_pixel had[LF_MAX_LANES];
+    lf_unscattered_pixel had[LF_MAX_LANES];
     const int there = end < visit->rig->n_views ? end : visit->rig->n_views;
     for (int k = first; k < there; k++)
         if (e->only[k])
             take_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first]);
-    lf_exits_fan(e, column, first, end);
+    lf_unscattered_fan(e, column, first, end);
     for (int k = first; k < there; k++)
         if (e->only[k])
             mix_pixel(visit, (size_t)k * width + (size_t)column, &had[k - first], (float)n);
@@ -303,11 +303,11 @@ float lf_outlines_row(uint64_t offsets, uint32_t index, int plane)
 
 float lf_outlines_column(uint64_t key, int column, uint32_t index, int plane)
 {
-    const float own = lf_exits_film_point(key, column, index);
+    const float own = lf_unscattered_film_point(key, column, index);
     if (plane == 0 || index < 2)
         return quarters_on(own, quarters_across[plane]);
-    const float first[2] = {lf_exits_film_point(key, column, 0),
-                            lf_exits_film_point(key, column, 1)};
+    const float first[2] = {lf_unscattered_film_point(key, column, 0),
+                            lf_unscattered_film_point(key, column, 1)};
     return across_from(own, first);
 }
 
@@ -321,7 +321,7 @@ float lf_outlines_lens(uint64_t key, int column, uint32_t index, int plane)
     return across_from(own, first);
 }
 
-void lf_outlines_take(lf_exits *e, int plane)
+void lf_outlines_take(lf_unscattered *e, int plane)
 {
     const lf_rig *rig = e->visit->rig;
     const lf_outlines *outlines = &e->visit->worker->met.outlines;
@@ -329,7 +329,8 @@ void lf_outlines_take(lf_exits *e, int plane)
     for (int column = 0; column < rig->width; column++) {
         uint32_t groups = outlines->groups[column];
         e->only = outlines->views + (size_t)column * (size_t)rig->n_views;
-        for (int first, end; groups && lf_exits_next_groups(&groups, rig->n_views, &first, &end);)
+        for (int first, end;
+             groups && lf_unscattered_next_groups(&groups, rig->n_views, &first, &end);)
             take_point(e, column, first, end, plane);
     }
     e->plane = 0;

@@ -16,11 +16,11 @@
 #ifndef LF_RENDER_OUTLINES_H
 #define LF_RENDER_OUTLINES_H
 
-#include "render/rows/exits.h"
+#include "render/rows/unscattered.h"
 
 /* A worker's memory for films of this layout. LF_E_NOMEM; *out may then be finished. */
-LF_NODISCARD lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows, bool veiled,
-                                        const lf_film_layout *layout);
+LF_NODISCARD lf_status lf_outlines_init(lf_outlines *out, const lf_row_triangles *rows,
+                                        bool has_alphas, const lf_film_layout *layout);
 /* Accepts one that is all zero. */
 void lf_outlines_finish(lf_outlines *outlines);
 
@@ -39,8 +39,8 @@ bool lf_outlines_find(const lf_visit *visit);
 int lf_outlines_planes(uint32_t index);
 
 /* The film points of outlines in plane number `plane`, 1 .. lf_outlines_planes - 1, which has been
- * cut and is the visit's; those before it have been taken, the first by lf_exits_fan. */
-void lf_outlines_take(lf_exits *e, int plane);
+ * cut and is the visit's; those before it have been taken, the first by lf_unscattered_fan. */
+void lf_outlines_take(lf_unscattered *e, int plane);
 
 /* Where plane number `plane` of a visit lies in the row, 0..1; offsets names the sequence. */
 float lf_outlines_row(uint64_t offsets, uint32_t index, int plane);

@@ -4,41 +4,41 @@
 
 /* --------------------------------------------------------------------------- alpha and panes -- */
 
-static bool has_veils(const lf_visit *visit)
+static bool scene_has_alphas(const lf_visit *visit)
 {
     return lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
 }
 
-static void veils_between(const lf_visit *visit, const lf_pivot *pivot)
+static void alphas_between(const lf_visit *visit, const lf_pivot *pivot)
 {
     lf_scratch *w = visit->worker;
-    const lf_row_cut veils = lf_visit_veils(visit);
+    const lf_row_cut alphas = lf_visit_alphas(visit);
     const lf_hit *on = pivot->event.kind == LF_EVENT_SURFACE ? &pivot->event.hit : NULL;
-    lf_veils_before(&veils, pivot->event.p, on, lf_rig_lanes(visit->rig), w->x0, w->scale);
+    lf_alphas_before(&alphas, pivot->event.p, on, lf_rig_lanes(visit->rig), w->x0, w->scale);
 }
 
 /* Base rays end on them by chance, which is all that one view's own pixel has to know. */
-static const lf_prefix_factor veils = {
-    .applies = has_veils, .between = veils_between, .along = lf_exits_veils};
+static const lf_prefix_factor alphas = {
+    .applies = scene_has_alphas, .between = alphas_between, .along = lf_unscattered_alphas};
 
-static bool has_panes(const lf_visit *visit)
+static bool has_thin_glass(const lf_visit *visit)
 {
     return lf_has(visit->scene, LF_TRAIT_THIN_GLASS);
 }
 
 /* A pane is met by the share of each view's light that does not come through. */
-static void pane_at(const lf_visit *visit, const lf_pivot *pivot)
+static void thin_glass_at(const lf_visit *visit, const lf_pivot *pivot)
 {
     lf_scratch *w = visit->worker;
-    if (!pivot->is_pane)
+    if (!pivot->is_thin)
         return;
     lf_fan_look_back(visit, &pivot->event.hit);
     for (int k = 0; k < visit->rig->n_views; k++)
-        w->scale[k] *= 1.0f - lf_pane_passes(pivot->event.hit.material, w->local[2][k]);
+        w->scale[k] *= 1.0f - lf_thin_passes(pivot->event.hit.material, w->local[2][k]);
 }
 
 /* Along rays and before pivots they are veils. */
-static const lf_prefix_factor panes = {.applies = has_panes, .at = pane_at};
+static const lf_prefix_factor thin_glass = {.applies = has_thin_glass, .at = thin_glass_at};
 
 /* ------------------------------------------------------------------------------- corrections -- */
 
@@ -81,7 +81,7 @@ static bool correct(const lf_visit *visit, const lf_pivot *pivot, const lf_rays 
 
 /* Where media are thin 1 - T is what is wanted: a point for every other fan, at least. What a
  * coarse visit finds is that of slices. */
-static void correct_along(const lf_exits *e, const lf_exit_fan *fan)
+static void correct_along(const lf_unscattered *e, const lf_unscattered_rays *fan)
 {
     lf_scratch *w = e->visit->worker;
     if (!e->visit->plan->order.coarse)
@@ -95,7 +95,8 @@ static const lf_prefix_factor corrections = {
 
 /* ---------------------------------------------------------------------------------- the list -- */
 
-static const lf_prefix_factor *const factors[LF_PREFIX_FACTORS] = {&corrections, &veils, &panes};
+static const lf_prefix_factor *const factors[LF_PREFIX_FACTORS] = {&corrections, &alphas,
+                                                                   &thin_glass};
 
 void lf_prefix_find(lf_visit *visit)
 {

@@ -5,7 +5,7 @@
 #ifndef LF_RENDER_PREFIX_FACTOR_H
 #define LF_RENDER_PREFIX_FACTOR_H
 
-#include "render/rows/exits.h"
+#include "render/rows/unscattered.h"
 
 /* What a factor does not touch is NULL. */
 typedef struct lf_prefix_factor {
@@ -23,7 +23,7 @@ typedef struct lf_prefix_factor {
                      const float *sampled, float *factor);
     /* Multiplies worker->factor of the fan's lanes, or channels.factor, by what comes unscattered
      * along its rays up to their ends. */
-    void (*along)(const lf_exits *e, const lf_exit_fan *fan);
+    void (*along)(const lf_unscattered *e, const lf_unscattered_rays *fan);
 } lf_prefix_factor;
 
 /* Finds the list of a plane that has been cut: visit->prefix. */
@@ -43,7 +43,7 @@ static inline void lf_prefix_at(const lf_visit *visit, const lf_pivot *pivot)
             visit->prefix.factor[i]->at(visit, pivot);
 }
 
-static inline void lf_prefix_along(const lf_exits *e, const lf_exit_fan *fan)
+static inline void lf_prefix_along(const lf_unscattered *e, const lf_unscattered_rays *fan)
 {
     const lf_prefix_list *prefix = &e->visit->prefix;
     for (int i = 0; i < prefix->n; i++)

@@ -10,7 +10,7 @@ void lf_queue_push(lf_queue *queue, lf_visit *visit, int view, int column, const
     queue->item[at] = (lf_queued){.x = pivot->x,
                                   .z = pivot->z,
                                   .lx = pivot->lx,
-                                  .boost = pivot->boost,
+                                  .forced_weight = pivot->forced_weight,
                                   .alone = visit->alone,
                                   .medium = pivot->medium,
                                   .view = view,
@@ -79,7 +79,7 @@ static void spread(const lf_queue *queue, lf_visit *visit, int at)
     pivot.medium = item->medium;
     pivot.x = item->x;
     pivot.z = item->z;
-    pivot.boost = item->boost;
+    pivot.forced_weight = item->forced_weight;
     take_suffixes(queue, visit->scene, at, same, suffix);
     visit->alone = item->alone;
     visit->worker->tracer.rng = waits->rng;

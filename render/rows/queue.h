@@ -11,7 +11,7 @@
 
 /* A pivot that waits: what is left of lf_pivot and lf_visit when its turn comes. */
 typedef struct lf_queued {
-    float x, z, lx, boost, alone;
+    float x, z, lx, forced_weight, alone;
     int medium, view, column;
 } lf_queued;
 

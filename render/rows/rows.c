@@ -32,11 +32,11 @@ static void free_workers(lf_scratch *workers, int n)
     for (int i = 0; i < n && workers; i++) {
         lf_scratch *w = &workers[i];
         lf_media_finish(&w->media);
-        lf_media_finish(&w->shine.flames);
+        lf_media_finish(&w->emission.emissive);
         lf_film_sums_finish(&w->sums);
         lf_section_finish(&w->section);
         lf_outlines_finish(&w->met.outlines);
-        lf_section_finish(&w->veil.section);
+        lf_section_finish(&w->alpha.section);
         lf_free(w->expected);
         lf_free(w->mirrors);
     }
@@ -47,21 +47,21 @@ static lf_status make_worker(const lf_rows *rows, const lf_film_layout *layout, 
 {
     const size_t pixels = (size_t)layout->n_views * (size_t)layout->width;
     const bool mirrors = lf_has(&rows->seen, LF_TRAIT_MIRRORS),
-               veiled = lf_has(&rows->seen, LF_TRAITS_SEEN_THROUGH),
+               has_alphas = lf_has(&rows->seen, LF_TRAITS_SEEN_THROUGH),
                outlines = layout->has_features && rows->triangles.first;
     const lf_row_triangles *triangles = &rows->triangles;
     w->expected = lf_calloc(pixels, sizeof *w->expected);
     w->mirrors = mirrors ? lf_calloc(pixels, sizeof *w->mirrors) : NULL;
-    w->section.rays.tracer = w->veil.section.rays.tracer = w->met.outlines.edge.rays.tracer =
-        w->met.outlines.veils.rays.tracer = &w->tracer;
+    w->section.rays.tracer = w->alpha.section.rays.tracer = w->met.outlines.edge.rays.tracer =
+        w->met.outlines.alphas.rays.tracer = &w->tracer;
     if (!w->expected || (mirrors && !w->mirrors) ||
         lf_media_init(&w->media, &rows->frame) != LF_OK ||
-        lf_media_init(&w->shine.flames, &rows->flames) != LF_OK ||
+        lf_media_init(&w->emission.emissive, &rows->emissive) != LF_OK ||
         lf_film_sums_init(&w->sums, layout) != LF_OK ||
-        lf_section_init(&w->section, triangles->longest, triangles->n_places) != LF_OK ||
-        (outlines && lf_outlines_init(&w->met.outlines, triangles, veiled, layout) != LF_OK) ||
-        lf_section_init(&w->veil.section, veiled ? triangles->longest : 0, triangles->n_places) !=
-            LF_OK)
+        lf_section_init(&w->section, triangles->longest, triangles->n_instances) != LF_OK ||
+        (outlines && lf_outlines_init(&w->met.outlines, triangles, has_alphas, layout) != LF_OK) ||
+        lf_section_init(&w->alpha.section, has_alphas ? triangles->longest : 0,
+                        triangles->n_instances) != LF_OK)
         return LF_E_NOMEM;
     return LF_OK;
 }
@@ -78,7 +78,7 @@ static lf_status make_workers(lf_rows *rows, const lf_film_layout *layout)
 static void free_moments(lf_rows *rows)
 {
     for (int i = 0; rows->moments && i < rows->n_workers; i++)
-        lf_moment_finish(&rows->moments[i]);
+        lf_shutter_time_finish(&rows->moments[i]);
     lf_free(rows->moments);
 }
 
@@ -89,7 +89,7 @@ static lf_status make_moments(lf_rows *rows)
     rows->moments = lf_calloc((size_t)rows->n_workers, sizeof *rows->moments);
     lf_status status = rows->moments ? LF_OK : LF_E_NOMEM;
     for (int i = 0; i < rows->n_workers && status == LF_OK; i++)
-        status = lf_moment_init(&rows->moments[i], &rows->moving);
+        status = lf_shutter_time_init(&rows->moments[i], &rows->moving);
     return status;
 }
 
@@ -108,9 +108,10 @@ static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
 static lf_film_layout film_layout(const lf_scene *scene, const lf_render_settings *settings,
                                   const lf_rig *rig, float sky[3])
 {
-    bool native = lf_has(scene, LF_TRAIT_MIRRORS) || scene->glows.n > 0 ||
+    bool native = lf_has(scene, LF_TRAIT_MIRRORS) || scene->equiangular.n > 0 ||
                   (lf_has(scene, LF_TRAITS_SEEN_THROUGH) && lf_has(scene, LF_TRAIT_EMISSION));
-    bool uniform = !native && settings->skip & LF_SKIP_KNOWN_LIGHT && lf_exits_uniform(scene, sky),
+    bool uniform =
+             !native && settings->skip & LF_SKIP_KNOWN_LIGHT && lf_unscattered_uniform(scene, sky),
          grids = false;
     for (int i = 0; i < scene->n_volumes; i++)
         grids = grids || (scene->volumes[i].kind == LF_VOLUME_GRID && !scene->volumes[i].nearest);
@@ -200,7 +201,7 @@ static void make_plan(lf_rows *rows, const lf_integrator_input *input, const lf_
     rows->plan = (lf_visit_plan){.scene = &rows->seen,
                                  .rig = &rows->rig,
                                  .frame = &rows->frame,
-                                 .flames = &rows->flames,
+                                 .emissive = &rows->emissive,
                                  .kernels = lf_kernels_get(),
                                  .sharing = sharing,
                                  .native = find_native(),
@@ -232,7 +233,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
         find_track(rows, &track);
         lf_media_frame_init(&rows->frame, input->scene->volumes, input->scene->n_volumes, track.at,
                             track.n);
-        lf_media_frame_init(&rows->flames, input->scene->flames.field, input->scene->flames.n,
+        lf_media_frame_init(&rows->emissive, input->scene->emissive.field, input->scene->emissive.n,
                             track.at, track.n);
         needs.layout = film_layout(&rows->seen, input->settings, &rows->rig, needs.sky);
         needs.visit_passes = passes_of_a_visit(input->scene, lf_moving_moves(&rows->moving),
@@ -274,10 +275,10 @@ static bool visit(void *state, const lf_visit_order *order, int row, int half, i
     plan.counts = order->column_step == 1 ? plan.counts : NULL;
     plan.queue = rows->queues ? &rows->queues[worker] : NULL;
     if (rows->moments) {
-        plan.moment = &rows->moments[worker];
+        plan.shutter = &rows->moments[worker];
         plan.moving = &rows->moving;
-        plan.scene = &plan.moment->scene;
-        plan.rig = &plan.moment->rig;
+        plan.scene = &plan.shutter->scene;
+        plan.rig = &plan.shutter->rig;
     }
     return lf_visit_row(&plan, row, half, &rows->workers[worker], cancel);
 }

@@ -16,7 +16,7 @@ typedef struct lf_rows {
     const lf_lane_scene *lanes; /* what does its suffixes (queue.h); NULL: one by one */
     const lf_suffixes *suffixes;
     lf_rig rig;
-    lf_media_frame frame, flames;
+    lf_media_frame frame, emissive;
     lf_row_triangles triangles; /* all zero without meshes */
     lf_outline_map outlines;    /* all zero where something moves, or films have no features */
     lf_counts counts;           /* tiles only where sharing->adaptive */
@@ -24,8 +24,8 @@ typedef struct lf_rows {
     lf_visit_plan plan;         /* of every visit, before an order is known */
     /* [lf_pool_threads] each its own allocation: no shared cache lines */
     lf_scratch *workers;
-    struct lf_queue *queues; /* [n_workers]; NULL: suffixes go one by one */
-    lf_moment *moments;      /* [n_workers] of `moving`; NULL: nothing moves */
+    struct lf_queue *queues;  /* [n_workers]; NULL: suffixes go one by one */
+    lf_shutter_time *moments; /* [n_workers] of `moving`; NULL: nothing moves */
     lf_moving moving;
     int n_workers;
 } lf_rows;

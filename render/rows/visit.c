@@ -26,10 +26,10 @@ static void find_known(lf_visit *visit)
         of.key = lf_hash64(of.key, 8);
         lf_visit_cut(visit, of, 0);
     }
-    lf_exits_row(visit, false);
+    lf_unscattered_row(visit, false);
     for (int i = 1; i < lf_outlines_planes(of.index) && visit->outlines; i++) {
         lf_visit_cut(visit, of, i);
-        lf_exits_outlines(visit, i);
+        lf_unscattered_outlines(visit, i);
     }
     if (visit->outlines || fault)
         lf_visit_cut(visit, visit->number, 0);
@@ -183,14 +183,14 @@ static bool put_provisional(lf_visit *visit, const lf_cancel *cancel)
     const bool between = !w->mirrors && lf_between_find(film, visit->row, &rows);
     if (between && lf_between_mark(&rows, visit->rig, w->met.smooth))
         return true; /* all of it: it is as good as missing */
-    if (visit->plan->moment)
-        lf_visit_set_moment(visit, visit->number);
+    if (visit->plan->shutter)
+        lf_visit_set_shutter_time(visit, visit->number);
     lf_visit_cut(visit, visit->number, 0);
     const bool known = w->reach.any || film->layout.has_known;
     if (w->sums.native)
         lf_film_sums_begin(&w->sums);
     if (known)
-        lf_exits_row(visit, between);
+        lf_unscattered_row(visit, between);
     if (visit->rig->n_views == 1)
         visit->more -= 1.0f; /* no base sample beside them (native.c) */
     if (known && visit->mirror_rounds > 0 && !sample_mirrors(visit, cancel))
@@ -226,7 +226,7 @@ static bool sample(lf_visit *visit, const lf_cancel *cancel)
     if (visit->queue)
         lf_queue_flush(visit->queue, visit);
     visit->queue = NULL;
-    if (!lf_glow_visit(visit, (float)(given_by(visit) / visit->rig->n_views), cancel))
+    if (!lf_equiangular_visit(visit, (float)(given_by(visit) / visit->rig->n_views), cancel))
         return false;
     return visit->mirror_rounds == 0 || sample_mirrors(visit, cancel);
 }
@@ -244,8 +244,8 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
         return lf_fill_holes(&visit, -1, cancel);
     if (plan->order.fans)
         return put_provisional(&visit, cancel);
-    if (plan->moment)
-        lf_visit_set_moment(&visit, number);
+    if (plan->shutter)
+        lf_visit_set_shutter_time(&visit, number);
     visit.outlines = lf_visit_planes(plan, number.index) > 1 && lf_outlines_find(&visit);
     lf_visit_cut(&visit, number, 0);
     if (!lf_film_meet(plan->film, row, worker->reach.any || visit.outlines)) {

@@ -6,15 +6,15 @@
 
 #include "render/film/film.h"
 #include "render/integrator.h"
+#include "render/plane/alpha.h"
 #include "render/plane/media.h"
 #include "render/plane/reach.h"
+#include "render/plane/row_emission.h"
 #include "render/plane/section.h"
-#include "render/plane/shine.h"
-#include "render/plane/veil.h"
 #include "render/rows/adaptive.h"
 #include "render/rows/between.h"
-#include "render/rows/glow_row.h"
-#include "render/rows/moment.h"
+#include "render/rows/equiangular_row.h"
+#include "render/rows/shutter_time.h"
 #include "render/transport/lanes/suffix.h"
 #include "render/transport/path/face_albedo.h"
 #include "render/transport/path/path.h"
@@ -47,10 +47,10 @@ typedef struct lf_sharing {
     /* Spreads one pivot over the views that see it; given: its suffix, NULL: it is drawn. */
     void (*pivot)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot,
                   const struct lf_suffix *given);
-    /* Lights in media (glow_row.h): spreads a sample of one of them at a point that was drawn about
-     * it: to `view`, or to all that see it … */
-    void (*glow)(struct lf_visit *visit, int view, const struct lf_pivot *pivot,
-                 const lf_light_sample *light);
+    /* Lights in media (equiangular_row.h): spreads a sample of one of them at a point that was
+     * drawn about it: to `view`, or to all that see it … */
+    void (*equiangular)(struct lf_visit *visit, int view, const struct lf_pivot *pivot,
+                        const lf_light_sample *light);
     /* … and makes room for such points in the suffix of a pivot in a medium that the base drew. */
     void (*balance)(struct lf_visit *visit, int view, int column, const struct lf_pivot *pivot,
                     struct lf_suffix *suffix);
@@ -69,10 +69,10 @@ typedef struct lf_fan_face {
 
 /* Where outlines run through a row (outlines.h). */
 typedef struct lf_outlines {
-    lf_section edge;  /* the meshes in its lower edge, but for veils */
-    lf_section veils; /* ... and those */
-    uint32_t *groups; /* [column] of views that have one there */
-    bool *views;      /* [column][view] which they are */
+    lf_section edge;   /* the meshes in its lower edge, but for veils */
+    lf_section alphas; /* ... and those */
+    uint32_t *groups;  /* [column] of views that have one there */
+    bool *views;       /* [column][view] which they are */
 } lf_outlines;
 
 /* The same of all rows, found by the first visit of each that asked: for scenes and cameras that
@@ -106,33 +106,33 @@ typedef struct lf_channels {
 
 /* What a ray of the fan sees of veils and panes: how much of it they stop, what that is like, and
  * how much is left behind them. */
-typedef struct lf_veil_seen {
+typedef struct lf_alpha_seen {
     float cover, left;
     float nearness, spread; /* mean and standard deviation, as of lf_media_moments */
     float light;            /* lf_feature */
     float albedo[LF_ALBEDO_NUMBERS];
-} lf_veil_seen;
+} lf_alpha_seen;
 
 /* Veils of a row's plane. */
-enum { LF_VEIL_FACES = 64 };
-typedef struct lf_veil_memory {
+enum { LF_ALPHA_FACES = 64 };
+typedef struct lf_alpha_memory {
     lf_section section;
-    lf_veil_seen seen[LF_MAX_LANES]; /* where features are wanted */
-    lf_fan_face face[LF_VEIL_FACES]; /* as lf_fan_met has them */
-    bool mirrored[LF_MAX_LANES];     /* whether one before ray k has a delta lobe */
-    lf_veil_walk walk;               /* of what volumes emit among them */
-} lf_veil_memory;
+    lf_alpha_seen seen[LF_MAX_LANES]; /* where features are wanted */
+    lf_fan_face face[LF_ALPHA_FACES]; /* as lf_fan_met has them */
+    bool mirrored[LF_MAX_LANES];      /* whether one before ray k has a delta lobe */
+    lf_alpha_walk walk;               /* of what volumes emit among them */
+} lf_alpha_memory;
 
 /* One worker's memory. */
 typedef struct lf_scratch {
     _Alignas(LF_CACHE_LINE) lf_tracer tracer;
     lf_media media;
-    lf_shine_memory shine; /* what they emit */
-    lf_film_sums sums;     /* of the visit under way */
-    lf_reach reach;        /* of its row's plane */
-    lf_section section;    /* the meshes in it, but for veils */
-    lf_veil_memory veil;   /* ... and those */
-    lf_glow_row glows;     /* the lights in its media */
+    lf_row_emission_memory emission; /* what they emit */
+    lf_film_sums sums;               /* of the visit under way */
+    lf_reach reach;                  /* of its row's plane */
+    lf_section section;              /* the meshes in it, but for veils */
+    lf_alpha_memory alpha;           /* ... and those */
+    lf_equiangular_row equiangular;  /* the lights in its media */
     int64_t base_paths, contributions, base_hidden;
     /* Lanes of the fan in work. */
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES], tau[LF_MAX_LANES],
@@ -158,12 +158,12 @@ typedef struct lf_scratch {
 /* A shared pivot: where a base ray found something that scatters. */
 typedef struct lf_pivot {
     lf_event event;
-    int medium;   /* of a collision: index into the worker's media */
-    float x, z;   /* camera space; y follows from the row's plane */
-    float lx;     /* the base ray's lens offset, copied to every view */
-    float boost;  /* 1, or q when the collision was forced (docs/developer/estimators.md, "3.
-                     Passes, visits and expected counts") */
-    bool is_pane; /* of a pane (lf_glass), which reflects natively: it weighs and sends nothing */
+    int medium;          /* of a collision: index into the worker's media */
+    float x, z;          /* camera space; y follows from the row's plane */
+    float lx;            /* the base ray's lens offset, copied to every view */
+    float forced_weight; /* 1, or q when the collision was forced (docs/developer/estimators.md, "3.
+                    Passes, visits and expected counts") */
+    bool is_thin; /* of a pane (lf_glass), which reflects natively: it weighs and sends nothing */
     lf_sampler *sampler; /* goes on with the pivot's own dimensions */
 } lf_pivot;
 
@@ -221,15 +221,15 @@ typedef struct lf_visit {
 
 /* The points that a visit draws about its lights in media; weight: its native samples a pixel.
  * false = cancelled. */
-bool lf_glow_visit(lf_visit *visit, float weight, const lf_cancel *cancel);
-/* lf_glow_row_ratio at a pivot where base samples have the density sum exp(-depth), as in
+bool lf_equiangular_visit(lf_visit *visit, float weight, const lf_cancel *cancel);
+/* lf_equiangular_row_ratio at a pivot where base samples have the density sum exp(-depth), as in
  * lf_kernels.densities. */
-float lf_glow_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light *light, int view,
-                    float sum, float depth);
+float lf_equiangular_ratio(const lf_visit *visit, const lf_pivot *pivot, const lf_light *light,
+                           int view, float sum, float depth);
 /* Raises the pdfs of the suffix's light and of what its direction found by the points that are
  * drawn about these lights. */
-void lf_glow_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum, float depth,
-                     lf_suffix *suffix);
+void lf_equiangular_balance(const lf_visit *visit, const lf_pivot *pivot, int view, float sum,
+                            float depth, lf_suffix *suffix);
 
 /* Sets worker->local to the directions from a hit to the views (mvpt.c). */
 void lf_fan_look_back(const lf_visit *visit, const lf_hit *hit);
@@ -243,7 +243,7 @@ lf_rays lf_visit_rays(const lf_visit *visit, int from, int to);
 
 /* The meshes in the visit's plane, but for veils; and those. */
 lf_row_cut lf_visit_section(const lf_visit *visit);
-lf_row_cut lf_visit_veils(const lf_visit *visit);
+lf_row_cut lf_visit_alphas(const lf_visit *visit);
 
 /* True when the pixel (view, column) has a base sample in this visit: each with probability subsets
  * / n_views, each column as often as any other, all of them after a whole cycle. */
@@ -263,8 +263,8 @@ typedef enum lf_fault {
     LF_FAULT_NO_COUNTS = 64, /* c_k of an adaptive pass left out of the sums */
     /* directions drawn below a surface's horizon do not count in W' */
     LF_FAULT_HORIZON = 128,
-    LF_FAULT_NO_GLOW_BALANCE = 256, /* no room made for points drawn about lights in media */
-    LF_FAULT_NO_CORRECTION = 512,   /* what is drawn from slices counts as if they were the grid */
+    LF_FAULT_NO_EQUIANGULAR_BALANCE = 256, /* no room made for points drawn about lights in media */
+    LF_FAULT_NO_CORRECTION = 512, /* what is drawn from slices counts as if they were the grid */
     /* rays meet what moves at another moment than the one at which views are asked whether they
      * see it */
     LF_FAULT_OTHER_TIME = 1024,
@@ -289,9 +289,9 @@ typedef struct lf_visit_plan {
     const lf_scene *scene;
     const lf_rig *rig;
     /* the owner of both, which the visit sets, and what that was made of; NULL: nothing moves */
-    lf_moment *moment;
+    lf_shutter_time *shutter;
     const lf_moving *moving;
-    const lf_media_frame *frame, *flames; /* of the scene's volumes, and of what they emit */
+    const lf_media_frame *frame, *emissive; /* of the scene's volumes, and of what they emit */
     const lf_kernels *kernels;
     struct lf_queue *queue; /* of pivots whose suffixes lanes draw; NULL: they go one by one */
     const lf_sharing *sharing;
@@ -315,23 +315,23 @@ bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *work
 /* The film point of a pixel column in this visit, in [0, 1) of its width; key is the half's stream.
  * With the row offset of the visit, the first of lf_hash64(key, 0), it covers the pixel as a net.
  */
-float lf_exits_film_point(uint64_t key, int column, uint32_t index);
+float lf_unscattered_film_point(uint64_t key, int column, uint32_t index);
 
-/* B and q of one row for this visit (exits_row.c), into the visit's sums. What a coarse visit finds
- * is that of slices, which nothing corrects; between two fans (LF_EXITS_COARSE) it is interpolated
- * in views without an edge there, between the film points that columns would have had. between: of
- * a coarse visit, nothing is looked for where worker->met.smooth says so (between.h); q is -1
- * there. */
-void lf_exits_row(const lf_visit *visit, bool between);
+/* B and q of one row for this visit (unscattered_row.c), into the visit's sums. What a coarse visit
+ * finds is that of slices, which nothing corrects; between two fans (LF_UNSCATTERED_COARSE) it is
+ * interpolated in views without an edge there, between the film points that columns would have had.
+ * between: of a coarse visit, nothing is looked for where worker->met.smooth says so (between.h); q
+ * is -1 there. */
+void lf_unscattered_row(const lf_visit *visit, bool between);
 
 /* The film points of the row's outlines in another of their planes, which has been cut
  * (outlines.h). */
-void lf_exits_outlines(const lf_visit *visit, int plane);
+void lf_unscattered_outlines(const lf_visit *visit, int plane);
 
 /* True when the camera sees the same light wherever it meets nothing. */
-bool lf_exits_constant(const lf_scene *scene, float out_sky[3]);
+bool lf_unscattered_constant(const lf_scene *scene, float out_sky[3]);
 /* True when moreover the sky stays as it is, and everything that can be hit scatters to all views
  * and emits nothing: B is then sky (1 - q) in every pixel. */
-bool lf_exits_uniform(const lf_scene *scene, float out_sky[3]);
+bool lf_unscattered_uniform(const lf_scene *scene, float out_sky[3]);
 
 #endif

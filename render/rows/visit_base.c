@@ -12,7 +12,7 @@ typedef struct base_ray {
     lf_vec3 eye;
     lf_pivot pivot;
     bool surface; /* it ends on one … */
-    bool pane;    /* … which is a pane */
+    bool thin;    /* … which is a pane */
     bool shared;  /* what is found there is everybody's */
 } base_ray;
 
@@ -24,10 +24,10 @@ void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler)
     event->t = event->surface = 0.0f;
     event->interior = NULL;
     event->nest.n = 0;
-    event->flesh = (lf_flesh){0};
+    event->subsurface = (lf_subsurface){0};
     pivot->lx = lens;
-    pivot->boost = 0.0f;
-    pivot->is_pane = false;
+    pivot->forced_weight = 0.0f;
+    pivot->is_thin = false;
     pivot->sampler = sampler;
 }
 
@@ -59,8 +59,8 @@ static void meet(const lf_visit *visit, base_ray *ray)
     tracer->width = 0.0f;
     tracer->spread = lf_rig_spread(visit->rig) / ray->line.length;
     ray->surface = lf_trace_seen(tracer, ray->eye, event->w, INFINITY, &event->hit);
-    ray->pane = ray->surface && event->hit.material->glass.is_pane;
-    ray->shared = ray->surface && (event->hit.material->has_lobe || ray->pane);
+    ray->thin = ray->surface && event->hit.material->glass.is_thin;
+    ray->shared = ray->surface && (event->hit.material->has_lobe || ray->thin);
     if (ray->surface)
         ray->line.z_end = event->hit.t / ray->line.length;
 }
@@ -76,7 +76,7 @@ static bool is_forced(const lf_visit *visit, const base_ray *ray)
         (ray->surface && event->hit.material->has_delta))
         return false;
     return !lf_has(visit->scene, LF_TRAIT_THIN_GLASS) ||
-           !lf_trace_pane(&visit->worker->tracer, ray->eye, event->w, 0.0f, t_end, &first);
+           !lf_trace_thin(&visit->worker->tracer, ray->eye, event->w, 0.0f, t_end, &first);
 }
 
 static lf_collision collide(const lf_visit *visit, base_ray *ray)
@@ -96,7 +96,7 @@ static void end_in_medium(lf_visit *visit, const lf_base *base, base_ray *ray,
     pivot->z = at->z;
     pivot->x = ray->line.x0 + ray->line.slope * pivot->z;
     pivot->medium = at->medium;
-    pivot->boost = at->boost * visit->weight;
+    pivot->forced_weight = at->forced_weight * visit->weight;
     pivot->event.p =
         lf_rig_point(visit->rig, pivot->x, visit->plane.ly + visit->plane.my * pivot->z, pivot->z);
     pivot->event.volume = visit->worker->media.item[at->medium].volume;
@@ -112,11 +112,11 @@ static void end_on_surface(lf_visit *visit, const lf_base *base, base_ray *ray, 
     const lf_vec3 d = lf_sub(pivot->event.hit.p, visit->rig->eye);
     pivot->event.kind = LF_EVENT_SURFACE;
     pivot->event.p = pivot->event.hit.p;
-    pivot->is_pane = ray->pane;
-    pivot->boost = visit->weight;
+    pivot->is_thin = ray->thin;
+    pivot->forced_weight = visit->weight;
     pivot->x = lf_dot(d, visit->rig->right);
     pivot->z = lf_dot(d, visit->rig->forward);
-    if (natives && !ray->pane)
+    if (natives && !ray->thin)
         lf_natives_of_surface(visit, base->view, base->column, pivot);
     if (ray->shared && !base->native_only)
         visit->acting->pivot(visit, base->view, base->column, pivot, NULL);
@@ -143,7 +143,7 @@ void lf_base_sample(lf_visit *visit, const lf_base *base)
         const float t_end = collides      ? at.z * ray.line.length
                             : ray.surface ? ray.pivot.event.hit.t
                                           : INFINITY;
-        lf_natives_of_panes(visit, view, column, &ray.pivot, ray.eye, t_end);
+        lf_natives_of_thin_glass(visit, view, column, &ray.pivot, ray.eye, t_end);
     }
     if (collides && !base->native_only)
         end_in_medium(visit, base, &ray, &at);

@@ -5,25 +5,26 @@
 #include "render/rows/visit_steps.h"
 
 /* The lights in the media of the row, as seen in its plane. */
-static void cut_glows(lf_visit *visit)
+static void cut_equiangular(lf_visit *visit)
 {
     lf_scratch *w = visit->worker;
     int base = 0;
     for (int k = 0; k < visit->rig->n_views && w->media.n_here > 0; k++)
         base += w->reach.end[k] - w->reach.first[k];
-    lf_glow_row_init(&w->glows, visit->scene, visit->rig, &visit->plane, &w->media, (float)base,
-                     visit->sharing->entry.shares ? 1.0f : (float)visit->rig->n_views);
+    lf_equiangular_row_init(&w->equiangular, visit->scene, visit->rig, &visit->plane, &w->media,
+                            (float)base,
+                            visit->sharing->entry.shares ? 1.0f : (float)visit->rig->n_views);
 }
 
 static void cut_meshes(const lf_visit *visit)
 {
     lf_scratch *w = visit->worker;
-    bool veils = lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
+    bool alphas = lf_has(visit->scene, LF_TRAITS_SEEN_THROUGH);
     lf_section_cut(&w->section, visit->triangles, visit->scene, visit->rig, visit->row,
-                   &visit->plane, veils ? LF_CUT_OPAQUE : LF_CUT_ALL);
-    if (veils)
-        lf_section_cut(&w->veil.section, visit->triangles, visit->scene, visit->rig, visit->row,
-                       &visit->plane, LF_CUT_VEILS);
+                   &visit->plane, alphas ? LF_CUT_OPAQUE : LF_CUT_ALL);
+    if (alphas)
+        lf_section_cut(&w->alpha.section, visit->triangles, visit->scene, visit->rig, visit->row,
+                       &visit->plane, LF_CUT_ALPHAS);
 }
 
 lf_rays lf_visit_rays(const lf_visit *visit, int from, int to)
@@ -50,18 +51,18 @@ lf_row_cut lf_visit_section(const lf_visit *visit)
     return cut_of(visit, &visit->worker->section);
 }
 
-lf_row_cut lf_visit_veils(const lf_visit *visit)
+lf_row_cut lf_visit_alphas(const lf_visit *visit)
 {
-    return cut_of(visit, &visit->worker->veil.section);
+    return cut_of(visit, &visit->worker->alpha.section);
 }
 
-void lf_visit_set_moment(lf_visit *visit, lf_visit_number number)
+void lf_visit_set_shutter_time(lf_visit *visit, lf_visit_number number)
 {
     const lf_visit_plan *plan = visit->plan;
     float time = lf_sampler_radical(lf_hash64(number.key, 17), number.index);
     if (lf_has_fault(visit, LF_FAULT_NO_TIME))
         time = 0.5f;
-    lf_moment_set(plan->moment, plan->moving, time);
+    lf_shutter_time_set(plan->shutter, plan->moving, time);
     visit->worker->tracer.time = time;
     if (lf_has_fault(visit, LF_FAULT_OTHER_TIME))
         visit->worker->tracer.time = 1.0f - time;
@@ -83,16 +84,16 @@ void lf_visit_cut(lf_visit *visit, lf_visit_number number, int plane)
     const float offset = lf_outlines_row(lf_hash64(key, 0), index, plane);
     lf_rig_row_plane(visit->rig, (float)visit->row + offset, lens, &visit->plane);
     lf_media_cut(&w->media, plan->frame, visit->scene->volumes, &at, &w->tracer.lookups);
-    lf_media_cut(&w->shine.flames, plan->flames, visit->scene->flames.field, &at,
+    lf_media_cut(&w->emission.emissive, plan->emissive, visit->scene->emissive.field, &at,
                  &w->tracer.lookups);
     if (visit->triangles)
         cut_meshes(visit);
     if (plan->skip & LF_SKIP_BACKGROUND)
         lf_reach_of(&w->reach, visit->scene, visit->rig, &visit->plane, &w->media,
-                    &w->shine.flames);
+                    &w->emission.emissive);
     else
         lf_reach_whole(&w->reach, visit->rig);
-    cut_glows(visit);
+    cut_equiangular(visit);
     lf_prefix_find(visit);
 }
 

@@ -77,8 +77,8 @@ static bool replay(lf_visit *visit, int64_t now, const lf_film_stream *from, int
                           .tries = 1};
         const int first = half == visit->half && index == now ? 1 : 0,
                   end = index >= 0 ? lf_visit_planes(visit->plan, index) : 0;
-        if (first < end && visit->plan->moment)
-            lf_visit_set_moment(visit, at.number);
+        if (first < end && visit->plan->shutter)
+            lf_visit_set_shutter_time(visit, at.number);
         for (at.plane = first; *left > 0 && at.plane < end; at.plane++) {
             lf_visit_cut(visit, at.number, at.plane);
             if (!fill(visit, &at, left, cancel))

@@ -21,7 +21,7 @@ int lf_lattice_inverse(int step, int n);
 /* ------------------------------------------------------------------------------- visit_cut.c -- */
 
 /* Draws the moment of a visit of what moves (lf_visit_plan.moment). */
-void lf_visit_set_moment(lf_visit *visit, lf_visit_number number);
+void lf_visit_set_shutter_time(lf_visit *visit, lf_visit_number number);
 /* Draws a plane of a visit (0: its own; else one of its outlines), and cuts volumes, meshes and the
  * lights in media with it. */
 void lf_visit_cut(lf_visit *visit, lf_visit_number number, int plane);

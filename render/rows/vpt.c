@@ -16,10 +16,10 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
     if (given)
         suffix = *given;
-    else if (!pivot->is_pane)
+    else if (!pivot->is_thin)
         lf_suffix_draw(&visit->worker->tracer, &pivot->event, wo, pivot->sampler, visit->max_depth,
                        &suffix);
-    if (visit->worker->glows.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
+    if (visit->worker->equiangular.n > 0 && pivot->event.kind == LF_EVENT_MEDIUM)
         visit->sharing->balance(visit, view, column, pivot, &suffix);
     lf_vec3 radiance = lf_suffix_radiance(visit->scene, &pivot->event, &suffix, wo);
     size_t pixel = (size_t)view * (size_t)visit->rig->width + (size_t)column;
@@ -28,7 +28,7 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
         visit->worker->tracer.nonfinite++;
         radiance = lf_v3(0.0f, 0.0f, 0.0f);
     }
-    float weight = pivot->boost * visit->alone * correction;
+    float weight = pivot->forced_weight * visit->alone * correction;
     radiance = lf_mul(radiance, channels);
     lf_film_scatter(&visit->sums, pixel, weight * radiance.x, weight * radiance.y,
                     weight * radiance.z);
@@ -52,11 +52,12 @@ static void balance_vpt(lf_visit *visit, int view, int column, const lf_pivot *p
 {
     (void)column;
     float depth, sum = density(visit, view, pivot, &depth);
-    lf_glow_balance(visit, pivot, view, sum, depth, suffix);
+    lf_equiangular_balance(visit, pivot, view, sum, depth, suffix);
 }
 
 /* A point about a light serves one view, as every sample here does. */
-static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_light_sample *light)
+static void equiangular_vpt(lf_visit *visit, int view, const lf_pivot *pivot,
+                            const lf_light_sample *light)
 {
     const lf_rig *rig = visit->rig;
     lf_scratch *w = visit->worker;
@@ -74,8 +75,9 @@ static void glow_vpt(lf_visit *visit, int view, const lf_pivot *pivot, const lf_
     lf_vec3 f;
     float phase = lf_scatter_eval(visit->scene, &pivot->event, lf_normalize(lf_scale(d, -1.0f)),
                                   light->wi, &f);
-    float pdf = light->pdf * (1.0f + lf_glow_ratio(visit, pivot, light->light, view, sum, depth)) +
-                (light->delta ? 0.0f : phase);
+    float pdf =
+        light->pdf * (1.0f + lf_equiangular_ratio(visit, pivot, light->light, view, sum, depth)) +
+        (light->delta ? 0.0f : phase);
     lf_light_sample arriving = *light;
     lf_vec3 channels;
     float visible = lf_path_visible(&w->tracer, &pivot->event, &arriving) *
@@ -89,5 +91,5 @@ const lf_sharing lf_sharing_vpt = {
     .entry = {.name = "vpt", .what = "each view alone", .supports = LF_ROWS_SUPPORT},
     .suffixes = 2,
     .pivot = pivot_vpt,
-    .glow = glow_vpt,
+    .equiangular = equiangular_vpt,
     .balance = balance_vpt};

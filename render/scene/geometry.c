@@ -1,7 +1,7 @@
 #include "render/scene/geometry.h"
 
 #include "base/alloc.h"
-#include "render/scene/placed.h"
+#include "render/scene/instances.h"
 
 /* ThreadSanitizer cannot see how TBB hands work from thread to thread: under it Embree builds on
  * the calling thread. */
@@ -81,7 +81,7 @@ void lf_geometry_unref(lf_geometry *geometry)
         lf_free((void *)(uintptr_t)geometry->meshes[i].close.vertices);
         lf_free((void *)(uintptr_t)geometry->meshes[i].close.normals);
         lf_free((void *)(uintptr_t)geometry->meshes[i].close.tangents);
-        lf_placed_destroy((lf_placed *)(uintptr_t)geometry->meshes[i].placed);
+        lf_instances_destroy((lf_instances *)(uintptr_t)geometry->meshes[i].instances);
     }
     for (int i = 0; geometry->lights && i < geometry->n_meshes; i++) {
         lf_free(geometry->lights[i].open);

@@ -36,7 +36,7 @@ typedef struct lf_geometry {
     float offset;   /* within this distance of a surface a ray may find it on either side */
     lf_large large; /* met in double precision: Embree's geometry number n_meshes */
     int n_meshes, n_materials;
-    uint32_t n_places; /* of all meshes that stand in many (placed.h) */
+    uint32_t n_instances; /* of all meshes that stand in many (instances.h) */
     /* owner of their arrays; .material is left 0: the scene fills it in its own copy */
     lf_mesh *meshes;
     lf_mesh_motion *motions;                  /* [n_meshes] */

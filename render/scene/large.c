@@ -1,7 +1,7 @@
 #include "render/scene/large.h"
 
 #include "base/alloc.h"
-#include "render/scene/placed.h"
+#include "render/scene/instances.h"
 #include "render/scene/vec_double.h"
 
 /* ----------------------------------------------------------------------------------- picking -- */
@@ -60,7 +60,7 @@ static float detail_of(const lf_mesh *mesh)
 /* What the places of a mesh do to its lengths, at least. */
 static float least_of(const lf_mesh *mesh)
 {
-    return mesh->placed ? mesh->placed->least : 1.0f;
+    return mesh->instances ? mesh->instances->least : 1.0f;
 }
 
 static lf_large_triangle make(const lf_mesh *mesh, int mesh_number, int triangle)
@@ -89,8 +89,8 @@ static uint32_t gather(const lf_mesh *meshes, int n_meshes, float limit, lf_larg
     for (int m = 0; m < n_meshes; m++) {
         for (int i = 0; i < meshes[m].n_triangles; i++) {
             float area, size = size_of(&meshes[m], i, &area), error = error_of(size, area);
-            bool large = error > limit && !meshes[m].close.vertices && !meshes[m].placed;
-            error *= meshes[m].placed ? meshes[m].placed->most : 1.0f;
+            bool large = error > limit && !meshes[m].close.vertices && !meshes[m].instances;
+            error *= meshes[m].instances ? meshes[m].instances->most : 1.0f;
             *out_offset = lf_max(*out_offset, large ? 1e-12f * size : error);
             if (!large)
                 continue;

@@ -17,7 +17,7 @@
  *
  * A ray in the space of an instance has the inverse's entries times that. An inverse has entries of
  * at most LF_MAX_INVERSE: what a thing of 1e-12 has in a scene of metres. The product with the
- * above may be 1e25 and more. So placed.c starts such a ray beside the instance, where its
+ * above may be 1e25 and more. So instances.c starts such a ray beside the instance, where its
  * coordinates are those of the mesh, and gives it a unit direction where it would be longer than
  * LF_MAX_STRETCH or shorter than its inverse. Volumes are met in single precision, by no library:
  * 1e12 times 1e13 is a number there. */

@@ -11,7 +11,7 @@
 #include "render/scene/vec.h"
 
 #define LF_MAX_ABSORPTION 1e9
-#define LF_LEAST_FLESH_RADIUS 1e-6 /* its inverse squared is a float */
+#define LF_LEAST_SUBSURFACE 1e-6 /* its inverse squared is a float */
 
 /* clang-format off */
 /* Of all kinds of surfaces. */
@@ -39,10 +39,10 @@
     COLOUR(absorption, 0, LF_MAX_ABSORPTION, 0, "absorption")                                      \
     COLOUR(scattering, 0, LF_MAX_ABSORPTION, 0, "scattering")                                      \
     NUMBER(g, -0.999, 0.999, 0, "g")                                                               \
-    /* of what is neither metal nor glass, the share that enters flesh (flesh.h), and the mean free\
-     * path there of each channel, scene units */                                                  \
+    /* the share of base neither metal nor glass that is subsurface scattering (subsurface.h), and  \
+     * the mean free path of each channel there, in scene units */                                 \
     NUMBER(subsurface, 0, 1, 0, "subsurface")                                                      \
-    COLOUR(subsurface_radius, LF_LEAST_FLESH_RADIUS, LF_MAX_COORDINATE, 0.1, "subsurface radius")  \
+    COLOUR(subsurface_radius, LF_LEAST_SUBSURFACE, LF_MAX_COORDINATE, 0.1, "subsurface radius")    \
     /* grooves: along them alpha is lerp(alpha, 1, anisotropy^2); from the tangent to where it is  \
      * wider */                                                                                    \
     NUMBER(anisotropy, 0, 1, 0, "anisotropy")                                                      \

@@ -39,7 +39,7 @@ void lf_light_finish(lf_light *light)
     lf_free(light->triangle);
     lf_free(light->area_cdf);
     lf_free(light->tree);
-    lf_free(light->way);
+    lf_free(light->motion);
     *light = (lf_light){0};
 }
 
@@ -47,7 +47,7 @@ static void release(lf_volume *volume)
 {
     lf_grid_unref(volume->grid);
     lf_grid_steps_unref(volume->steps);
-    lf_free(volume->way);
+    lf_free(volume->motion);
 }
 
 void lf_scene_unref(lf_scene *scene)
@@ -62,8 +62,8 @@ void lf_scene_unref(lf_scene *scene)
             release(&fields[channel]);
         lf_free(fields);
     }
-    for (int i = 0; i < scene->flames.n; i++)
-        release(&scene->flames.field[i]);
+    for (int i = 0; i < scene->emissive.n; i++)
+        release(&scene->emissive.field[i]);
     for (int i = 0; i < scene->n_lights; i++)
         lf_light_finish(&scene->lights[i]);
     for (int i = 0; i < LF_OWN_SLOTS * scene->n_own_textures; i++)
@@ -72,8 +72,8 @@ void lf_scene_unref(lf_scene *scene)
     lf_geometry_unref(scene->geometry);
     lf_free(scene->file.views);
     lf_free(scene->volumes);
-    lf_free(scene->flames.field);
-    lf_free(scene->flames.light);
+    lf_free(scene->emissive.field);
+    lf_free(scene->emissive.light);
     lf_free(scene->lights);
     lf_free(scene->meshes);
     lf_free(scene->materials);

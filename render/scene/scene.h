@@ -91,9 +91,9 @@ typedef struct lf_second_lobe {
 
 /* Volume space -> scene-local when the shutter opens and when it closes. In between every point of
  * the volume goes along a straight line. */
-typedef struct lf_volume_way {
+typedef struct lf_volume_motion {
     lf_affine open, close;
-} lf_volume_way;
+} lf_volume_motion;
 
 #define LF_MAX_STEPS 64
 
@@ -133,33 +133,33 @@ typedef struct lf_volume {
     /* Scene-local point -> volume space (voxel index for grids: voxel centres at integers) and
      * back; rows of a 3x4 affine. */
     float to_volume[3][4], to_scene[3][4];
-    lf_volume_way *way; /* owned; NULL: it stands still. The above are then of the opening */
+    lf_volume_motion *motion; /* owned; NULL: it stands still. The above are then of the opening */
     /* scene-local box outside of which sigma_t = 0 (filter footprint included), wherever it goes */
     lf_vec3 bounds_min, bounds_max;
     float voxel;      /* grids: the shortest edge of a voxel, scene units … */
     float slice_cell; /* … and what slices resolve of it (scene_commit.c) */
 } lf_volume;
 
-#define LF_FLAME_STEPS 256
+#define LF_EMISSION_STEPS 256
 
 /* What a volume emits along a ray: radiance per scene unit, of the value of its field. */
-typedef struct lf_flame_light {
+typedef struct lf_volume_emission {
     int volume;      /* whose it is: index into scene->volumes */
     lf_vec3 colour;  /* of a field that is no temperature: times its value */
     float per_value; /* steps of the table per unit of value; 0: no temperature */
     float inverse;   /* 1 / the largest value */
-    /* [LF_FLAME_STEPS + 1] of a black body as hot as value i / per_value, over the fourth power of
-     * that value times inverse */
-    lf_vec3 table[LF_FLAME_STEPS + 1];
-} lf_flame_light;
+    /* [LF_EMISSION_STEPS + 1] of a black body as hot as value i / per_value, over the fourth power
+     * of that value times inverse */
+    lf_vec3 table[LF_EMISSION_STEPS + 1];
+} lf_volume_emission;
 
 /* Volumes that emit, each by a field of its own beside their extinction, with its own grid and
  * place: its value stands where a volume has sigma_t (sigma_scale is 1). */
-typedef struct lf_flames {
+typedef struct lf_emissive_volumes {
     int n;
     lf_volume *field;
-    lf_flame_light *light; /* of field[i] */
-} lf_flames;
+    lf_volume_emission *light; /* of field[i] */
+} lf_emissive_volumes;
 
 /* What of sigma_t is each channel's, 0..1. */
 static inline lf_vec3 lf_volume_colour(const lf_volume *volume)
@@ -171,7 +171,7 @@ static inline lf_vec3 lf_volume_colour(const lf_volume *volume)
  * closes. A grid that flows is then borrowed from its steps. */
 void lf_volume_move(lf_volume *volume, float time);
 /* false where the way flattens it in between, or nearly so (a turn of about half a circle). */
-bool lf_volume_way_is_sound(const lf_volume_way *way);
+bool lf_volume_motion_is_sound(const lf_volume_motion *motion);
 
 /* sigma_t at a scene-local point, filter applied, 0 outside: of the largest channel. */
 float lf_volume_sigma_t(const lf_volume *volume, lf_vec3 p);
@@ -223,7 +223,7 @@ typedef struct lf_glass {
     bool is_rough;
     /* Smooth clear sheets, and nothing else: what goes straight through is a matter of how much of
      * them is met (surface_glass.h). */
-    bool is_pane;
+    bool is_thin;
     bool is_inside; /* of a hit's own: met from within a solid (track.c) */
     /* Of a hit's own: between two media. ior, at least 1, is the one index over the other, and
      * is_inside says that the path comes from the greater (lf_glass_part). */
@@ -233,10 +233,10 @@ typedef struct lf_glass {
 
 /* Grooves of a rough layered surface where it was hit (surface_texture.c): its lobe is wider along
  * them than across. Elsewhere 0, and the lobe is round. */
-typedef struct lf_brush {
+typedef struct lf_anisotropy {
     float alpha[2]; /* along and across */
     float along[2]; /* the direction in the frame that lf_tangents makes of ns */
-} lf_brush;
+} lf_anisotropy;
 
 /* Of a principled surface: what its metal and its clear coat lose (lf_loss), the mean of what its
  * dielectric lobe leaves to what is below, of what its metal reflects, lf_loss_rest and
@@ -264,7 +264,7 @@ typedef struct lf_material {
     const lf_textures *textures; /* borrowed from geometry or scene; NULL: none */
     lf_vec3 coat_normal;         /* of a hit's own, where it is not the base's: as brush.along */
     lf_glass glass;
-    lf_brush brush;
+    lf_anisotropy anisotropic;
     /* Made of the above by lf_material_prepare (surface.h). */
     bool has_lobe;             /* any that is not delta */
     bool has_delta;            /* one of nonzero reflectance */
@@ -276,7 +276,7 @@ typedef struct lf_material {
  * little, and every ray that reaches it brings it. */
 static inline bool lf_has_mirror(const lf_material *m)
 {
-    return m->has_delta && !m->glass.is_pane;
+    return m->has_delta && !m->glass.is_thin;
 }
 
 /* Whether a lobe that is no delta leads through it. */
@@ -298,9 +298,9 @@ static inline bool lf_is_way_out(const lf_material *m)
 }
 
 /* What rays meet by chance, and views see through. */
-static inline bool lf_is_veil(const lf_material *m)
+static inline bool lf_is_alpha_surface(const lf_material *m)
 {
-    return m->cover != LF_COVER_OPAQUE || m->glass.is_pane;
+    return m->cover != LF_COVER_OPAQUE || m->glass.is_thin;
 }
 #define LF_ALPHA_MIN 1e-3f
 /* Its root and a little more: what textures cannot go below. */
@@ -339,7 +339,8 @@ typedef struct lf_mesh {
     /* lf_mesh_data's, each NULL where no material wants it */
     const float *uvs, *colours, *tangents;
     lf_mesh_close close;
-    const struct lf_placed *placed; /* many places (placed.h); NULL: where its vertices are */
+    const struct lf_instances
+        *instances; /* many places (instances.h); NULL: where its vertices are */
 } lf_mesh;
 
 static inline lf_vec3 lf_mesh_vertex(const lf_mesh *mesh, uint32_t vertex)
@@ -418,9 +419,9 @@ typedef struct lf_light {
     float area;       /* total */
     bool has_picture; /* its emission is textured: radiance is the mean, area_cdf goes by it */
     bool one_sided;   /* shines to the front of its triangles alone */
-    struct lf_lamp_node *tree; /* one-sided ones of many triangles; else NULL (lamp_tree.h) */
-    int glow;                  /* lights at a distance: 1 + its place in scene->glows; 0 = none */
-    struct lf_light_way *way;  /* where its numbers change (light_kind.h); NULL: they do not */
+    struct lf_light_node *tree; /* one-sided ones of many triangles; else NULL (light_tree.h) */
+    int equiangular;            /* lights at a distance: 1 + its place in scene->glows; 0 = none */
+    struct lf_light_motion *motion; /* where its numbers change (light_kind.h); NULL: they do not */
 } lf_light;
 
 /* What the camera sees where it meets nothing, in place of the lights at infinity: radiance at the
@@ -439,22 +440,22 @@ static inline lf_vec3 lf_backdrop_at(const lf_backdrop *backdrop, float height)
 /* Releases what the light owns; leaves it zeroed. Accepts one that is all zero. */
 void lf_light_finish(lf_light *light);
 
-/* A light in media (glow.h). */
-typedef struct lf_glow {
+/* A light in media (equiangular.h). */
+typedef struct lf_equiangular_light {
     int light;
     lf_vec3 middle;
     float radius; /* how far the light reaches from its middle; 0 for points */
     float reach;  /* and how far the farthest point of the volumes is */
     float share;  /* of the light's probability to be picked in that of all glows */
-} lf_glow;
-#define LF_MAX_GLOWS 64
+} lf_equiangular_light;
+#define LF_MAX_EQUIANGULAR 64
 
 /* All of them. */
-typedef struct lf_glows {
+typedef struct lf_equiangular_lights {
     int n;
-    lf_glow item[LF_MAX_GLOWS];
+    lf_equiangular_light item[LF_MAX_EQUIANGULAR];
     lf_box media; /* of all volumes */
-} lf_glows;
+} lf_equiangular_lights;
 
 /* ------------------------------------------------------------------------------------- scene -- */
 
@@ -506,14 +507,14 @@ struct lf_scene {
 
     int n_volumes, n_meshes, n_materials, n_lights;
     lf_volume *volumes;
-    lf_flames flames;       /* what they emit */
-    lf_mesh *meshes;        /* indexed by Embree's geomID */
+    lf_emissive_volumes emissive; /* what they emit */
+    lf_mesh *meshes;              /* indexed by Embree's geomID */
     lf_material *materials; /* the files' own, then the scene's, then those of lights with faces */
     /* in the order of their kinds after lf_lights_commit: those at infinity first */
     lf_light *lights;
     int n_lights_infinite; /* set by lf_lights_commit */
     lf_backdrop backdrop;
-    lf_glows glows;  /* lights in media */
+    lf_equiangular_lights equiangular; /* lights in media */
     RTCScene embree; /* NULL without meshes (then no Embree device exists either) */
     float offset;    /* lf_geometry.offset; 0 without meshes */
     /* owner of the meshes' arrays and of embree, shared between scenes; NULL without meshes */

@@ -49,7 +49,7 @@ typedef enum lf_slot {
     LF_SLOT_TRANSMISSION,  /* r */
     LF_SLOT_SPECULAR,      /* a */
     LF_SLOT_SPECULAR_TINT, /* rgb, display encoded */
-    LF_SLOT_BRUSH,       /* rg: 2 c - 1, where grooves go, b: how deep (KHR_materials_anisotropy) */
+    LF_SLOT_ANISOTROPY,  /* rg: 2 c - 1, where grooves go, b: how deep (KHR_materials_anisotropy) */
     LF_SLOT_COAT_NORMAL, /* as LF_SLOT_NORMAL */
     LF_SLOTS
 } lf_slot;

@@ -28,11 +28,11 @@ typedef uint64_t lf_traits;
 /* Faces of lamps share their place with others: next event counts the one that a ray meets. */
 #define LF_TRAIT_OVERLAPS LF_TRAIT(9)
 #define LF_TRAIT_ALPHA LF_TRAIT(10)      /* a surface that may not be there whole */
-#define LF_TRAIT_THIN_GLASS LF_TRAIT(11) /* a clear sheet (lf_glass.is_pane) */
+#define LF_TRAIT_THIN_GLASS LF_TRAIT(11) /* a clear sheet (lf_glass.is_thin) */
 #define LF_TRAIT_ROUGH_GLASS LF_TRAIT(12)
 #define LF_TRAIT_FILLED_GLASS LF_TRAIT(13) /* it absorbs or scatters */
 #define LF_TRAIT_NESTED_GLASS LF_TRAIT(14) /* solid glass stands in solid glass (nest.h) */
-#define LF_TRAIT_SUBSURFACE LF_TRAIT(15)   /* flesh.h */
+#define LF_TRAIT_SUBSURFACE LF_TRAIT(15)   /* subsurface.h */
 #define LF_TRAIT_CATCHERS LF_TRAIT(16)     /* a catcher of shadows … */
 #define LF_TRAIT_REFLECTIONS LF_TRAIT(17)  /* … and one of what it reflects */
 /* Volumes. */
@@ -46,8 +46,8 @@ typedef uint64_t lf_traits;
 /* Light. */
 #define LF_TRAIT_SUNS LF_TRAIT(25)         /* a light at infinity that is no picture */
 #define LF_TRAIT_SKY_PICTURES LF_TRAIT(26) /* one that is */
-#define LF_TRAIT_LAMPS LF_TRAIT(27)        /* lights at a distance, emissive meshes too … */
-#define LF_TRAIT_EQUIANGULAR LF_TRAIT(28)  /* … within media (glow.h) */
+#define LF_TRAIT_AREA_LIGHTS LF_TRAIT(27)  /* lights at a distance, emissive meshes too … */
+#define LF_TRAIT_EQUIANGULAR LF_TRAIT(28)  /* … within media (equiangular.h) */
 #define LF_TRAIT_BACKDROP LF_TRAIT(29)
 /* Of the view, the first of the scene as well. */
 #define LF_TRAIT_MOTION LF_TRAIT(30) /* something is elsewhere when the shutter closes */
@@ -59,7 +59,7 @@ typedef uint64_t lf_traits;
 #define LF_N_TRAITS 35
 
 /* What loops ask together. */
-#define LF_TRAITS_SEEN_THROUGH (LF_TRAIT_ALPHA | LF_TRAIT_THIN_GLASS) /* lf_is_veil */
+#define LF_TRAITS_SEEN_THROUGH (LF_TRAIT_ALPHA | LF_TRAIT_THIN_GLASS) /* lf_is_alpha_surface */
 #define LF_TRAITS_FILLED (LF_TRAIT_FILLED_GLASS | LF_TRAIT_SUBSURFACE)
 #define LF_TRAITS_SIDED (LF_TRAIT_ROUGH_GLASS | LF_TRAIT_SUBSURFACE) /* lf_is_sided */
 
@@ -76,7 +76,7 @@ typedef uint64_t lf_traits;
     (LF_TRAIT_MIRRORS | LF_TRAIT_ROUGH_GLASS | LF_TRAIT_FILLED_GLASS | LF_TRAIT_NESTED_GLASS |     \
      LF_TRAIT_SUBSURFACE)
 #define LF_TRAITS_LIGHT                                                                            \
-    (LF_TRAIT_SUNS | LF_TRAIT_SKY_PICTURES | LF_TRAIT_LAMPS | LF_TRAIT_EQUIANGULAR |               \
+    (LF_TRAIT_SUNS | LF_TRAIT_SKY_PICTURES | LF_TRAIT_AREA_LIGHTS | LF_TRAIT_EQUIANGULAR |         \
      LF_TRAIT_BACKDROP)
 
 typedef struct lf_trait_entry {

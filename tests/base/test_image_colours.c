@@ -1,6 +1,6 @@
 /* Pictures whose numbers are those of other primaries and whites. */
 #include "tests/base/exr_bytes.h"
-#include "tests/base/said.h"
+#include "tests/base/image_metadata.h"
 
 /* As the attribute has them: red, green, blue, white. */
 #define D65 0.3127f, 0.329f
@@ -10,7 +10,7 @@
 #define E 1 / 3.0f, 1 / 3.0f
 
 static lf_image32 load(const char *folder, const float chromaticities[8], const float rgb[3],
-                       lf_image_said *said)
+                       lf_image_metadata *meta)
 {
     const char *path = lf_test_path(folder, "c.exr");
     const exr_part_bytes part = {
@@ -19,7 +19,7 @@ static lf_image32 load(const char *folder, const float chromaticities[8], const 
         .type = EXR_FLOAT,
         .attributes = {{"chromaticities", "chromaticities", chromaticities, 32}}};
     exr_write(path, &part, 1);
-    return lf_picture_said(path, said);
+    return lf_picture_metadata(path, meta);
 }
 
 typedef struct colour_case {
@@ -47,9 +47,9 @@ static void numbers_become_those_of_rec709(void **state)
         {{0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f, 0.32168f, 0.33767f}, {2, 2, 2}, {2, 2, 2}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        lf_image_said said;
-        lf_image32 image = load(*state, cases[i].chromaticities, cases[i].from, &said);
-        lf_said_tells(&said, NULL);
+        lf_image_metadata meta;
+        lf_image32 image = load(*state, cases[i].chromaticities, cases[i].from, &meta);
+        lf_metadata_notes(&meta, NULL);
         lf_pixel_is(&image, 0, 0, cases[i].to, 3e-4);
         lf_image32_finish(&image);
     }
@@ -63,9 +63,9 @@ static void numbers_of_rec709_keep_their_bits(void **state)
                                      {0.6401f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f}};
     const float odd[3] = {0.1f, 1e-38f, 3e38f};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        lf_image_said said;
-        lf_image32 image = load(*state, cases[i], odd, &said);
-        lf_said_tells(&said, NULL);
+        lf_image_metadata meta;
+        lf_image32 image = load(*state, cases[i], odd, &meta);
+        lf_metadata_notes(&meta, NULL);
         assert_memory_equal(image.data, odd, sizeof odd);
         lf_image32_finish(&image);
     }
@@ -75,8 +75,8 @@ static void numbers_of_rec709_keep_their_bits(void **state)
 static void the_largest_numbers_stay_finite(void **state)
 {
     const float largest[3] = {3.4e38f, -3.4e38f, -3.4e38f}, chromaticities[8] = {REC2020, D65};
-    lf_image_said said;
-    lf_image32 image = load(*state, chromaticities, largest, &said);
+    lf_image_metadata meta;
+    lf_image32 image = load(*state, chromaticities, largest, &meta);
     for (int i = 0; i < image.width * image.height * 3; i++)
         assert_true(isfinite(image.data[i]));
     lf_image32_finish(&image);
@@ -92,14 +92,14 @@ static void grey_stays_grey(void **state)
                            .type = EXR_FLOAT,
                            .attributes = {{"chromaticities", "chromaticities", rec2020, 32}}};
     const float bits[3] = {0.3f, 0.3f, 0.3f};
-    lf_image_said said;
+    lf_image_metadata meta;
     exr_write(path, &part, 1);
-    lf_image32 image = lf_picture_said(path, &said);
+    lf_image32 image = lf_picture_metadata(path, &meta);
     assert_memory_equal(image.data, bits, sizeof bits);
     lf_image32_finish(&image);
     part.attributes[1] = (exr_attribute_bytes){"adoptedNeutral", "v2f", e, 8};
     exr_write(path, &part, 1);
-    image = lf_picture_said(path, &said);
+    image = lf_picture_metadata(path, &meta);
     assert_true(image.data[0] < 0.29f && image.data[2] > 0.31f);
     lf_image32_finish(&image);
 }

@@ -1,6 +1,6 @@
 /* Everything that an OpenEXR file can say of its picture: docs/formats/images.md, row by row. */
 #include "tests/base/exr_bytes.h"
-#include "tests/base/said.h"
+#include "tests/base/image_metadata.h"
 #include "tests/formats.h"
 
 static char *folder;
@@ -23,10 +23,10 @@ static const char *file(void)
 
 static lf_image32 load(const exr_part_bytes *parts, int n, const char *told)
 {
-    lf_image_said said;
+    lf_image_metadata meta;
     exr_write(file(), parts, n);
-    lf_image32 image = lf_picture_said(file(), &said);
-    lf_said_tells(&said, told);
+    lf_image32 image = lf_picture_metadata(file(), &meta);
+    lf_metadata_notes(&meta, told);
     return image;
 }
 
@@ -127,10 +127,10 @@ static void oblong_pixels(const lf_format_row *row)
                                  .value = PLAIN,
                                  .type = EXR_FLOAT,
                                  .attributes = {{row->name, c->type, c->data, c->size}}};
-    lf_image_said said;
+    lf_image_metadata meta;
     expect(&part, 1, c->told, plain, 1e-7);
-    lf_image32 image = lf_picture_said(file(), &said);
-    lf_said_is(&said, 2, 0);
+    lf_image32 image = lf_picture_metadata(file(), &meta);
+    lf_metadata_is(&meta, 2, 0);
     lf_image32_finish(&image);
 }
 
@@ -197,11 +197,11 @@ static void first_view(const lf_format_row *row)
         .value = {5, 5, 5, 0.1f, 0.1f, 0.8f},
         .type = EXR_FLOAT,
         .attributes = {{"multiView", "stringvector", names, sizeof names}}};
-    lf_image_said said;
+    lf_image_metadata meta;
     exr_write(file(), &part, 1);
-    lf_image32 image = lf_picture_said(file(), &said);
+    lf_image32 image = lf_picture_metadata(file(), &meta);
     lf_pixel_is(&image, 0, 0, plain, 1e-7);
-    assert_non_null(strstr(said.notes.text, "channels that are not read: l.B, l.G, l.R\n"));
+    assert_non_null(strstr(meta.notes.text, "channels that are not read: l.B, l.G, l.R\n"));
     lf_image32_finish(&image);
 }
 
@@ -279,9 +279,9 @@ static void chroma(const lf_format_row *row)
     (void)row;
     const int w[4] = {0, 0, 31, 31};
     lf_picture_half_exr(file(), w, w, IMF_ZIP_COMPRESSION, IMF_WRITE_YC, false);
-    lf_image_said said;
-    lf_image32 image = lf_picture_said(file(), &said);
-    lf_said_tells(&said, NULL);
+    lf_image_metadata meta;
+    lf_image32 image = lf_picture_metadata(file(), &meta);
+    lf_metadata_notes(&meta, NULL);
     const double at[3] = {(double)lf_picture_smooth(16, 16, 0),
                           (double)lf_picture_smooth(16, 16, 1),
                           (double)lf_picture_smooth(16, 16, 2)};
@@ -375,7 +375,7 @@ static void windows(const lf_format_row *row)
 /* The layout of a file whose envmap this is; the data window is the whole sphere. */
 static lf_image_layout layout_of(unsigned char envmap, int height, const char *told)
 {
-    lf_image_said said;
+    lf_image_metadata meta;
     const exr_part_bytes part = {.channels = RGB_CHANNELS,
                                  .value = PLAIN,
                                  .type = EXR_FLOAT,
@@ -383,12 +383,12 @@ static lf_image_layout layout_of(unsigned char envmap, int height, const char *t
                                  .display = {0, 0, 9, 9},
                                  .attributes = {{"envmap", "envmap", &envmap, 1}}};
     exr_write(file(), &part, 1);
-    lf_image32 image = lf_picture_said(file(), &said);
+    lf_image32 image = lf_picture_metadata(file(), &meta);
     assert_true(image.width == 2 && image.height == height);
     lf_pixel_is(&image, 0, 0, plain, 1e-7);
-    lf_said_tells(&said, told);
+    lf_metadata_notes(&meta, told);
     lf_image32_finish(&image);
-    return said.layout;
+    return meta.layout;
 }
 
 static void latlong(const lf_format_row *row)
@@ -417,9 +417,9 @@ static void compression(const lf_format_row *row)
     const int *which = row->with;
     const int w[4] = {0, 0, 40, 30};
     lf_picture_half_exr(file(), w, w, *which, IMF_WRITE_RGBA, false);
-    lf_image_said said;
-    lf_image32 image = lf_picture_said(file(), &said);
-    lf_said_tells(&said, NULL);
+    lf_image_metadata meta;
+    lf_image32 image = lf_picture_metadata(file(), &meta);
+    lf_metadata_notes(&meta, NULL);
     const double at[3] = {(double)lf_picture_smooth(16, 9, 0), (double)lf_picture_smooth(16, 9, 1),
                           (double)lf_picture_smooth(16, 9, 2)};
     lf_pixel_is(&image, 16, 9, at, *which < IMF_B44_COMPRESSION ? 3e-4 : 0.02);
@@ -431,9 +431,9 @@ static void tiles(const lf_format_row *row)
     (void)row;
     const int w[4] = {0, 0, 40, 30};
     lf_picture_half_exr(file(), w, w, IMF_ZIP_COMPRESSION, IMF_WRITE_RGB, true);
-    lf_image_said said;
-    lf_image32 image = lf_picture_said(file(), &said);
-    lf_said_tells(&said, NULL);
+    lf_image_metadata meta;
+    lf_image32 image = lf_picture_metadata(file(), &meta);
+    lf_metadata_notes(&meta, NULL);
     assert_true(image.width == 41 && image.height == 31);
     lf_image32_finish(&image);
 }

@@ -1,5 +1,5 @@
 /* Everything that a Radiance picture can say: docs/formats/images.md, row by row. */
-#include "tests/base/said.h"
+#include "tests/base/image_metadata.h"
 #include "tests/formats.h"
 
 static char *folder;
@@ -16,7 +16,7 @@ typedef struct hdr_case {
 static lf_image32 load(const char *header, const unsigned char pixel[4], const char *told)
 {
     char data[512];
-    lf_image_said said;
+    lf_image_metadata meta;
     const char *path = lf_test_path(folder, "a.hdr");
     size_t n = (size_t)snprintf(data, sizeof data, "%s", header);
     for (int i = 0; i < 6; i++, n += 4) {
@@ -24,8 +24,8 @@ static lf_image32 load(const char *header, const unsigned char pixel[4], const c
         data[n + 1] = (char)(pixel[1] + i);
     }
     lf_picture_write(path, data, n);
-    lf_image32 image = lf_picture_said(path, &said);
-    lf_said_tells(&said, told);
+    lf_image32 image = lf_picture_metadata(path, &meta);
+    lf_metadata_notes(&meta, told);
     return image;
 }
 
@@ -99,12 +99,12 @@ static const hdr_case bright = {RGBE "EXPOSURE=1e-30" END,
 static void oblong_pixels(const lf_format_row *row)
 {
     const hdr_case *c = row->with;
-    lf_image_said said;
+    lf_image_metadata meta;
     header(row);
     lf_image32 image = load(c->header, c->pixel, NULL);
     lf_image32_finish(&image);
-    image = lf_picture_said(lf_test_path(folder, "a.hdr"), &said);
-    lf_said_is(&said, 2, 0);
+    image = lf_picture_metadata(lf_test_path(folder, "a.hdr"), &meta);
+    lf_metadata_is(&meta, 2, 0);
     lf_image32_finish(&image);
 }
 
@@ -146,14 +146,14 @@ static void runs(const lf_format_row *row)
     const unsigned char fresh[] = {2, 2, 0, 8, 136, 200, 136, 25, 136, 25, 136, 128},
                         old[] = {200, 25, 25, 128, 1, 1, 1, 7};
     char data[256];
-    lf_image_said said;
+    lf_image_metadata meta;
     const char *path = lf_test_path(folder, "c.hdr");
     const double rgb[3] = {0.78125, 0.09765625, 0.09765625};
     size_t n = (size_t)snprintf(data, sizeof data, RGBE "\n-Y 2 +X 8\n");
     memcpy(data + n, fresh, sizeof fresh);
     memcpy(data + n + sizeof fresh, old, sizeof old);
     lf_picture_write(path, data, n + sizeof fresh + sizeof old);
-    lf_image32 image = lf_picture_said(path, &said);
+    lf_image32 image = lf_picture_metadata(path, &meta);
     for (int i = 0; i < 16; i++)
         lf_pixel_is(&image, i % 8, i / 8, rgb, 0);
     lf_image32_finish(&image);

@@ -1,7 +1,7 @@
 /* Everything that a JPEG can say of its picture: docs/formats/images.md, row by row. */
 #include "base/alloc.h"
 #include "tests/base/icc_bytes.h"
-#include "tests/base/said.h"
+#include "tests/base/image_metadata.h"
 #include "tests/formats.h"
 
 static char *folder;
@@ -56,9 +56,9 @@ static void write_coding(const coding *c)
 
 static void expect(const uint8_t rgb[3], const char *told)
 {
-    lf_image_said said;
-    lf_image8 image = lf_codes_said(file(), &said);
-    lf_said_tells(&said, told);
+    lf_image_metadata meta;
+    lf_image8 image = lf_codes_metadata(file(), &meta);
+    lf_metadata_notes(&meta, told);
     assert_true(image.width == 16 && image.height == 16);
     for (int i = 0; i < 3; i++)
         for (int at = i; at < 16 * 16 * 3; at += 3)
@@ -186,10 +186,10 @@ static void patch(int after, size_t distance, const char *bytes, size_t n)
 
 static void expect_said(double pixel_aspect, int orientation)
 {
-    lf_image_said said;
-    lf_image8 image = lf_codes_said(file(), &said);
-    lf_said_tells(&said, NULL);
-    lf_said_is(&said, pixel_aspect, orientation);
+    lf_image_metadata meta;
+    lf_image8 image = lf_codes_metadata(file(), &meta);
+    lf_metadata_notes(&meta, NULL);
+    lf_metadata_is(&meta, pixel_aspect, orientation);
     lf_image8_finish(&image);
 }
 

@@ -3,7 +3,7 @@
 
 #include "base/alloc.h"
 #include "tests/base/icc_bytes.h"
-#include "tests/base/said.h"
+#include "tests/base/image_metadata.h"
 #include "tests/formats.h"
 
 static char *folder;
@@ -25,9 +25,9 @@ static void write_kind(int depth, int color, bool interlaced, const png_color_16
 
 static void expect(const uint8_t rgb[3], const char *told)
 {
-    lf_image_said said;
-    lf_image8 image = lf_codes_said(file(), &said);
-    lf_said_tells(&said, told);
+    lf_image_metadata meta;
+    lf_image8 image = lf_codes_metadata(file(), &meta);
+    lf_metadata_notes(&meta, told);
     assert_true(image.width == 4 && image.height == 2);
     assert_memory_equal(image.data, rgb, 3);
     assert_memory_equal(image.data + image.stride, rgb, 3);
@@ -131,9 +131,9 @@ static void chunk(const lf_format_row *row)
 
 static void expect_said(double pixel_aspect, int orientation)
 {
-    lf_image_said said;
-    lf_image8 image = lf_codes_said(file(), &said);
-    lf_said_is(&said, pixel_aspect, orientation);
+    lf_image_metadata meta;
+    lf_image8 image = lf_codes_metadata(file(), &meta);
+    lf_metadata_is(&meta, pixel_aspect, orientation);
     lf_image8_finish(&image);
 }
 

@@ -5,7 +5,7 @@
 
 #include "base/alloc.h"
 #include "base/image_rgba.h"
-#include "tests/base/said.h"
+#include "tests/base/image_metadata.h"
 
 enum { WIDTH = 24, HEIGHT = 16, BLOCK = 8 };
 
@@ -165,13 +165,13 @@ static void assert_all_ways(writer write, int tolerance)
     for (int orientation = 1; orientation <= 8; orientation++)
         for (int big = 0; big < 2; big++) {
             uint8_t tiff[64];
-            lf_image_said said;
+            lf_image_metadata meta;
             lf_image8 from = stored(orientation);
             const char *path = write(&from, tiff, exif(tiff, orientation, big));
-            lf_image8 image = lf_codes_said(path, &said), silent = lf_picture_load8(path);
+            lf_image8 image = lf_codes_metadata(path, &meta), silent = lf_picture_load8(path);
             if (!is_upright(&image, tolerance) || !is_upright(&silent, tolerance))
                 fail_msg("%s: orientation %d", path, orientation);
-            lf_said_tells(&said, NULL);
+            lf_metadata_notes(&meta, NULL);
             lf_image8_finish(&image);
             lf_image8_finish(&silent);
             lf_image8_finish(&from);

@@ -255,7 +255,7 @@ static lf_model_gud_faults model_faults(lf_faulty_kind illness)
         count(illness);
         break;
     case LF_FAULTY_LIE:
-        f.lie = 1 + (int)draw(LF_GUD_LIES - 1);
+        f.fault = 1 + (int)draw(LF_GUD_FAULTS - 1);
         count(illness);
         break;
     default:

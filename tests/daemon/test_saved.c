@@ -47,11 +47,12 @@ static void pictures_are_reconstructed_and_measurements_are_not(void **state)
         {"s.tif --print 20@100 --print-size 9x12", "s.json", true},
     };
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
-        const bool prints = strstr(all[i].options, "--print "), weaves = all[i].looked_at[0] == 'p';
+        const bool prints = strstr(all[i].options, "--print "),
+                   interlaces = all[i].looked_at[0] == 'p';
         print_message("%s\n", all[i].options);
         qr_succeed("%s -o %s/%s %s%s%s --stats %s/stats.json", f->scene, f->folder, all[i].options,
-                   prints ? "" : SIZE, weaves ? " --panel " : "", weaves ? f->calibration : "",
-                   f->folder);
+                   prints ? "" : SIZE, interlaces ? " --panel " : "",
+                   interlaces ? f->calibration : "", f->folder);
         assert_int_equal(written_reconstructed(lf_test_path(f->folder, all[i].looked_at)),
                          all[i].expected);
         const int64_t passes = LF_RENDER_DEFAULT_SPP * stat_of(f, "views"),

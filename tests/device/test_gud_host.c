@@ -267,7 +267,7 @@ static void bands_are_whole_rows_within_the_limit(void **state)
 
 /* -------------------------------------------------------------------------------------- lies -- */
 
-static const char *const lies[LF_GUD_LIES] = {
+static const char *const faults[LF_GUD_FAULTS] = {
     [LF_GUD_WRONG_MAGIC] = "descriptor",
     [LF_GUD_VERSION_0] = "version 0",
     [LF_GUD_VERSION_9] = "version 9",
@@ -290,20 +290,20 @@ static void every_lie_is_a_clear_error(void **state)
 {
     (void)state;
     uint8_t edid[128] = {0};
-    for (int lie = 0; lie < LF_GUD_LIES; lie++) {
+    for (int fault = 0; fault < LF_GUD_FAULTS; fault++) {
         lf_model_gud_options o = gud_options(WIDTH, HEIGHT);
         o.status_on_set = true;
         o.edid = edid;
         o.n_edid = sizeof edid;
         rig r;
         lf_error err = {0};
-        lf_status status = try_rig(&o, &(lf_model_gud_faults){.lie = lie}, &r, &err);
-        if (lie == LF_GUD_HONEST) {
+        lf_status status = try_rig(&o, &(lf_model_gud_faults){.fault = fault}, &r, &err);
+        if (fault == LF_GUD_HONEST) {
             lf_assert_ok(status, &err);
         } else {
-            if (status != LF_E_FORMAT || !strstr(err.what, lies[lie]))
-                fail_msg("lie %d: %s \"%s\", expected \"%s\"", lie, lf_status_name(status),
-                         err.what, lies[lie]);
+            if (status != LF_E_FORMAT || !strstr(err.what, faults[fault]))
+                fail_msg("lie %d: %s \"%s\", expected \"%s\"", fault, lf_status_name(status),
+                         err.what, faults[fault]);
         }
         free_rig(&r);
     }

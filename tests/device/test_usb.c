@@ -304,8 +304,8 @@ static void destroying_does_not_wait_for_a_display_that_hangs(void **state)
 static void opens_that_fail_keep_nothing(void **state)
 {
     (void)state;
-    for (int lie = LF_GUD_HONEST + 1; lie < LF_GUD_BAD_STATUS; lie++) {
-        lf_model_gud *gud = small_model(&(lf_model_gud_faults){.lie = lie});
+    for (int fault = LF_GUD_HONEST + 1; fault < LF_GUD_BAD_STATUS; fault++) {
+        lf_model_gud *gud = small_model(&(lf_model_gud_faults){.fault = fault});
         lf_device *device = NULL;
         lf_error err = {0};
         lf_assert_status(try_open(gud, &device, &err), LF_E_IO, &err);

@@ -21,29 +21,29 @@ static void check_refusal(const lf_error *err)
     lf_fuzz_require_text(err->what);
 }
 
-static void check_said(const lf_image_said *said, int width, int height)
+static void check_said(const lf_image_metadata *meta, int width, int height)
 {
     char line[512];
-    for (size_t at = 0; lf_image_notes_next(&said->notes, &at, line, sizeof line);) {
+    for (size_t at = 0; lf_image_notes_next(&meta->notes, &at, line, sizeof line);) {
         lf_fuzz_require(line[0] != 0);
         lf_fuzz_require_text(line);
     }
-    lf_fuzz_require(said->layout == LF_IMAGE_PLAIN ||
-                    (said->layout == LF_IMAGE_CUBE && height == 6 * width));
+    lf_fuzz_require(meta->layout == LF_IMAGE_PLAIN ||
+                    (meta->layout == LF_IMAGE_CUBE && height == 6 * width));
 }
 
 static unsigned read8(int fd)
 {
     lf_image8 picture = {0};
-    lf_image_said said;
+    lf_image_metadata meta;
     lf_error err = {0};
     unsigned sum = 0;
-    if (lf_image8_read_said(fd, "fuzz", &picture, &said, &err) != LF_OK) {
+    if (lf_image8_read_metadata(fd, "fuzz", &picture, &meta, &err) != LF_OK) {
         check_refusal(&err);
         return 0;
     }
     check_shape(picture.width, picture.height, picture.channels);
-    check_said(&said, picture.width, picture.height);
+    check_said(&meta, picture.width, picture.height);
     lf_fuzz_require(picture.stride >= 3 * (size_t)picture.width);
     for (int y = 0; y < picture.height; y++)
         for (int i = 0; i < 3 * picture.width; i++)
@@ -55,14 +55,14 @@ static unsigned read8(int fd)
 static void read32(int fd)
 {
     lf_image32 picture = {0};
-    lf_image_said said;
+    lf_image_metadata meta;
     lf_error err = {0};
-    if (lf_image32_read_said(fd, "fuzz", &picture, &said, &err) != LF_OK) {
+    if (lf_image32_read_metadata(fd, "fuzz", &picture, &meta, &err) != LF_OK) {
         check_refusal(&err);
         return;
     }
     check_shape(picture.width, picture.height, picture.channels);
-    check_said(&said, picture.width, picture.height);
+    check_said(&meta, picture.width, picture.height);
     for (size_t i = 0; i < 3 * (size_t)picture.width * (size_t)picture.height; i++)
         lf_fuzz_require(isfinite(picture.data[i]));
     lf_image32_finish(&picture);

@@ -47,8 +47,8 @@ static void check_soup(const lf_soup *soup)
     }
     lf_fuzz_require(!soup->uvs.are_own || soup->uvs.n == soup->n_points);
     lf_fuzz_require(soup->colours.n <= soup->n_points);
-    for (size_t i = 0; soup->n_said > 0 && i < soup->n_triangles; i++)
-        lf_fuzz_require((soup->choices ? soup->choices[i] : 0) < soup->n_said);
+    for (size_t i = 0; soup->n_sources > 0 && i < soup->n_triangles; i++)
+        lf_fuzz_require((soup->choices ? soup->choices[i] : 0) < soup->n_sources);
 }
 
 static void check_mesh(const lf_mesh_data *data)

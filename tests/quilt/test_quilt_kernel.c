@@ -21,7 +21,7 @@ static size_t length(int i)
 static void weaving_is_the_same_copy(void **state)
 {
     (void)state;
-    static uint8_t from[65536 + LF_WEAVE_SLACK], view[MOST], expected[MOST], got[MOST + 1];
+    static uint8_t from[65536 + LF_INTERLACE_SLACK], view[MOST], expected[MOST], got[MOST + 1];
     static uint16_t place[MOST];
     uint64_t seed = lf_test_seed();
     for (size_t i = 0; i < sizeof from; i++)
@@ -37,8 +37,8 @@ static void weaving_is_the_same_copy(void **state)
                 place[0] = (uint16_t)(65535 - view[0] * stride);
             size_t n = length(i);
             memset(got, 0xcc, sizeof got);
-            lf_quilt_kernels_c.weave(n, view, place, stride, from, expected);
-            lf_quilt_kernels_at(t)->weave(n, view, place, stride, from, got);
+            lf_quilt_kernels_c.interlace(n, view, place, stride, from, expected);
+            lf_quilt_kernels_at(t)->interlace(n, view, place, stride, from, got);
             assert_memory_equal(got, expected, n);
             assert_int_equal(got[n], 0xcc);
         }

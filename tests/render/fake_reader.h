@@ -136,7 +136,7 @@ static inline void fake_lie_of_material(const char *lie, fake_mesh *m)
     if (strcmp(lie, "solid") == 0)
         one->is_solid = 2;
     if (strcmp(lie, "glow") == 0)
-        one->glows_by_colours = 2;
+        one->emits_by_colours = 2;
     if (strcmp(lie, "skin") == 0)
         m->scalars[1].subsurface = 0.5f;
     if (strcmp(lie, "milk") == 0)
@@ -329,7 +329,7 @@ static inline bool fake_put_parts(const char *lie, const fake_mesh *m, lf_parcel
         part[1] = UINT32_MAX;
     if (strcmp(lie, "part beside") == 0)
         part[2] = 1;
-    return lf_parcel_put(writer, LF_PARCEL_PLACES, place, 12, NULL) == LF_OK &&
+    return lf_parcel_put(writer, LF_PARCEL_INSTANCES, place, 12, NULL) == LF_OK &&
            lf_parcel_put(writer, LF_PARCEL_PARTS, part, 4, NULL) == LF_OK &&
            lf_parcel_put(writer, LF_PARCEL_PART_OF, part_of, strcmp(lie, "part lost") ? 1 : 2,
                          NULL) == LF_OK;

@@ -139,10 +139,10 @@ static void invariant_4_mvpt_agrees_beside_a_lamp_and_a_mirror(void **state)
             16);
 }
 
-static void invariant_4_mvpt_agrees_behind_a_veil(void **state)
+static void invariant_4_mvpt_agrees_behind_a_alpha(void **state)
 {
     (void)state;
-    compare(LF_TEST_VEIL("3", ""), "agreement-veil", 12, 24);
+    compare(LF_TEST_MIST("3", ""), "agreement-mist", 12, 24);
 }
 
 static void invariant_4_mvpt_agrees_where_normals_are_bent(void **state)
@@ -154,7 +154,7 @@ static void invariant_4_mvpt_agrees_where_normals_are_bent(void **state)
 static void invariant_4_mvpt_agrees_on_volumes_that_emit(void **state)
 {
     (void)state;
-    compare(LF_TEST_FLAMES("3", ", 'lens_radius': 0.1, 'focus_distance': 4.2"), "agreement-flames",
+    compare(LF_TEST_FIRES("3", ", 'lens_radius': 0.1, 'focus_distance': 4.2"), "agreement-fires",
             12, 24);
 }
 
@@ -170,7 +170,7 @@ int main(void)
         cmocka_unit_test(case_21_mvpt_agrees_on_media_and_surfaces),
         cmocka_unit_test(invariant_4_mvpt_agrees_on_overlapping_media),
         cmocka_unit_test(invariant_4_mvpt_agrees_beside_a_lamp_and_a_mirror),
-        cmocka_unit_test(invariant_4_mvpt_agrees_behind_a_veil),
+        cmocka_unit_test(invariant_4_mvpt_agrees_behind_a_alpha),
         cmocka_unit_test(invariant_4_mvpt_agrees_on_volumes_that_emit),
         cmocka_unit_test(invariant_4_mvpt_agrees_where_views_are_blurred),
         cmocka_unit_test(invariant_4_mvpt_agrees_where_normals_are_bent),

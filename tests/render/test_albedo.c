@@ -244,7 +244,7 @@ static void a_texture_is_as_sharp_as_its_picture(void **state)
     "'translate': [0, 0, -0.5] } }, 'b': { 'shape': 'quad', 'material': 'near', 'transform': { "   \
     "'rotate': [90, 0, 0], 'scale': 2, 'translate': [0, 0, 0.5] } }, "
 
-static void a_veil_has_its_share_of_albedo(void **state)
+static void a_alpha_has_its_share_of_albedo(void **state)
 {
     (void)state;
     lf_renderer *r[2];
@@ -353,7 +353,7 @@ int main(void)
         cmocka_unit_test(the_first_visits_of_a_row_say_it),
         cmocka_unit_test(films_that_are_added_have_the_mean_of_both),
         cmocka_unit_test(a_texture_is_as_sharp_as_its_picture),
-        cmocka_unit_test(a_veil_has_its_share_of_albedo),
+        cmocka_unit_test(a_alpha_has_its_share_of_albedo),
         cmocka_unit_test(a_face_says_what_a_hit_does),
         cmocka_unit_test(a_glance_takes_the_nearest_level),
     };

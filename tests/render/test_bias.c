@@ -101,10 +101,10 @@ static void mwis_is_consistent_beside_a_lamp_and_a_mirror(void **state)
     assert_consistent(LF_TEST_LAMP("3", ""));
 }
 
-static void mwis_is_consistent_behind_a_veil(void **state)
+static void mwis_is_consistent_behind_a_alpha(void **state)
 {
     (void)state;
-    assert_consistent(LF_TEST_VEIL("3", ""));
+    assert_consistent(LF_TEST_MIST("3", ""));
 }
 
 /* Negative control: without h_k the weights do not tend to n q, and what mwis tends to is not what
@@ -166,7 +166,7 @@ int main(void)
         cmocka_unit_test(mwis_is_consistent_on_media_and_surfaces),
         cmocka_unit_test(mwis_is_consistent_on_overlapping_media),
         cmocka_unit_test(mwis_is_consistent_beside_a_lamp_and_a_mirror),
-        cmocka_unit_test(mwis_is_consistent_behind_a_veil),
+        cmocka_unit_test(mwis_is_consistent_behind_a_alpha),
         cmocka_unit_test(wrong_weights_have_an_intercept),
         cmocka_unit_test(a_silhouette_has_no_rim_at_few_visits),
     };

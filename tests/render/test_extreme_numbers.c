@@ -12,7 +12,7 @@ enum { width = 3, height = 2, most_views = 4 };
 
 #define SKY "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }"
 #define SEEN "'camera': { 'position': [0, 0.3, 8], 'views': 2 }, " SKY ", "
-#define PLACED(map) "{ " SEEN "'meshes': { 'm': { 'shape': 'cube', 'instances': [" map "] } } }"
+#define INSTANCED(map) "{ " SEEN "'meshes': { 'm': { 'shape': 'cube', 'instances': [" map "] } } }"
 #define CAMERA(words) "{ " SKY ", 'meshes': { 'm': { 'shape': 'cube' } }, 'camera': { " words " } }"
 
 /* pointer NULL: it renders. */
@@ -60,14 +60,14 @@ static void a_place_that_flattens_space_is_refused(void **state)
 {
     (void)state;
     static const extreme list[] = {
-        {PLACED("[1,0,0,0, 0,1,0,0, 0,0,1e-11,0]"), NULL, NULL},
-        {PLACED("{ 'scale': 1e-11 }"), NULL, NULL},
-        {PLACED("[1,0,0,0, 0,1,0,0, 0,0,1e-13,0]"), "/meshes/m/instances/0", "flattens space"},
-        {PLACED("[1,0,0,0, 0,1,0,0, 0,0,1e-20,0]"), "/meshes/m/instances/0", "flattens space"},
-        {PLACED("[1,0,0,0, 0,1,0,0, 0,0,1,0], { 'scale': [1e9, 1, 1e-30] }"),
+        {INSTANCED("[1,0,0,0, 0,1,0,0, 0,0,1e-11,0]"), NULL, NULL},
+        {INSTANCED("{ 'scale': 1e-11 }"), NULL, NULL},
+        {INSTANCED("[1,0,0,0, 0,1,0,0, 0,0,1e-13,0]"), "/meshes/m/instances/0", "flattens space"},
+        {INSTANCED("[1,0,0,0, 0,1,0,0, 0,0,1e-20,0]"), "/meshes/m/instances/0", "flattens space"},
+        {INSTANCED("[1,0,0,0, 0,1,0,0, 0,0,1,0], { 'scale': [1e9, 1, 1e-30] }"),
          "/meshes/m/instances/1", "flattens space"},
         /* sound as it is said, flat as it is kept */
-        {PLACED("[1,1.000000001,0,0, 1,1,0,0, 0,0,1,0]"), "/meshes/m", "flattens space"},
+        {INSTANCED("[1,1.000000001,0,0, 1,1,0,0, 0,0,1,0]"), "/meshes/m", "flattens space"},
         {"{ " SEEN "'meshes': { 'm': { 'shape': 'cube', 'transform': { 'scale': 1e-13 } } } }",
          "/meshes/m/transform", "flattens space"},
         {"{ " SEEN "'meshes': { 'm': { 'shape': 'cube', 'transform': { 'scale': 1e-11 } } } }",
@@ -219,7 +219,7 @@ static void slivers_keep_rays_beside_them(void **state)
 static void no_ray_that_embree_refuses_comes_to_it(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(PLACED("{}"));
+    lf_scene *scene = lf_test_scene(INSTANCED("{}"));
     lf_tracer tracer = {.scene = scene};
     const lf_vec3 o = {0.0f, 0.0f, 8.0f},
                   wrong[] = {{NAN, 0.0f, -1.0f}, {0.0f, INFINITY, -1.0f}, {0.0f, 1e19f, -1.0f}};

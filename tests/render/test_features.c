@@ -381,7 +381,7 @@ static void a_surface_behind_a_medium_counts_for_what_comes_through(void **state
 
 /* Veils at Z = 4 and Z = 5 stop 0.3 and 0.5 of a ray, in closed form; neither the file nor the tree
  * of the section has them in that order. */
-#define VEILS                                                                                      \
+#define ALPHAS                                                                                     \
     ", 'materials': { 'm': { 'type': 'diffuse', 'albedo': 0.5 }, 'a': { 'alpha': 0.5 }, 'b': { "   \
     "'alpha': 0.3 } }, 'meshes': { 'far': { 'shape': 'quad', 'material': 'a', 'transform': { "     \
     "'rotate': [90,0,0], 'scale': 20 } }, 'near': { 'shape': 'quad', 'material': 'b', "            \
@@ -390,12 +390,12 @@ static void a_surface_behind_a_medium_counts_for_what_comes_through(void **state
     ", 'wall': { 'shape': 'quad', 'material': 'm', 'transform': { 'rotate': [90,0,0], 'scale': "   \
     "20, 'translate': [0,0,-1.25] } }"
 
-static void veils_count_for_what_they_cover(void **state)
+static void alphas_count_for_what_they_cover(void **state)
 {
     (void)state;
     for (int wall = 0; wall < 2; wall++) {
         lf_scene *scene =
-            lf_test_scene(wall ? "{" CAMERA VEILS BEHIND "} }" : "{" CAMERA VEILS "} }");
+            lf_test_scene(wall ? "{" CAMERA ALPHAS BEHIND "} }" : "{" CAMERA ALPHAS "} }");
         lf_renderer *r = render(scene, true, NULL, 15);
         const double share[3] = {0.3, 0.35, wall ? 0.35 : 0.0}, at[3] = {1.25, 1.0, 0.8};
         double all = 0.0, mean = 0.0, variance = 0.0;
@@ -496,7 +496,7 @@ int main(void)
         cmocka_unit_test(voxels_are_met_where_a_walk_of_small_steps_says),
         cmocka_unit_test(a_surface_is_exactly_where_it_is),
         cmocka_unit_test(a_surface_behind_a_medium_counts_for_what_comes_through),
-        cmocka_unit_test(veils_count_for_what_they_cover),
+        cmocka_unit_test(alphas_count_for_what_they_cover),
         cmocka_unit_test(features_change_nothing_but_outlines),
         cmocka_unit_test(features_do_not_depend_on_the_number_of_threads),
     };

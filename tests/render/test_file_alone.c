@@ -264,11 +264,11 @@ static void a_grid_of_heat_burns(void **state)
     const lf_alone bare = {.bare = true};
     const char *file = lf_test_built("testdata/flows.vdb");
     lf_scene *scene = load(file, NULL, NULL);
-    assert_int_equal(scene->flames.n, 1);
+    assert_int_equal(scene->emissive.n, 1);
     assert_true(scene->volumes[0].sigma_max > 0.0f);
     lf_scene_unref(scene);
     scene = load_as(file, &bare, NULL, NULL);
-    assert_int_equal(scene->flames.n, 0);
+    assert_int_equal(scene->emissive.n, 0);
     lf_scene_unref(scene);
 }
 

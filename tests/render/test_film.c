@@ -474,7 +474,7 @@ static void light_is_stored_where_it_is_not_implied(void **state)
     assert_false(stores(LF_TEST_BENT("3", "")));
     assert_true(stores(LF_TEST_MIXED("3", "")));
     assert_true(stores(LF_TEST_LAMP("3", "")));
-    assert_true(stores(LF_TEST_VEIL("3", "")));
+    assert_true(stores(LF_TEST_MIST("3", "")));
 }
 
 /* However they are rounded: a surface that fills a pixel does so for ever. */

@@ -61,7 +61,7 @@ static void invariant_2_weights_are_n_q_beside_mirrors(void **state)
 {
     (void)state;
     assert_weights(LF_TEST_LAMP("7", ""), two_passes);
-    assert_weights(LF_TEST_VEIL("7", ""), live);
+    assert_weights(LF_TEST_MIST("7", ""), live);
 }
 
 static void invariant_2_weights_are_n_q_on_glossy_surfaces_with_bent_normals(void **state)

@@ -129,7 +129,7 @@ static void what_is_emitted_and_scattered_flows_along(void **state)
                     ", 'emission': {'grid': 'temperature', 'kelvin': 1500}, 'albedo': {'red': "
                     "'temperature', 'green': 'density', 'blue': 'density'}"};
     lf_scene *scene = scene_of(&s);
-    const lf_volume *fields[] = {&scene->flames.field[0], &scene->volumes[0].albedo_fields[0],
+    const lf_volume *fields[] = {&scene->emissive.field[0], &scene->volumes[0].albedo_fields[0],
                                  &scene->volumes[0].albedo_fields[1]};
     for (int f = 0; f < 3; f++)
         for (int step = 0; step < 3; step++)
@@ -144,10 +144,10 @@ static void what_is_emitted_and_scattered_flows_along(void **state)
             }
     /* what it is drawn by holds at all times */
     for (int step = 0; step < 3; step++) {
-        const lf_volume *v = &scene->volumes[0], *flame = &scene->flames.field[0];
+        const lf_volume *v = &scene->volumes[0], *emissive = &scene->emissive.field[0];
         assert_true(v->steps->grid[step]->max_value > 0.95f);
         assert_true(v->steps->grid[step]->max_value <= v->sigma_max);
-        assert_true(flame->steps->grid[step]->max_value <= flame->sigma_max);
+        assert_true(emissive->steps->grid[step]->max_value <= emissive->sigma_max);
     }
     lf_scene_unref(scene);
 }
@@ -634,9 +634,9 @@ static void steps_are_shared_and_the_subject_knows_them(void **state)
     lf_scene *a = scene_of(&open), *b = scene_after(&open, "", a), *c = scene_after(&longer, "", b),
              *d = scene_after(&closed, "", c), *e = scene_of(&plain);
     assert_ptr_equal(a->volumes[0].steps, b->volumes[0].steps);
-    assert_ptr_equal(a->flames.field[0].steps, b->flames.field[0].steps);
+    assert_ptr_equal(a->emissive.field[0].steps, b->emissive.field[0].steps);
     assert_ptr_not_equal(a->volumes[0].steps, c->volumes[0].steps);
-    assert_ptr_not_equal(a->volumes[0].steps, a->flames.field[0].steps);
+    assert_ptr_not_equal(a->volumes[0].steps, a->emissive.field[0].steps);
     assert_true(json_equal(a->subject, b->subject));
     assert_false(json_equal(a->subject, c->subject));
     assert_true(json_equal(d->subject, e->subject));

@@ -53,7 +53,7 @@ static void assert_same_lights(const lf_scene *a, const lf_scene *b)
         assert_same_vector(one->intensity, other->intensity);
         assert_same_vector(one->irradiance, other->irradiance);
         lf_assert_close((double)one->versine, (double)other->versine, 1e-5, 0);
-        assert_true(!one->way == !other->way);
+        assert_true(!one->motion == !other->motion);
         if (one->kind == &lf_light_spot)
             lf_assert_close((double)one->own.spot.inner, (double)other->own.spot.inner, 1e-5, 0);
     }
@@ -153,15 +153,15 @@ static void they_move_as_their_nodes_do(void **state)
     write_files(*state);
     lf_scene *scene = load(*state, "'frame': 13,", "'file': 'moving.gltf'", "");
     lf_assert_close((double)scene->lights[1].position.x + scene->origin[0], 14, 0, 1e-5);
-    assert_null(scene->lights[1].way);
+    assert_null(scene->lights[1].motion);
     lf_scene *open =
         load(*state, "'frame': 13, 'camera': {'shutter': 6},", "'file': 'moving.gltf'", "");
     const lf_light *moving = &open->lights[1];
-    assert_non_null(moving->way);
-    assert_null(open->lights[2].way);
+    assert_non_null(moving->motion);
+    assert_null(open->lights[2].motion);
     assert_true(lf_has(open, LF_TRAIT_MOTION));
-    lf_assert_close(moving->way->open[0].number[0], 14, 0, 1e-5);
-    lf_assert_close(moving->way->close[0].number[0], 16, 0, 1e-5);
+    lf_assert_close(moving->motion->open[0].number[0], 14, 0, 1e-5);
+    lf_assert_close(moving->motion->close[0].number[0], 16, 0, 1e-5);
     lf_assert_close((double)moving->position.x + open->origin[0], 15, 0, 1e-5);
     assert_false(json_equal(open->subject, scene->subject));
     lf_scene_unref(open);

@@ -94,8 +94,8 @@ static void put_vector(lf_vec3 v, double out[4])
 LOOK(cutoff, m->alpha_cutoff)
 LOOK(metallic, m->metallic)
 LOOK(roughness, m->roughness)
-LOOK(brush, m->anisotropy)
-LOOK(brush_turn, atan2f(m->anisotropy_rotation[1], m->anisotropy_rotation[0]))
+LOOK(anisotropic, m->anisotropy)
+LOOK(anisotropy_turn, atan2f(m->anisotropy_rotation[1], m->anisotropy_rotation[0]))
 LOOK(coat, m->coat)
 LOOK(coat_roughness, m->coat_roughness)
 LOOK(strength, m->emission.y / 0.5f)
@@ -322,8 +322,8 @@ static const lf_format_row rows[] = {
     USED(LIGHT "spot/innerConeAngle", 1, look_inner),
     USED(LIGHT "spot/outerConeAngle", 1, look_outer),
     TOLD("/extensions/KHR_lights_punctual/lights.length"),
-    USED(EXTENSION("anisotropy") "anisotropyStrength", 1, look_brush),
-    USED(EXTENSION("anisotropy") "anisotropyRotation", 1, look_brush_turn),
+    USED(EXTENSION("anisotropy") "anisotropyStrength", 1, look_anisotropic),
+    USED(EXTENSION("anisotropy") "anisotropyRotation", 1, look_anisotropy_turn),
     USED(EXTENSION("clearcoat") "clearcoatFactor", 1, look_coat),
     USED(EXTENSION("clearcoat") "clearcoatRoughnessFactor", 1, look_coat_roughness),
     USED(EXTENSION("clearcoat") "clearcoatNormalTexture/scale", 1, look_coat_normal_scale),
@@ -349,7 +349,7 @@ static const lf_format_row rows[] = {
     TEXTURE(MATERIAL "emissiveTexture", LF_SLOT_EMISSION),
     TEXTURE(MATERIAL "pbrMetallicRoughness/baseColorTexture", LF_SLOT_BASE),
     TEXTURE(MATERIAL "pbrMetallicRoughness/metallicRoughnessTexture", LF_SLOT_METAL_ROUGH),
-    TEXTURE(EXTENSION("anisotropy") "anisotropyTexture", LF_SLOT_BRUSH),
+    TEXTURE(EXTENSION("anisotropy") "anisotropyTexture", LF_SLOT_ANISOTROPY),
     TEXTURE(EXTENSION("clearcoat") "clearcoatTexture", LF_SLOT_COAT),
     TEXTURE(EXTENSION("clearcoat") "clearcoatRoughnessTexture", LF_SLOT_COAT_ROUGH),
     TEXTURE(EXTENSION("clearcoat") "clearcoatNormalTexture", LF_SLOT_COAT_NORMAL),

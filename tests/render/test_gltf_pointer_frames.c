@@ -101,7 +101,7 @@ static void a_shutter_blurs_nodes_and_lights_and_tells_of_materials(void **state
     assert_colour(scene, 0.75, 0.25);
     assert_true(lf_has(scene, LF_TRAIT_MOTION));
     lf_assert_close(scene->geometry->bounds[1][0], 5, 0, 1e-5); /* from 2 to 4, and 1 wide */
-    assert_non_null(scene->lights[0].way);
+    assert_non_null(scene->lights[0].motion);
     lf_assert_close((double)scene->lights[0].intensity.x * LF_LUMENS_PER_WATT, 1.75, 1e-5, 0);
     assert_int_equal(scene->warnings.n, 1);
     assert_non_null(strstr(lf_warnings_at(&scene->warnings, 0),

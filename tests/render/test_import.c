@@ -179,7 +179,7 @@ static void parts_of_lies_are_refused(void **state)
     lf_mesh_data data = {0};
     lf_error err = {0};
     lf_assert_ok(import_by(*state, "part none", &data, &err), &err);
-    assert_int_equal(data.n_places, 1);
+    assert_int_equal(data.n_instances, 1);
     assert_int_equal(data.n_parts, 1);
     lf_mesh_data_finish(&data);
     for (size_t i = 0; i < sizeof fake_lies_of_parts / sizeof *fake_lies_of_parts; i++)

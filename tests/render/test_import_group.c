@@ -6,7 +6,7 @@
 #include "base/thread.h"
 #include "render/import/scene/mesh_import.h"
 #include "render/scene/embree_commit.h"
-#include "render/scene/placed.h"
+#include "render/scene/instances.h"
 #include "render/scene/scene.h"
 #include "tests/base/pictures.h"
 #include "tests/render/fake_reader.h"
@@ -184,7 +184,7 @@ static void a_file_of_places_is_read_once(void **state)
     assert_int_equal(count_read(folder, text, "p.csv"), 1);
     lf_scene *scene = lf_test_scene_in(folder, text, NULL);
     for (int i = 0; i < 3; i++)
-        assert_int_equal(scene->geometry->meshes[i].placed->n, 2);
+        assert_int_equal(scene->geometry->meshes[i].instances->n, 2);
     lf_scene_unref(scene);
     lf_test_folder_remove(folder);
 }

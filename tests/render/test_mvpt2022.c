@@ -283,12 +283,12 @@ static void what_it_does_not_know_is_refused(void **state)
         "mvpt2022 does not support reconstruction and depth; the picture is reconstructed "
         "or has depth; use one of mvpt, vpt, amvpt");
     settings.features = false;
-    lf_scene *flames = lf_test_scene(LF_TEST_FLAMES("3", ""));
-    lf_assert_status(lf_renderer_restart(r, flames, &settings, &err), LF_E_ARG, &err);
+    lf_scene *emissive = lf_test_scene(LF_TEST_FIRES("3", ""));
+    lf_assert_status(lf_renderer_restart(r, emissive, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what,
                         "mvpt2022 does not support volumes that emit; the scene has some; "
                         "use one of mvpt, vpt, amvpt");
-    lf_scene_unref(flames);
+    lf_scene_unref(emissive);
     lf_renderer_destroy(r);
 }
 

@@ -185,7 +185,7 @@ static void what_is_not_there_is_left_out_and_counted(void **state)
 {
     lf_soup soup = soup_of(*state, SQUARE "f 1 2 5\nf 1 2 3\nf 1 0 2\nf -5 1 2\nf 1 2 3 4 9\n");
     assert_int_equal(soup.n_triangles, 1);
-    assert_int_equal(soup.n_astray, 4);
+    assert_int_equal(soup.n_wrong_normals, 4);
     lf_soup_finish(&soup);
     soup = soup_of(*state, SQUARE "f 1/1/1 2//1 3\n");
     assert_int_equal(soup.n_triangles, 1);
@@ -261,16 +261,16 @@ static void roughness_alone_makes_no_metal(void **state)
 {
     lf_test_write(*state, "r.mtl", "newmtl r\nPr 0.25\n");
     lf_soup soup = soup_of(*state, "mtllib r.mtl\n" SQUARE "usemtl r\nf 1 2 3\n");
-    assert_int_equal(soup.n_said, 1);
-    assert_false(soup.said[0].is_metallic);
+    assert_int_equal(soup.n_sources, 1);
+    assert_false(soup.source[0].is_metallic);
     lf_soup_finish(&soup);
 }
 
-static const lf_said *said_of(const lf_soup *soup, const char *name)
+static const lf_source_material *said_of(const lf_soup *soup, const char *name)
 {
-    for (size_t i = 0; i < soup->n_said; i++)
-        if (strcmp(soup->said[i].name, name) == 0)
-            return &soup->said[i];
+    for (size_t i = 0; i < soup->n_sources; i++)
+        if (strcmp(soup->source[i].name, name) == 0)
+            return &soup->source[i];
     fail_msg("no material \"%s\"", name);
     return NULL;
 }
@@ -284,7 +284,8 @@ static void a_library_says_what_materials_are(void **state)
     lf_soup soup =
         soup_of(*state, "mtllib my own.mtl\n" SQUARE
                         "usemtl a b\nf 1 2 3\nusemtl m\nf 1 3 4\nusemtl gone\nf 1 2 4\n");
-    const lf_said *a = said_of(&soup, "a b"), *m = said_of(&soup, "m"), *s = said_of(&soup, "s");
+    const lf_source_material *a = said_of(&soup, "a b"), *m = said_of(&soup, "m"),
+                             *s = said_of(&soup, "s");
     assert_true(soup.tells_missing);
     lf_assert_close(a->albedo.y, 0.2f, 0, 0);
     lf_assert_close(a->highlight.z, 0.5f, 0, 0);
@@ -300,12 +301,12 @@ static void a_library_says_what_materials_are(void **state)
     assert_true(s->cover == LF_COVER_BLEND && s->alpha == 0.5f && a->cover == LF_COVER_OPAQUE);
     assert_true(a->has_diffuse && !s->has_diffuse);
     assert_int_equal(soup.n_maps, 2);
-    assert_true(soup.maps[0].use == LF_MAP_BUMP && &soup.said[soup.maps[0].said] == m);
-    assert_true(soup.maps[1].use == LF_MAP_GLOW && &soup.said[soup.maps[1].said] == s);
+    assert_true(soup.maps[0].use == LF_MAP_BUMP && &soup.source[soup.maps[0].source] == m);
+    assert_true(soup.maps[1].use == LF_MAP_EMISSION && &soup.source[soup.maps[1].source] == s);
     assert_string_equal(soup.maps[0].path, lf_test_path(*state, "b.png"));
     assert_true(said_of(&soup, "gone")->is_missing && !a->is_missing);
     for (size_t i = 0; i < 3; i++)
-        assert_ptr_equal(&soup.said[soup.choices[i]],
+        assert_ptr_equal(&soup.source[soup.choices[i]],
                          said_of(&soup, (const char *const[]){"a b", "m", "gone"}[i]));
     lf_soup_finish(&soup);
 }
@@ -313,7 +314,7 @@ static void a_library_says_what_materials_are(void **state)
 static const lf_map *map_of(const lf_soup *soup, const char *name)
 {
     for (size_t i = 0; i < soup->n_maps; i++)
-        if (strcmp(soup->said[soup->maps[i].said].name, name) == 0)
+        if (strcmp(soup->source[soup->maps[i].source].name, name) == 0)
             return &soup->maps[i];
     fail_msg("no picture of \"%s\"", name);
     return NULL;
@@ -378,7 +379,7 @@ static void options_of_a_picture_say_how_it_lies(void **state)
             fail_msg("%s: %s", cases[i].line, map->path);
         if (memcmp(t->map, cases[i].map, sizeof t->map) != 0 || t->scale != cases[i].scale ||
             t->wrap_u != cases[i].wrap || t->wrap_v != cases[i].wrap ||
-            soup.said[0].lost != (cases[i].lost ? 1u << LF_LOST_MAP_OPTIONS : 0))
+            soup.source[0].lost != (cases[i].lost ? 1u << LF_LOST_MAP_OPTIONS : 0))
             fail_msg("%s: %g %g, %g %g", cases[i].line, (double)t->map[0][0], (double)t->map[0][2],
                      (double)t->map[1][1], (double)t->map[1][2]);
         lf_soup_finish(&soup);
@@ -408,10 +409,10 @@ static void opacity_is_said_in_two_ways(void **state)
         snprintf(text, sizeof text, "newmtl x\n%s", cases[i].lines);
         lf_test_write(*state, "x.mtl", text);
         lf_soup soup = soup_of(*state, "mtllib x.mtl\n" SQUARE "usemtl x\nf 1 2 3\n");
-        if (soup.said[0].alpha != cases[i].alpha ||
-            (soup.said[0].cover == LF_COVER_BLEND) != (cases[i].alpha < 1) ||
-            soup.said[0].lost != (cases[i].lost ? 1u << LF_LOST_TRANSPARENCY : 0))
-            fail_msg("%s: %g", cases[i].lines, (double)soup.said[0].alpha);
+        if (soup.source[0].alpha != cases[i].alpha ||
+            (soup.source[0].cover == LF_COVER_BLEND) != (cases[i].alpha < 1) ||
+            soup.source[0].lost != (cases[i].lost ? 1u << LF_LOST_TRANSPARENCY : 0))
+            fail_msg("%s: %g", cases[i].lines, (double)soup.source[0].alpha);
         lf_soup_finish(&soup);
     }
 }

@@ -56,7 +56,8 @@ static void film_points_are_as_many_in_every_part_of_a_pixel(void **state)
             const int planes = lf_outlines_planes(visit);
             assert_int_equal(planes, visit < 2 ? 4 : 2);
             assert_true(lf_outlines_row(key, visit, 0) == lf_sampler_radical(key, visit));
-            assert_true(lf_outlines_column(key, 7, visit, 0) == lf_exits_film_point(key, 7, visit));
+            assert_true(lf_outlines_column(key, 7, visit, 0) ==
+                        lf_unscattered_film_point(key, 7, visit));
             n = visit < 3 ? 0 : n;
             for (int plane = 0; plane < planes; plane++, n++) {
                 down[n] = lf_outlines_row(key, visit, plane);

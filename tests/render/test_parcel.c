@@ -127,7 +127,7 @@ static lf_status take_parts(const uint32_t part_of[3])
     lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_POSITIONS, positions, 18, NULL), NULL);
     lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_NORMALS, normals, 18, NULL), NULL);
     lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_TRIANGLES, triangles, 6, NULL), NULL);
-    lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_PLACES, places, 36, NULL), NULL);
+    lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_INSTANCES, places, 36, NULL), NULL);
     lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_PARTS, parts, 8, NULL), NULL);
     lf_assert_ok(lf_parcel_put(&writer, LF_PARCEL_PART_OF, part_of, 3, NULL), NULL);
     lf_assert_ok(lf_parcel_seal(&writer, &fd, NULL), NULL);

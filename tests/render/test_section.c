@@ -26,7 +26,7 @@ static void set_up(bench *b, const char *text)
     b->renderer = lf_test_renderer(b->scene, "mvpt", width, height, NULL);
     b->tracer.scene = b->scene;
     assert_int_equal(lf_section_init(&b->section, lf_test_rows(b->renderer)->triangles.longest,
-                                     lf_test_rows(b->renderer)->triangles.n_places),
+                                     lf_test_rows(b->renderer)->triangles.n_instances),
                      LF_OK);
 }
 

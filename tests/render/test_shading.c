@@ -8,7 +8,7 @@
 
 static const float reflected = 0.25f, through = 0.6f;
 
-static int pane_deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
+static int thin_deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
                        lf_delta out[LF_MAX_DELTAS])
 {
     (void)m, (void)front;
@@ -17,10 +17,10 @@ static int pane_deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo,
     return 2;
 }
 
-static const lf_surface_kind pane = {.name = "pane", .deltas = pane_deltas};
+static const lf_surface_kind thin = {.name = "pane", .deltas = thin_deltas};
 
 /* A pane at y = 0, and lamps above and below it of which the ceiling is twice as bright. */
-static lf_scene *make_pane(bool ceiling, bool floor)
+static lf_scene *make_thin(bool ceiling, bool floor)
 {
     char text[1024];
     snprintf(text, sizeof text,
@@ -33,7 +33,7 @@ static lf_scene *make_pane(bool ceiling, bool floor)
              ceiling ? 2 : 0, floor ? 1 : 0);
     lf_scene *scene = lf_test_scene(text);
     lf_material *m = &scene->materials[scene->meshes[0].material];
-    m->kind = &pane;
+    m->kind = &thin;
     m->has_delta = true;
     return scene;
 }
@@ -51,7 +51,7 @@ static void look(lf_tracer *tracer, float x, float height, lf_event *out)
 static void a_hit_says_from_which_side_and_where_on_its_triangle(void **state)
 {
     (void)state;
-    lf_scene *scene = make_pane(true, true);
+    lf_scene *scene = make_thin(true, true);
     lf_tracer tracer = {.scene = scene, .rng = 1};
     for (int i = 0; i < 20; i++) {
         lf_event above, below;
@@ -89,7 +89,7 @@ static void both_delta_lobes_of_a_surface_are_followed(void **state)
         bool ceiling, floor;
     } lamps[] = {{true, false}, {false, true}, {true, true}};
     for (int i = 0; i < 3; i++) {
-        lf_scene *scene = make_pane(lamps[i].ceiling, lamps[i].floor);
+        lf_scene *scene = make_thin(lamps[i].ceiling, lamps[i].floor);
         double want = (lamps[i].ceiling ? 2.0 * (double)reflected : 0.0) +
                       (lamps[i].floor ? (double)through : 0.0);
         /* Five standard errors of a choice between two. */

@@ -160,17 +160,17 @@ static double brightness_of(const char *material, const char *integrator)
 }
 
 /* What enters, and what leaves, is mirrored by the facet too: where it was lost, a fifth was. */
-static void flesh_loses_no_more_than_what_is_matt(void **state)
+static void subsurface_loses_no_more_than_what_is_matt(void **state)
 {
     (void)state;
     for (int i = 0; i < 2; i++) {
         double matt = brightness_of("'type': 'principled', 'albedo': 1", integrators[i]),
-               flesh = brightness_of("'type': 'principled', 'albedo': 1, 'subsurface': 1, "
-                                     "'subsurface_radius': 0.3",
-                                     integrators[i]);
-        print_message("%s: matt %.4f, flesh %.4f\n", integrators[i], matt, flesh);
+               subsurface = brightness_of("'type': 'principled', 'albedo': 1, 'subsurface': 1, "
+                                          "'subsurface_radius': 0.3",
+                                          integrators[i]);
+        print_message("%s: matt %.4f, flesh %.4f\n", integrators[i], matt, subsurface);
         assert_true(matt > 0.99);
-        lf_assert_close(flesh, matt, 0, 4e-3);
+        lf_assert_close(subsurface, matt, 0, 4e-3);
     }
 }
 
@@ -241,7 +241,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_leaks_through_a_sheet),
         cmocka_unit_test(a_sheet_under_a_sky_loses_nothing),
-        cmocka_unit_test(flesh_loses_no_more_than_what_is_matt),
+        cmocka_unit_test(subsurface_loses_no_more_than_what_is_matt),
         cmocka_unit_test(folded_lobes_weigh_what_is_expected),
         cmocka_unit_test(smooth_normals_of_a_ball_point_outwards),
     };

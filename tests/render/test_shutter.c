@@ -170,7 +170,7 @@ static void write_scene(writer *w, double time)
                                       {0.1, -0.3, 0, 1, 0.3, 0.2, 0, -0.4, 0, 0, 0.4, 0.7, 0, 0, 0,
                                        1}},
                         lamp[2][3] = {{0.1, 1.2, 1}, {0.8, 0.7, 1.4}},
-                        pane[2][3] = {{-1, 1.2, -1}, {-0.4, 1, -1}},
+                        thin[2][3] = {{-1, 1.2, -1}, {-0.4, 1, -1}},
                         eye[2][3] = {{-0.3, 0.5, 5}, {0.5, 0.8, 4.6}},
                         target[2][3] = {{0, 0, 0}, {0.1, 0, 0.1}},
                         sky[2][3] = {{0.3, 0.4, 0.6}, {0.5, 0.5, 0.7}},
@@ -208,7 +208,7 @@ static void write_scene(writer *w, double time)
     put_moving(w, "matrix", box[0], box[1], 16);
     put(w, "}}, 'glowing': {'shape': 'quad', 'material': 'glow', 'transform': {'scale': [0.5, 1, "
            "0.3], 'rotate': [70, 0, 0], ");
-    put_moving(w, "translate", pane[0], pane[1], 3);
+    put_moving(w, "translate", thin[0], thin[1], 3);
     put(w, "}}}, 'materials': {'clay': {'albedo': [0.5, 0.45, 0.4]}, 'glaze': {'type': 'plastic', "
            "'albedo': [0.6, 0.3, 0.2], 'roughness': 0.5}, 'glow': {'albedo': 0.2, 'emission': 2}}, "
            "'lights': {'sky': {'type': 'environment', ");
@@ -574,10 +574,10 @@ static void lamps_are_found_as_they_are_drawn(void **state)
         "'radius': {'keys': [[1, 1], [2, 0.3]]}, 'position': {'keys': [[1, [4, 0, 0]], [2, [3, 0, "
         "1]]]}, 'radiance': 1}}}");
     const lf_vec3 p = {0.2f, 0.1f, 0.3f};
-    lf_moment moment = {0};
+    lf_shutter_time shutter = {0};
     int drawn = 0;
     const lf_moving moving = {.scene = scene};
-    assert_int_equal(lf_moment_init(&moment, &moving), LF_OK);
+    assert_int_equal(lf_shutter_time_init(&shutter, &moving), LF_OK);
     for (uint32_t i = 0; i < 600; i++) {
         const float time = lf_sampler_radical(4, i),
                     u[3] = {lf_sampler_radical(1, i), lf_sampler_radical(2, i),
@@ -585,20 +585,20 @@ static void lamps_are_found_as_they_are_drawn(void **state)
         lf_light_sample sample;
         lf_hit hit;
         float pdf;
-        lf_moment_set(&moment, &moving, time);
-        lf_tracer tracer = {.scene = &moment.scene, .time = time};
-        if (!lf_light_draw(&moment.scene, p, u, &sample))
+        lf_shutter_time_set(&shutter, &moving, time);
+        lf_tracer tracer = {.scene = &shutter.scene, .time = time};
+        if (!lf_light_draw(&shutter.scene, p, u, &sample))
             continue;
         assert_true(lf_trace_surface(&tracer, p, sample.wi, INFINITY, &hit));
         if (hit.mesh != sample.mesh || hit.triangle != sample.triangle)
             continue; /* an edge, or another one before it */
-        lf_light_hit(&moment.scene, p, &hit, &pdf);
+        lf_light_hit(&shutter.scene, p, &hit, &pdf);
         lf_assert_close((double)pdf, (double)sample.pdf, 2e-3, 0);
         lf_assert_close((double)lf_length(lf_sub(hit.p, sample.point)), 0, 0, 1e-5);
         drawn++;
     }
     assert_true(drawn > 300);
-    lf_moment_finish(&moment);
+    lf_shutter_time_finish(&shutter);
     lf_scene_unref(scene);
 }
 

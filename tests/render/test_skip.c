@@ -194,7 +194,7 @@ static int count_reach(const char *text)
 {
     lf_scene *scene = lf_test_scene(text);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
-    static lf_media media, flames;
+    static lf_media media, emissive;
     static lf_reach reach;
     int64_t lookups = 0;
     int sum = 0;
@@ -208,7 +208,8 @@ static int count_reach(const char *text)
                                    .phase = {0.5f, 0.5f}};
         lf_rig_row_plane(&lf_test_rows(r)->rig, (float)row + 0.5f, lens, &plane);
         lf_media_cut(&media, &lf_test_rows(r)->frame, scene->volumes, &at, &lookups);
-        lf_reach_of(&reach, &lf_test_rows(r)->seen, &lf_test_rows(r)->rig, &plane, &media, &flames);
+        lf_reach_of(&reach, &lf_test_rows(r)->seen, &lf_test_rows(r)->rig, &plane, &media,
+                    &emissive);
         for (int k = 0; k < n_views; k++)
             sum += reach.end[k] - reach.first[k];
     }

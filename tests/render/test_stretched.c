@@ -179,7 +179,7 @@ static void triangles_that_become_one_beside_a_far_vertex_are_not_compared_in_pa
         int64_t compared = -1;
         for (int i = 0; i < n; i++) {
             data[i] = row_of(&rows[i], "small", each, 1e-6, kind == 2 ? 1.0 : 1e-6);
-            data[i].n_places = kind > 0 ? 2 : 0;
+            data[i].n_instances = kind > 0 ? 2 : 0;
             data[i].places = rows[i].places;
             data[i].n_parts = kind == 1 ? 1 : 0;
             data[i].parts = &rows[i].part;

@@ -47,7 +47,7 @@ static int make_layered(lf_material *m, int n)
 }
 
 /* Grooves as a hit has them. */
-static lf_material brushed(float metallic, float along, float across, float angle)
+static lf_material anisotropic(float metallic, float along, float across, float angle)
 {
     lf_material m = material(&lf_surface_principled, 0.5f, 0.6f);
     m.metallic = metallic;
@@ -56,7 +56,7 @@ static lf_material brushed(float metallic, float along, float across, float angl
     m.roughness = sqrtf(sqrtf(0.5f * (along * along + across * across)));
     m.anisotropy = 1.0f;
     m.anisotropy_rotation[0] = 1.0f;
-    m.brush = (lf_brush){.alpha = {along, across}, .along = {cosf(angle), sinf(angle)}};
+    m.anisotropic = (lf_anisotropy){.alpha = {along, across}, .along = {cosf(angle), sinf(angle)}};
     lf_material_prepare(&m);
     return m;
 }
@@ -78,9 +78,9 @@ static lf_material from_within(float metallic)
 /* A rough coat that leans off its base. */
 static lf_material leaning(float metallic, float tilt)
 {
-    lf_material m = brushed(metallic, 0.5f, 0.1f, 0.7f);
+    lf_material m = anisotropic(metallic, 0.5f, 0.1f, 0.7f);
     m.anisotropy = 0.0f;
-    m.brush = (lf_brush){0};
+    m.anisotropic = (lf_anisotropy){0};
     m.coat = 0.8f;
     m.coat_roughness = 0.5f;
     m.coat_normal = lf_v3(sinf(tilt) * 0.6f, sinf(tilt) * 0.8f, cosf(tilt));
@@ -115,8 +115,8 @@ static int make_materials(lf_material *m)
     m[n].eta = lf_v3(0.2f, 0.9f, 1.3f);
     m[n].k = lf_v3(3.3f, 2.6f, 2.4f);
     lf_material_prepare(&m[n++]);
-    m[n++] = brushed(1.0f, 0.5f, 0.1f, 0.7f);
-    m[n++] = brushed(0.3f, 0.9f, 0.2f, 2.0f);
+    m[n++] = anisotropic(1.0f, 0.5f, 0.1f, 0.7f);
+    m[n++] = anisotropic(0.3f, 0.9f, 0.2f, 2.0f);
     m[n++] = leaning(0.0f, 0.5f);
     m[n++] = leaning(1.0f, 0.6f);
     m[n++] = dense(0.3f, 4.0f);
@@ -280,7 +280,7 @@ static void grooves_make_little_energy_in_the_mean(void **state)
     const double mean_off[] = {0.015, 0.01, 0.07}, most_off[] = {0.02, 0.04, 0.1};
     for (int a = 0; a < 3; a++)
         for (int j = 0; j < 4; j++) {
-            lf_material white = brushed(1.0f, alphas[a][0], alphas[a][1], 0.0f);
+            lf_material white = anisotropic(1.0f, alphas[a][0], alphas[a][1], 0.0f);
             lf_moments mean = {0};
             white.albedo = lf_v3(1.0f, 1.0f, 1.0f);
             lf_material_prepare(&white);
@@ -305,7 +305,7 @@ static void grooves_spread_along_their_direction(void **state)
 {
     (void)state;
     const lf_vec3 n = normals[0];
-    lf_material m = brushed(1.0f, 0.2f, 0.05f, LF_PI / 6.0f);
+    lf_material m = anisotropic(1.0f, 0.2f, 0.05f, LF_PI / 6.0f);
     lf_vec3 f, wi;
     float wide = 0.0f, narrow = 0.0f;
     m.albedo = lf_v3(1.0f, 1.0f, 1.0f);
@@ -336,9 +336,9 @@ static void grooves_spread_along_their_direction(void **state)
 static void even_grooves_are_none(void **state)
 {
     (void)state;
-    lf_material even = brushed(0.5f, 0.3f, 0.3f, 1.0f), none = even;
+    lf_material even = anisotropic(0.5f, 0.3f, 0.3f, 1.0f), none = even;
     none.anisotropy = 0.0f;
-    none.brush = (lf_brush){0};
+    none.anisotropic = (lf_anisotropy){0};
     lf_material_prepare(&none);
     for (int i = 0; i < 64; i++) {
         lf_vec3 f, g, wo = at_cosine(normals[1], 0.02f + 0.015f * (float)i, 0.3f * (float)i),

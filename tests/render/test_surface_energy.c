@@ -412,7 +412,7 @@ static void a_pane_reflects_with_both_faces(void **state)
         /* Of what meets the grey one all is reflected. */
         assert_int_equal(m.kind->deltas(&m, up, up, up, side == 0, out), 1);
         assert_true(fabs((double)out[0].f.x - 1.0) < 1e-6);
-        assert_true(fabs((double)lf_pane_passes(&m, 1.0f) - (0.96 / 1.04)) < 1e-6);
+        assert_true(fabs((double)lf_thin_passes(&m, 1.0f) - (0.96 / 1.04)) < 1e-6);
     }
 }
 

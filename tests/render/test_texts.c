@@ -3,8 +3,8 @@
 #include "tests/testing.h"
 
 #include "base/calibration.h"
+#include "render/import/scene/instances_import.h"
 #include "render/import/scene/mesh_import.h"
-#include "render/import/scene/places_import.h"
 #include "tests/base/spoiled.h"
 #include "tests/stat/fixture.h"
 

@@ -74,7 +74,7 @@ static void invariant_5_pictures_do_not_depend_on_the_number_of_threads(void **s
     assert_threads(LF_TEST_MIXED("7", ""), "mvpt", LF_SAMPLER_INDEPENDENT);
     assert_threads(LF_TEST_MIXED("7", ""), "vpt", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_FOGS("7", ""), "mvpt", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_FLAMES("7", ""), "mvpt", LF_SAMPLER_OWEN);
+    assert_threads(LF_TEST_FIRES("7", ""), "mvpt", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_LAMP("7", ""), "mvpt", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_LAMP("7", ""), "amvpt", LF_SAMPLER_OWEN);
     assert_threads(LF_TEST_MIXED("7", ""), "amvpt", LF_SAMPLER_OWEN);

@@ -153,7 +153,7 @@ static const struct {
     {.volumes = FOG("")}},
     {LF_TRAIT_SKY_PICTURES, {.meshes = BALL("clay"), .lights = "'s': { 'type': 'studio' }"},
     {.meshes = BALL("clay")}},
-    {LF_TRAIT_LAMPS, {.volumes = FOG(""), .lights = POINT("[0.5, 2, 1]", "12")},
+    {LF_TRAIT_AREA_LIGHTS, {.volumes = FOG(""), .lights = POINT("[0.5, 2, 1]", "12")},
     {.volumes = FOG("")}},
     {LF_TRAIT_EQUIANGULAR, {.volumes = FOG(""), .lights = POINT("[0, 0, 0]", "6")},
     {.volumes = FOG("")}},

@@ -231,7 +231,7 @@ static void a_lamp_in_constant_voxels_shines_as_in_a_box(void **state)
             i == 0, 0.8f,
             "'lamp': { 'type': 'point', 'position': [0.03, 0.05, 0.02], 'intensity': 1 }");
         lf_renderer *r = lf_test_renderer(scene, i == 2 ? "vpt" : "mvpt", SIDE, SIDE, NULL);
-        assert_int_equal(scene->glows.n, 1);
+        assert_int_equal(scene->equiangular.n, 1);
         lf_test_pictures(r, whole_cycles, LF_ESTIMATOR_MIS, REPLICATES, (uint64_t)i, BLOCK,
                          &blocks[i]);
         lf_renderer_destroy(r);

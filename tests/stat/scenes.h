@@ -48,7 +48,7 @@
 
 /* Forward-scattering fog that glows, in part within black smoke that does not, beside a ball that
  * glows in vacuum, over a ground that they light; no other light but a faint sky. */
-#define LF_TEST_FLAMES(views, more)                                                                \
+#define LF_TEST_FIRES(views, more)                                                                \
     "{ " LF_TEST_CAMERA(views, more)                                                               \
     "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, 'albedo': [0.9, 0.8, 0.7], 'g': "    \
     "0.4, 'emission': [1, 0.8, 0.5], 'transform': { 'scale': [0.8, 0.6, 0.6], 'rotate': [0, 20, "  \
@@ -92,8 +92,8 @@
     "'glaze': { 'type': 'plastic', 'albedo': [0.6, 0.3, 0.2], 'roughness': 0.4, 'ior': 2 } }, "    \
     LF_TEST_SHARP_LIGHTS " }"
 
-/* A mirror and a black card behind a veil of fog. */
-#define LF_TEST_VEIL(views, more)                                                                  \
+/* A mirror and a black card behind thin fog. */
+#define LF_TEST_MIST(views, more)                                                                 \
     "{ " LF_TEST_CAMERA(views, more)                                                               \
     "'volumes': { 'veil': { 'shape': 'box', 'density': 1, 'albedo': 0.8, "                         \
     "'transform': { 'scale': [2, 2, 0.3], 'translate': [0, 0, 1.2] } } }, "                        \

@@ -55,7 +55,7 @@ static bool has_textures(const struct aiMaterial *m)
     return false;
 }
 
-static bool glows_by_texture(const struct aiMaterial *m)
+static bool emits_by_texture(const struct aiMaterial *m)
 {
     return has_texture(m, aiTextureType_EMISSIVE) || has_texture(m, aiTextureType_EMISSION_COLOR);
 }
@@ -101,25 +101,25 @@ static bool is_transparent(const struct aiMaterial *m)
 static unsigned losses(const struct aiMaterial *m)
 {
     return (has_textures(m) ? 1u << LF_LOST_TEXTURES : 0) |
-           (glows_by_texture(m) ? 1u << LF_LOST_GLOW : 0) |
+           (emits_by_texture(m) ? 1u << LF_LOST_EMISSION : 0) |
            (is_transparent(m) ? 1u << LF_LOST_TRANSPARENCY : 0);
 }
 
 /* --------------------------------------------------------------------------------------- all -- */
 
-static lf_said said_of(const struct aiMaterial *m)
+static lf_source_material said_of(const struct aiMaterial *m)
 {
     struct aiString name;
     get_name(m, &name);
-    lf_said said = lf_said_begin(name.data);
-    said.is_none = is_made_up(m);
-    said.emission = get_emission(m);
-    get_float(m, AI_MATKEY_REFRACTI, &said.ior);
-    get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &said.albedo);
-    get_colour(m, AI_MATKEY_COLOR_SPECULAR, &said.highlight);
-    get_float(m, AI_MATKEY_SHININESS, &said.exponent);
-    said.lost = losses(m);
-    return said;
+    lf_source_material source = lf_source_material_begin(name.data);
+    source.is_none = is_made_up(m);
+    source.emission = get_emission(m);
+    get_float(m, AI_MATKEY_REFRACTI, &source.ior);
+    get_colour(m, AI_MATKEY_COLOR_DIFFUSE, &source.albedo);
+    get_colour(m, AI_MATKEY_COLOR_SPECULAR, &source.highlight);
+    get_float(m, AI_MATKEY_SHININESS, &source.exponent);
+    source.lost = losses(m);
+    return source;
 }
 
 static void mark_used(const struct aiScene *scene, bool *used)
@@ -136,19 +136,20 @@ lf_status lf_mesh_materials(const struct aiScene *scene, lf_mesh_data *out, lf_e
 {
     bool used[LF_MAX_MATERIALS] = {false};
     size_t n = scene->mNumMaterials;
-    lf_said *said = n > 0 && n <= LF_MAX_MATERIALS ? lf_calloc(n, sizeof *said) : NULL;
-    for (size_t i = 0; said && i < n; i++)
-        said[i] = said_of(scene->mMaterials[i]);
-    if (said)
+    lf_source_material *source =
+        n > 0 && n <= LF_MAX_MATERIALS ? lf_calloc(n, sizeof *source) : NULL;
+    for (size_t i = 0; source && i < n; i++)
+        source[i] = said_of(scene->mMaterials[i]);
+    if (source)
         mark_used(scene, used);
     lf_status status = LF_OK;
-    for (size_t i = 0; said && i < n; i++)
-        if (!said[i].name)
+    for (size_t i = 0; source && i < n; i++)
+        if (!source[i].name)
             status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     if (status == LF_OK)
-        status = lf_said_convert(said, said ? n : 0, used, out, err);
-    for (size_t i = 0; said && i < n; i++)
-        lf_free(said[i].name);
-    lf_free(said);
+        status = lf_source_materials_convert(source, source ? n : 0, used, out, err);
+    for (size_t i = 0; source && i < n; i++)
+        lf_free(source[i].name);
+    lf_free(source);
     return status;
 }

@@ -2,7 +2,7 @@
 #ifndef LF_RENDER_ASSIMP_MATERIAL_H
 #define LF_RENDER_ASSIMP_MATERIAL_H
 
-#include "render/import/reader/said.h"
+#include "render/import/reader/source_material.h"
 
 struct aiScene;
 

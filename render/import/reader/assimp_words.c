@@ -146,7 +146,7 @@ static bool refuse_chunks(int fd, const char *path, int64_t size, lf_error *err)
     return true;
 }
 
-void lf_assimp_refuse(int fd, const char *path, const char *said, lf_error *err)
+void lf_assimp_refuse(int fd, const char *path, const char *source, lf_error *err)
 {
     struct stat info;
     const bool is_3ds = lf_path_has_ending(path, ".3ds");
@@ -155,5 +155,5 @@ void lf_assimp_refuse(int fd, const char *path, const char *said, lf_error *err)
     (void)lf_error_set(err, LF_E_FORMAT, path,
                        "cannot be read as a mesh%s; the library that reads %s says: %s",
                        is_3ds ? ": its 3DS chunks hold something else than they should" : "",
-                       is_3ds ? "3DS" : "this format", said);
+                       is_3ds ? "3DS" : "this format", source);
 }

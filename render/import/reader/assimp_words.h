@@ -7,7 +7,7 @@
 
 /* Fills err, LF_E_FORMAT, for the mesh behind fd that path names: of 3DS the chunk that is not
  * whole, else that Assimp said these words. */
-void lf_assimp_refuse(int fd, const char *path, const char *said, lf_error *err);
+void lf_assimp_refuse(int fd, const char *path, const char *source, lf_error *err);
 
 /* Of a 3DS file that was read: a warning of its chunks that a picture lacks and Assimp keeps quiet
  * about. Of other formats none. */

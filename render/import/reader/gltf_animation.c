@@ -85,16 +85,16 @@ void lf_gltf_warn_of_clips(const lf_gltf *gltf, const lf_clip *clip, lf_warnings
 
 static lf_status refuse_clip(const lf_clip *clip, const json_t *animations, lf_error *err)
 {
-    char said[LF_MAX_CLIP + 3], names[1024];
+    char source[LF_MAX_CLIP + 3], names[1024];
     if (clip->name)
-        snprintf(said, sizeof said, "\"%s\"", clip->name);
+        snprintf(source, sizeof source, "\"%s\"", clip->name);
     else
-        snprintf(said, sizeof said, "%d", clip->number);
+        snprintf(source, sizeof source, "%d", clip->number);
     list_clips(animations, names, sizeof names);
     if (json_array_size(animations) == 0)
         return lf_error_set(err, LF_E_ARG, LF_HERE, "no animation %s: nothing moves in this file",
-                            said);
-    return lf_error_set(err, LF_E_ARG, LF_HERE, "no animation %s; there %s %s", said,
+                            source);
+    return lf_error_set(err, LF_E_ARG, LF_HERE, "no animation %s; there %s %s", source,
                         json_array_size(animations) == 1 ? "is" : "are", names);
 }
 

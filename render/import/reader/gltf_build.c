@@ -24,8 +24,8 @@ static lf_status visit_mesh(lf_gltf_build *build, const lf_gltf_node *node,
     const lf_gltf_mesh *mesh = &build->meshes[node->mesh];
     lf_status status = LF_OK;
     for (size_t p = 0; p < mesh->n && status == LF_OK; p++)
-        status = visit(build, &(lf_gltf_place){node, to_world, mesh, &mesh->primitives[p]}, context,
-                       err);
+        status =
+            visit(build, &(lf_gltf_use){node, to_world, mesh, &mesh->primitives[p]}, context, err);
     return status;
 }
 
@@ -91,8 +91,7 @@ static bool lacks_coordinates(const lf_gltf_build *build, const lf_gltf_primitiv
     return lacks;
 }
 
-static lf_status count(lf_gltf_build *build, const lf_gltf_place *place, void *context,
-                       lf_error *err)
+static lf_status count(lf_gltf_build *build, const lf_gltf_use *place, void *context, lf_error *err)
 {
     const lf_gltf_primitive *primitive = place->primitive;
     (void)context, (void)err;
@@ -217,7 +216,7 @@ static void put_vertex(const part *p, size_t v)
     lf_mesh_data *data = p->build->data;
     size_t to = (size_t)data->n_vertices;
     vertex from = vertex_of(p, v);
-    lf_mesh_place own = p->skin ? lf_gltf_skin_place(p->skin, p->primitive, v) : p->place;
+    lf_mesh_place own = p->skin ? lf_gltf_skin_node(p->skin, p->primitive, v) : p->place;
     lf_mesh_put_vertex(data, &own, from.position,
                        p->primitive->normal.count > 0 ? from.normal : NULL);
     int odd = put_coordinates(p, v, to);
@@ -249,7 +248,7 @@ static void put_part(const part *p)
                 put_vertex(p, corners[c]);
             corners[c] = base + (faceted ? 3 * (uint32_t)t + c : corners[c]);
         }
-        p->build->n_astray += !is_there;
+        p->build->n_wrong_normals += !is_there;
         if (is_there)
             lf_mesh_put_triangle(data, &p->place, corners, material);
     }
@@ -261,8 +260,7 @@ static lf_status find_same(lf_gltf_build *build, size_t first, lf_error *err)
     return build->same ? lf_mesh_find_same(build->data, first, n, build->same, err) : LF_OK;
 }
 
-static lf_status fill(lf_gltf_build *build, const lf_gltf_place *place, void *context,
-                      lf_error *err)
+static lf_status fill(lf_gltf_build *build, const lf_gltf_use *place, void *context, lf_error *err)
 {
     const lf_gltf_node *node = place->node;
     const lf_gltf_mesh *mesh = place->mesh;
@@ -328,7 +326,7 @@ static lf_status fill_all(lf_gltf_build *build, bool shared, lf_error *err)
     lf_status status = parts ? lf_gltf_visit_once(build, fill, parts, err)
                              : lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     if (status == LF_OK)
-        status = lf_gltf_put_places(build, parts, err);
+        status = lf_gltf_put_instances(build, parts, err);
     lf_free(parts);
     return status;
 }

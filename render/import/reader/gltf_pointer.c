@@ -404,12 +404,12 @@ static void look_at_sampler(following *f, const json_t *channel)
 {
     const json_t *sampled = lf_gltf_element(f->playing->animation, "samplers",
                                             lf_gltf_whole(channel, "sampler", LF_GLTF_NONE));
-    const char *said = lf_gltf_text(sampled, "interpolation");
-    if (!*said || strcmp(said, "LINEAR") == 0 || strcmp(said, "STEP") == 0 ||
-        strcmp(said, "CUBICSPLINE") == 0)
+    const char *source = lf_gltf_text(sampled, "interpolation");
+    if (!*source || strcmp(source, "LINEAR") == 0 || strcmp(source, "STEP") == 0 ||
+        strcmp(source, "CUBICSPLINE") == 0)
         return;
     if (f->n_odd++ == 0)
-        lf_gltf_line(said, f->odd, sizeof f->odd);
+        lf_gltf_line(source, f->odd, sizeof f->odd);
 }
 
 static lf_status look_at(following *f, const json_t *channel, lf_error *err)

@@ -94,7 +94,7 @@ static lf_status check_indices(lf_gltf_primitive *p, const char *place, lf_error
                             "%s: indices of type %d; expected 5121, 5123 or 5125", place,
                             (int)a->type);
     for (size_t i = 0; i < a->count; i++)
-        p->n_astray += lf_gltf_integer(a, i) >= p->position.count;
+        p->n_wrong_normals += lf_gltf_integer(a, i) >= p->position.count;
     return LF_OK;
 }
 
@@ -285,7 +285,7 @@ bool lf_gltf_corners(const lf_gltf_primitive *p, size_t triangle, uint32_t out[3
     const size_t *c = corners[p->mode - TRIANGLES];
     for (int k = 0; k < 3; k++)
         out[k] = p->indices.count > 0 ? lf_gltf_integer(&p->indices, c[k]) : (uint32_t)c[k];
-    if (p->n_astray == 0 ||
+    if (p->n_wrong_normals == 0 ||
         (out[0] < p->position.count && out[1] < p->position.count && out[2] < p->position.count))
         return true;
     out[0] = out[1] = out[2] = 0;

@@ -31,12 +31,12 @@ typedef struct lf_gltf_primitive {
     lf_gltf_accessor joints[LF_GLTF_JOINT_SETS], weights[LF_GLTF_JOINT_SETS];
     lf_gltf_accessor indices; /* absent: every vertex once */
     unsigned mode;
-    uint32_t material;   /* LF_GLTF_NONE */
-    bool lacks_material; /* it names one that is not there, and has none */
-    size_t n_astray;     /* indices without a vertex */
-    unsigned lost;       /* 1 << lf_gltf_lost each */
-    size_t n_triangles;  /* 0: points or lines … */
-    size_t n_beside;     /* … so many */
+    uint32_t material;      /* LF_GLTF_NONE */
+    bool lacks_material;    /* it names one that is not there, and has none */
+    size_t n_wrong_normals; /* indices without a vertex */
+    unsigned lost;          /* 1 << lf_gltf_lost each */
+    size_t n_triangles;     /* 0: points or lines … */
+    size_t n_beside;        /* … so many */
     size_t n_targets;
     lf_gltf_target *targets;
     lf_gltf_decoded *decoded;

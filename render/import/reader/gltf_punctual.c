@@ -67,7 +67,7 @@ static bool take_light(const json_t *json, const lf_affine *to_world, lf_punctua
     return length2 > 0 && isfinite(length2);
 }
 
-static bool shines(const lf_gltf_node *node)
+static bool emits(const lf_gltf_node *node)
 {
     return node->is_shown && !node->is_hidden;
 }
@@ -77,14 +77,14 @@ lf_status lf_gltf_lights(const lf_gltf *gltf, const lf_gltf_nodes *nodes, lf_mes
 {
     size_t n = 0, n_left = 0, n_odd = 0;
     for (size_t i = 0; i < nodes->n; i++)
-        n += shines(&nodes->node[i]) && light_of(gltf, i);
+        n += emits(&nodes->node[i]) && light_of(gltf, i);
     if (n == 0)
         return LF_OK;
     out->lights.open = lf_calloc(n < LF_MAX_PUNCTUAL ? n : LF_MAX_PUNCTUAL, sizeof(lf_punctual));
     if (!out->lights.open)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     for (size_t i = 0; i < nodes->n; i++) {
-        const json_t *json = shines(&nodes->node[i]) ? light_of(gltf, i) : NULL;
+        const json_t *json = emits(&nodes->node[i]) ? light_of(gltf, i) : NULL;
         lf_punctual light;
         if (!json)
             continue;

@@ -19,9 +19,9 @@ typedef struct reading {
     lf_gltf_nodes nodes;
     size_t n_meshes;
     lf_gltf_mesh *meshes;
-    size_t n_said;
-    lf_said *said;
-    bool *used, *coloured; /* [n_said] */
+    size_t n_sources;
+    lf_source_material *source;
+    bool *used, *coloured; /* [n_sources] */
     uint32_t variant;
     size_t n_lost[LF_GLTF_LOST_KINDS];
     size_t n_lacking; /* parts that name a material that is not there */
@@ -60,8 +60,7 @@ static lf_status open_meshes(reading *r, lf_error *err)
 
 /* --------------------------------------------------------------------------------- materials -- */
 
-static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *context,
-                      lf_error *err)
+static lf_status look(lf_gltf_build *build, const lf_gltf_use *place, void *context, lf_error *err)
 {
     const lf_gltf_primitive *primitive = place->primitive;
     reading *r = context;
@@ -81,13 +80,13 @@ static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *co
 }
 
 /* In place of none: grey, as everywhere; where vertices have colours, these. */
-static lf_said made_up(bool white)
+static lf_source_material made_up(bool white)
 {
-    lf_said said = lf_said_begin("");
-    said.is_none = !white;
+    lf_source_material source = lf_source_material_begin("");
+    source.is_none = !white;
     if (white)
-        said.albedo = lf_v3(1, 1, 1);
-    return said;
+        source.albedo = lf_v3(1, 1, 1);
+    return source;
 }
 
 /* Leaves out what is made up and used by nobody: a file of as many materials as there may be is
@@ -105,20 +104,21 @@ static lf_status make_materials(reading *r, lf_error *err)
     lf_mesh_data *out = r->build.data;
     float scale = (float)cbrt(fabs(lf_affine_determinant(&r->build.desc->transform)));
     size_t n = count_said(r);
-    r->said = lf_calloc(n, sizeof *r->said);
-    if (!r->said)
+    r->source = lf_calloc(n, sizeof *r->source);
+    if (!r->source)
         return no_memory(err);
-    r->n_said = n;
+    r->n_sources = n;
     for (size_t i = 0; i < n; i++) {
-        r->said[i] = i < r->build.n_materials ? lf_gltf_said(&r->gltf, (uint32_t)i, scale)
-                                              : made_up(i == r->build.plain_white);
-        if (!r->said[i].name)
+        r->source[i] = i < r->build.n_materials
+                           ? lf_gltf_source_material(&r->gltf, (uint32_t)i, scale)
+                           : made_up(i == r->build.plain_white);
+        if (!r->source[i].name)
             return no_memory(err);
     }
-    lf_status status = lf_gltf_pictures(&r->gltf, r->said, n, r->used, out, err);
+    lf_status status = lf_gltf_pictures(&r->gltf, r->source, n, r->used, out, err);
     for (size_t i = 0; i < n && i < r->build.n_materials; i++)
-        lf_gltf_unlight(&r->gltf, (uint32_t)i, r->coloured[i], &r->said[i]);
-    return status == LF_OK ? lf_said_convert(r->said, n, r->used, out, err) : status;
+        lf_gltf_unlight(&r->gltf, (uint32_t)i, r->coloured[i], &r->source[i]);
+    return status == LF_OK ? lf_source_materials_convert(r->source, n, r->used, out, err) : status;
 }
 
 static lf_status open_materials(reading *r, lf_error *err)
@@ -183,7 +183,8 @@ static void warn(const reading *r)
     lf_warnings_count(w, LF_HERE, r->build.n_unmapped,
                       "part lacks the texture coordinates of its pictures: they count as 0",
                       "parts lack the texture coordinates of their pictures: they count as 0");
-    lf_warnings_count(w, LF_HERE, r->build.n_astray, "triangle is left out: an index has no vertex",
+    lf_warnings_count(w, LF_HERE, r->build.n_wrong_normals,
+                      "triangle is left out: an index has no vertex",
                       "triangles are left out: an index has no vertex");
     lf_warnings_count(w, LF_HERE, r->build.n_odd,
                       "vertex has a normal, texture coordinates or a colour out of range: cut",
@@ -248,9 +249,9 @@ static void close_reading(reading *r)
     for (size_t i = 0; r->meshes && i < r->n_meshes; i++)
         lf_gltf_mesh_close(&r->meshes[i]);
     free(r->meshes);
-    for (size_t i = 0; i < r->n_said; i++)
-        lf_free(r->said[i].name);
-    lf_free(r->said);
+    for (size_t i = 0; i < r->n_sources; i++)
+        lf_free(r->source[i].name);
+    lf_free(r->source);
     lf_free(r->build.same);
     lf_free(r->used);
     lf_free(r->coloured);

@@ -2,11 +2,11 @@
 
 #include "base/alloc.h"
 #include "base/sandbox/reader.h"
-#include "render/import/scene/places_import.h"
+#include "render/import/scene/instances_import.h"
 
-static bool shines(const lf_gltf_build *build)
+static bool emits(const lf_gltf_build *build)
 {
-    bool found = build->desc->shines;
+    bool found = build->desc->emits;
     for (int i = 0; i < build->data->n_materials; i++)
         found = found || lf_max3(build->data->materials[i].emission) > 0.0f;
     return found;
@@ -18,8 +18,7 @@ typedef struct shown {
     bool bent;
 } shown;
 
-static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *context,
-                      lf_error *err)
+static lf_status look(lf_gltf_build *build, const lf_gltf_use *place, void *context, lf_error *err)
 {
     shown *s = context;
     (void)build, (void)err;
@@ -28,8 +27,7 @@ static lf_status look(lf_gltf_build *build, const lf_gltf_place *place, void *co
     return LF_OK;
 }
 
-static lf_status tally(lf_gltf_build *build, const lf_gltf_place *place, void *context,
-                       lf_error *err)
+static lf_status tally(lf_gltf_build *build, const lf_gltf_use *place, void *context, lf_error *err)
 {
     (void)build, (void)place, (void)err;
     ((shown *)context)->n_once++;
@@ -68,7 +66,7 @@ static lf_status visit_mesh(lf_gltf_build *build, const lf_gltf_node *node, lf_g
     lf_status status = LF_OK;
     for (size_t p = 0; p < mesh->n && status == LF_OK; p++)
         status =
-            visit(build, &(lf_gltf_place){node, &still, mesh, &mesh->primitives[p]}, context, err);
+            visit(build, &(lf_gltf_use){node, &still, mesh, &mesh->primitives[p]}, context, err);
     return status;
 }
 
@@ -103,7 +101,7 @@ lf_status lf_gltf_visit_once(lf_gltf_build *build, lf_gltf_visit_fn *visit, lf_m
 bool lf_gltf_is_shared(lf_gltf_build *build)
 {
     shown s = {0};
-    if (build->n_triangles <= LF_GLTF_COPIED || build->data->span > 0 || shines(build))
+    if (build->n_triangles <= LF_GLTF_COPIED || build->data->span > 0 || emits(build))
         return false;
     return lf_gltf_visit(build, look, &s, NULL) == LF_OK && !s.bent &&
            visit_once(build, tally, &s, NULL, NULL) == LF_OK && s.n_once < s.n;
@@ -117,12 +115,12 @@ typedef struct placing {
 } placing;
 
 /* Calls come for each primitive; the first stands for its mesh. */
-static lf_status put_place(lf_gltf_build *build, const lf_gltf_place *place, void *context,
+static lf_status put_place(lf_gltf_build *build, const lf_gltf_use *place, void *context,
                            lf_error *err)
 {
     placing *p = context;
     lf_mesh_data *data = build->data;
-    bool sound = lf_place_is_sound(place->to_world, (const double(*)[3])p->own);
+    bool sound = lf_instance_is_sound(place->to_world, (const double(*)[3])p->own);
     for (int i = 0; i < 12; i++)
         sound = sound && fabs(place->to_world->m[i / 4][i % 4]) <= LF_MAX_COORDINATE;
     if (place->primitive != place->mesh->primitives)
@@ -130,10 +128,10 @@ static lf_status put_place(lf_gltf_build *build, const lf_gltf_place *place, voi
     p->n_left += !sound;
     if (!sound)
         return LF_OK;
-    if ((size_t)data->n_places == p->room)
-        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d instances", LF_MAX_PLACES);
-    data->places[data->n_places] = *place->to_world;
-    data->part_of[data->n_places++] = (uint32_t)data->n_parts - 1;
+    if ((size_t)data->n_instances == p->room)
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d instances", LF_MAX_INSTANCES);
+    data->places[data->n_instances] = *place->to_world;
+    data->part_of[data->n_instances++] = (uint32_t)data->n_parts - 1;
     return LF_OK;
 }
 
@@ -146,7 +144,7 @@ static lf_status allocate(lf_gltf_build *build, size_t *out_room, lf_error *err)
     lf_status status = lf_gltf_visit(build, look, &s, err);
     if (status != LF_OK)
         return status;
-    *out_room = s.n < LF_MAX_PLACES ? s.n : LF_MAX_PLACES;
+    *out_room = s.n < LF_MAX_INSTANCES ? s.n : LF_MAX_INSTANCES;
     data->parts = lf_calloc(n, sizeof *data->parts);
     data->places = lf_calloc(*out_room, sizeof *data->places);
     data->part_of = lf_calloc(*out_room, sizeof *data->part_of);
@@ -156,15 +154,16 @@ static lf_status allocate(lf_gltf_build *build, size_t *out_room, lf_error *err)
 static lf_status tell_left(lf_mesh_data *data, size_t n_left, lf_error *err)
 {
     static const char why[] = "they flatten space, or have coordinates beyond";
-    if (data->n_places == 0)
+    if (data->n_instances == 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "no instance is left of %zu: %s %g", n_left,
                             why, LF_MAX_REACH);
     lf_warnings_add(&data->warnings, LF_HERE, "%zu of %zu instances %s left out: %s %g", n_left,
-                    n_left + (size_t)data->n_places, n_left == 1 ? "is" : "are", why, LF_MAX_REACH);
+                    n_left + (size_t)data->n_instances, n_left == 1 ? "is" : "are", why,
+                    LF_MAX_REACH);
     return LF_OK;
 }
 
-lf_status lf_gltf_put_places(lf_gltf_build *build, const lf_mesh_part *parts, lf_error *err)
+lf_status lf_gltf_put_instances(lf_gltf_build *build, const lf_mesh_part *parts, lf_error *err)
 {
     lf_mesh_data *data = build->data;
     placing p = {0};
@@ -182,7 +181,7 @@ lf_status lf_gltf_put_places(lf_gltf_build *build, const lf_mesh_part *parts, lf
         status = lf_gltf_visit(build, put_place, &p, err);
     }
     build->only = 0;
-    if (data->n_places == 0) /* nothing can be seen */
+    if (data->n_instances == 0) /* nothing can be seen */
         data->n_triangles = 0;
     lf_free(seen);
     return status == LF_OK && p.n_left > 0 ? tell_left(data, p.n_left, err) : status;

@@ -18,9 +18,10 @@ LF_NODISCARD lf_status lf_gltf_visit_once(lf_gltf_build *build, lf_gltf_visit_fn
                                           lf_mesh_part *parts, lf_error *err);
 
 /* Makes parts and places of build->data, which are its own; those that flatten space, or lie too
- * far away, are left out with a warning. LF_E_FORMAT: all are. LF_E_NOMEM: more than LF_MAX_PLACES.
+ * far away, are left out with a warning. LF_E_FORMAT: all are. LF_E_NOMEM: more than
+ * LF_MAX_INSTANCES.
  */
-LF_NODISCARD lf_status lf_gltf_put_places(lf_gltf_build *build, const lf_mesh_part *parts,
-                                          lf_error *err);
+LF_NODISCARD lf_status lf_gltf_put_instances(lf_gltf_build *build, const lf_mesh_part *parts,
+                                             lf_error *err);
 
 #endif

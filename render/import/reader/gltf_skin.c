@@ -55,8 +55,8 @@ void lf_gltf_skin_close(lf_gltf_skin *skin)
     *skin = (lf_gltf_skin){0};
 }
 
-lf_mesh_place lf_gltf_skin_place(const lf_gltf_skin *skin, const lf_gltf_primitive *primitive,
-                                 size_t vertex)
+lf_mesh_place lf_gltf_skin_node(const lf_gltf_skin *skin, const lf_gltf_primitive *primitive,
+                                size_t vertex)
 {
     lf_affine mean = {0};
     double sum = 0;

@@ -17,7 +17,7 @@ LF_NODISCARD lf_status lf_gltf_skin_open(lf_gltf *gltf, const lf_gltf_nodes *nod
 /* Accepts a zeroed one. */
 void lf_gltf_skin_close(lf_gltf_skin *skin);
 /* Where a vertex stands: the mean of its joints. */
-lf_mesh_place lf_gltf_skin_place(const lf_gltf_skin *skin, const lf_gltf_primitive *primitive,
-                                 size_t vertex);
+lf_mesh_place lf_gltf_skin_node(const lf_gltf_skin *skin, const lf_gltf_primitive *primitive,
+                                size_t vertex);
 
 #endif

@@ -148,10 +148,11 @@ static void find_picture(lf_gltf *gltf, uint32_t image, uint32_t *found, lf_mesh
         warn_of(gltf, image, status == LF_E_PATH, wrong.what, out);
 }
 
-static void take_pictures(lf_gltf *gltf, lf_said *said, uint32_t *found, lf_mesh_data *out)
+static void take_pictures(lf_gltf *gltf, lf_source_material *source, uint32_t *found,
+                          lf_mesh_data *out)
 {
     for (int slot = 0; slot < LF_SLOTS; slot++) {
-        lf_texture *texture = &said->textures.slot[slot];
+        lf_texture *texture = &source->textures.slot[slot];
         if (texture->picture == 0)
             continue;
         uint32_t image = texture->picture - 1;
@@ -161,12 +162,12 @@ static void take_pictures(lf_gltf *gltf, lf_said *said, uint32_t *found, lf_mesh
             continue;
         }
         *texture = (lf_texture){0};
-        said->lost |= slot == LF_SLOT_EMISSION ? 1u << LF_LOST_GLOW : 0;
-        said->lacks_base = said->lacks_base || slot == LF_SLOT_BASE;
+        source->lost |= slot == LF_SLOT_EMISSION ? 1u << LF_LOST_EMISSION : 0;
+        source->lacks_base = source->lacks_base || slot == LF_SLOT_BASE;
     }
 }
 
-lf_status lf_gltf_pictures(lf_gltf *gltf, lf_said *said, size_t n, const bool *used,
+lf_status lf_gltf_pictures(lf_gltf *gltf, lf_source_material *source, size_t n, const bool *used,
                            lf_mesh_data *out, lf_error *err)
 {
     size_t n_images = lf_gltf_count(gltf->json, "images");
@@ -178,9 +179,9 @@ lf_status lf_gltf_pictures(lf_gltf *gltf, lf_said *said, size_t n, const bool *u
     }
     for (size_t i = 0; i < n; i++)
         if (used[i])
-            take_pictures(gltf, &said[i], found, out);
+            take_pictures(gltf, &source[i], found, out);
         else
-            said[i].textures = (lf_texture_set){0};
+            source[i].textures = (lf_texture_set){0};
     lf_free(found);
     if (out->n_pictures == 0) {
         lf_free(out->pictures);

@@ -17,7 +17,7 @@ typedef struct picture_file {
 } picture_file;
 
 typedef struct map_reading {
-    lf_said *said;
+    lf_source_material *source;
     lf_mesh_data *out;
     picture_file *files; /* [n_files], room for one a map */
     size_t n_files;
@@ -35,10 +35,10 @@ static const char *last_name(const char *path)
     return slash ? slash + 1 : path;
 }
 
-lf_status lf_map_begin(unsigned said, lf_map_use use, const char *folder, const char *name,
+lf_status lf_map_begin(unsigned source, lf_map_use use, const char *folder, const char *name,
                        lf_map *out, lf_error *err)
 {
-    *out = (lf_map){.said = said,
+    *out = (lf_map){.source = source,
                     .use = use,
                     .path = lf_path_join(folder, name),
                     .beside = lf_path_join(folder, last_name(name)),
@@ -111,14 +111,14 @@ static lf_status read_picture(const lf_map *map, lf_mesh_data *out, lf_error *er
 
 static void warn_once(map_reading *r, const lf_map *map, const char *what)
 {
-    const lf_said *said = &r->said[map->said];
-    if (r->told[map->said])
+    const lf_source_material *source = &r->source[map->source];
+    if (r->told[map->source])
         return;
-    r->told[map->said] = true;
+    r->told[map->source] = true;
     lf_warnings_add(&r->out->warnings, LF_HERE,
                     "%s%.40s%spicture \"%s\": %s; left out, what stands beside it counts alone",
-                    said->name[0] ? "material \"" : "", said->name, said->name[0] ? "\": " : "",
-                    last_name(map->path), what);
+                    source->name[0] ? "material \"" : "", source->name,
+                    source->name[0] ? "\": " : "", last_name(map->path), what);
 }
 
 /* The map's file, which has no picture where it is none. */
@@ -195,12 +195,12 @@ static picture_file *file_of(map_reading *r, uint32_t picture)
 
 static void take_cover(map_reading *r, const lf_map *map, picture_file *mask)
 {
-    lf_said *said = &r->said[map->said];
-    lf_texture *base = &said->textures.slot[LF_SLOT_BASE];
+    lf_source_material *source = &r->source[map->source];
+    lf_texture *base = &source->textures.slot[LF_SLOT_BASE];
     lf_texels *texels = &r->out->pictures[mask->picture - 1];
     picture_file *beneath = base->picture > 0 ? file_of(r, base->picture) : mask;
     if (beneath == mask && base->picture > 0) {
-        said->cover = has_holes(texels) ? LF_COVER_BLEND : said->cover;
+        source->cover = has_holes(texels) ? LF_COVER_BLEND : source->cover;
         return;
     }
     if (beneath->cover && strcmp(beneath->cover, map->path) != 0) {
@@ -215,7 +215,7 @@ static void take_cover(map_reading *r, const lf_map *map, picture_file *mask)
         put_cover(&r->out->pictures[base->picture - 1], texels);
     }
     beneath->cover = map->path;
-    said->cover = LF_COVER_BLEND;
+    source->cover = LF_COVER_BLEND;
 }
 
 /* -------------------------------------------------------------------------------------- uses -- */
@@ -238,32 +238,32 @@ static const lf_vec3 white = {1, 1, 1};
 
 static void put_texture(map_reading *r, const lf_map *map, lf_slot slot, uint32_t picture)
 {
-    lf_texture *to = &r->said[map->said].textures.slot[slot];
+    lf_texture *to = &r->source[map->source].textures.slot[slot];
     *to = map->texture;
     to->picture = picture;
 }
 
 static void use_map(map_reading *r, const lf_map *map, picture_file *file)
 {
-    lf_said *said = &r->said[map->said];
+    lf_source_material *source = &r->source[map->source];
     switch (map->use) {
     case LF_MAP_BASE:
         put_texture(r, map, LF_SLOT_BASE, file->picture);
-        if (!said->has_diffuse || !(lf_max3(said->albedo) > 0))
-            said->albedo = white; /* exporters say black beside a picture, and mean it */
+        if (!source->has_diffuse || !(lf_max3(source->albedo) > 0))
+            source->albedo = white; /* exporters say black beside a picture, and mean it */
         break;
-    case LF_MAP_GLOW:
+    case LF_MAP_EMISSION:
         put_texture(r, map, LF_SLOT_EMISSION, file->picture);
-        if (!(lf_max3(said->emission) > 0))
-            said->emission = white;
+        if (!(lf_max3(source->emission) > 0))
+            source->emission = white;
         break;
     case LF_MAP_NORMAL:
         put_texture(r, map, LF_SLOT_NORMAL, file->picture);
         break;
     case LF_MAP_BUMP:
         if (!holds_normals(&r->out->pictures[file->picture - 1]))
-            said->lost |= 1u << LF_LOST_MAPS;
-        else if (said->textures.slot[LF_SLOT_NORMAL].picture == 0)
+            source->lost |= 1u << LF_LOST_MAPS;
+        else if (source->textures.slot[LF_SLOT_NORMAL].picture == 0)
             put_texture(r, map, LF_SLOT_NORMAL, file->picture);
         break;
     case LF_MAP_COVER:
@@ -281,19 +281,19 @@ static lf_status read_map(map_reading *r, const lf_map *map, lf_error *err)
         return status;
     if (file->picture > 0)
         use_map(r, map, file);
-    else if (map->use == LF_MAP_GLOW) /* which is black nearly everywhere */
-        r->said[map->said].emission = lf_v3(0, 0, 0);
+    else if (map->use == LF_MAP_EMISSION) /* which is black nearly everywhere */
+        r->source[map->source].emission = lf_v3(0, 0, 0);
     return LF_OK;
 }
 
 /* Masks and heights have been looked at, and are no part of the mesh. */
-static void drop_unused(lf_said *said, const lf_map *maps, size_t n_maps, lf_mesh_data *out,
-                        uint32_t *number)
+static void drop_unused(lf_source_material *source, const lf_map *maps, size_t n_maps,
+                        lf_mesh_data *out, uint32_t *number)
 {
     int kept = 0;
     for (size_t i = 0; i < n_maps; i++)
         for (int s = 0; s < LF_SLOTS; s++)
-            number[said[maps[i].said].textures.slot[s].picture] = 1;
+            number[source[maps[i].source].textures.slot[s].picture] = 1;
     number[0] = 0;
     for (int i = 0; i < out->n_pictures; i++) {
         if (number[i + 1] == 0) {
@@ -306,51 +306,51 @@ static void drop_unused(lf_said *said, const lf_map *maps, size_t n_maps, lf_mes
     out->n_pictures = kept;
 }
 
-static void renumber(lf_said *said, const lf_map *maps, size_t n_maps, const uint32_t *number,
-                     bool *done)
+static void renumber(lf_source_material *source, const lf_map *maps, size_t n_maps,
+                     const uint32_t *number, bool *done)
 {
     for (size_t i = 0; i < n_maps; i++) {
-        lf_texture_set *set = &said[maps[i].said].textures;
-        for (int s = 0; s < LF_SLOTS && !done[maps[i].said]; s++)
+        lf_texture_set *set = &source[maps[i].source].textures;
+        for (int s = 0; s < LF_SLOTS && !done[maps[i].source]; s++)
             set->slot[s].picture = number[set->slot[s].picture];
-        done[maps[i].said] = true;
+        done[maps[i].source] = true;
     }
 }
 
-lf_status lf_maps_read(const lf_map *maps, size_t n_maps, lf_said *said, const bool *used,
-                       lf_mesh_data *out, lf_error *err)
+lf_status lf_maps_read(const lf_map *maps, size_t n_maps, lf_source_material *source,
+                       const bool *used, lf_mesh_data *out, lf_error *err)
 {
     bool told[LF_MAX_MATERIALS] = {false}, done[LF_MAX_MATERIALS] = {false};
     if (n_maps == 0)
         return LF_OK;
     map_reading r = {
-        .said = said, .out = out, .files = lf_calloc(n_maps, sizeof *r.files), .told = told};
+        .source = source, .out = out, .files = lf_calloc(n_maps, sizeof *r.files), .told = told};
     uint32_t *number = lf_calloc(n_maps + 1, sizeof *number);
     out->pictures = lf_calloc(n_maps, sizeof *out->pictures);
     lf_status status = r.files && number && out->pictures ? LF_OK : no_memory(err);
     for (lf_map_use use = LF_MAP_BASE; use < LF_MAP_USES; use++)
         for (size_t i = 0; i < n_maps && status == LF_OK; i++)
-            if (maps[i].use == use && used[maps[i].said])
+            if (maps[i].use == use && used[maps[i].source])
                 status = read_map(&r, &maps[i], err);
     if (status == LF_OK) {
-        drop_unused(said, maps, n_maps, out, number);
-        renumber(said, maps, n_maps, number, done);
+        drop_unused(source, maps, n_maps, out, number);
+        renumber(source, maps, n_maps, number, done);
     }
     lf_free(r.files);
     lf_free(number);
     return status;
 }
 
-void lf_maps_drop(const lf_map *maps, size_t n_maps, lf_said *said, const bool *used,
+void lf_maps_drop(const lf_map *maps, size_t n_maps, lf_source_material *source, const bool *used,
                   lf_warnings *warnings)
 {
     size_t n = 0;
     for (size_t i = 0; i < n_maps; i++) {
-        if (!used[maps[i].said])
+        if (!used[maps[i].source])
             continue;
         n++;
-        if (maps[i].use == LF_MAP_GLOW)
-            said[maps[i].said].emission = lf_v3(0, 0, 0);
+        if (maps[i].use == LF_MAP_EMISSION)
+            source[maps[i].source].emission = lf_v3(0, 0, 0);
     }
     lf_warnings_count(warnings, LF_HERE, (long long)n,
                       "picture is left out: the mesh has no texture coordinates",

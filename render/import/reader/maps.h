@@ -2,11 +2,11 @@
 #ifndef LF_RENDER_MAPS_H
 #define LF_RENDER_MAPS_H
 
-#include "render/import/reader/said.h"
+#include "render/import/reader/source_material.h"
 
 typedef enum lf_map_use {
     LF_MAP_BASE,
-    LF_MAP_GLOW,
+    LF_MAP_EMISSION,
     LF_MAP_NORMAL,
     LF_MAP_BUMP, /* heights; where it is no grey, normals all the same, as many programs write it */
     LF_MAP_COVER,
@@ -14,7 +14,7 @@ typedef enum lf_map_use {
 } lf_map_use;
 
 typedef struct lf_map {
-    unsigned said; /* the number of the material */
+    unsigned source; /* the number of the material */
     lf_map_use use;
     char *path;         /* where its picture is … */
     char *beside;       /* … or else may be: in the folder of whoever named it; both owned */
@@ -23,7 +23,7 @@ typedef struct lf_map {
 
 /* A picture of this name, for a folder of whoever says it, that lies as it is with v growing
  * upwards (the first row of a picture is above). Release with lf_map_finish. LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_map_begin(unsigned said, lf_map_use use, const char *folder,
+LF_NODISCARD lf_status lf_map_begin(unsigned source, lf_map_use use, const char *folder,
                                     const char *name, lf_map *out, lf_error *err);
 /* Accepts a zeroed one, and leaves it so. */
 void lf_map_finish(lf_map *map);
@@ -36,10 +36,10 @@ LF_NODISCARD lf_status lf_map_decode(int fd, lf_texels *out, lf_error *err);
  * file once; what said[n] says changes with it: its textures, its cover, black that stands beside a
  * picture. Of what is not to be had, or no picture, there is a warning a material in out->warnings,
  * and what stands beside it counts alone. LF_E_NOMEM. */
-LF_NODISCARD lf_status lf_maps_read(const lf_map *maps, size_t n_maps, lf_said *said,
+LF_NODISCARD lf_status lf_maps_read(const lf_map *maps, size_t n_maps, lf_source_material *source,
                                     const bool *used, lf_mesh_data *out, lf_error *err);
 /* Instead, where the mesh has no texture coordinates: a warning, and nothing glows by a picture. */
-void lf_maps_drop(const lf_map *maps, size_t n_maps, lf_said *said, const bool *used,
+void lf_maps_drop(const lf_map *maps, size_t n_maps, lf_source_material *source, const bool *used,
                   lf_warnings *warnings);
 
 #endif

@@ -3,9 +3,9 @@
 
 #include "base/alloc.h"
 #include "base/sandbox/reader.h"
+#include "render/import/reader/instances_read.h"
 #include "render/import/reader/maps.h"
 #include "render/import/reader/mesh_read.h"
-#include "render/import/reader/places_read.h"
 #include "render/transport/surface/surface.h"
 
 static uint32_t place_of(const lf_surface_kind *kind)
@@ -39,7 +39,7 @@ static lf_status put_materials(lf_parcel_writer *parcel, const lf_mesh_data *dat
         lf_parcel_material out = {.kind = place_of(m->kind),
                                   .cover = (uint32_t)m->cover,
                                   .is_solid = m->is_solid,
-                                  .glows_by_colours = m->tint == LF_TINT_ALL};
+                                  .emits_by_colours = m->tint == LF_TINT_ALL};
         memcpy(out.name, data->names[i], sizeof out.name);
         if (data->textures)
             put_textures(&data->textures[i], &out);
@@ -137,8 +137,8 @@ static lf_status put_cameras(lf_parcel_writer *parcel, const lf_file_cameras *ca
 static lf_status put_parts(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
 {
     _Static_assert(sizeof(lf_mesh_part) == 4 * sizeof(uint32_t), "four numbers");
-    size_t n = (size_t)data->n_places;
-    lf_status status = lf_parcel_put(parcel, LF_PARCEL_PLACES, data->places, 12 * n, err);
+    size_t n = (size_t)data->n_instances;
+    lf_status status = lf_parcel_put(parcel, LF_PARCEL_INSTANCES, data->places, 12 * n, err);
     if (status == LF_OK)
         status =
             lf_parcel_put(parcel, LF_PARCEL_PARTS, data->parts, 4 * (size_t)data->n_parts, err);
@@ -162,19 +162,19 @@ static lf_status put_mesh(lf_parcel_writer *parcel, const lf_mesh_data *data, lf
         status = put_lights(parcel, &data->lights, err);
     if (status == LF_OK)
         status = put_cameras(parcel, &data->cameras, err);
-    if (status == LF_OK && data->n_places > 0)
+    if (status == LF_OK && data->n_instances > 0)
         status = put_parts(parcel, data, err);
     return status == LF_OK ? put_warnings(parcel, &data->warnings, err) : status;
 }
 
-static lf_status read_places(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
-                             lf_error *err)
+static lf_status read_instances(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
+                                lf_error *err)
 {
-    lf_place_list places = {0};
-    lf_status status = lf_places_read(request->path, fd, &places, err);
+    lf_instance_list places = {0};
+    lf_status status = lf_instances_read(request->path, fd, &places, err);
     if (status == LF_OK)
-        status = lf_parcel_put(parcel, LF_PARCEL_PLACES, places.map, 12 * places.n, err);
-    lf_places_finish(&places);
+        status = lf_parcel_put(parcel, LF_PARCEL_INSTANCES, places.map, 12 * places.n, err);
+    lf_instance_list_finish(&places);
     return status;
 }
 
@@ -192,14 +192,14 @@ static lf_status read_texture(int fd, lf_parcel_writer *parcel, lf_error *err)
 static lf_status read_mesh(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
                            lf_error *err)
 {
-    if (request->kind == LF_IMPORT_PLACES)
-        return read_places(request, fd, parcel, err);
+    if (request->kind == LF_IMPORT_INSTANCES)
+        return read_instances(request, fd, parcel, err);
     if (request->kind == LF_IMPORT_TEXTURE)
         return read_texture(fd, parcel, err);
     lf_mesh_desc desc = {.file = request->path,
                          .material = request->materials ? -1 : 0,
                          .normals = (lf_normals)request->normals,
-                         .shines = request->shines,
+                         .emits = request->emits,
                          .wants = {.uvs = request->wants_uvs, .tangents = request->wants_tangents},
                          .variant = request->variant[0] ? request->variant : NULL,
                          .clip = {.name = request->clip[0] ? request->clip : NULL,

@@ -31,17 +31,17 @@ typedef struct mtl {
 
 lf_status lf_mtl_find(lf_soup *soup, const char *name, unsigned *out, lf_error *err)
 {
-    for (size_t i = 0; i < soup->n_said; i++) {
-        if (!soup->said[i].is_none && strcmp(soup->said[i].name, name) == 0) {
+    for (size_t i = 0; i < soup->n_sources; i++) {
+        if (!soup->source[i].is_none && strcmp(soup->source[i].name, name) == 0) {
             *out = (unsigned)i;
             return LF_OK;
         }
     }
-    lf_said said = lf_said_begin(name);
-    said.is_missing = true;
-    said.albedo = lf_v3(UNSAID, UNSAID, UNSAID);
-    *out = (unsigned)soup->n_said;
-    return lf_soup_say(soup, said, err);
+    lf_source_material source = lf_source_material_begin(name);
+    source.is_missing = true;
+    source.albedo = lf_v3(UNSAID, UNSAID, UNSAID);
+    *out = (unsigned)soup->n_sources;
+    return lf_soup_say(soup, source, err);
 }
 
 /* ------------------------------------------------------------------------------------ values -- */
@@ -82,10 +82,10 @@ static bool take_number(mtl *m, const char *at, float *out)
     return true;
 }
 
-static void lose(lf_said *said, lf_lost what, bool lost)
+static void lose(lf_source_material *source, lf_lost what, bool lost)
 {
     if (lost)
-        said->lost |= 1u << what;
+        source->lost |= 1u << what;
 }
 
 /* d, or Tr as 1 - d. Nothing at all is what no file means: programs disagree on which way Tr runs.
@@ -95,7 +95,7 @@ static bool take_opacity(const char *at, bool reversed, mtl *m)
     float v;
     size_t n;
     const char *rest = at, *word = lf_word(&rest, &n);
-    lf_said *said = &m->soup->said[m->choice];
+    lf_source_material *source = &m->soup->source[m->choice];
     bool halo = lf_word_is(word, n, "-halo");
     if (halo)
         at = rest;
@@ -107,10 +107,10 @@ static bool take_opacity(const char *at, bool reversed, mtl *m)
         return true;
     v = reversed ? 1 - v : v;
     m->has_opacity = m->has_opacity || !reversed;
-    said->alpha = v > 0 && v < 1 ? v : 1;
-    said->cover = said->alpha < 1 ? LF_COVER_BLEND : LF_COVER_OPAQUE;
-    said->lost &= ~(1u << LF_LOST_TRANSPARENCY); /* of another line */
-    lose(said, LF_LOST_TRANSPARENCY, v <= 0 || m->has_filter);
+    source->alpha = v > 0 && v < 1 ? v : 1;
+    source->cover = source->alpha < 1 ? LF_COVER_BLEND : LF_COVER_OPAQUE;
+    source->lost &= ~(1u << LF_LOST_TRANSPARENCY); /* of another line */
+    lose(source, LF_LOST_TRANSPARENCY, v <= 0 || m->has_filter);
     return true;
 }
 
@@ -120,31 +120,31 @@ static bool take_filter(const char *at, mtl *m)
     lf_vec3 c = lf_v3(1, 1, 1);
     bool read = take_colour(m, at, &c);
     m->has_filter = !read || c.x != 1 || c.y != 1 || c.z != 1;
-    lose(&m->soup->said[m->choice], LF_LOST_TRANSPARENCY, m->has_filter);
+    lose(&m->soup->source[m->choice], LF_LOST_TRANSPARENCY, m->has_filter);
     return true;
 }
 
 /* glTF's model takes the place of Phong's; a roughness alone does not. */
-static bool take_metallic(mtl *m, const char *at, lf_said *said)
+static bool take_metallic(mtl *m, const char *at, lf_source_material *source)
 {
-    bool read = take_number(m, at, &said->metallic);
-    said->is_metallic = said->is_metallic || read;
+    bool read = take_number(m, at, &source->metallic);
+    source->is_metallic = source->is_metallic || read;
     return read;
 }
 
-static bool take_diffuse(mtl *m, const char *at, lf_said *said)
+static bool take_diffuse(mtl *m, const char *at, lf_source_material *source)
 {
-    bool read = take_colour(m, at, &said->albedo);
-    said->has_diffuse = said->has_diffuse || read;
+    bool read = take_colour(m, at, &source->albedo);
+    source->has_diffuse = source->has_diffuse || read;
     return read;
 }
 
-static bool take_other(mtl *m, const char *at, lf_lost what, lf_said *said)
+static bool take_other(mtl *m, const char *at, lf_lost what, lf_source_material *source)
 {
     float v;
     if (!take_number(m, at, &v))
         return false;
-    lose(said, what, v > 0);
+    lose(source, what, v > 0);
     return true;
 }
 
@@ -156,7 +156,7 @@ static bool take_model(const char *at, mtl *m)
     const char *rest = lf_whole_read(lf_skip_blanks(at), &model);
     if (!rest || !ends(m, rest))
         return false;
-    lose(&m->soup->said[m->choice], LF_LOST_UNLIT, model == 0);
+    lose(&m->soup->source[m->choice], LF_LOST_UNLIT, model == 0);
     if (model == 4 || model == 6 || model == 7 || model >= 9) {
         snprintf(name, sizeof name, "illum %d", model < 100 ? (int)model : 100);
         lf_leave_out(&m->statements, name, strlen(name));
@@ -175,11 +175,11 @@ static bool begins(const char *word, size_t n, const char *with)
 static const struct {
     const char *key;
     lf_map_use use;
-} map_keys[] = {{"map_Kd", LF_MAP_BASE},       {"map_Ke", LF_MAP_GLOW},
-                {"map_emissive", LF_MAP_GLOW}, {"norm", LF_MAP_NORMAL},
-                {"map_norm", LF_MAP_NORMAL},   {"map_Kn", LF_MAP_NORMAL},
-                {"bump", LF_MAP_BUMP},         {"map_bump", LF_MAP_BUMP},
-                {"map_d", LF_MAP_COVER},       {"map_opacity", LF_MAP_COVER}};
+} map_keys[] = {
+    {"map_Kd", LF_MAP_BASE},      {"map_Ke", LF_MAP_EMISSION}, {"map_emissive", LF_MAP_EMISSION},
+    {"norm", LF_MAP_NORMAL},      {"map_norm", LF_MAP_NORMAL}, {"map_Kn", LF_MAP_NORMAL},
+    {"bump", LF_MAP_BUMP},        {"map_bump", LF_MAP_BUMP},   {"map_d", LF_MAP_COVER},
+    {"map_opacity", LF_MAP_COVER}};
 
 /* What a map is for; LF_MAP_USES: for nothing of ours. */
 static lf_map_use use_of(const char *key, size_t n)
@@ -254,7 +254,7 @@ static bool is_sane(const lf_texture *t)
 /* map_Kd -s 2 2 2 file.png; the name goes to the end of the line, blanks and all. */
 static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at, lf_error *err)
 {
-    lf_said *said = &m->soup->said[m->choice];
+    lf_source_material *source = &m->soup->source[m->choice];
     lf_map map;
     lf_texture how = {.scale = 1};
     char name[1024];
@@ -271,10 +271,10 @@ static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at,
         lf_leave_out(&m->nameless, key, n);
         return LF_OK;
     }
-    lose(said, LF_LOST_MAPS, use_of(key, n) == LF_MAP_USES || length >= sizeof name);
+    lose(source, LF_LOST_MAPS, use_of(key, n) == LF_MAP_USES || length >= sizeof name);
     if (use_of(key, n) == LF_MAP_USES || length >= sizeof name)
         return LF_OK;
-    lose(said, LF_LOST_MAP_OPTIONS, lost || !is_sane(&how));
+    lose(source, LF_LOST_MAP_OPTIONS, lost || !is_sane(&how));
     memcpy(name, at, length);
     name[length] = '\0';
     for (char *slash = name; (slash = strchr(slash, '\\'));)
@@ -291,7 +291,7 @@ static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at,
 
 static bool take_roughness(const char *at, mtl *m)
 {
-    bool read = take_number(m, at, &m->soup->said[m->choice].roughness);
+    bool read = take_number(m, at, &m->soup->source[m->choice].roughness);
     m->has_roughness = m->has_roughness || read;
     return read;
 }
@@ -299,31 +299,31 @@ static bool take_roughness(const char *at, mtl *m)
 /* A line about a material, behind its key. false: its numbers are none. */
 static bool take_key(mtl *m, const char *key, size_t n, const char *at)
 {
-    lf_said *said = &m->soup->said[m->choice];
+    lf_source_material *source = &m->soup->source[m->choice];
     if (lf_word_reads(key, n, "Kd"))
-        return take_diffuse(m, at, said);
+        return take_diffuse(m, at, source);
     if (lf_word_reads(key, n, "Ks"))
-        return take_colour(m, at, &said->highlight);
+        return take_colour(m, at, &source->highlight);
     if (lf_word_reads(key, n, "Ke"))
-        return take_colour(m, at, &said->emission);
+        return take_colour(m, at, &source->emission);
     if (lf_word_reads(key, n, "Ns"))
-        return take_number(m, at, &said->exponent);
+        return take_number(m, at, &source->exponent);
     if (lf_word_reads(key, n, "Ni"))
-        return take_number(m, at, &said->ior);
+        return take_number(m, at, &source->ior);
     if (lf_word_reads(key, n, "d") || lf_word_reads(key, n, "Tr"))
         return take_opacity(at, n == 2, m);
     if (lf_word_reads(key, n, "Tf"))
         return take_filter(at, m);
     if (lf_word_reads(key, n, "Pm"))
-        return take_metallic(m, at, said);
+        return take_metallic(m, at, source);
     if (lf_word_reads(key, n, "Pr"))
         return take_roughness(at, m);
     if (lf_word_reads(key, n, "Pc"))
-        return take_other(m, at, LF_LOST_COAT, said);
+        return take_other(m, at, LF_LOST_COAT, source);
     if (lf_word_reads(key, n, "Ps"))
-        return take_other(m, at, LF_LOST_SHEEN, said);
+        return take_other(m, at, LF_LOST_SHEEN, source);
     if (lf_word_reads(key, n, "aniso"))
-        return take_other(m, at, LF_LOST_BRUSHED, said);
+        return take_other(m, at, LF_LOST_ANISOTROPY, source);
     if (lf_word_reads(key, n, "illum"))
         return take_model(at, m);
     /* ambient light is nothing of ours; the others say how what is told lies */
@@ -338,10 +338,10 @@ static void end_material(mtl *m)
 {
     if (!m->in_material)
         return;
-    const lf_said *said = &m->soup->said[m->choice];
-    if (m->has_roughness && !said->is_metallic)
+    const lf_source_material *source = &m->soup->source[m->choice];
+    if (m->has_roughness && !source->is_metallic)
         lf_leave_out(&m->statements, "Pr without Pm", strlen("Pr without Pm"));
-    if (lf_max3(said->highlight) > 0 && !(said->exponent > 0) && !said->is_metallic)
+    if (lf_max3(source->highlight) > 0 && !(source->exponent > 0) && !source->is_metallic)
         lf_leave_out(&m->statements, "Ks without Ns", strlen("Ks without Ns"));
 }
 
@@ -350,7 +350,7 @@ static lf_status begin_material(mtl *m, const char *name, lf_error *err)
     end_material(m);
     lf_status status = lf_mtl_find(m->soup, name, &m->choice, err);
     if (status == LF_OK)
-        m->soup->said[m->choice].is_missing = false;
+        m->soup->source[m->choice].is_missing = false;
     m->in_material = status == LF_OK;
     m->has_opacity = m->has_filter = m->has_roughness = false;
     return status;

@@ -24,7 +24,7 @@ typedef struct obj {
     size_t n_corners, corners_room, normals_room, uvs_room;
     /* corners whose texture coordinate or normal there is not */
     size_t n_no_uv, n_no_normal;
-    bool face_astray;       /* the one at hand names a vertex that there is not */
+    bool has_wrong_normal;  /* the one at hand names a vertex that there is not */
     bool is_smooth;         /* a smoothing group is on */
     size_t n_smooth;        /* faces of one that have no normals */
     size_t n_more;          /* lines with more numbers than are known */
@@ -158,7 +158,7 @@ static lf_status take_corner(obj *o, const char **at, lf_error *err)
         !index_behind_slash(at, &smooth, &normal) || (**at && !lf_is_blank(**at)))
         return bad_line(o, "expected numbers such as 1, 1/2, 1//3 or 1/2/3", err);
     if (!to_number(point, o->soup->n_points, corner))
-        o->face_astray = true;
+        o->has_wrong_normal = true;
     *own = LF_NO_NORMAL;
     *uv = LF_NO_UV;
     if (textured && takes_uvs(o) && !to_number(texture, o->soup->uvs.n, uv)) {
@@ -176,7 +176,7 @@ static lf_status take_corners(obj *o, const char *at, lf_error *err)
 {
     lf_status status = LF_OK;
     o->n_corners = 0;
-    o->face_astray = false;
+    o->has_wrong_normal = false;
     while (status == LF_OK && *(at = lf_skip_blanks(at)) && *at != '#')
         status = take_corner(o, &at, err);
     return status;
@@ -185,18 +185,18 @@ static lf_status take_corners(obj *o, const char *at, lf_error *err)
 /* What has no material of its own is of none. */
 static lf_status choose_none(obj *o, lf_error *err)
 {
-    lf_said none = lf_said_begin("");
+    lf_source_material none = lf_source_material_begin("");
     none.is_none = true;
     o->has_choice = true;
-    o->choice = (unsigned)o->soup->n_said;
+    o->choice = (unsigned)o->soup->n_sources;
     return lf_soup_say(o->soup, none, err);
 }
 
 static lf_status take_face(obj *o, const char *at, lf_error *err)
 {
     lf_status status = take_corners(o, at, err);
-    if (status == LF_OK && o->face_astray) {
-        o->soup->n_astray++;
+    if (status == LF_OK && o->has_wrong_normal) {
+        o->soup->n_wrong_normals++;
         return LF_OK;
     }
     if (status == LF_OK && !o->has_choice && o->desc->material < 0)

@@ -208,7 +208,7 @@ static bool are_there(const ply *p, bool strip)
 {
     for (size_t i = 0; i < p->n_indices; i++)
         if (p->indices[i] >= p->soup->n_points && !(strip && p->indices[i] == UINT32_MAX)) {
-            p->soup->n_astray++;
+            p->soup->n_wrong_normals++;
             return false;
         }
     return true;
@@ -266,11 +266,11 @@ static lf_vec3 colour_of(const ply *p, const lf_ply_element *element, lf_ply_rol
 
 static lf_status take_material(ply *p, const lf_ply_element *element, lf_error *err)
 {
-    lf_said said = lf_said_begin("");
-    said.albedo = colour_of(p, element, LF_PLY_DIFFUSE_RED);
-    said.highlight = colour_of(p, element, LF_PLY_SPECULAR_RED);
-    said.exponent = (float)p->values[LF_PLY_SPECULAR_POWER];
-    return lf_soup_say(p->soup, said, err);
+    lf_source_material source = lf_source_material_begin("");
+    source.albedo = colour_of(p, element, LF_PLY_DIFFUSE_RED);
+    source.highlight = colour_of(p, element, LF_PLY_SPECULAR_RED);
+    source.exponent = (float)p->values[LF_PLY_SPECULAR_POWER];
+    return lf_soup_say(p->soup, source, err);
 }
 
 static lf_status take_element(ply *p, const lf_ply_element *element, lf_error *err)
@@ -360,14 +360,15 @@ static lf_status read_elements(ply *p, const lf_ply_element *element, lf_error *
 static void check_choices(lf_soup *soup)
 {
     for (size_t t = 0; soup->choices && t < soup->n_triangles; t++)
-        if (soup->choices[t] >= soup->n_said)
+        if (soup->choices[t] >= soup->n_sources)
             soup->choices[t] = 0;
 }
 
-static lf_status put_map(ply *p, const char *folder, unsigned said, const char *name, lf_error *err)
+static lf_status put_map(ply *p, const char *folder, unsigned source, const char *name,
+                         lf_error *err)
 {
     lf_map map;
-    lf_status status = lf_map_begin(said, LF_MAP_BASE, folder, name, &map, err);
+    lf_status status = lf_map_begin(source, LF_MAP_BASE, folder, name, &map, err);
     return status == LF_OK ? lf_soup_map(p->soup, map, err) : status;
 }
 
@@ -381,8 +382,8 @@ static lf_status put_textures(ply *p, lf_error *err)
     if (p->header.n_textures > n)
         lf_warnings_add(&p->soup->warnings, LF_HERE, "%d textures, of which %d are used",
                         p->header.n_textures, n);
-    while (p->soup->n_said < (size_t)n && status == LF_OK)
-        status = lf_soup_say(p->soup, lf_said_begin(""), err);
+    while (p->soup->n_sources < (size_t)n && status == LF_OK)
+        status = lf_soup_say(p->soup, lf_source_material_begin(""), err);
     char *folder = lf_path_folder(p->desc->file);
     if (!folder)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");

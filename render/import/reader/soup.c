@@ -28,9 +28,9 @@ void lf_soup_finish(lf_soup *soup)
     free(soup->maps);
     free(soup->choices);
     free(soup->parts);
-    for (size_t i = 0; i < soup->n_said; i++)
-        lf_free(soup->said[i].name);
-    free(soup->said);
+    for (size_t i = 0; i < soup->n_sources; i++)
+        lf_free(soup->source[i].name);
+    free(soup->source);
     lf_warnings_finish(&soup->warnings);
     *soup = (lf_soup){0};
 }
@@ -178,7 +178,8 @@ lf_status lf_soup_part(lf_soup *soup, lf_error *err)
 lf_status lf_soup_map(lf_soup *soup, lf_map map, lf_error *err)
 {
     size_t at = soup->n_maps;
-    while (at > 0 && !(soup->maps[at - 1].said == map.said && soup->maps[at - 1].use == map.use))
+    while (at > 0 &&
+           !(soup->maps[at - 1].source == map.source && soup->maps[at - 1].use == map.use))
         at--;
     if (at > 0) {
         lf_map_finish(&soup->maps[at - 1]);
@@ -193,17 +194,18 @@ lf_status lf_soup_map(lf_soup *soup, lf_map map, lf_error *err)
     return LF_OK;
 }
 
-lf_status lf_soup_say(lf_soup *soup, lf_said said, lf_error *err)
+lf_status lf_soup_say(lf_soup *soup, lf_source_material source, lf_error *err)
 {
     lf_status status = LF_OK;
-    if (soup->n_said >= LF_MAX_MATERIALS)
+    if (soup->n_sources >= LF_MAX_MATERIALS)
         status = lf_error_set(err, LF_E_FORMAT, LF_HERE, "more than %d materials are not possible",
                               LF_MAX_MATERIALS);
-    else if (!said.name || !lf_grow(&soup->said, &soup->said_room, soup->n_said + 1, sizeof said))
+    else if (!source.name ||
+             !lf_grow(&soup->source, &soup->source_room, soup->n_sources + 1, sizeof source))
         status = no_room(err);
     if (status == LF_OK)
-        soup->said[soup->n_said++] = said;
+        soup->source[soup->n_sources++] = source;
     else
-        lf_free(said.name);
+        lf_free(source.name);
     return status;
 }

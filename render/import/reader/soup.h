@@ -51,14 +51,14 @@ typedef struct lf_soup {
     uint32_t *parts; /* [n_parts]: the first triangle of each, ascending; vertices of different
                         parts are not joined */
     size_t n_parts, parts_room;
-    lf_said *said; /* [n_said] */
-    size_t n_said, said_room;
+    lf_source_material *source; /* [n_sources] */
+    size_t n_sources, source_room;
     lf_map *maps; /* [n_maps] */
     size_t n_maps, maps_room;
-    bool tells_missing; /* materials that it uses and lacks: none of its libraries failed */
-    size_t n_coloured;  /* parts with a colour a vertex */
-    size_t n_beside;    /* points and lines */
-    size_t n_astray;    /* faces that name vertices that there are not */
+    bool tells_missing;     /* materials that it uses and lacks: none of its libraries failed */
+    size_t n_coloured;      /* parts with a colour a vertex */
+    size_t n_beside;        /* points and lines */
+    size_t n_wrong_normals; /* faces that name vertices that there are not */
     lf_warnings warnings;
 } lf_soup;
 
@@ -88,7 +88,7 @@ LF_NODISCARD lf_status lf_soup_part(lf_soup *soup, lf_error *err);
 /* Takes the map over, on failure too; another of the same use takes the place of the first. */
 LF_NODISCARD lf_status lf_soup_map(lf_soup *soup, lf_map map, lf_error *err);
 /* Takes said->name over, on failure too. LF_E_FORMAT: more than there may be. */
-LF_NODISCARD lf_status lf_soup_say(lf_soup *soup, lf_said said, lf_error *err);
+LF_NODISCARD lf_status lf_soup_say(lf_soup *soup, lf_source_material source, lf_error *err);
 
 /* Appends a polygon of n points as triangles; of fewer than three there are none, but one more
  * thing beside. Corners in a plane, convex or not, in either direction: ears are cut off, in time

@@ -204,8 +204,8 @@ static bool join_corners(welding *w, lf_soup *soup)
 
 static bool says_materials(const lf_soup *soup)
 {
-    for (size_t i = 0; i < soup->n_said; i++)
-        if (!soup->said[i].is_none)
+    for (size_t i = 0; i < soup->n_sources; i++)
+        if (!soup->source[i].is_none)
             return true;
     return false;
 }
@@ -226,10 +226,10 @@ static void whiten(lf_soup *soup)
     }
     for (size_t i = 0; i < soup->colours.n && !some; i++)
         soup->colours.values[4 * i + 3] = 1.0f;
-    for (size_t i = 0; i < soup->n_said; i++) {
-        soup->said[i].is_none = false;
-        soup->said[i].albedo = lf_v3(1, 1, 1);
-        soup->said[i].cover = holes && some ? LF_COVER_BLEND : LF_COVER_OPAQUE;
+    for (size_t i = 0; i < soup->n_sources; i++) {
+        soup->source[i].is_none = false;
+        soup->source[i].albedo = lf_v3(1, 1, 1);
+        soup->source[i].cover = holes && some ? LF_COVER_BLEND : LF_COVER_OPAQUE;
     }
 }
 
@@ -237,8 +237,8 @@ static lf_status take_materials(lf_soup *soup, bool colours, lf_mesh_data *out, 
 {
     bool used[LF_MAX_MATERIALS] = {false};
     lf_status status = LF_OK;
-    if (soup->n_said == 0) {
-        lf_said none = lf_said_begin("");
+    if (soup->n_sources == 0) {
+        lf_source_material none = lf_source_material_begin("");
         none.is_none = true;
         status = lf_soup_say(soup, none, err);
     }
@@ -249,13 +249,13 @@ static lf_status take_materials(lf_soup *soup, bool colours, lf_mesh_data *out, 
     for (size_t t = 0; t < soup->n_triangles; t++)
         used[soup->choices ? soup->choices[t] : 0] = true;
     if (soup->uvs.n > 0)
-        status = lf_maps_read(soup->maps, soup->n_maps, soup->said, used, out, err);
+        status = lf_maps_read(soup->maps, soup->n_maps, soup->source, used, out, err);
     else
-        lf_maps_drop(soup->maps, soup->n_maps, soup->said, used, &out->warnings);
+        lf_maps_drop(soup->maps, soup->n_maps, soup->source, used, &out->warnings);
     if (status == LF_OK)
-        status = lf_said_convert(soup->said, soup->n_said, used, out, err);
+        status = lf_source_materials_convert(soup->source, soup->n_sources, used, out, err);
     if (status == LF_OK && soup->tells_missing)
-        lf_said_warn_of_missing(soup->said, soup->n_said, used, &out->warnings);
+        lf_source_materials_warn_of_missing(soup->source, soup->n_sources, used, &out->warnings);
     return status;
 }
 
@@ -325,7 +325,7 @@ static void warn_of_rest(const lf_soup *soup, bool coloured, const lf_mesh_desc 
     else if (lost)
         lf_warnings_add(&out->warnings, LF_HERE,
                         "colours of vertices are not used: not every vertex has one");
-    lf_warnings_count(&out->warnings, LF_HERE, (long long)soup->n_astray,
+    lf_warnings_count(&out->warnings, LF_HERE, (long long)soup->n_wrong_normals,
                       "face that names vertices that there are not is left out",
                       "faces that name vertices that there are not are left out");
     lf_warnings_count(&out->warnings, LF_HERE, (long long)soup->n_beside,
@@ -356,10 +356,10 @@ lf_status lf_weld(lf_soup *soup, const lf_mesh_desc *desc, lf_mesh_data *out, lf
 {
     lf_status status = LF_OK;
     bool colours = desc->material < 0 && colours_count(soup);
-    if (soup->n_triangles == 0 && soup->n_astray > 0)
+    if (soup->n_triangles == 0 && soup->n_wrong_normals > 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
                             "no triangles: all faces (%zu) name vertices that there are not",
-                            soup->n_astray);
+                            soup->n_wrong_normals);
     if (soup->n_triangles == 0)
         return lf_mesh_complete(out, desc, 0, err);
     if (desc->material < 0)

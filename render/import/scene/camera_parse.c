@@ -142,9 +142,9 @@ static void parse_placed_views(lf_reader *reader, const lf_node *views, lf_scene
             kind = i;
             n++;
         }
-    const lf_node placed = lf_node_child(views, kinds[kind]);
+    const lf_node instances = lf_node_child(views, kinds[kind]);
     if (n == 1)
-        parse[kind](reader, &placed, out);
+        parse[kind](reader, &instances, out);
     else
         lf_read_fail(reader, views,
                      "expected {\"track\": {\"count\": N, \"length\": L}}, {\"grid\": {…}}, "

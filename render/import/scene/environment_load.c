@@ -72,7 +72,7 @@ static void take_warnings(const lf_image_notes *notes, const char *path, lf_warn
 /* Of the picture's pixels, or of what it shows where it is a cube. */
 static lf_environment *fill(const lf_raster *picture, const char *path)
 {
-    const bool cube = picture->said.layout == LF_IMAGE_CUBE;
+    const bool cube = picture->meta.layout == LF_IMAGE_CUBE;
     int width = picture->width, height = picture->height;
     if (cube)
         lf_cube_unfolded(picture->width, &width, &height);
@@ -85,7 +85,7 @@ static lf_environment *fill(const lf_raster *picture, const char *path)
     }
     copy_positive(cube ? environment->rgb : picture->data32, 3 * (size_t)width * (size_t)height,
                   environment->rgb, path);
-    take_warnings(&picture->said.notes, path, &environment->warnings);
+    take_warnings(&picture->meta.notes, path, &environment->warnings);
     return environment;
 }
 
@@ -111,7 +111,7 @@ static lf_status read_environment(int fd, const char *path, lf_environment **out
     lf_status status = lf_raster_import(fd, path, true, &picture, err);
     if (status != LF_OK)
         return status;
-    const bool plain = picture.said.layout == LF_IMAGE_PLAIN;
+    const bool plain = picture.meta.layout == LF_IMAGE_PLAIN;
     if (plain &&
         (picture.width > LF_MAX_ENVIRONMENT_SIDE || picture.height > LF_MAX_ENVIRONMENT_SIDE))
         status = lf_error_set(err, LF_E_FORMAT, path,

@@ -315,8 +315,8 @@ static void scale_volume(json_t *volume, const lf_scene *scene)
     const double across = lf_length_double(size);
     if (!json_object_get(volume, "scale"))
         scale_density(volume, &scene->volumes[0], across);
-    if (emission && scene->flames.n > 0)
-        scale_heat(emission, &scene->flames.field[0], across);
+    if (emission && scene->emissive.n > 0)
+        scale_heat(emission, &scene->emissive.field[0], across);
 }
 
 /* ---------------------------------------------------------------------------------- together -- */

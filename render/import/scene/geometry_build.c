@@ -8,7 +8,7 @@
 #include "render/import/scene/geometry_textures.h"
 #include "render/import/scene/scene_tangents.h"
 #include "render/scene/embree_commit.h"
-#include "render/scene/placed.h"
+#include "render/scene/instances.h"
 #include "render/transport/surface/surface.h"
 
 /* ----------------------------------------------------------------------------------- sharing -- */
@@ -41,11 +41,11 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
         json_t *clip = json_object_get(json_object_get(mesh, "animation"), "clip");
         const lf_mesh_desc *said = &desc->meshes[number++];
         /* which decides about copies, of what may stand in many places */
-        bool shines = said->shines && (lf_places_are_given(&said->places) || is_gltf(said->file));
+        bool emits = said->emits && (lf_instances_are_given(&said->places) || is_gltf(said->file));
         if (json_object_get(mesh, "material"))
             json_object_set_new(copy, "material", json_true());
         json_object_del(copy, "materials");
-        if (shines)
+        if (emits)
             json_object_set_new(copy, "shines", json_true());
         if (said->wants.uvs)
             json_object_set_new(copy, "wants", lf_scene_tangents_key(desc, said));
@@ -179,14 +179,14 @@ static float *own_vertices(const lf_mesh_data *data)
     return vertices;
 }
 
-static bool allocate_places(const lf_mesh_data *data, lf_placed *placed)
+static bool allocate_instances(const lf_mesh_data *data, lf_instances *instances)
 {
-    placed->n_parts = data->n_parts > 0 ? data->n_parts : 1;
-    placed->parts = lf_calloc((size_t)placed->n_parts, sizeof *placed->parts);
-    placed->map = lf_calloc((size_t)data->n_places, sizeof *placed->map);
-    placed->part_of =
-        data->n_parts > 0 ? lf_calloc((size_t)data->n_places, sizeof *placed->part_of) : NULL;
-    return placed->parts && placed->map && (data->n_parts == 0 || placed->part_of);
+    instances->n_parts = data->n_parts > 0 ? data->n_parts : 1;
+    instances->parts = lf_calloc((size_t)instances->n_parts, sizeof *instances->parts);
+    instances->map = lf_calloc((size_t)data->n_instances, sizeof *instances->map);
+    instances->part_of =
+        data->n_parts > 0 ? lf_calloc((size_t)data->n_instances, sizeof *instances->part_of) : NULL;
+    return instances->parts && instances->map && (data->n_parts == 0 || instances->part_of);
 }
 
 static void put_place(const lf_geometry *geometry, const lf_affine *place, const double middle[3],
@@ -201,32 +201,32 @@ static void put_place(const lf_geometry *geometry, const lf_affine *place, const
     }
 }
 
-static lf_status take_places(lf_geometry *geometry, const lf_mesh_data *data, lf_mesh *mesh)
+static lf_status take_instances(lf_geometry *geometry, const lf_mesh_data *data, lf_mesh *mesh)
 {
-    lf_placed *placed = lf_calloc(1, sizeof *placed);
-    mesh->placed = placed;
-    if (!placed || !allocate_places(data, placed))
+    lf_instances *instances = lf_calloc(1, sizeof *instances);
+    mesh->instances = instances;
+    if (!instances || !allocate_instances(data, instances))
         return LF_E_NOMEM;
-    double(*middle)[3] = lf_calloc((size_t)placed->n_parts, sizeof *middle);
+    double(*middle)[3] = lf_calloc((size_t)instances->n_parts, sizeof *middle);
     if (!middle)
         return LF_E_NOMEM;
-    for (int i = 0; i < placed->n_parts; i++) {
+    for (int i = 0; i < instances->n_parts; i++) {
         const lf_mesh_part part = lf_mesh_data_part(data, i);
-        placed->parts[i].first = part.first_triangle;
-        placed->parts[i].n = part.n_triangles;
+        instances->parts[i].first = part.first_triangle;
+        instances->parts[i].n = part.n_triangles;
         middle_of(data, i, middle[i]);
     }
-    for (int i = 0; i < data->n_places; i++) {
+    for (int i = 0; i < data->n_instances; i++) {
         uint32_t part = data->n_parts > 0 ? data->part_of[i] : 0;
-        put_place(geometry, &data->places[i], middle[part], placed->map[i]);
-        if (placed->part_of)
-            placed->part_of[i] = part;
+        put_place(geometry, &data->places[i], middle[part], instances->map[i]);
+        if (instances->part_of)
+            instances->part_of[i] = part;
     }
     lf_free(middle);
-    placed->n = data->n_places;
-    placed->first = geometry->n_places;
-    geometry->n_places += (uint32_t)data->n_places;
-    return lf_placed_build(placed, mesh, geometry->device);
+    instances->n = data->n_instances;
+    instances->first = geometry->n_instances;
+    geometry->n_instances += (uint32_t)data->n_instances;
+    return lf_instances_build(instances, mesh, geometry->device);
 }
 
 /* Takes over the arrays of data; materials are numbered from first_material. */
@@ -234,9 +234,10 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
                            int first_material)
 {
     lf_mesh *mesh = &geometry->meshes[id];
-    const bool placed = data->n_places > 0 && data->n_triangles > 0;
-    float *vertices = placed ? own_vertices(data)
-                             : local_vertices(geometry->origin, data->positions, data->n_vertices);
+    const bool instances = data->n_instances > 0 && data->n_triangles > 0;
+    float *vertices = instances
+                          ? own_vertices(data)
+                          : local_vertices(geometry->origin, data->positions, data->n_vertices);
     if (!vertices)
         return LF_E_NOMEM;
     for (int t = 0; data->triangle_material && t < data->n_triangles; t++)
@@ -256,8 +257,8 @@ static lf_status take_mesh(lf_geometry *geometry, lf_mesh_data *data, unsigned i
     lf_status status = take_close(geometry, data, mesh);
     grow_box(&mesh->box, mesh->vertices, data);
     grow_box(&mesh->box, mesh->close.vertices, data);
-    if (placed && status == LF_OK)
-        status = take_places(geometry, data, mesh);
+    if (instances && status == LF_OK)
+        status = take_instances(geometry, data, mesh);
     data->triangles = NULL;
     data->normals = NULL;
     data->triangle_material = NULL;
@@ -364,13 +365,13 @@ static float moving_error(const lf_geometry *geometry)
 }
 
 /* Rays are rounded once more where they come to a place. */
-static float placed_error(const lf_geometry *geometry)
+static float instances_error(const lf_geometry *geometry)
 {
     float most = 0.0f;
     for (int i = 0; i < geometry->n_meshes; i++) {
-        const lf_placed *placed = geometry->meshes[i].placed;
-        if (placed)
-            most = lf_max(most, placed->reach);
+        const lf_instances *instances = geometry->meshes[i].instances;
+        if (instances)
+            most = lf_max(most, instances->reach);
     }
     return 5e-7f * most;
 }
@@ -380,10 +381,10 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
     if (lf_large_pick(geometry->meshes, geometry->n_meshes, &geometry->large, &geometry->offset) !=
         LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "meshes", "out of memory");
-    geometry->offset += moving_error(geometry) + placed_error(geometry);
+    geometry->offset += moving_error(geometry) + instances_error(geometry);
     for (int i = 0; i < geometry->n_meshes; i++)
-        if (!(geometry->meshes[i].placed
-                  ? lf_placed_attach(&geometry->meshes[i], geometry->device, geometry->embree)
+        if (!(geometry->meshes[i].instances
+                  ? lf_instances_attach(&geometry->meshes[i], geometry->device, geometry->embree)
                   : attach_mesh(geometry, &geometry->meshes[i])))
             return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take mesh %d", i);
     if (geometry->large.n > 0 && !lf_large_attach(&geometry->large, geometry->device,

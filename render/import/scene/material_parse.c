@@ -288,7 +288,7 @@ static void take_needs(const lf_scene_desc *desc, int material, lf_mesh_desc *me
     if (material < 0)
         return;
     const lf_pictures_desc *pictures = &desc->pictures[material];
-    mesh->shines = mesh->shines || lf_max3(desc->materials[material].emission) > 0.0f;
+    mesh->emits = mesh->emits || lf_max3(desc->materials[material].emission) > 0.0f;
     mesh->wants.uvs = mesh->wants.uvs || lf_has_pictures(pictures);
     mesh->wants.tangents = mesh->wants.tangents || pictures->slot[LF_SLOT_NORMAL][0].file;
 }

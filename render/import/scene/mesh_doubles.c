@@ -92,7 +92,7 @@ static uint64_t hash(const corners *c, uint64_t seed)
  * other. */
 static uint64_t company_of(const search *s, int mesh)
 {
-    return s->data[mesh].n_places > 0 ? (uint64_t)mesh + 1 : 0;
+    return s->data[mesh].n_instances > 0 ? (uint64_t)mesh + 1 : 0;
 }
 
 /* The triangle that stands in this one's place, or UINT32_MAX: from now on this one does. No two

@@ -121,7 +121,7 @@ bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
 {
     const lf_clip *c = &a->clip, *d = &b->clip;
     return strcmp(a->file, b->file) == 0 && a->normals == b->normals &&
-           (a->material < 0) == (b->material < 0) && a->shines == b->shines &&
+           (a->material < 0) == (b->material < 0) && a->emits == b->emits &&
            memcmp(&a->transform, &b->transform, sizeof a->transform) == 0 &&
            a->wants.uvs == b->wants.uvs && a->wants.tangents == b->wants.tangents &&
            strcmp(a->variant ? a->variant : "", b->variant ? b->variant : "") == 0 &&
@@ -151,7 +151,7 @@ static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *st
                                  .materials = desc->material < 0,
                                  .wants_uvs = desc->wants.uvs,
                                  .wants_tangents = desc->wants.tangents,
-                                 .shines = desc->shines};
+                                 .emits = desc->emits};
     int fd = -1;
     if (strlen(path) >= sizeof request.path)
         return lf_error_set(err, LF_E_FORMAT, path, "the path is too long");
@@ -250,11 +250,11 @@ void lf_mesh_data_bounds(const lf_mesh_data *data, double bounds[2][3])
     const lf_mesh_part whole = {.n_triangles = (uint32_t)data->n_triangles};
     double own[2][3] = {{0}};
     int last = -1;
-    if (data->n_places == 0 || data->n_triangles == 0) {
+    if (data->n_instances == 0 || data->n_triangles == 0) {
         grow_bounds(data, &whole, bounds);
         return;
     }
-    for (size_t at = 0; at < 8 * (size_t)data->n_places; at++) {
+    for (size_t at = 0; at < 8 * (size_t)data->n_instances; at++) {
         int number = data->n_parts > 0 ? (int)data->part_of[at / 8] : 0;
         if (number != last) {
             const lf_mesh_part part = lf_mesh_data_part(data, number);

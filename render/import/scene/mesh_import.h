@@ -54,9 +54,9 @@ typedef struct lf_mesh_data {
     } close;
     /* Where it stands, if it is given once for many places: maps of the world, after which the
      * arrays above are what stands there. 0: it stands where they say. */
-    int n_places;
+    int n_instances;
     lf_affine *places;
-    /* What stands there, where that is not all of it: parts that share no vertex, and [n_places]
+    /* What stands there, where that is not all of it: parts that share no vertex, and [n_instances]
      * which of them; 0 parts: all of it. */
     int n_parts;
     lf_mesh_part *parts;

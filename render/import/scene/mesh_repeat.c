@@ -111,7 +111,7 @@ static void *swap(void *from, void *to)
 lf_status lf_mesh_repeat(lf_mesh_data *data)
 {
     copies c = {0};
-    for (int i = 0; i < data->n_places; i++) {
+    for (int i = 0; i < data->n_instances; i++) {
         const lf_mesh_part part = part_at(data, i);
         c.vertices += part.n_vertices;
         c.triangles += part.n_triangles;
@@ -122,7 +122,7 @@ lf_status lf_mesh_repeat(lf_mesh_data *data)
         release(&c);
         return LF_E_NOMEM;
     }
-    for (int i = 0; i < data->n_places; i++) {
+    for (int i = 0; i < data->n_instances; i++) {
         const lf_mesh_part part = part_at(data, i);
         put_vertices(data, &data->places[i], &part, &c);
         put_triangles(data, &data->places[i], &part, &c);
@@ -141,6 +141,6 @@ lf_status lf_mesh_repeat(lf_mesh_data *data)
     data->places = swap(data->places, NULL);
     data->parts = swap(data->parts, NULL);
     data->part_of = swap(data->part_of, NULL);
-    data->n_places = data->n_parts = 0;
+    data->n_instances = data->n_parts = 0;
     return LF_OK;
 }

@@ -6,7 +6,7 @@
 
 #include "base/alloc.h"
 #include "base/image_io.h"
-#include "render/import/scene/places_import.h"
+#include "render/import/scene/instances_import.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/surface/surface.h"
 
@@ -113,10 +113,10 @@ static bool take_material(const lf_parcel_material *from, const float scalars[],
     *out = (lf_material){.kind = kind_at(from->kind),
                          .cover = from->cover < LF_COVERS ? (lf_cover)from->cover : LF_COVER_OPAQUE,
                          .is_solid = from->is_solid == 1,
-                         .tint = from->glows_by_colours == 1 ? LF_TINT_ALL : LF_TINT_ALBEDO};
+                         .tint = from->emits_by_colours == 1 ? LF_TINT_ALL : LF_TINT_ALBEDO};
     memcpy(&out->p, scalars, sizeof out->p);
     return out->kind && from->cover < LF_COVERS && from->is_solid <= 1 &&
-           from->glows_by_colours <= 1 && !lf_principled_wrong(&out->p) &&
+           from->emits_by_colours <= 1 && !lf_principled_wrong(&out->p) &&
            says_what_files_say(&out->p);
 }
 
@@ -426,24 +426,24 @@ static bool parts_fit(const lf_mesh_data *data)
 static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
 {
     const size_t n = count_of(parcel, LF_PARCEL_PARTS),
-                 n_places = count_of(parcel, LF_PARCEL_PART_OF);
+                 n_instances = count_of(parcel, LF_PARCEL_PART_OF);
     if (n == 0 || n % 4 != 0 || n / 4 > INT_MAX ||
-        12 * n_places != count_of(parcel, LF_PARCEL_PLACES))
+        12 * n_instances != count_of(parcel, LF_PARCEL_INSTANCES))
         return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
     lf_status status = copy(parcel, LF_PARCEL_PARTS, n / 4, sizeof *out->parts, &out->parts, err);
     if (status == LF_OK)
-        status = lf_places_take(parcel, "", out, err);
+        status = lf_instances_take(parcel, "", out, err);
     if (status == LF_OK)
         status =
-            copy(parcel, LF_PARCEL_PART_OF, n_places, sizeof *out->part_of, &out->part_of, err);
+            copy(parcel, LF_PARCEL_PART_OF, n_instances, sizeof *out->part_of, &out->part_of, err);
     if (status != LF_OK)
         return status;
     out->n_parts = (int)(n / 4);
     bool fit = parts_fit(out);
-    for (size_t i = 0; i < n_places && fit; i++) /* those of a part follow each other */
+    for (size_t i = 0; i < n_instances && fit; i++) /* those of a part follow each other */
         fit = out->part_of[i] < (uint32_t)out->n_parts &&
               (i == 0 || out->part_of[i - 1] <= out->part_of[i]);
-    return fit && lf_places_check(out, "", NULL) == LF_OK
+    return fit && lf_instances_check(out, "", NULL) == LF_OK
                ? LF_OK
                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
 }
@@ -475,7 +475,7 @@ lf_status lf_mesh_take(const lf_parcel *parcel, lf_mesh_asked asked, lf_mesh_dat
         status = take_lights(parcel, out, err);
     if (status == LF_OK)
         status = take_cameras(parcel, out, err);
-    if (status == LF_OK && count_of(parcel, LF_PARCEL_PLACES) > 0)
+    if (status == LF_OK && count_of(parcel, LF_PARCEL_INSTANCES) > 0)
         status = take_parts(parcel, out, err);
     if (status == LF_OK &&
         !(positions_fit(out) && triangles_fit(out) && frames_fit(out) && looks_are_sound(out)))

@@ -6,7 +6,7 @@
 #include "base/sandbox/import.h"
 #include "base/sandbox/import_group.h"
 #include "base/thread.h"
-#include "render/import/scene/places_import.h"
+#include "render/import/scene/instances_import.h"
 #include "render/import/scene/scene_tangents.h"
 
 enum { MOST_READERS = 4 }; /* at once: together they have the memory that --import-memory says */
@@ -42,7 +42,7 @@ static bool meshes_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
     return !a->shape && !b->shape && lf_mesh_reads_alike(a, b);
 }
 
-static bool places_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
+static bool instances_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
 {
     return a->places.file && b->places.file && strcmp(a->places.file, b->places.file) == 0;
 }
@@ -75,9 +75,9 @@ static void find_readings(importing *all,
 }
 
 /* Whether a mesh is a light, as far as the words of its materials say. */
-static bool shines(const lf_mesh_desc *desc, const lf_mesh_data *data)
+static bool emits(const lf_mesh_desc *desc, const lf_mesh_data *data)
 {
-    bool found = desc->shines;
+    bool found = desc->emits;
     for (int i = 0; i < data->n_materials; i++)
         found = found || lf_max3(data->materials[i].emission) > 0.0f;
     return found;
@@ -98,18 +98,18 @@ static lf_status read_meshes(importing *all, const reading *r, int *out_wrong, l
     return status;
 }
 
-static lf_status read_places(importing *all, const reading *r, int *out_wrong, lf_error *err)
+static lf_status read_instances(importing *all, const reading *r, int *out_wrong, lf_error *err)
 {
-    lf_places_file file = {0};
+    lf_instances_file file = {0};
     lf_status status = LF_OK;
     for (int i = r->first; i < r->first + r->n && status == LF_OK; i++) {
         *out_wrong = all->order[i];
         const lf_mesh_desc *desc = &all->desc->meshes[*out_wrong];
-        if (lf_places_are_given(&desc->places))
-            status = lf_places_import(desc, all->folder, all->roots, shines(desc, all->out[i]),
-                                      &file, all->out[i], err);
+        if (lf_instances_are_given(&desc->places))
+            status = lf_instances_import(desc, all->folder, all->roots, emits(desc, all->out[i]),
+                                         &file, all->out[i], err);
     }
-    lf_places_file_close(&file);
+    lf_instances_file_close(&file);
     return status;
 }
 
@@ -139,10 +139,10 @@ static void run_meshes(void *context, int item, int worker)
     run_reading(context, item, read_meshes);
 }
 
-static void run_places(void *context, int item, int worker)
+static void run_instances(void *context, int item, int worker)
 {
     (void)worker;
-    run_reading(context, item, read_places);
+    run_reading(context, item, read_instances);
 }
 
 /* Files are read several at once, a process each. */
@@ -182,8 +182,8 @@ static lf_status import_all(importing *all, int *out_wrong, lf_error *err)
     if (status == LF_OK)
         status = find_failure(all, out_wrong, err);
     if (status == LF_OK) {
-        find_readings(all, places_alike);
-        status = run_readings(all, run_places);
+        find_readings(all, instances_alike);
+        status = run_readings(all, run_instances);
     }
     if (status == LF_OK)
         status = find_failure(all, out_wrong, err);
@@ -233,11 +233,11 @@ static bool would_move(const lf_mesh_desc *open, const lf_mesh_desc *close, doub
 
 static bool moves(const lf_mesh_desc *open, const lf_mesh_desc *close, double span)
 {
-    return !lf_places_are_given(&open->places) && would_move(open, close, span);
+    return !lf_instances_are_given(&open->places) && would_move(open, close, span);
 }
 
 /* What instances do is told. */
-static void warn_of_places(lf_ends ends, const char *where, lf_mesh_data *data)
+static void warn_of_instances(lf_ends ends, const char *where, lf_mesh_data *data)
 {
     for (int i = 0; i < ends[0]->n_meshes; i++) {
         const lf_mesh_desc *open = &ends[0]->meshes[i], *close = &ends[1]->meshes[i];
@@ -245,7 +245,7 @@ static void warn_of_places(lf_ends ends, const char *where, lf_mesh_data *data)
         bool same = close->places.n == open->places.n &&
                     (n == 0 || memcmp(open->places.map, close->places.map,
                                       n * sizeof *open->places.map) == 0);
-        if ((lf_places_are_given(&open->places) || data[i].n_places > 0) &&
+        if ((lf_instances_are_given(&open->places) || data[i].n_instances > 0) &&
             (!same || would_move(open, close, data[i].span)))
             lf_warnings_add(&data[i].warnings, where,
                             "mesh \"%s\": its instances stand still while the shutter is open",
@@ -336,7 +336,7 @@ static lf_status import_close(lf_ends ends, const lf_scene_file *file, const lf_
 {
     const int n = ends[0]->n_meshes;
     bool any = false;
-    warn_of_places(ends, file->where, data);
+    warn_of_instances(ends, file->where, data);
     for (int i = 0; i < n; i++) {
         moving[i] = moves(&ends[0]->meshes[i], &ends[1]->meshes[i], data[i].span);
         any = any || moving[i];

@@ -6,7 +6,7 @@
 #include "base/alloc.h"
 #include "render/import/scene/closed_mesh.h"
 #include "render/import/scene/touching_faces.h"
-#include "render/scene/placed.h"
+#include "render/scene/instances.h"
 #include "render/scene/vec_double.h"
 #include "render/transport/path/track.h"
 
@@ -82,12 +82,12 @@ static part part_of(const lf_scene *scene, int number, int material)
     part out = {.mesh = number,
                 .material = material,
                 .joined = -1,
-                .box = whole || mesh->placed ? mesh->box : box_of(mesh, material),
+                .box = whole || mesh->instances ? mesh->box : box_of(mesh, material),
                 .priority = scene->materials[material].priority,
                 .number = -1};
     out.size = volume_of(&out.box);
-    if (mesh->placed) { /* one of its places */
-        const lf_affine map = lf_placed_map(mesh->placed, 0);
+    if (mesh->instances) { /* one of its places */
+        const lf_affine map = lf_instance_map(mesh->instances, 0);
         const lf_box own = box_of(mesh, material);
         out.size = volume_of(&own) * fabs(lf_affine_determinant(&map));
     }

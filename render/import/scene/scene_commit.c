@@ -14,7 +14,7 @@
 #include "render/import/scene/mesh_doubles.h"
 #include "render/import/scene/meshes_import.h"
 #include "render/import/scene/nested_glass.h"
-#include "render/import/scene/open_flesh.h"
+#include "render/import/scene/open_subsurface.h"
 #include "render/import/scene/placing.h"
 #include "render/import/scene/scene_materials.h"
 #include "render/import/scene/scene_subject.h"
@@ -24,8 +24,8 @@
 #include "render/import/scene/volume_place.h"
 #include "render/import/scene/walled_camera.h"
 #include "render/scene/vec_double.h"
-#include "render/transport/light/flame.h"
 #include "render/transport/light/light_kind.h"
+#include "render/transport/light/volume_emission.h"
 #include "render/transport/path/light_overlap.h"
 #include "render/transport/path/phase.h"
 #include "render/transport/surface/surface.h"
@@ -126,27 +126,27 @@ static void fail_too_much(const commit *c, const lf_volume_desc *desc, const cha
 }
 
 /* What volume number i emits, if it does. */
-static void load_flame(commit *c, int i)
+static void load_emissive(commit *c, int i)
 {
     lf_scene *scene = c->scene;
     const lf_volume_desc *desc = &c->desc->volumes[i];
-    if (!desc->has_flame)
+    if (!desc->is_emissive)
         return;
-    lf_flame_light *light = &scene->flames.light[scene->flames.n];
-    lf_volume *flame = &scene->flames.field[scene->flames.n++];
-    *flame = (lf_volume){.kind = desc->kind, .nearest = desc->nearest};
-    flame->sigma_scale = flame->sigma_max = 1.0f;
+    lf_volume_emission *light = &scene->emissive.light[scene->emissive.n];
+    lf_volume *emissive = &scene->emissive.field[scene->emissive.n++];
+    *emissive = (lf_volume){.kind = desc->kind, .nearest = desc->nearest};
+    emissive->sigma_scale = emissive->sigma_max = 1.0f;
     if (desc->kind == LF_VOLUME_GRID)
-        load_grid(c, desc, desc->flame_grid, "does not glow", "emission", flame);
-    if (flame->grid)
-        flame->sigma_max = lf_volume_largest(flame);
+        load_grid(c, desc, desc->emission_grid, "does not glow", "emission", emissive);
+    if (emissive->grid)
+        emissive->sigma_max = lf_volume_largest(emissive);
     light->volume = i;
-    double most =
-        lf_flame_light_init(light, lf_to_vec3(desc->flame), desc->kelvin, (double)flame->sigma_max);
+    double most = lf_volume_emission_init(light, lf_to_vec3(desc->emissive), desc->kelvin,
+                                          (double)emissive->sigma_max);
     if (!(most <= (double)MOST_SIGMA))
         fail_too_much(c, desc, "emission", most);
     if (!(most > 0.0))
-        flame->sigma_max = 0.0f;
+        emissive->sigma_max = 0.0f;
 }
 
 /* What scatters of a volume where grids say it. */
@@ -186,9 +186,9 @@ static void load_volumes(commit *c)
 {
     lf_scene *scene = c->scene;
     scene->volumes = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->volumes);
-    scene->flames.field = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->flames.field);
-    scene->flames.light = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->flames.light);
-    if (!scene->volumes || !scene->flames.field || !scene->flames.light)
+    scene->emissive.field = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->emissive.field);
+    scene->emissive.light = lf_calloc((size_t)c->desc->n_volumes, sizeof *scene->emissive.light);
+    if (!scene->volumes || !scene->emissive.field || !scene->emissive.light)
         out_of_memory(c);
     for (int i = 0; i < c->desc->n_volumes && c->reader->status == LF_OK; i++) {
         const lf_volume_desc *desc = &c->desc->volumes[i];
@@ -212,7 +212,7 @@ static void load_volumes(commit *c)
         if (!(volume->sigma_max <= MOST_SIGMA))
             fail_too_much(c, desc, "scale", (double)volume->sigma_max);
         if (c->reader->status == LF_OK)
-            load_flame(c, i);
+            load_emissive(c, i);
     }
     lf_grid_source_finish(&c->grids);
 }
@@ -233,8 +233,8 @@ static void check_volumes(const commit *c)
         for (int channel = 0; fields && channel < 3; channel++)
             check_volume(c, &fields[channel], i);
     }
-    for (int i = 0; i < c->scene->flames.n; i++)
-        check_volume(c, &c->scene->flames.field[i], c->scene->flames.light[i].volume);
+    for (int i = 0; i < c->scene->emissive.n; i++)
+        check_volume(c, &c->scene->emissive.field[i], c->scene->emissive.light[i].volume);
 }
 
 /* Of number i of the descs. */
@@ -246,11 +246,11 @@ static void place_volume(const commit *c, lf_volume *volume, int i)
 }
 
 /* Values are no depths: voxels are all that there is to resolve. */
-static void place_flame(const commit *c, int i)
+static void place_emissive(const commit *c, int i)
 {
-    lf_volume *flame = &c->scene->flames.field[i];
-    place_volume(c, flame, c->scene->flames.light[i].volume);
-    flame->slice_cell = flame->voxel;
+    lf_volume *emissive = &c->scene->emissive.field[i];
+    place_volume(c, emissive, c->scene->emissive.light[i].volume);
+    emissive->slice_cell = emissive->voxel;
 }
 
 /* ------------------------------------------------------------------------------------ meshes -- */
@@ -310,9 +310,9 @@ static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_
     }
     for (int i = 0; i < c->scene->n_volumes; i++)
         lf_volume_extend(&c->scene->volumes[i], c->shutter, i, bounds);
-    for (int i = 0; i < c->scene->flames.n; i++)
-        lf_volume_extend(&c->scene->flames.field[i], c->shutter, c->scene->flames.light[i].volume,
-                         bounds);
+    for (int i = 0; i < c->scene->emissive.n; i++)
+        lf_volume_extend(&c->scene->emissive.field[i], c->shutter,
+                         c->scene->emissive.light[i].volume, bounds);
     for (int i = 0; i < c->desc->n_meshes && !geometry; i++)
         lf_mesh_data_bounds(&data[i], bounds);
     for (int i = 0; i < 3 && geometry; i++) {
@@ -488,13 +488,13 @@ static bool is_unlit(const lf_scene *scene)
         if (lf_max3(light->radiance) > 0.0f || light->kind->power(light, 1.0) > 0.0)
             return false;
     }
-    bool glows = false;
-    for (int i = 0; i < scene->flames.n; i++)
-        glows = glows || lf_volume_is_there(&scene->flames.field[i]);
-    return !glows;
+    bool emits = false;
+    for (int i = 0; i < scene->emissive.n; i++)
+        emits = emits || lf_volume_is_there(&scene->emissive.field[i]);
+    return !emits;
 }
 
-static bool is_lamp(const lf_scene *scene, int mesh)
+static bool is_area_light(const lf_scene *scene, int mesh)
 {
     bool found = false;
     for (int i = 0; i < scene->n_lights; i++)
@@ -513,7 +513,7 @@ static void find_overlaps(const commit *c)
             continue;
         scene->traits |= LF_TRAIT_OVERLAPS;
         /* Two lamps find each other: one line, whose words are the same for both. */
-        bool second = other < mesh && is_lamp(scene, other);
+        bool second = other < mesh && is_area_light(scene, other);
         const lf_mesh_desc *of = &c->desc->meshes[second ? other : mesh],
                            *with = &c->desc->meshes[second ? mesh : other];
         lf_warnings_add(&scene->warnings, scene->file.where,
@@ -571,11 +571,11 @@ static void collect_warnings(const commit *c)
                                     c->desc->volumes[i].file);
     for (int i = 0; i < scene->n_volumes; i++)
         warn_of_odd_voxels(c, i);
-    for (int i = 0; i < scene->flames.n; i++) {
-        const lf_volume_desc *desc = &c->desc->volumes[scene->flames.light[i].volume];
-        if (scene->flames.field[i].grid && desc->file)
-            lf_warn_of_odd_voxels(&scene->warnings, scene->flames.field[i].grid, desc->flame_grid,
-                                  desc->file);
+    for (int i = 0; i < scene->emissive.n; i++) {
+        const lf_volume_desc *desc = &c->desc->volumes[scene->emissive.light[i].volume];
+        if (scene->emissive.field[i].grid && desc->file)
+            lf_warn_of_odd_voxels(&scene->warnings, scene->emissive.field[i].grid,
+                                  desc->emission_grid, desc->file);
     }
     for (int i = 0; i < scene->n_lights; i++)
         if (scene->lights[i].environment)
@@ -586,7 +586,7 @@ static void collect_warnings(const commit *c)
     lf_warn_of_unused_materials(c->root, c->desc, scene);
     lf_file_lights_warn(c->desc, scene);
     lf_camera_frame_warn(c->desc, scene);
-    lf_warn_of_open_flesh(scene, c->desc, &scene->warnings);
+    lf_warn_of_open_subsurface(scene, c->desc, &scene->warnings);
     if (!is_unlit(scene))
         lf_warn_of_walled_camera(scene, c->desc, &scene->warnings);
     else
@@ -627,8 +627,8 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
         for (int channel = 0; fields && channel < 3; channel++)
             place_volume(&c, &fields[channel], i);
     }
-    for (int i = 0; i < scene->flames.n; i++)
-        place_flame(&c, i);
+    for (int i = 0; i < scene->emissive.n; i++)
+        place_emissive(&c, i);
     place_meshes(&c);
     if (!goes_on(&c))
         return;

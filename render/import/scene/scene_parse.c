@@ -29,7 +29,7 @@ static double parse_units(lf_reader *reader, const lf_node *node, double fallbac
 }
 
 /* A transform of what a file holds, whose lengths are first brought to those of the scene. */
-static lf_affine parse_placed(lf_reader *reader, const lf_node *node, double scene_mm)
+static lf_affine parse_instances(lf_reader *reader, const lf_node *node, double scene_mm)
 {
     lf_affine a = lf_read_transform(reader, node);
     double scale = parse_units(reader, node, scene_mm) / scene_mm;
@@ -143,20 +143,20 @@ static void parse_members(lf_reader *reader, const lf_node *root, const char *na
 #define MAX_GRID_NAME 256
 
 /* What a grid emits: "emission" is an object. */
-static void parse_flame(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
+static void parse_emissive(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
     static const char *const keys[] = {"grid", "scale", "colour", "kelvin", NULL};
     lf_node emission = lf_node_child(node, "emission");
     double colour[3] = {1, 1, 1};
-    volume->has_flame = lf_read_object(reader, &emission, keys);
-    if (!volume->has_flame)
+    volume->is_emissive = lf_read_object(reader, &emission, keys);
+    if (!volume->is_emissive)
         return;
-    volume->flame_grid = lf_read_string(reader, &emission, "grid", "temperature", 256);
+    volume->emission_grid = lf_read_string(reader, &emission, "grid", "temperature", 256);
     volume->kelvin = lf_read_number(reader, &emission, "kelvin", 0, 0, LF_MAX_KELVIN);
     lf_read_colour(reader, &emission, "colour", colour, 0, LF_MAX_RADIANCE);
     double scale = lf_read_number(reader, &emission, "scale", 1, 0, LF_MAX_RADIANCE);
     for (int i = 0; i < 3; i++)
-        volume->flame[i] = scale * colour[i];
+        volume->emissive[i] = scale * colour[i];
 }
 
 /* "albedo" of a grid may be an object that names grids of its file: one of vectors, or three. */
@@ -267,7 +267,7 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
     volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
     volume->half = lf_read_choice(reader, node, "precision", precisions, 0) == 1;
     volume->scale = lf_read_number(reader, node, "scale", 1, 0, 1e9);
-    parse_flame(reader, node, volume);
+    parse_emissive(reader, node, volume);
     parse_velocity(reader, node, &volume->velocity);
 }
 
@@ -295,12 +295,13 @@ static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *
     volume->kind = LF_VOLUME_GRID + 1 +
                    (lf_volume_kind)lf_read_choice(reader, node, "shape", lf_volume_shapes, 0);
     volume->scale = lf_read_number(reader, node, "density", 1, 0, 1e9);
-    volume->has_flame = lf_read_colour(reader, node, "emission", volume->flame, 0, LF_MAX_RADIANCE);
+    volume->is_emissive =
+        lf_read_colour(reader, node, "emission", volume->emissive, 0, LF_MAX_RADIANCE);
 }
 
 /* What volumes emit is known light of one transmittance. */
-static void refuse_coloured_flames(lf_reader *reader, const lf_node *root,
-                                   const lf_scene_desc *desc)
+static void refuse_coloured_emission(lf_reader *reader, const lf_node *root,
+                                     const lf_scene_desc *desc)
 {
     bool chromatic = false;
     for (int i = 0; i < desc->n_volumes; i++) {
@@ -311,7 +312,7 @@ static void refuse_coloured_flames(lf_reader *reader, const lf_node *root,
         lf_node section = lf_node_child(root, "volumes"),
                 volume = lf_node_child(&section, desc->volumes[i].name),
                 emission = lf_node_child(&volume, "emission");
-        if (desc->volumes[i].has_flame)
+        if (desc->volumes[i].is_emissive)
             lf_read_fail(reader, &emission,
                          "volumes cannot emit in a scene whose sigma_t differs between channels");
     }
@@ -353,7 +354,7 @@ static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *
     if (!parse_albedo_grids(reader, node, volume))
         lf_read_colour(reader, node, "albedo", volume->albedo, 0, 1);
     parse_phase(reader, node, volume);
-    volume->transform = parse_placed(reader, node, desc->unit_mm);
+    volume->transform = parse_instances(reader, node, desc->unit_mm);
 }
 
 /* ------------------------------------------------------------------------------------ meshes -- */
@@ -427,7 +428,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     else
         mesh->shape = lf_mesh_shapes[lf_read_choice(reader, node, "shape", shapes, 0)];
     mesh->normals = (lf_normals)lf_read_choice(reader, node, "normals", normals, LF_NORMALS_FILE);
-    mesh->transform = parse_placed(reader, node, desc->unit_mm);
+    mesh->transform = parse_instances(reader, node, desc->unit_mm);
     const lf_node units = lf_node_child(node, "units");
     if (mesh->shape && units.value)
         lf_read_fail(reader, &units, "only what is in a file has units of its own");
@@ -435,17 +436,17 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     parse_clip(reader, node, desc->seconds, &mesh->clip);
     mesh->variant = parse_variant(reader, node);
     mesh->lights = parse_lights_of(reader, node);
-    lf_read_places(reader, node, &mesh->places);
+    lf_read_instances(reader, node, &mesh->places);
     lf_mesh_materials_parse(reader, node, desc, mesh);
 }
 
 /* ------------------------------------------------------------------------------------ lights -- */
 
 /* A light that is faces, as a mesh and its material. */
-static void add_lamp(lf_reader *reader, const lf_node *node, const lf_light_desc *light,
-                     lf_scene_desc *desc)
+static void add_area_light(lf_reader *reader, const lf_node *node, const lf_light_desc *light,
+                           lf_scene_desc *desc)
 {
-    lf_lamp lamp;
+    lf_area_light lamp;
     light->kind->make(light->values, &lamp);
     double most = fmax(lamp.radiance[0], fmax(lamp.radiance[1], lamp.radiance[2]));
     lf_node power = lf_node_child(node, "power");
@@ -498,7 +499,7 @@ static void parse_light(lf_reader *reader, const lf_node *node, lf_scene_desc *d
     if (reader->status != LF_OK)
         return;
     if (light->kind->shape) {
-        add_lamp(reader, node, light, desc);
+        add_area_light(reader, node, light, desc);
         return;
     }
     desc->n_lights++;
@@ -552,7 +553,7 @@ void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames
     out->meshes = allocate_section(reader, root, "meshes", LF_MAX_MESHES, lights,
                                    sizeof *out->meshes, &out->n_meshes);
     parse_members(reader, root, "volumes", parse_volume, out);
-    refuse_coloured_flames(reader, root, out);
+    refuse_coloured_emission(reader, root, out);
     parse_members(reader, root, "materials", lf_material_parse, out);
     parse_members(reader, root, "meshes", parse_mesh, out);
     parse_members(reader, root, "lights", parse_light, out);

@@ -49,10 +49,10 @@ typedef struct lf_volume_desc {
     /* or grids of the file, one a channel: "" = none */
     char albedo_grid[3][LF_GRID_NAME_BYTES];
     /* What it emits, radiance per scene unit: nothing, unless it is given; grids: per unit of the
-     * value of flame_grid, or, kelvin > 0, as a black body of so many degrees per unit. */
-    bool has_flame;
-    const char *flame_grid;
-    double flame[3], kelvin;
+     * value of emission_grid, or, kelvin > 0, as a black body of so many degrees per unit. */
+    bool is_emissive;
+    const char *emission_grid;
+    double emissive[3], kelvin;
     lf_velocity_desc velocity;
     lf_affine transform;
 } lf_volume_desc;
@@ -60,13 +60,13 @@ typedef struct lf_volume_desc {
 typedef enum lf_normals { LF_NORMALS_FILE, LF_NORMALS_SMOOTH, LF_NORMALS_FLAT } lf_normals;
 
 /* Where a mesh stands that is given once for many places: each a map after its transform. */
-typedef struct lf_places_desc {
+typedef struct lf_instances_desc {
     const char *file; /* of them, or NULL */
     int n;            /* of those that the scene says itself */
     lf_affine *map;   /* [n] released by lf_scene_desc_finish */
-} lf_places_desc;
+} lf_instances_desc;
 
-static inline bool lf_places_are_given(const lf_places_desc *places)
+static inline bool lf_instances_are_given(const lf_instances_desc *places)
 {
     return places->file || places->n > 0;
 }
@@ -111,11 +111,11 @@ typedef struct lf_mesh_desc {
     bool reflects; /* a catcher of what it reflects, too */
     lf_ground_word ground;
     bool stands; /* a ground that the scene places (placing.h) */
-    bool shines; /* some material of the scene that it has does */
+    bool emits;  /* some material of the scene that it has does */
     int n_overrides;
     lf_override *overrides; /* [n_overrides] released by lf_scene_desc_finish */
     lf_mesh_wants wants;
-    lf_places_desc places;
+    lf_instances_desc places;
 } lf_mesh_desc;
 
 typedef struct lf_light_desc {

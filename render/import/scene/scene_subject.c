@@ -155,7 +155,7 @@ static json_t *said_of(json_t *doc, const char *name)
     return said;
 }
 
-static bool put_light_way(json_t *doc, const lf_shutter *shutter, const char *name)
+static bool put_light_motion(json_t *doc, const lf_shutter *shutter, const char *name)
 {
     if (json_equal(member(shutter->doc[0], "lights", name),
                    member(shutter->doc[1], "lights", name)))
@@ -178,7 +178,7 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
     done = done && put_pictures(doc, scene, desc) && put_ways(doc, shutter);
     for (int i = 0; i < desc->n_lights && done; i++)
         done = put_light(doc, &scene->lights[i], &desc->lights[i]) &&
-               put_light_way(doc, shutter, desc->lights[i].name);
+               put_light_motion(doc, shutter, desc->lights[i].name);
     if (!done) {
         json_decref(doc);
         return NULL;

@@ -16,7 +16,7 @@ static void mark_used(const lf_mesh *mesh, bool *used)
 }
 
 /* Colours along a mesh tint what its panes let through: such glass is no veil. */
-static void colour_panes(lf_scene *scene)
+static void colour_thin_glass(lf_scene *scene)
 {
     for (int i = 0; i < scene->n_meshes; i++) {
         bool used[LF_MAX_MATERIALS] = {false};
@@ -25,7 +25,7 @@ static void colour_panes(lf_scene *scene)
         mark_used(&scene->meshes[i], used);
         for (int m = 0; m < scene->n_materials; m++)
             if (used[m] && scene->materials[m].tint != LF_TINT_NOTHING)
-                scene->materials[m].glass.is_pane = false;
+                scene->materials[m].glass.is_thin = false;
     }
 }
 
@@ -41,15 +41,16 @@ static lf_traits mesh_traits(const lf_mesh *mesh)
     const lf_traits coloured = LF_TRAIT_VARYING | LF_TRAIT_VARYING_ALBEDO | LF_TRAIT_VERTEX_COLOURS;
     return LF_TRAIT_SURFACES | (mesh->colours ? coloured : 0) |
            (mesh->hidden ? LF_TRAIT_HIDDEN_MESHES : 0) |
-           (mesh->close.vertices ? LF_TRAIT_MOTION : 0) | (mesh->placed ? LF_TRAIT_INSTANCES : 0) |
-           (mesh->catcher ? LF_TRAIT_CATCHERS : 0) | (mesh->reflects ? LF_TRAIT_REFLECTIONS : 0);
+           (mesh->close.vertices ? LF_TRAIT_MOTION : 0) |
+           (mesh->instances ? LF_TRAIT_INSTANCES : 0) | (mesh->catcher ? LF_TRAIT_CATCHERS : 0) |
+           (mesh->reflects ? LF_TRAIT_REFLECTIONS : 0);
 }
 
 static lf_traits glass_traits(const lf_material *m)
 {
     const bool solid = m->is_solid && m->transmission > 0.0f,
                filled = lf_max3(m->absorption) > 0.0f || lf_max3(m->scattering) > 0.0f;
-    return (m->glass.is_pane ? LF_TRAIT_THIN_GLASS : 0) |
+    return (m->glass.is_thin ? LF_TRAIT_THIN_GLASS : 0) |
            (m->is_solid && m->glass.is_rough ? LF_TRAIT_ROUGH_GLASS : 0) |
            (solid && filled ? LF_TRAIT_FILLED_GLASS : 0) |
            (m->subsurface > 0.0f ? LF_TRAIT_SUBSURFACE : 0);
@@ -74,15 +75,15 @@ static lf_traits volume_traits(const lf_volume *volume)
            (chromatic ? LF_TRAIT_CHROMATIC_MEDIA : 0) |
            (volume->albedo_fields ? LF_TRAIT_VARYING_MEDIA : 0) |
            (volume->second.share > 0.0f ? LF_TRAIT_TWO_LOBES : 0) |
-           (volume->way || volume->steps ? LF_TRAIT_MOTION : 0);
+           (volume->motion || volume->steps ? LF_TRAIT_MOTION : 0);
 }
 
 void lf_scene_find_traits(lf_scene *scene)
 {
     bool used[LF_MAX_MATERIALS] = {false};
-    lf_traits found = scene->flames.n > 0 ? LF_TRAIT_VOLUME_EMISSION : 0;
+    lf_traits found = scene->emissive.n > 0 ? LF_TRAIT_VOLUME_EMISSION : 0;
     found |= scene->backdrop.given ? LF_TRAIT_BACKDROP : 0;
-    colour_panes(scene);
+    colour_thin_glass(scene);
     for (int i = 0; i < scene->n_meshes; i++) {
         mark_used(&scene->meshes[i], used);
         found |= mesh_traits(&scene->meshes[i]);
@@ -90,10 +91,10 @@ void lf_scene_find_traits(lf_scene *scene)
     for (int m = 0; m < scene->n_materials; m++)
         found |= used[m] ? material_traits(&scene->materials[m]) : 0;
     for (int i = 0; i < scene->n_lights; i++)
-        found |= scene->lights[i].way ? LF_TRAIT_MOTION : 0;
+        found |= scene->lights[i].motion ? LF_TRAIT_MOTION : 0;
     for (int i = 0; i < scene->n_volumes; i++)
         found |= volume_traits(&scene->volumes[i]);
-    for (int i = 0; i < scene->flames.n; i++)
-        found |= scene->flames.field[i].steps ? LF_TRAIT_MOTION : 0;
+    for (int i = 0; i < scene->emissive.n; i++)
+        found |= scene->emissive.field[i].steps ? LF_TRAIT_MOTION : 0;
     scene->traits |= found;
 }

@@ -73,13 +73,13 @@ bool lf_shutter_light(const lf_value open[], const lf_value close[], const doubl
         same = same && memcmp(open[n].number, close[n].number, sizeof open[n].number) == 0;
     if (same)
         return true;
-    light->way = lf_calloc(1, sizeof *light->way);
-    if (!light->way)
+    light->motion = lf_calloc(1, sizeof *light->motion);
+    if (!light->motion)
         return false;
     for (int k = 0; k < n; k++) {
-        light->way->open[k] = open[k];
-        light->way->close[k] = close[k];
-        light->way->open[k].text = light->way->close[k].text = NULL; /* the document's */
+        light->motion->open[k] = open[k];
+        light->motion->close[k] = close[k];
+        light->motion->open[k].text = light->motion->close[k].text = NULL; /* the document's */
     }
     lf_light_move(light, origin, 0.5);
     return true;
@@ -96,7 +96,7 @@ static void add(char *list, size_t size, const char *section, const char *name)
 }
 
 /* Lights that are faces are meshes. */
-static bool is_lamp(const lf_scene_desc *desc, const char *name)
+static bool is_area_light(const lf_scene_desc *desc, const char *name)
 {
     bool found = false;
     for (int i = 0; i < desc->n_meshes; i++)
@@ -134,7 +134,7 @@ static const char *const *moving_of_light(const lf_scene_desc *desc, const char 
     static const char *const lamps[] = {"position", "direction", "rotate", "width",
                                         "height",   "radius",    NULL},
                              *const skies[] = {"azimuth", "scale", NULL};
-    return is_lamp(desc, name) ? lamps : is_sky(light) ? skies : NULL;
+    return is_area_light(desc, name) ? lamps : is_sky(light) ? skies : NULL;
 }
 
 /* What moves of a section's things, and of the camera. */

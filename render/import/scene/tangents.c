@@ -28,14 +28,14 @@ static const lf_texture *map_of(const lf_mesh_data *data, int triangle)
 {
     static const lf_texture plain = {.map = {{1, 0, 0}, {0, 1, 0}}};
     const int material = data->triangle_material[triangle];
-    const bool brushed = data->materials[material].anisotropy > 0.0f;
-    const lf_texture *map = brushed ? &plain : NULL;
+    const bool anisotropic = data->materials[material].anisotropy > 0.0f;
+    const lf_texture *map = anisotropic ? &plain : NULL;
     if (data->textures) {
         const lf_texture *slot = data->textures[material].slot;
-        map = slot[LF_SLOT_NORMAL].picture > 0             ? &slot[LF_SLOT_NORMAL]
-              : slot[LF_SLOT_COAT_NORMAL].picture > 0      ? &slot[LF_SLOT_COAT_NORMAL]
-              : brushed && slot[LF_SLOT_BRUSH].picture > 0 ? &slot[LF_SLOT_BRUSH]
-                                                           : map;
+        map = slot[LF_SLOT_NORMAL].picture > 0                      ? &slot[LF_SLOT_NORMAL]
+              : slot[LF_SLOT_COAT_NORMAL].picture > 0               ? &slot[LF_SLOT_COAT_NORMAL]
+              : anisotropic && slot[LF_SLOT_ANISOTROPY].picture > 0 ? &slot[LF_SLOT_ANISOTROPY]
+                                                                    : map;
     }
     return map && map->set < data->n_uv_sets ? map : NULL;
 }

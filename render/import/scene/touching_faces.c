@@ -34,7 +34,7 @@ static int16_t solid_of(const lf_scene *scene, int mesh, int triangle)
 
 static bool is_fixed(const lf_mesh *mesh)
 {
-    return !mesh->placed && !mesh->close.vertices;
+    return !mesh->instances && !mesh->close.vertices;
 }
 
 /* Planes that are the same have keys that are nearly so, and others hardly ever. */

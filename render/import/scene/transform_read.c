@@ -140,7 +140,7 @@ static lf_affine parse_rows(lf_reader *reader, const lf_node *node)
     return a;
 }
 
-static void read_list(lf_reader *reader, const lf_node *list, lf_places_desc *out)
+static void read_list(lf_reader *reader, const lf_node *list, lf_instances_desc *out)
 {
     size_t n = json_array_size(list->value);
     if (n == 0) {
@@ -161,7 +161,7 @@ static void read_list(lf_reader *reader, const lf_node *list, lf_places_desc *ou
     out->n = (int)n;
 }
 
-void lf_read_places(lf_reader *reader, const lf_node *node, lf_places_desc *out)
+void lf_read_instances(lf_reader *reader, const lf_node *node, lf_instances_desc *out)
 {
     static const char *const endings[] = {"npy", "csv", NULL};
     lf_node list = lf_node_child(node, "instances");

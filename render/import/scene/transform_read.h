@@ -13,6 +13,6 @@ lf_affine lf_read_transform(lf_reader *reader, const lf_node *node);
 
 /* Of node's "instances": a list of transforms, each as above or as 12 or 16 numbers, or the name of
  * a file of them. */
-void lf_read_places(lf_reader *reader, const lf_node *node, lf_places_desc *out);
+void lf_read_instances(lf_reader *reader, const lf_node *node, lf_instances_desc *out);
 
 #endif

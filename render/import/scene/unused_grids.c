@@ -45,7 +45,7 @@ static bool is_used(const lf_scene_desc *desc, const char *file, const char *nam
         const lf_volume_desc *v = &desc->volumes[i];
         if (!v->file || strcmp(v->file, file) != 0)
             continue;
-        bool used = is_added(v->grid, name, length) || is_named(v->flame_grid, name, length);
+        bool used = is_added(v->grid, name, length) || is_named(v->emission_grid, name, length);
         for (int c = 0; c < 3; c++)
             used = used || is_named(v->albedo_grid[c], name, length) ||
                    is_component(v->albedo_grid[c], name, length) ||

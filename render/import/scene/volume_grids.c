@@ -41,7 +41,7 @@ static const lf_volume *find_in(const lf_scene *scene, const char *key, bool flo
     found = find_among(scene->volumes, scene->n_volumes, key, flows);
     for (int i = 0; i < scene->n_volumes && !found; i++)
         found = find_among(scene->volumes[i].albedo_fields, 3, key, flows);
-    return found ? found : find_among(scene->flames.field, scene->flames.n, key, flows);
+    return found ? found : find_among(scene->emissive.field, scene->emissive.n, key, flows);
 }
 
 /* In this scene or the one before. */

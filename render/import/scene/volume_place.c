@@ -63,24 +63,24 @@ static float slice_cell(const lf_volume *volume)
 }
 
 /* Volume space -> scene-local at both ends of the shutter. */
-static lf_volume_way way_of(const lf_volume *volume, const lf_shutter *shutter, int i,
-                            const double origin[3])
+static lf_volume_motion motion_of(const lf_volume *volume, const lf_shutter *shutter, int i,
+                                  const double origin[3])
 {
-    lf_volume_way way = {volume_to_world(volume, &shutter->desc[0]->volumes[i]),
-                         volume_to_world(volume, &shutter->desc[1]->volumes[i])};
+    lf_volume_motion motion = {volume_to_world(volume, &shutter->desc[0]->volumes[i]),
+                               volume_to_world(volume, &shutter->desc[1]->volumes[i])};
     for (int k = 0; k < 3; k++) {
-        way.open.m[k][3] -= origin[k];
-        way.close.m[k][3] -= origin[k];
+        motion.open.m[k][3] -= origin[k];
+        motion.close.m[k][3] -= origin[k];
     }
-    return way;
+    return motion;
 }
 
-static void set_box(lf_volume *volume, const lf_volume_way *way)
+static void set_box(lf_volume *volume, const lf_volume_motion *motion)
 {
     double bounds[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     double largest = 0;
-    extend_by_volume(volume, &way->open, bounds);
-    extend_by_volume(volume, &way->close, bounds);
+    extend_by_volume(volume, &motion->open, bounds);
+    extend_by_volume(volume, &motion->close, bounds);
     for (int i = 0; i < 3; i++)
         largest = fmax(largest, fmax(fabs(bounds[0][i]), fabs(bounds[1][i])));
     /* Rounding of a point on its way into volume space must not leave the box. */
@@ -121,29 +121,29 @@ lf_status lf_volume_place(lf_volume *volume, const lf_shutter *shutter, int i,
                           const double origin[3], lf_error *err)
 {
     const lf_volume_desc *desc = &shutter->desc[0]->volumes[i];
-    lf_volume_way way = way_of(volume, shutter, i, origin);
+    lf_volume_motion motion = motion_of(volume, shutter, i, origin);
     lf_affine inverse;
-    if (!lf_affine_invert(&way.open, &inverse))
+    if (!lf_affine_invert(&motion.open, &inverse))
         return lf_error_set(err, LF_E_FORMAT, desc->file ? desc->file : desc->name,
                             "the grid's own map flattens space");
-    if (memcmp(&way.open, &way.close, sizeof way.open) != 0) {
-        if (!lf_volume_way_is_sound(&way))
+    if (memcmp(&motion.open, &motion.close, sizeof motion.open) != 0) {
+        if (!lf_volume_motion_is_sound(&motion))
             return lf_error_set(err, LF_E_FORMAT, desc->name,
                                 "it flattens while the shutter is open, in which every point goes "
                                 "straight: a turn of half a circle is too much");
-        volume->way = lf_calloc(1, sizeof *volume->way);
-        if (!volume->way)
+        volume->motion = lf_calloc(1, sizeof *volume->motion);
+        if (!volume->motion)
             return lf_error_set(err, LF_E_NOMEM, desc->name, "out of memory");
-        *volume->way = way;
+        *volume->motion = motion;
     }
     for (int k = 0; k < 3; k++)
         for (int j = 0; j < 4; j++) {
-            volume->to_scene[k][j] = (float)way.open.m[k][j];
+            volume->to_scene[k][j] = (float)motion.open.m[k][j];
             volume->to_volume[k][j] = (float)inverse.m[k][j];
         }
-    set_box(volume, &way);
+    set_box(volume, &motion);
     if (volume->kind == LF_VOLUME_GRID) {
-        volume->voxel = (float)fmin(shortest_edge(&way.open), shortest_edge(&way.close));
+        volume->voxel = (float)fmin(shortest_edge(&motion.open), shortest_edge(&motion.close));
         volume->slice_cell = slice_cell(volume);
     }
     return LF_OK;

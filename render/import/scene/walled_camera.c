@@ -39,10 +39,11 @@ static bool may_shine_in(const lf_scene *scene, const lf_box *box)
         const lf_light *light = &scene->lights[i];
         const lf_box *of = lf_light_has_faces(light) ? &scene->meshes[light->mesh].box : NULL;
         found =
-            light->way || (of ? overlap(box, of->min, of->max) : contains(box, light->position));
+            light->motion || (of ? overlap(box, of->min, of->max) : contains(box, light->position));
     }
-    for (int i = 0; i < scene->flames.n && !found; i++)
-        found = overlap(box, scene->flames.field[i].bounds_min, scene->flames.field[i].bounds_max);
+    for (int i = 0; i < scene->emissive.n && !found; i++)
+        found =
+            overlap(box, scene->emissive.field[i].bounds_min, scene->emissive.field[i].bounds_max);
     return found;
 }
 
@@ -91,7 +92,7 @@ static bool sees_out(const lf_scene *scene, lf_vec3 p)
 
 static bool walls_in(const lf_scene *scene, const lf_mesh *mesh, const double p[3])
 {
-    bool is_wall = !mesh->hidden && !mesh->placed && !mesh->close.vertices &&
+    bool is_wall = !mesh->hidden && !mesh->instances && !mesh->close.vertices &&
                    mesh->n_triangles <= MOST_TRIANGLES && contains(&mesh->box, lf_to_vec3(p));
     return is_wall && is_opaque(scene, mesh) && !may_shine_in(scene, &mesh->box) &&
            surrounds(mesh, p) && lf_mesh_is_closed(mesh);

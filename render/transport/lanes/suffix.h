@@ -9,16 +9,16 @@
 #include "render/transport/lanes/lane_scene.h"
 
 /* Shadow rays that wait for their turn, and how many more a step may add. */
-enum { LF_LANE_SHOTS = 1024, LF_LANE_MOST = 64 };
+enum { LF_LANE_SHADOW_RAYS = 1024, LF_LANE_MOST = 64 };
 
 /* A shadow ray; those of a job come in the order of its vertices. */
-typedef struct lf_lane_shot {
+typedef struct lf_lane_shadow_ray {
     float q[3];         /* where it begins, volume space */
     float weight[3];    /* of what is left of the light beyond `expected` */
     float expected;     /* what the control says */
     uint32_t random[2]; /* key of its numbers */
     int32_t job;
-} lf_lane_shot;
+} lf_lane_shadow_ray;
 
 /* A path that has left, and waits for what it finds at infinity. */
 typedef struct lf_lane_exit {
@@ -49,15 +49,15 @@ typedef struct lf_lane_surfaces {
 
 /* Memory of a worker. */
 typedef struct lf_lane_memory {
-    lf_lane_shot shot[LF_LANE_SHOTS + LF_LANE_MOST];
-    float left[LF_LANE_SHOTS + LF_LANE_MOST];
+    lf_lane_shadow_ray shadow_ray[LF_LANE_SHADOW_RAYS + LF_LANE_MOST];
+    float left[LF_LANE_SHADOW_RAYS + LF_LANE_MOST];
     int n; /* shots */
     /* Where the scene `has` LF_LANE_SKY: unit, scene. Of shots with `draws` the way that the path
      * came; of others where to. */
-    float w[3][LF_LANE_SHOTS + LF_LANE_MOST];
-    int32_t draws[LF_LANE_SHOTS + LF_LANE_MOST]; /* -1, else 0 */
-    lf_lane_exit exit[LF_LANE_SHOTS + LF_LANE_MOST];
-    int n_exits;
+    float w[3][LF_LANE_SHADOW_RAYS + LF_LANE_MOST];
+    int32_t draws[LF_LANE_SHADOW_RAYS + LF_LANE_MOST]; /* -1, else 0 */
+    lf_lane_exit exit[LF_LANE_SHADOW_RAYS + LF_LANE_MOST];
+    int n_unscattered;
     lf_lane_surfaces surfaces; /* looked at where the scene `has` surfaces */
     double cut;                /* adds up what paths carried that max_depth has ended */
 } lf_lane_memory;

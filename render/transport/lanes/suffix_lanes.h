@@ -215,11 +215,11 @@ LF_INLINE void ratio(shadow *s, const lf_lane_scene *scene)
     s->w.look = mask_of(0);
 }
 
-LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory *memory, int *next,
-                          unsigned has)
+LF_INLINE void next_shadow_rays(shadow *s, const lf_lane_scene *scene, lf_lane_memory *memory,
+                                int *next, unsigned has)
 {
     lanes toward[3] = {all(scene->toward[0]), all(scene->toward[1]), all(scene->toward[2])};
-    const int words = (int)(sizeof *memory->shot / sizeof(float));
+    const int words = (int)(sizeof *memory->shadow_ray / sizeof(float));
     mask ended = without(s->w.shade, s->w.idle);
     for (unsigned b = bits_of(without(ended, s->fresh)); b; b &= b - 1) {
         int k = __builtin_ctz(b);
@@ -229,11 +229,11 @@ LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory 
     s->fresh = without(s->fresh, m);
     lanes_int at = s->job * words;
     for (int i = 0; i < 3; i++)
-        s->k.q[i] = choose(m, gather(memory->shot->q + i, at), s->k.q[i]);
+        s->k.q[i] = choose(m, gather(memory->shadow_ray->q + i, at), s->k.q[i]);
     for (int i = 0; i < 3 && has & LF_LANE_SKY; i++)
         toward[i] = gather(memory->w[i], s->job);
-    begin_random(&s->random, m, (lanes_bits)gather_int(&memory->shot->random[0], at),
-                 (lanes_bits)gather_int(&memory->shot->random[1], at));
+    begin_random(&s->random, m, (lanes_bits)gather_int(&memory->shadow_ray->random[0], at),
+                 (lanes_bits)gather_int(&memory->shadow_ray->random[1], at));
     s->left = choose(m, all(1.0f), s->left);
     begin_walk(&s->k, scene, m, toward, &s->random);
     s->w.step = either(s->w.step, m);
@@ -241,7 +241,8 @@ LF_INLINE void next_shots(shadow *s, const lf_lane_scene *scene, lf_lane_memory 
 }
 
 /* memory->left of all shots. */
-LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory, unsigned has)
+LF_INLINE int64_t trace_shadow_rays(const lf_lane_scene *scene, lf_lane_memory *memory,
+                                    unsigned has)
 {
     const mask every = mask_of((1u << LF_WIDTH) - 1);
     shadow team[TEAMS];
@@ -262,7 +263,7 @@ LF_INLINE int64_t trace_shots(const lf_lane_scene *scene, lf_lane_memory *memory
                 ratio(s, scene);
                 break;
             case SHADE:
-                next_shots(s, scene, memory, &next, has);
+                next_shadow_rays(s, scene, memory, &next, has);
                 break;
             case END:
                 ended++;
@@ -321,7 +322,7 @@ LF_INLINE void leave(const path *p, mask m, lf_lane_memory *memory)
 {
     for (unsigned b = bits_of(both(m, is_less(all(1.0f), p->vertex))); b; b &= b - 1) {
         int k = __builtin_ctz(b);
-        lf_lane_exit *way = &memory->exit[memory->n_exits++];
+        lf_lane_exit *way = &memory->exit[memory->n_unscattered++];
         for (int i = 0; i < 3; i++) {
             way->w[i] = p->w[i][k];
             way->beta[i] = p->beta[i][k];
@@ -442,15 +443,15 @@ LF_INLINE void shoot(path *p, mask m, const float light[3], lanes weight, lanes 
     const lanes_bits low = draw(&p->random, m), high = draw(&p->random, m);
     for (unsigned b = bits_of(m); b; b &= b - 1) {
         int k = __builtin_ctz(b);
-        lf_lane_shot *shot = &memory->shot[memory->n++];
+        lf_lane_shadow_ray *shadow_ray = &memory->shadow_ray[memory->n++];
         for (int i = 0; i < 3; i++) {
-            shot->q[i] = p->k.q[i][k];
-            shot->weight[i] = weight[k] * p->beta[i][k] * light[i];
+            shadow_ray->q[i] = p->k.q[i][k];
+            shadow_ray->weight[i] = weight[k] * p->beta[i][k] * light[i];
         }
-        shot->expected = expected[k];
-        shot->random[0] = low[k];
-        shot->random[1] = high[k];
-        shot->job = p->job[k];
+        shadow_ray->expected = expected[k];
+        shadow_ray->random[0] = low[k];
+        shadow_ray->random[1] = high[k];
+        shadow_ray->job = p->job[k];
     }
 }
 
@@ -566,7 +567,8 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
 
 /* A vertex shoots twice at most before shots are looked at, and `aim` fills its last groups up. */
 enum { FILL = LF_GROUPS * LF_WIDTH };
-_Static_assert((LF_LANE_SHOTS + LF_WIDTH + FILL - 1) / FILL * FILL <= LF_LANE_SHOTS + LF_LANE_MOST,
+_Static_assert((LF_LANE_SHADOW_RAYS + LF_WIDTH + FILL - 1) / FILL * FILL <=
+                   LF_LANE_SHADOW_RAYS + LF_LANE_MOST,
                "room for a turn's shots");
 
 /* Traces the shots that wait and adds what they find. */
@@ -575,11 +577,12 @@ LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
 {
     if (has & LF_LANE_PICTURE)
         aim(scene, memory);
-    int64_t lookups = memory->n > 0 ? trace_shots(scene, memory, has) : 0;
+    int64_t lookups = memory->n > 0 ? trace_shadow_rays(scene, memory, has) : 0;
     for (int k = 0; k < memory->n; k++) {
-        const lf_lane_shot *shot = &memory->shot[k];
+        const lf_lane_shadow_ray *shadow_ray = &memory->shadow_ray[k];
         for (int i = 0; i < 3; i++)
-            paths->lit[i][shot->job] += shot->weight[i] * (memory->left[k] - shot->expected);
+            paths->lit[i][shadow_ray->job] +=
+                shadow_ray->weight[i] * (memory->left[k] - shadow_ray->expected);
     }
     memory->n = 0;
     if (has & LF_LANE_SKY)
@@ -598,7 +601,7 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
         team[g] = (path){.t = {.shade = every}, .fresh = every};
     for (int i = 0; i < 3; i++)
         memset(paths->lit[i], 0, sizeof **paths->lit * (size_t)paths->n);
-    memory->n = memory->n_exits = 0;
+    memory->n = memory->n_unscattered = 0;
     for (int ended = 0; ended < TEAMS;) {
         ended = 0;
         for (int g = 0; g < TEAMS; g++) {
@@ -613,8 +616,8 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
                 break;
             case SHADE:
                 shade(p, scene, paths, memory, &next, has);
-                if (memory->n > LF_LANE_SHOTS - LF_WIDTH ||
-                    (has & LF_LANE_SKY && memory->n_exits > LF_LANE_SHOTS - LF_WIDTH))
+                if (memory->n > LF_LANE_SHADOW_RAYS - LF_WIDTH ||
+                    (has & LF_LANE_SKY && memory->n_unscattered > LF_LANE_SHADOW_RAYS - LF_WIDTH))
                     lookups += flush(scene, paths, memory, has);
                 break;
             case END:
@@ -661,19 +664,19 @@ LF_INLINE int64_t light_with(const lf_lane_scene *scene, const lf_lane_points *p
     memset(points->left, 0, sizeof *points->left * (size_t)points->n);
     if (!(has & LF_LANE_SKY) && toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f)
         return 0; /* rays would stand still, and some for ever */
-    for (int first = 0; first < points->n; first += LF_LANE_SHOTS) {
+    for (int first = 0; first < points->n; first += LF_LANE_SHADOW_RAYS) {
         const int rest = points->n - first;
-        memory->n = rest < LF_LANE_SHOTS ? rest : LF_LANE_SHOTS;
+        memory->n = rest < LF_LANE_SHADOW_RAYS ? rest : LF_LANE_SHADOW_RAYS;
         for (int k = 0; k < memory->n; k++) {
-            lf_lane_shot *shot = &memory->shot[k];
+            lf_lane_shadow_ray *shadow_ray = &memory->shadow_ray[k];
             for (int i = 0; i < 3; i++)
-                shot->q[i] = points->q[i][first + k];
+                shadow_ray->q[i] = points->q[i][first + k];
             for (int i = 0; i < 2; i++)
-                shot->random[i] = points->random[i][first + k];
+                shadow_ray->random[i] = points->random[i][first + k];
         }
         for (int i = 0; i < 3 && has & LF_LANE_SKY; i++)
             memcpy(memory->w[i], points->w[i] + first, sizeof(float) * (size_t)memory->n);
-        lookups += trace_shots(scene, memory, has);
+        lookups += trace_shadow_rays(scene, memory, has);
         memcpy(points->left + first, memory->left, sizeof *memory->left * (size_t)memory->n);
     }
     return lookups;

@@ -43,7 +43,7 @@ LF_INLINE void aim_group(const lf_lane_scene *scene, lf_lane_memory *memory, int
     weight = choose(is_less(all(0.0f), pdf), weight, all(0.0f));
     for (int k = 0; k < LF_WIDTH; k++)
         for (int i = 0; i < 3 && draws[k]; i++) {
-            memory->shot[first + k].weight[i] *= weight[k] * (radiance[i][k] + scene->sky[i]);
+            memory->shadow_ray[first + k].weight[i] *= weight[k] * (radiance[i][k] + scene->sky[i]);
             memory->w[i][first + k] = w[i][k];
         }
 }
@@ -51,8 +51,8 @@ LF_INLINE void aim_group(const lf_lane_scene *scene, lf_lane_memory *memory, int
 /* Directions of the shots that draw one from the picture. */
 LF_INLINE void aim(const lf_lane_scene *scene, lf_lane_memory *memory)
 {
-    const int words = (int)(sizeof *memory->shot / sizeof(float));
-    const uint32_t *key = memory->shot->random;
+    const int words = (int)(sizeof *memory->shadow_ray / sizeof(float));
+    const uint32_t *key = memory->shadow_ray->random;
     const mask every = mask_of((1u << LF_WIDTH) - 1);
     for (int first = 0; first < memory->n; first += LF_GROUPS * LF_WIDTH) {
         lanes u[LF_GROUPS], v[LF_GROUPS], w[LF_GROUPS][3];
@@ -96,19 +96,19 @@ LF_INLINE void find(const lf_lane_scene *scene, const lf_lane_paths *paths, lf_l
                     unsigned has)
 {
     const int words = (int)(sizeof *memory->exit / sizeof(float));
-    for (int first = 0; first < memory->n_exits; first += LF_WIDTH) {
+    for (int first = 0; first < memory->n_unscattered; first += LF_WIDTH) {
         const lf_lane_exit *way = memory->exit;
         const lanes_int at = (count_up() + first) * words;
         lanes w[3], found[3];
         for (int i = 0; i < 3; i++)
             w[i] = gather(way->w + i, at);
         find_group(scene, w, gather(&way->pdf, at), found, has);
-        const int rest = memory->n_exits - first, n = rest < LF_WIDTH ? rest : LF_WIDTH;
+        const int rest = memory->n_unscattered - first, n = rest < LF_WIDTH ? rest : LF_WIDTH;
         for (int k = 0; k < n; k++)
             for (int i = 0; i < 3; i++)
                 paths->lit[i][way[first + k].job] += way[first + k].beta[i] * found[i][k];
     }
-    memory->n_exits = 0;
+    memory->n_unscattered = 0;
 }
 
 #endif

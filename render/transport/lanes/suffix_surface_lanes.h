@@ -36,12 +36,12 @@ LF_INLINE lanes along_axis(const lf_lane_scene *scene, int axis, const lanes w[3
 /* Of what media have left of shots, what surfaces do. */
 LF_INLINE void pass_surfaces(const lf_lane_scene *scene, lf_lane_memory *memory, unsigned has)
 {
-    const int words = (int)(sizeof *memory->shot / sizeof(float));
+    const int words = (int)(sizeof *memory->shadow_ray / sizeof(float));
     for (int first = 0; first < memory->n; first += LF_WIDTH) {
         const lanes_int at = (count_up() + first) * words;
         lanes q[3], w[3], d[3];
         for (int i = 0; i < 3; i++) {
-            q[i] = gather(memory->shot->q + i, at);
+            q[i] = gather(memory->shadow_ray->q + i, at);
             w[i] = has & LF_LANE_SKY ? load(memory->w[i] + first) : all(scene->toward[i]);
         }
         for (int i = 0; i < 3; i++)
@@ -53,8 +53,8 @@ LF_INLINE void pass_surfaces(const lf_lane_scene *scene, lf_lane_memory *memory,
             if (first + k >= memory->n)
                 break;
             const float along[3] = {w[0][k], w[1][k], w[2][k]};
-            memory->left[first + k] *=
-                memory->surfaces.passed(memory->surfaces.of, memory->shot[first + k].q, along);
+            memory->left[first + k] *= memory->surfaces.passed(
+                memory->surfaces.of, memory->shadow_ray[first + k].q, along);
         }
     }
 }

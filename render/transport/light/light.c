@@ -1,5 +1,5 @@
 #include "base/alloc.h"
-#include "render/transport/light/glow.h"
+#include "render/transport/light/equiangular.h"
 #include "render/transport/light/light_types.h"
 #include "render/transport/sampler.h"
 #include "render/transport/surface/surface_texture.h"
@@ -126,7 +126,7 @@ void lf_light_move(lf_light *light, const double origin[3], double time)
 {
     lf_value now[LF_MAX_KEYS];
     for (int i = 0; light->kind->keys[i].name; i++) {
-        const lf_value *open = &light->way->open[i], *close = &light->way->close[i];
+        const lf_value *open = &light->motion->open[i], *close = &light->motion->close[i];
         now[i] = *open;
         for (int j = 0; j < 3; j++)
             now[i].number[j] += time * (close->number[j] - open->number[j]);
@@ -197,11 +197,11 @@ static void set_select(lf_scene *scene)
 
 static lf_traits light_traits(const lf_scene *scene)
 {
-    lf_traits found = scene->glows.n > 0 ? LF_TRAIT_EQUIANGULAR : 0;
+    lf_traits found = scene->equiangular.n > 0 ? LF_TRAIT_EQUIANGULAR : 0;
     for (int i = 0; i < scene->n_lights; i++) {
         const lf_light *light = &scene->lights[i];
         if (i >= scene->n_lights_infinite)
-            found |= LF_TRAIT_LAMPS;
+            found |= LF_TRAIT_AREA_LIGHTS;
         else if (light->environment)
             found |= LF_TRAIT_SKY_PICTURES;
         else if (lf_max3(light->irradiance) > 0.0f)
@@ -221,7 +221,7 @@ lf_status lf_lights_commit(lf_scene *scene, lf_error *err)
                             "out of memory for the lights of emissive meshes");
     order_by_kind(scene);
     set_select(scene);
-    lf_glows_commit(scene);
+    lf_equiangular_commit(scene);
     scene->traits |= light_traits(scene);
     return LF_OK;
 }

@@ -13,7 +13,7 @@ static const lf_param keys[] = {
     {0},
 };
 
-static void make(const lf_value values[], lf_lamp *out)
+static void make(const lf_value values[], lf_area_light *out)
 {
     const double radius = values[RADIUS].number[0], size[2] = {2 * radius, 2 * radius};
     lf_light_face(values[POSITION].number, values[DIRECTION].number, size, 0, &out->transform);

@@ -9,13 +9,13 @@
 #include "render/transport/light/light.h"
 
 /* A light that is made of faces: one-sided, black, in a mesh of its own. */
-typedef struct lf_lamp {
+typedef struct lf_area_light {
     lf_affine transform; /* of the shape, into the world */
     /* what the mesh is scaled to about the middle of the shape, so that facets lose nothing */
     double area;
     double radiance[3];
     bool hidden; /* the camera looks through it */
-} lf_lamp;
+} lf_area_light;
 
 typedef struct lf_light_kind {
     const char *name; /* what "type" says in a scene file */
@@ -42,7 +42,7 @@ typedef struct lf_light_kind {
 
     const char
         *shape; /* a shape of meshes (render/import/scene/mesh_shape.h); NULL = any other light */
-    void (*make)(const lf_value values[], lf_lamp *out);
+    void (*make)(const lf_value values[], lf_area_light *out);
 
     /* All others. */
 
@@ -101,9 +101,9 @@ void lf_spot_say(const double position[3], const double direction[3], const doub
                  double angle, double blend, lf_value out[]);
 
 /* What a light without faces says when the shutter opens and when it closes. */
-typedef struct lf_light_way {
+typedef struct lf_light_motion {
     lf_value open[LF_MAX_KEYS], close[LF_MAX_KEYS];
-} lf_light_way;
+} lf_light_motion;
 
 /* Makes a light with a way what it is at a moment, 0 when the shutter opens and 1 when it closes:
  * each number goes evenly, directions as the numbers of a unit vector. origin as in read. */

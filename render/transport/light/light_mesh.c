@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
-#include "render/transport/light/lamp_tree.h"
+#include "render/transport/light/light_tree.h"
 #include "render/transport/light/light_types.h"
 #include "render/transport/light/spherical.h"
 #include "render/transport/surface/surface_texture.h"
@@ -55,7 +55,7 @@ static float share_of(const lf_light *light, uint32_t triangle)
 static float chosen_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
 {
     lf_spherical seen;
-    float share = light->tree ? lf_lamp_tree_probability(light, from, (int)hit->triangle)
+    float share = light->tree ? lf_light_tree_probability(light, from, (int)hit->triangle)
                               : share_of(light, hit->triangle);
     if (see(hit->mesh, hit->triangle, from, &seen))
         return share / (float)seen.solid_angle;
@@ -116,7 +116,7 @@ static bool draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double
 {
     const lf_mesh *mesh = &scene->meshes[light->mesh];
     float probability, root = sqrtf(u[0]), b1 = root * (1.0f - u[1]), b2 = root * u[1];
-    int chosen = light->tree ? lf_lamp_tree_choose(light, p, place, &probability) : 0;
+    int chosen = light->tree ? lf_light_tree_choose(light, p, place, &probability) : 0;
     if (chosen < 0)
         return false;
     uint32_t triangle =
@@ -213,7 +213,7 @@ static lf_status mesh_light_init(lf_light *light, const lf_mesh *mesh, int n_tri
     light->area = (float)total;
     if (!light->one_sided || n < LEAST_FOR_TREE || n < mesh->n_triangles)
         return LF_OK;
-    light->tree = lf_lamp_tree_make(light, mesh);
+    light->tree = lf_light_tree_make(light, mesh);
     return light->tree ? LF_OK : LF_E_NOMEM;
 }
 

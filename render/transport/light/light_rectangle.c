@@ -50,7 +50,7 @@ static const lf_param keys[] = {
     {0},
 };
 
-static void make(const lf_value values[], lf_lamp *out)
+static void make(const lf_value values[], lf_area_light *out)
 {
     const double size[2] = {values[WIDTH].number[0], values[HEIGHT].number[0]};
     lf_light_face(values[POSITION].number, values[DIRECTION].number, size, values[ROTATE].number[0],

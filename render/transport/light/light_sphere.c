@@ -12,7 +12,7 @@ static const lf_param keys[] = {
     {0},
 };
 
-static void make(const lf_value values[], lf_lamp *out)
+static void make(const lf_value values[], lf_area_light *out)
 {
     const double radius = values[RADIUS].number[0];
     out->transform = lf_affine_identity();

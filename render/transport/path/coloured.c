@@ -10,7 +10,7 @@ static float mean_by(lf_vec3 by, lf_vec3 x)
     return lf_dot(by, x) / (by.x + by.y + by.z);
 }
 
-float lf_coloured_way(lf_tracer *tracer, lf_vec3 sigma, lf_vec3 beta)
+float lf_coloured_segment(lf_tracer *tracer, lf_vec3 sigma, lf_vec3 beta)
 {
     float u = (beta.x + beta.y + beta.z) * lf_rng(tracer), one = u < beta.x            ? sigma.x
                                                                  : u < beta.x + beta.y ? sigma.y

@@ -11,7 +11,7 @@
 lf_vec3 lf_coloured_transmittance(lf_vec3 sigma_t, float t);
 
 /* A way, INFINITY where the channel meets nothing. */
-float lf_coloured_way(lf_tracer *tracer, lf_vec3 sigma_t, lf_vec3 beta);
+float lf_coloured_segment(lf_tracer *tracer, lf_vec3 sigma_t, lf_vec3 beta);
 /* What the light of all is to be multiplied by where that way has led to a collision (keeps: albedo
  * times sigma_t) or where it was longer than t. */
 lf_vec3 lf_coloured_collision(lf_vec3 beta, lf_vec3 sigma_t, lf_vec3 keeps, float t);

@@ -30,8 +30,8 @@ lf_vec3 lf_interior_left(const lf_material *in, float t)
     return lf_coloured_transmittance(extinction(in), t);
 }
 
-float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
-                      lf_event *out)
+float lf_interior_segment(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
+                          lf_event *out)
 {
     const lf_material *in = beyond(from, w);
     if (out->surface < INFINITY && !out->hit.front && is_filled(out->hit.material))
@@ -43,7 +43,7 @@ float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec
     out->interior = in;
     if (!in || !(lf_max3(in->scattering) > 0.0f))
         return INFINITY;
-    return lf_coloured_way(tracer, extinction(in), beta);
+    return lf_coloured_segment(tracer, extinction(in), beta);
 }
 
 lf_dimming lf_interior_dimming(const lf_material *in, lf_vec3 beta)

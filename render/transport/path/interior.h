@@ -18,8 +18,8 @@ lf_vec3 lf_interior_left(const lf_material *in, float t);
  * along w before it is scattered there: INFINITY where nothing scatters. Sets interior of the
  * segment, whose surface (out->surface, hit) and nest are known. The way is drawn for one channel,
  * chosen in proportion to beta. */
-float lf_interior_way(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
-                      lf_event *out);
+float lf_interior_segment(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
+                          lf_event *out);
 /* Once it is known where the segment ends (out->t, volume LF_INTERIOR where that was the way's
  * end): sets `left`, what the path's light is to be multiplied by, the way being weighed for all
  * channels (one-sample balance; Veach 1997, 9.2.4): none grows beyond what all had together. */

@@ -36,7 +36,7 @@ static bool is_met(search *s, int mesh, uint32_t triangle)
 {
     bool own = mesh == s->mesh && triangle == s->triangle;
     /* A placed mesh does not shine, and its places are no triangles. */
-    return !own && !s->scene->meshes[mesh].placed &&
+    return !own && !s->scene->meshes[mesh].instances &&
            contains(&s->scene->meshes[mesh], triangle, s->p, s->reach);
 }
 

@@ -117,7 +117,7 @@ static faces faces_at(const lf_scene *scene, const lf_hit *hit)
     int solid = solid_of(scene, hit);
     if (solid < 0)
         return out;
-    out.item[0].of = (lf_nested){.place = hit->mesh->placed ? hit->place : 0,
+    out.item[0].of = (lf_nested){.place = hit->mesh->instances ? hit->place : 0,
                                  .solid = (uint16_t)solid,
                                  .material = (uint16_t)(hit->material - scene->materials)};
     out.item[0].front = hit->front;
@@ -230,7 +230,7 @@ bool lf_nest_trace(lf_tracer *tracer, const lf_event *from, lf_vec3 o, lf_vec3 w
     return false;
 }
 
-void lf_nest_after_flesh(const lf_scene *scene, const lf_event *from, lf_vec3 w, lf_event *out)
+void lf_nest_after_subsurface(const lf_scene *scene, const lf_event *from, lf_vec3 w, lf_event *out)
 {
     float eta;
     lf_nest beyond;

@@ -45,7 +45,7 @@ bool lf_nest_trace(lf_tracer *tracer, const struct lf_event *from, lf_vec3 o, lf
                    float t_max, lf_nest *nest, lf_hit *hit);
 
 /* The same of an event to which a walk through flesh led: faces that are not there turn nothing. */
-void lf_nest_after_flesh(const lf_scene *scene, const struct lf_event *from, lf_vec3 w,
-                         struct lf_event *out);
+void lf_nest_after_subsurface(const lf_scene *scene, const struct lf_event *from, lf_vec3 w,
+                              struct lf_event *out);
 
 #endif

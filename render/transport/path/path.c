@@ -1,13 +1,13 @@
 #include "render/transport/path/path.h"
 
-#include "render/transport/light/glow.h"
-#include "render/transport/path/flesh.h"
+#include "render/transport/light/equiangular.h"
 #include "render/transport/path/interior.h"
+#include "render/transport/path/subsurface.h"
 
 /* Whether the path came here through flesh, from where no light sample was drawn. */
-static bool is_in_flesh(const lf_scene *scene, const lf_event *event)
+static bool is_in_subsurface(const lf_scene *scene, const lf_event *event)
 {
-    return lf_has(scene, LF_TRAIT_SUBSURFACE) && event->flesh.of;
+    return lf_has(scene, LF_TRAIT_SUBSURFACE) && event->subsurface.of;
 }
 
 /* lf_path_next of a path that carries beta. */
@@ -15,11 +15,11 @@ static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_ve
                        lf_event *out)
 {
     if (lf_has(tracer->scene, LF_TRAIT_SUBSURFACE)) {
-        out->flesh = lf_flesh_beyond(from, w);
-        if (out->flesh.of) {
-            lf_flesh_walk(tracer, from, w, beta, out);
+        out->subsurface = lf_subsurface_beyond(from, w);
+        if (out->subsurface.of) {
+            lf_subsurface_walk(tracer, from, w, beta, out);
             if (lf_has(tracer->scene, LF_TRAIT_NESTED_GLASS))
-                lf_nest_after_flesh(tracer->scene, from, w, out);
+                lf_nest_after_subsurface(tracer->scene, from, w, out);
             return;
         }
     }
@@ -41,7 +41,7 @@ static void next_event(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_ve
     out->surface = t_max;
     float way = t_max;
     if (lf_has(tracer->scene, LF_TRAITS_FILLED))
-        way = lf_min(lf_interior_way(tracer, from, w, beta, out), t_max);
+        way = lf_min(lf_interior_segment(tracer, from, w, beta, out), t_max);
     out->t = lf_has(tracer->scene, LF_TRAIT_CHROMATIC_MEDIA)
                  ? lf_track_channels(tracer, o, w, way, beta, &out->volume, &out->channels)
                  : lf_track_collision(tracer, o, w, way, &out->volume);
@@ -101,7 +101,7 @@ bool lf_path_serves_others(const lf_event *event, lf_vec3 wi)
     const lf_hit *hit = &event->hit;
     return event->kind == LF_EVENT_SURFACE &&
            (hit->material->glass.is_rough || (hit->varies && hit->own.coat_normal.z > 0.0f)) &&
-           !lf_hit_leads_astray(hit, wi);
+           !lf_hit_wrong_side(hit, wi);
 }
 
 float lf_hit_eval_folded(const lf_hit *hit, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
@@ -112,7 +112,7 @@ float lf_hit_eval_folded(const lf_hit *hit, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
     *f = lf_v3(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < 2; i++) {
         lf_vec3 own;
-        if (lf_hit_leads_astray(hit, way[i]) != (i == 1))
+        if (lf_hit_wrong_side(hit, way[i]) != (i == 1))
             continue;
         pdf += m->kind->eval(m, hit->ns, wo, way[i], &own);
         *f = lf_add(*f, own);
@@ -125,10 +125,10 @@ float lf_scatter_eval(const lf_scene *scene, const lf_event *event, lf_vec3 wo, 
 {
     if (event->kind == LF_EVENT_SURFACE) {
         const lf_material *m = lf_hit_material(&event->hit);
-        if (lf_hit_folds(&event->hit))
+        if (lf_hit_bent_normal(&event->hit))
             return lf_hit_eval_folded(&event->hit, wo, wi, f);
         float pdf = m->kind->eval(m, event->hit.ns, wo, wi, f);
-        if (lf_hit_leads_astray(&event->hit, wi))
+        if (lf_hit_wrong_side(&event->hit, wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;
     }
@@ -143,12 +143,12 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
     if (event->kind == LF_EVENT_SURFACE) {
         const lf_material *m = lf_hit_material(&event->hit);
         float pdf = m->kind->sample(m, event->hit.ns, wo, u, wi, f);
-        if (pdf > 0.0f && lf_hit_folds(&event->hit)) {
-            if (lf_hit_leads_astray(&event->hit, *wi))
+        if (pdf > 0.0f && lf_hit_bent_normal(&event->hit)) {
+            if (lf_hit_wrong_side(&event->hit, *wi))
                 *wi = lf_hit_mirrored(&event->hit, *wi);
             return lf_hit_eval_folded(&event->hit, wo, *wi, f);
         }
-        if (lf_hit_leads_astray(&event->hit, *wi))
+        if (lf_hit_wrong_side(&event->hit, *wi))
             *f = lf_v3(0.0f, 0.0f, 0.0f);
         return pdf;
     }
@@ -167,8 +167,8 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
  * alike. A point within rounding of its triangle's edge may be met as the neighbour's and is lost:
  * of lamps cut into triangles n times as wide as coordinates are rounded a share of a few times 1/n
  * (a ball of radius 0.05, 1000 from the middle of the scene: 2.8 %). */
-static bool meets_lamp(lf_tracer *tracer, const lf_event *event, lf_vec3 o,
-                       const lf_light_sample *light)
+static bool meets_area_light(lf_tracer *tracer, const lf_event *event, lf_vec3 o,
+                             const lf_light_sample *light)
 {
     const lf_vec3 d = lf_sub(light->point, o);
     lf_hit hit;
@@ -195,10 +195,10 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
     lf_vec3 o = event->p, d = light->wi;
     float t_max = INFINITY;
     if (event->kind == LF_EVENT_SURFACE) {
-        if (lf_hit_leads_astray(&event->hit, light->wi) &&
-            !(lf_hit_folds(&event->hit) && lf_has_far_lobe(event->hit.material)))
+        if (lf_hit_wrong_side(&event->hit, light->wi) &&
+            !(lf_hit_bent_normal(&event->hit) && lf_has_far_lobe(event->hit.material)))
             return 0.0f;
-        if (lf_has(tracer->scene, LF_TRAIT_SUBSURFACE) && lf_flesh_beyond(event, light->wi).of)
+        if (lf_has(tracer->scene, LF_TRAIT_SUBSURFACE) && lf_subsurface_beyond(event, light->wi).of)
             return 0.0f;
         o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi, 0.0f);
     }
@@ -211,7 +211,7 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
         t_max = 1.0f - 1e-6f;
     }
     float passed = lf_has(tracer->scene, LF_TRAIT_OVERLAPS) && light->mesh
-                       ? (float)meets_lamp(tracer, event, o, light)
+                       ? (float)meets_area_light(tracer, event, o, light)
                        : passed_from(tracer, event, o, d, t_max);
     if (!(passed > 0.0f))
         return 0.0f;
@@ -240,10 +240,11 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
         found = lf_light_escape(scene, event->w, out_light_pdf);
     else if (event->kind == LF_EVENT_SURFACE && lf_has(scene, LF_TRAIT_EMISSION))
         found = lf_light_hit(scene, from->p, &event->hit, out_light_pdf);
-    if (is_in_flesh(scene, event)) {
+    if (is_in_subsurface(scene, event)) {
         *out_light_pdf = 0.0f;
         if (event->kind == LF_EVENT_SURFACE &&
-            event->hit.material == event->flesh.of) /* what its own face emits leaves it outwards */
+            event->hit.material ==
+                event->subsurface.of) /* what its own face emits leaves it outwards */
             return lf_v3(0.0f, 0.0f, 0.0f);
     }
     return lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA) ? lf_mul(found, event->channels) : found;
@@ -257,12 +258,12 @@ static float extinction(const lf_scene *scene, lf_vec3 p)
     return sigma;
 }
 
-static const lf_glow *pick_glow(const lf_scene *scene, float u)
+static const lf_equiangular_light *pick_equiangular(const lf_scene *scene, float u)
 {
     int i = 0;
-    for (; i < scene->glows.n - 1 && u >= scene->glows.item[i].share; i++)
-        u -= scene->glows.item[i].share;
-    return &scene->glows.item[i];
+    for (; i < scene->equiangular.n - 1 && u >= scene->equiangular.item[i].share; i++)
+        u -= scene->equiangular.item[i].share;
+    return &scene->equiangular.item[i];
 }
 
 /* Albedo times phase function times extinction of all volumes at p, each over the pdf with which
@@ -281,31 +282,32 @@ static lf_vec3 scattered_by_volumes(const lf_scene *scene, lf_vec3 p, lf_vec3 w,
     return sum;
 }
 
-lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
+lf_vec3 lf_path_equiangular(lf_tracer *tracer, const lf_event *next)
 {
     const lf_vec3 nothing = lf_v3(0.0f, 0.0f, 0.0f);
     const lf_scene *scene = tracer->scene;
-    if (scene->glows.n == 0 || (lf_has(scene, LF_TRAITS_FILLED) && next->interior) ||
-        is_in_flesh(scene, next))
+    if (scene->equiangular.n == 0 || (lf_has(scene, LF_TRAITS_FILLED) && next->interior) ||
+        is_in_subsurface(scene, next))
         return nothing; /* what fills glass is not looked up there */
-    const lf_glow *glow = pick_glow(scene, lf_rng(tracer));
-    lf_glow_segment segment;
-    if (!lf_glow_segment_init(&segment, scene, glow, next->from, next->w) ||
+    const lf_equiangular_light *equiangular = pick_equiangular(scene, lf_rng(tracer));
+    lf_equiangular_segment segment;
+    if (!lf_equiangular_segment_init(&segment, scene, equiangular, next->from, next->w) ||
         lf_rng(tracer) >= segment.count)
         return nothing;
     lf_event event = {.kind = LF_EVENT_MEDIUM};
-    float t = lf_glow_segment_draw(&segment, lf_rng(tracer)), pdf;
+    float t = lf_equiangular_segment_draw(&segment, lf_rng(tracer)), pdf;
     const float u[3] = {lf_rng(tracer), lf_rng(tracer), lf_rng(tracer)};
     event.p = lf_madd(next->from, t, next->w);
     if (lf_has(scene, LF_TRAIT_NESTED_GLASS))
         event.nest = next->nest;
     float sigma = t < next->surface ? extinction(scene, event.p) : 0.0f;
-    const lf_light *from = &scene->lights[glow->light];
+    const lf_light *from = &scene->lights[equiangular->light];
     lf_light_sample light;
     if (!(sigma > 0.0f) || !lf_light_draw_from(scene, from, event.p, u, &light))
         return nothing;
-    float weight = lf_glow_segment_weight(&segment, t, sigma, glow->share, from->select, &pdf);
-    weight *= from->select / (segment.count * glow->share * pdf) *
+    float weight =
+        lf_equiangular_segment_weight(&segment, t, sigma, equiangular->share, from->select, &pdf);
+    weight *= from->select / (segment.count * equiangular->share * pdf) *
               lf_path_visible(tracer, &event, &light);
     if (!(weight > 0.0f))
         return nothing;
@@ -319,19 +321,20 @@ lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next)
 }
 
 /* What is left to the collision at `event` of a light's next event there. */
-static float beside_glow(const lf_scene *scene, const lf_event *event, const lf_light *light)
+static float near_equiangular(const lf_scene *scene, const lf_event *event, const lf_light *light)
 {
-    lf_glow_segment segment;
-    if (event->kind != LF_EVENT_MEDIUM || light->glow == 0 ||
+    lf_equiangular_segment segment;
+    if (event->kind != LF_EVENT_MEDIUM || light->equiangular == 0 ||
         (lf_has(scene, LF_TRAITS_FILLED) && event->interior))
         return 1.0f;
-    const lf_glow *glow = &scene->glows.item[light->glow - 1];
-    if (!lf_glow_segment_init(&segment, scene, glow, event->from, event->w))
+    const lf_equiangular_light *equiangular = &scene->equiangular.item[light->equiangular - 1];
+    if (!lf_equiangular_segment_init(&segment, scene, equiangular, event->from, event->w))
         return 1.0f;
     float sigma = extinction(scene, event->p);
-    return sigma > 0.0f ? 1.0f - lf_glow_segment_weight(&segment, event->t, sigma, glow->share,
-                                                        light->select, NULL)
-                        : 1.0f;
+    return sigma > 0.0f
+               ? 1.0f - lf_equiangular_segment_weight(&segment, event->t, sigma, equiangular->share,
+                                                      light->select, NULL)
+               : 1.0f;
 }
 
 /* Next-event estimation with the balance heuristic against direction sampling. */
@@ -346,7 +349,7 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     if (!(lf_max3(f) > 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
     float weight = lf_path_lit(tracer, event, &light) / (light.delta ? light.pdf : light.pdf + pdf);
-    weight *= beside_glow(tracer->scene, event, light.light);
+    weight *= near_equiangular(tracer->scene, event, light.light);
     return lf_scale(lf_mul(f, light.radiance), weight);
 }
 
@@ -355,7 +358,7 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
  * weight 1. */
 static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next, lf_vec3 beta)
 {
-    if (is_in_flesh(tracer->scene, next))
+    if (is_in_subsurface(tracer->scene, next))
         return lf_v3(0.0f, 0.0f, 0.0f);
     const float t = lf_min(next->t, next->surface);
     lf_dimming dimming;
@@ -411,7 +414,7 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
             break;
         lf_event *next = here == &events[0] ? &events[1] : &events[0];
         next_event(tracer, here, wi, beta, next);
-        if (tracer->scene->flames.n > 0)
+        if (tracer->scene->emissive.n > 0)
             fire = lf_mul(beta, emitted(tracer, next, beta));
         if (lf_has(tracer->scene, LF_TRAITS_FILLED))
             beta = lf_mul(beta, lf_path_absorbed(tracer->scene, next));
@@ -419,10 +422,10 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
         lf_vec3 found = lf_path_light_found(tracer->scene, here, next, &light_pdf);
         float weight = delta || light_pdf <= 0.0f ? 1.0f : pdf / (pdf + light_pdf);
         radiance = lf_add(radiance, lf_scale(lf_mul(beta, found), weight));
-        if (tracer->scene->flames.n > 0)
+        if (tracer->scene->emissive.n > 0)
             radiance = lf_add(radiance, fire);
-        if (depth < max_depth && tracer->scene->glows.n > 0)
-            radiance = lf_add(radiance, lf_mul(beta, lf_path_glow(tracer, next)));
+        if (depth < max_depth && tracer->scene->equiangular.n > 0)
+            radiance = lf_add(radiance, lf_mul(beta, lf_path_equiangular(tracer, next)));
         if (next->kind == LF_EVENT_ESCAPE)
             break;
         if (lf_has(tracer->scene, LF_TRAIT_CHROMATIC_MEDIA))
@@ -436,8 +439,8 @@ lf_vec3 lf_path_scattered(lf_tracer *tracer, const lf_event *event, int depth, i
 
 lf_vec3 lf_path_along(lf_tracer *tracer, const lf_event *next, bool scatters)
 {
-    lf_vec3 radiance = scatters ? lf_path_glow(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
-    if (tracer->scene->flames.n > 0)
+    lf_vec3 radiance = scatters ? lf_path_equiangular(tracer, next) : lf_v3(0.0f, 0.0f, 0.0f);
+    if (tracer->scene->emissive.n > 0)
         radiance = lf_add(radiance, emitted(tracer, next, lf_v3(1.0f, 1.0f, 1.0f)));
     return radiance;
 }

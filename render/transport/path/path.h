@@ -9,13 +9,13 @@
 
 typedef enum lf_event_kind { LF_EVENT_ESCAPE, LF_EVENT_MEDIUM, LF_EVENT_SURFACE } lf_event_kind;
 
-/* What fills a closed mesh whose surface has subsurface (flesh.h). */
-typedef struct lf_flesh {
+/* What fills a closed mesh whose surface has subsurface (subsurface.h). */
+typedef struct lf_subsurface {
     const lf_material *of; /* the surface that was entered; NULL: none */
     lf_vec3 sigma_t;       /* per scene unit */
     lf_vec3 albedo;        /* single-scattering */
     float g;               /* Henyey-Greenstein */
-} lf_flesh;
+} lf_subsurface;
 
 /* A vertex of a path. */
 typedef struct lf_event {
@@ -37,7 +37,7 @@ typedef struct lf_event {
     lf_vec3 left;
     lf_nest nest; /* in scenes with LF_TRAIT_NESTED_GLASS: of solids about that segment */
     /* In scenes with LF_TRAIT_SUBSURFACE: through which the path came here. */
-    lf_flesh flesh;
+    lf_subsurface subsurface;
 } lf_event;
 #define LF_INTERIOR (-1)
 
@@ -99,12 +99,12 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
                             float *out_light_pdf);
 
 /* Radiance scattered back along the segment that ends at `next`, at points drawn about one of the
- * lights in media (glow.h); what collisions find of these lights in lf_path_scattered makes room
- * for it. 0 where the scene has none. */
-lf_vec3 lf_path_glow(lf_tracer *tracer, const lf_event *next);
+ * lights in media (equiangular.h); what collisions find of these lights in lf_path_scattered makes
+ * room for it. 0 where the scene has none. */
+lf_vec3 lf_path_equiangular(lf_tracer *tracer, const lf_event *next);
 
-/* What comes from the segment that ends at `next` itself: lf_path_glow, if it scatters, and what
- * volumes emit along it. `next` comes from lf_path_next. */
+/* What comes from the segment that ends at `next` itself: lf_path_equiangular, if it scatters, and
+ * what volumes emit along it. `next` comes from lf_path_next. */
 lf_vec3 lf_path_along(lf_tracer *tracer, const lf_event *next, bool scatters);
 
 /* All that is scattered along the segment that ends at `next`, at it and behind it, and what

@@ -16,7 +16,7 @@ void lf_suffix_meet(lf_tracer *tracer, const lf_event *event, const lf_event *ne
 {
     const lf_scene *scene = tracer->scene;
     suffix->found = lf_path_light_found(scene, event, next, &suffix->found_pdf);
-    if (scene->glows.n > 0 && suffix->found_pdf > 0.0f && next->kind == LF_EVENT_SURFACE)
+    if (scene->equiangular.n > 0 && suffix->found_pdf > 0.0f && next->kind == LF_EVENT_SURFACE)
         suffix->found_light = lf_light_of_hit(scene, &next->hit);
     suffix->scattered = lf_path_arriving(tracer, next, 2, max_depth);
     if (lf_has(scene, LF_TRAITS_FILLED))

@@ -52,15 +52,14 @@ static float grey_of(const lf_material *m)
 /* Whether surfaces send on more or less by their normal, or by their material. */
 static bool sky_tells(const lf_scene *scene)
 {
-    bool shines = false, varies = false;
+    bool emits = false, varies = false;
     for (int i = 0; i < scene->n_lights_infinite; i++) {
         const lf_light *light = &scene->lights[i];
         const bool sky = lf_max3(light->radiance) > 0.0f;
-        shines = shines || sky;
+        emits = emits || sky;
         varies = varies || is_sun(light) || (sky && light->kind->varies(light));
     }
-    for (int i = 1; i < scene->n_materials && shines && !lf_has(scene, LF_TRAIT_VARYING_ALBEDO);
-         i++)
+    for (int i = 1; i < scene->n_materials && emits && !lf_has(scene, LF_TRAIT_VARYING_ALBEDO); i++)
         varies = varies || grey_of(&scene->materials[i]) != grey_of(&scene->materials[0]);
     return varies;
 }
@@ -232,7 +231,7 @@ float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face 
         lf_vec3 f;
         if (!(lf_dot(hit->ng, sun->toward) > 0.0f))
             continue;
-        if (lf_hit_folds(hit))
+        if (lf_hit_bent_normal(hit))
             (void)lf_hit_eval_folded(hit, wo, sun->toward, &f);
         else
             (void)material->kind->eval(material, hit->ns, wo, sun->toward, &f);

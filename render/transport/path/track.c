@@ -6,9 +6,9 @@
 #include "render/scene/geometry.h"
 #include "render/scene/look_up.h"
 #include "render/scene/ray.h"
-#include "render/transport/light/flame.h"
+#include "render/transport/light/volume_emission.h"
 #include "render/transport/path/coloured.h"
-#include "render/transport/surface/placed_hit.h"
+#include "render/transport/surface/instance_hit.h"
 
 /* ---------------------------------------------------------------------------------- surfaces -- */
 
@@ -72,9 +72,9 @@ static void find_hit(const lf_scene *scene, const struct RTCRayHit *rh, lf_vec3 
     hit->t = rh->ray.tfar;
     if (rh->hit.geomID < (unsigned)scene->n_meshes) {
         const lf_mesh *mesh = &scene->meshes[rh->hit.geomID];
-        if (lf_has(scene, LF_TRAIT_INSTANCES) && mesh->placed) {
-            lf_placed_hit(scene, mesh, rh->hit.primID, rh->hit.instID[0], rh->hit.u, rh->hit.v, w,
-                          hit);
+        if (lf_has(scene, LF_TRAIT_INSTANCES) && mesh->instances) {
+            lf_instance_hit(scene, mesh, rh->hit.primID, rh->hit.instID[0], rh->hit.u, rh->hit.v, w,
+                            hit);
             return;
         }
         describe(scene, rh->hit.geomID, rh->hit.primID, rh->hit.u, rh->hit.v, w, hit);
@@ -95,7 +95,7 @@ static float averaged_at(const lf_tracer *tracer, float t)
 static bool is_there(lf_tracer *tracer, const lf_hit *hit, lf_vec3 w, struct RTCRay *ray,
                      float t_max)
 {
-    if (!lf_is_veil(hit->material))
+    if (!lf_is_alpha_surface(hit->material))
         return true;
     float cover = lf_hit_stops(hit, w, averaged_at(tracer, hit->t));
     if (cover >= 1.0f || lf_rng(tracer) < cover)
@@ -170,10 +170,10 @@ bool lf_trace_next(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t
     return true;
 }
 
-bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
+bool lf_trace_thin(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit)
 {
     while (lf_trace_next(tracer, o, w, t_min, t_max, hit)) {
-        if (hit->material->glass.is_pane && !hit->mesh->hidden)
+        if (hit->material->glass.is_thin && !hit->mesh->hidden)
             return true;
         t_min = lf_behind(hit->t);
     }
@@ -617,33 +617,34 @@ lf_vec3 lf_track_transmittances(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t
 
 /* The integral of a flame's grid, from one of its bricks by what the brightest value there makes of
  * the way through it, at a point of that way. */
-static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *flame, const lf_flame_light *light,
-                         const lf_local_ray *r, const lf_dimming *dimming)
+static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *emissive,
+                         const lf_volume_emission *light, const lf_local_ray *r,
+                         const lf_dimming *dimming)
 {
     lf_walk k;
     float sum = 0.0f, reached = 0.0f, power;
-    walk_begin(&k, flame, r);
+    walk_begin(&k, emissive, r);
     do
-        sum += lf_flame_power(light, k.max) * (k.t1 - k.t0);
+        sum += lf_emission_power(light, k.max) * (k.t1 - k.t0);
     while (walk_next(&k));
     if (!(sum > 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
     /* The same sums in the same order: they reach any share of the whole, at a brick that adds to
      * them. */
     float wanted = lf_rng_fine(tracer) * sum;
-    walk_begin(&k, flame, r);
+    walk_begin(&k, emissive, r);
     do {
-        power = lf_flame_power(light, k.max);
+        power = lf_emission_power(light, k.max);
         reached += power * (k.t1 - k.t0);
     } while (reached < wanted && walk_next(&k));
     float t = lf_max(k.t1 - (reached - wanted) / power, k.t0);
     tracer->lookups++;
-    lf_vec3 radiance = lf_scale(lf_flame_radiance(light, look_up(&k, r, t)), sum / power);
+    lf_vec3 radiance = lf_scale(lf_emission_radiance(light, look_up(&k, r, t)), sum / power);
     return dimming ? lf_mul(radiance, lf_dimming_at(dimming, t)) : radiance;
 }
 
 /* A flame's shape between t0 and t1. */
-static lf_vec3 emit_shape(lf_tracer *tracer, const lf_flame_light *light, float t0, float t1,
+static lf_vec3 emit_shape(lf_tracer *tracer, const lf_volume_emission *light, float t0, float t1,
                           const lf_dimming *dimming)
 {
     return dimming ? lf_mul(light->colour, lf_dimming_between(dimming, tracer, t0, t1))
@@ -655,15 +656,15 @@ lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t,
 {
     const lf_scene *scene = tracer->scene;
     lf_vec3 radiance = lf_v3(0.0f, 0.0f, 0.0f);
-    for (int i = 0; i < scene->flames.n; i++) {
-        const lf_volume *flame = &scene->flames.field[i];
-        const lf_flame_light *light = &scene->flames.light[i];
+    for (int i = 0; i < scene->emissive.n; i++) {
+        const lf_volume *emissive = &scene->emissive.field[i];
+        const lf_volume_emission *light = &scene->emissive.light[i];
         lf_local_ray r;
-        to_local(flame, o, w, t, &r);
-        if (!(flame->sigma_max > 0.0f) || !clip_volume(flame, &r))
+        to_local(emissive, o, w, t, &r);
+        if (!(emissive->sigma_max > 0.0f) || !clip_volume(emissive, &r))
             continue;
-        radiance = lf_add(radiance, flame->kind == LF_VOLUME_GRID
-                                        ? emit_grid(tracer, flame, light, &r, dimming)
+        radiance = lf_add(radiance, emissive->kind == LF_VOLUME_GRID
+                                        ? emit_grid(tracer, emissive, light, &r, dimming)
                                         : emit_shape(tracer, light, r.t0, r.t1, dimming));
     }
     return radiance;

@@ -80,7 +80,7 @@ static inline float lf_behind(float t)
  * not looked up. */
 bool lf_trace_next(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit);
 /* The nearest pane (lf_glass) with t_min < t <= t_max, met for sure. */
-bool lf_trace_pane(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit);
+bool lf_trace_thin(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_min, float t_max, lf_hit *hit);
 /* What surfaces between let through: of veils (lf_cover) their share. */
 float lf_trace_passed(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 /* The same for rays of the camera. */

@@ -18,7 +18,7 @@ typedef struct lf_hit {
     const lf_material *material;
     const lf_mesh *mesh;
     uint32_t triangle;
-    uint32_t place; /* of a mesh that stands in many (lf_placed), else nothing */
+    uint32_t place; /* of a mesh that stands in many (lf_instances), else nothing */
     float u, v;     /* barycentric: the weights of the triangle's second and third corner */
     bool front;     /* the ray came from where the triangle's corners run counter-clockwise */
     bool varies; /* own is what the surface is made of here: its textures and colours looked up */
@@ -34,7 +34,7 @@ static inline const lf_material *lf_hit_material(const lf_hit *hit)
 
 /* Lobes lie about the shading normal; where that leans, some of their directions lead through the
  * surface, or, of rough glass and flesh, do not. */
-static inline bool lf_hit_leads_astray(const lf_hit *hit, lf_vec3 wi)
+static inline bool lf_hit_wrong_side(const lf_hit *hit, lf_vec3 wi)
 {
     bool above = lf_dot(hit->ng, wi) > 0.0f;
     return lf_has_far_lobe(hit->material) ? above != (lf_dot(hit->ns, wi) > 0.0f) : !above;
@@ -43,10 +43,10 @@ static inline bool lf_hit_leads_astray(const lf_hit *hit, lf_vec3 wi)
 /* Where it leans far, a direction that leads astray comes back as if the surface mirrored it: the
  * lobe of wi is its own, if wi is not astray, and that of wi mirrored, if that is. Nothing is lost,
  * and whose view it is does not matter. Rough glass is left alone. */
-#define LF_FOLD_COS 0.98f
-static inline bool lf_hit_folds(const lf_hit *hit)
+#define LF_BENT_NORMAL_COS 0.98f
+static inline bool lf_hit_bent_normal(const lf_hit *hit)
 {
-    return lf_dot(hit->ng, hit->ns) < LF_FOLD_COS && !hit->material->glass.is_rough;
+    return lf_dot(hit->ng, hit->ns) < LF_BENT_NORMAL_COS && !hit->material->glass.is_rough;
 }
 
 static inline lf_vec3 lf_hit_mirrored(const lf_hit *hit, lf_vec3 wi)
@@ -129,7 +129,7 @@ extern const lf_surface_kind *const lf_surface_kinds[];
 
 /* Of a pane (lf_glass), what comes straight through at this cosine; the rest meets it: what is then
  * reflected is a delta lobe. */
-float lf_pane_passes(const lf_material *m, float cosine);
+float lf_thin_passes(const lf_material *m, float cosine);
 
 /* What a surface does where it was hit to light that leaves along wo. */
 typedef struct lf_shading {

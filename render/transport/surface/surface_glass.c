@@ -99,14 +99,14 @@ lf_vec3 lf_glass_sample(const lf_material *m, lf_vec3 wo, const float u[3])
     return lf_refract(h, wo, eta_of(m), &wi) ? wi : mirrored;
 }
 
-float lf_pane_passes(const lf_material *m, float cosine)
+float lf_thin_passes(const lf_material *m, float cosine)
 {
     float c = lf_min(lf_max(cosine, LF_MIN_COS), 1.0f);
     float under = 1.0f - m->coat * lf_fresnel_dielectric(c, LF_COAT_INDEX);
     return m->albedo.x * under * (1.0f - m->specular * lf_glass_reflectance(m, false, c));
 }
 
-static bool is_pane(const lf_material *m)
+static bool is_thin(const lf_material *m)
 {
     bool is_grey = m->albedo.x == m->albedo.y && m->albedo.y == m->albedo.z;
     return m->transmission == 1.0f && m->metallic == 0.0f && !m->is_solid && is_grey &&
@@ -116,7 +116,7 @@ static bool is_pane(const lf_material *m)
 
 void lf_glass_prepare(lf_material *m)
 {
-    m->glass.is_pane = is_pane(m);
+    m->glass.is_thin = is_thin(m);
     m->glass.is_rough = lf_glass_is_rough(m);
     for (int inside = 0; inside < 2 && m->glass.is_rough && m->is_solid; inside++)
         lf_glass_fit(m->ior, inside, m->roughness, m->glass.kept[inside]);

@@ -18,14 +18,14 @@
  * as Ashikhmin and Shirley (2000) and Kelemen do, so that albedo is what is seen: white gives back
  * loss(cos_o) and all together is 1 at every angle. Plastic, whose albedo is the pigment's, darkens
  * by what is reflected inside; both meet where albedo is 0 or 1. Grooves (KHR_materials_anisotropy)
- * make the lobe of metal and dielectric one of two alphas (surface_brushed.h); E is then that of
+ * make the lobe of metal and dielectric one of two alphas (surface_anisotropy.h); E is then that of
  * the round lobe of the root of their mean square: a white metal gives back 1 within 0.02 at alphas
  * of 0.3 and 0.1, 0.04 at 0.5 and 0.25, 0.1 at 1 and 0.1, where it is 1.07 from above. What goes
  * through rough glass is a lobe as well, surface_glass.c. */
 #include <string.h>
 
 #include "render/scene/vec_double.h"
-#include "render/transport/surface/surface_brushed.h"
+#include "render/transport/surface/surface_anisotropy.h"
 #include "render/transport/surface/surface_glass.h"
 #include "render/transport/surface/surface_sheen.h"
 
@@ -35,7 +35,7 @@ typedef struct layers {
     float alpha, coat_alpha;
     /* shares: of what is not metal, by its own lobes and as rough glass; of metal, what is below,
      * and what enters flesh */
-    float dielectric, glass, metal, below, flesh;
+    float dielectric, glass, metal, below, subsurface;
     bool rough, coated, rough_coat, sheened, apart;
     lf_vec3 coat_axis[3]; /* apart: of the coat's frame, in the base's */
 } layers;
@@ -67,14 +67,14 @@ static layers layers_of(const lf_material *m)
     l.glass = m->glass.is_rough ? (1.0f - m->metallic) * m->transmission : 0.0f;
     l.below = (1.0f - m->metallic) * (1.0f - m->transmission);
     l.dielectric = m->glass.is_rough ? l.below : 1.0f - m->metallic;
-    l.flesh = l.below * m->subsurface;
-    l.below -= l.flesh;
+    l.subsurface = l.below * m->subsurface;
+    l.below -= l.subsurface;
     return l;
 }
 
 static inline bool has_far_lobe(const layers *l)
 {
-    return l->glass > 0.0f || l->flesh > 0.0f;
+    return l->glass > 0.0f || l->subsurface > 0.0f;
 }
 
 /* 1 - E of the dielectric's lobe. */
@@ -107,7 +107,7 @@ static inline float metal_several(const lf_material *m, float cosine)
 /* What has a lobe that is not about the base's normal, or not round. */
 static inline bool is_special(const lf_material *m)
 {
-    return lf_is_brushed(m) || m->coat_normal.z > 0.0f;
+    return lf_is_anisotropic(m) || m->coat_normal.z > 0.0f;
 }
 
 static inline lf_vec3 to_coat(const layers *l, lf_vec3 w)
@@ -145,7 +145,8 @@ static inline __attribute__((always_inline)) shares shares_of(const layers *l, b
     float rest = 1.0f - s.by_coat - s.by_sheen;
     s.by_gloss = base > 0.0f ? rest * gloss / base : rest * (float)l->rough;
     if (has_far_lobe(l)) {
-        float far = s.under * s.beneath * (l->glass + l->flesh * s.enters * lf_mean3(m->albedo)),
+        float far =
+                  s.under * s.beneath * (l->glass + l->subsurface * s.enters * lf_mean3(m->albedo)),
               others = (l->rough_coat ? coat : 0.0f) + s.under * sum;
         s.by_far = others > 0.0f ? far / (far + others) : 1.0f;
     }
@@ -188,8 +189,8 @@ static inline lf_ggx_lobe coat_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
 
 static inline lf_ggx_lobe gloss_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
 {
-    return lf_is_brushed(l->m) ? lf_brushed_eval(&l->m->brush, wo, wi)
-                               : lf_ggx_eval(l->alpha, wo, wi);
+    return lf_is_anisotropic(l->m) ? lf_anisotropic_eval(&l->m->anisotropic, wo, wi)
+                                   : lf_ggx_eval(l->alpha, wo, wi);
 }
 
 /* Towards wi from wo.z > LF_MIN_COS; base: base_colour of wi. Inline, so that who is not special
@@ -237,7 +238,7 @@ static float add_far(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, f
     lf_vec3 through = lf_v3(own, own, own);
     if (l->glass > 0.0f)
         own = lf_glass_eval(l->m, wo, wi, &through);
-    *f = lf_madd(*f, share * (l->glass > 0.0f ? l->glass : l->flesh * s->enters), through);
+    *f = lf_madd(*f, share * (l->glass > 0.0f ? l->glass : l->subsurface * s->enters), through);
     return lf_lerp(pdf, own, s->by_far);
 }
 
@@ -311,7 +312,7 @@ static void fan_of_gloss(const layers *of, lf_vec3 wi, int n, const float *x, co
                          const float *z, lf_fan_lobes *out)
 {
     layers l = *of;
-    l.glass = l.flesh = 0.0f; /* lobes of their own, added later */
+    l.glass = l.subsurface = 0.0f; /* lobes of their own, added later */
     l.rough = true;
     l.sheened = l.apart = l.coated = l.rough_coat = false;
     if (of->coated) {
@@ -362,8 +363,8 @@ static lf_vec3 draw(const layers *l, const shares *s, lf_vec3 o, const float u[3
     if (by < s->by_coat)
         return lf_ggx_sample(l->coat_alpha, o, u[0], u[1]);
     if (by < s->by_coat + s->by_gloss)
-        return lf_is_brushed(l->m) ? lf_brushed_sample(&l->m->brush, o, u[0], u[1])
-                                   : lf_ggx_sample(l->alpha, o, u[0], u[1]);
+        return lf_is_anisotropic(l->m) ? lf_anisotropic_sample(&l->m->anisotropic, o, u[0], u[1])
+                                       : lf_ggx_sample(l->alpha, o, u[0], u[1]);
     return by < s->by_coat + s->by_gloss + s->by_sheen ? lf_hemisphere_sample(u[0], u[1])
                                                        : lf_cosine_sample(u[0], u[1]);
 }
@@ -441,11 +442,11 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
         mirrored = lf_madd(mirrored, beneath,
                            lf_madd(mirrored_by_dielectric(m, front, cos_o), m->metallic,
                                    lf_conductor_fresnel(m, cos_o)));
-    if (m->glass.is_pane && lf_max3(mirrored) > 0.0f)
-        mirrored = lf_scale(mirrored, 1.0f / (1.0f - lf_pane_passes(m, cos_o)));
+    if (m->glass.is_thin && lf_max3(mirrored) > 0.0f)
+        mirrored = lf_scale(mirrored, 1.0f / (1.0f - lf_thin_passes(m, cos_o)));
     if (lf_max3(mirrored) > 0.0f)
         out[n++] = (lf_delta){lf_mirror(ng, shiny, wo), mirrored};
-    if (m->transmission > 0.0f && !m->glass.is_rough && !m->glass.is_pane) {
+    if (m->transmission > 0.0f && !m->glass.is_rough && !m->glass.is_thin) {
         out[n].f = lf_scale(transmitted(&l, ng, ns, wo, front, &out[n].wi), beneath);
         n += lf_max3(out[n].f) > 0.0f;
     }
@@ -479,7 +480,8 @@ static void vary(lf_material *m)
                     metal_rest(m->albedo.y, (double)metal_mean),
                     metal_rest(m->albedo.z, (double)metal_mean));
     m->energy.mean_fresnel = lf_mean3(m->albedo) * (20.0f / 21.0f) + 1.0f / 21.0f;
-    if (has_texture(m, LF_SLOT_METAL_ROUGH) || has_texture(m, LF_SLOT_NORMAL) || lf_is_brushed(m))
+    if (has_texture(m, LF_SLOT_METAL_ROUGH) || has_texture(m, LF_SLOT_NORMAL) ||
+        lf_is_anisotropic(m))
         lf_glass_vary(m);
 }
 

@@ -1,6 +1,6 @@
 #include "render/transport/surface/surface_texture.h"
 
-#include "render/transport/surface/placed_hit.h"
+#include "render/transport/surface/instance_hit.h"
 
 /* The triangle's corners and where the point lies between them. */
 typedef struct place {
@@ -42,8 +42,8 @@ static float density2(const place *at, const float *uvs, const lf_texture *t, co
     float turned = fabsf(t->map[0][0] * t->map[1][1] - t->map[0][1] * t->map[1][0]);
     lf_vec3 o = corner_of(at, 0);
     float area =
-        at->mesh->placed
-            ? lf_placed_twice_area(at->hit)
+        at->mesh->instances
+            ? lf_instance_twice_area(at->hit)
             : lf_length(lf_cross(lf_sub(corner_of(at, 1), o), lf_sub(corner_of(at, 2), o)));
     return area > 0.0f ? uv * turned * (float)p->width[0] * (float)p->height[0] / area : 0.0f;
 }
@@ -114,9 +114,9 @@ static void widen(float scale, float lost, float *roughness)
 
 float lf_hit_stops(const lf_hit *hit, lf_vec3 w, float width)
 {
-    if (!hit->material->glass.is_pane)
+    if (!hit->material->glass.is_thin)
         return lf_hit_cover(hit, width);
-    return 1.0f - lf_pane_passes(hit->material, -lf_dot(hit->ns, w) / lf_length(w));
+    return 1.0f - lf_thin_passes(hit->material, -lf_dot(hit->ns, w) / lf_length(w));
 }
 
 /* What the file says, where the hit is; hand: on which side the bitangent lies, 1 or -1. */
@@ -126,10 +126,10 @@ static lf_vec3 file_tangent(const place *at, const lf_hit *hit, float *hand)
     interpolate(at, at->mesh->tangents, 4, tangent);
     lf_vec3 along = lf_v3(tangent[0], tangent[1], tangent[2]);
     *hand = tangent[3] < 0.0f ? -1.0f : 1.0f;
-    if (!at->mesh->placed)
+    if (!at->mesh->instances)
         return along;
-    *hand = lf_placed_is_mirrored(hit) ? -*hand : *hand;
-    return lf_placed_tangent(hit, along);
+    *hand = lf_instance_is_mirrored(hit) ? -*hand : *hand;
+    return lf_instance_tangent(hit, along);
 }
 
 /* The shading normal ns as a normal map turns it; of the surface's other side it is the same dent
@@ -185,14 +185,14 @@ static bool tangents_of(const place *at, const lf_hit *hit, lf_vec3 n, lf_vec3 *
 
 /* Two alphas and a direction for the lobe (glTF's KHR_materials_anisotropy); the roughness becomes
  * that of the round lobe that reflects as much. */
-static void brush(const place *at, float width, lf_hit *hit)
+static void anisotropic(const place *at, float width, lf_hit *hit)
 {
     lf_material *m = &hit->own;
-    lf_brush *b = &m->brush;
+    lf_anisotropy *b = &m->anisotropic;
     lf_vec3 along, across, x, y;
     float texel[4], strength = m->anisotropy, c = m->anisotropy_rotation[0],
                     s = m->anisotropy_rotation[1];
-    if (m->textures && look_up(at, m->textures, LF_SLOT_BRUSH, width, texel)) {
+    if (m->textures && look_up(at, m->textures, LF_SLOT_ANISOTROPY, width, texel)) {
         float u = 2.0f * texel[0] - 1.0f, v = 2.0f * texel[1] - 1.0f, length = sqrtf(u * u + v * v);
         strength *= length > 1e-6f ? texel[2] : 0.0f;
         c = length > 1e-6f
@@ -279,6 +279,6 @@ void lf_hit_vary(lf_hit *hit, float width)
     if (hit->material->textures)
         vary_by_textures(&at, hit->material->textures, width, hit);
     if (hit->own.anisotropy > 0.0f)
-        brush(&at, width, hit);
+        anisotropic(&at, width, hit);
     hit->own.kind->vary(&hit->own);
 }
