@@ -497,8 +497,8 @@ typedef struct lf_touching {
 
 /* Glass solids inside glass solids (nest.h); all zero if there are none. Owned. */
 typedef struct lf_nesting {
-    /* [n_meshes][n_materials]: number of the solid of such triangles; -1: they are not a boundary
-     * of any solid in another */
+    /* [n_meshes][n_materials]: number of the solid of such triangles; -1: of no solid, or of one
+     * whose faces are met as if in air */
     int16_t *solids;
     /* [n_touching] coplanar triangles of its solids, by mesh and triangle; each pair in both orders
      */
