@@ -184,8 +184,8 @@ float lf_loss_look_up(float ior, float roughness, float *out);
  * follow. */
 float lf_loss_smooth(float ior, float alpha, float *out_scale);
 /* Multiple-scattering compensation of a layered surface's dielectric: the lobe is multiplied by
- * 1 + result * loss / (1 - loss), with the loss of a metal of its roughness. metal_loss: the mean of
- * that loss. 0 up to an index of 3. */
+ * 1 + result * loss / (1 - loss), with the loss of a metal of its roughness. metal_loss: the mean
+ * of that loss. 0 up to an index of 3. */
 float lf_loss_rest(float ior, double metal_loss);
 /* All energy terms of a layered surface's dielectric with m->ior and m->roughness:
  * energy.mean_loss, rest and the smooth terms and, if it is rough, m->loss. metal_loss: the mean
