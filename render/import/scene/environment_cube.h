@@ -6,9 +6,9 @@
 
 #include <stdbool.h>
 
-/* The size of the image for faces of side x side pixels: more than twice as many rows as the side
- * (a pixel of the cube is at most as large as the distance of two rows), at least 512, at most
- * 8192. */
+/* The size of the image for faces of side x side pixels. The height is twice the side, at least
+ * 512, at most 8192, so that a pixel of the cube is at most as large as the distance of two rows.
+ * The width is twice the height. */
 void lf_cube_unfolded(int side, int *out_width, int *out_height);
 
 /* Fills rgb [height][width][3] from faces [6 * side][side][3], in the layout of lf_environment's
