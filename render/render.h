@@ -294,13 +294,14 @@ typedef struct lf_part {
 LF_NODISCARD lf_status lf_renderer_pass(lf_renderer *renderer, const lf_part *part, int subsets,
                                         lf_row_fn row_done, void *context, const lf_cancel *cancel);
 
-/* lf_renderer_pass for the live image: after its visit, a row receives native samples in holes
- * (LF_PIXEL_HOLE). hole_reach 0 fills all holes. hole_reach > 0 fills as many as a coarse frame
- * needs: afterwards no hole is farther than hole_reach columns from a filled pixel of its view and
- * row. hole_reach < 0 fills none. These samples do not count as passes. mwis stays consistent. mis
- * and cv are too bright in those pixels, by a share that vanishes with further passes
- * (docs/developer/estimators.md, "8. Three estimators"). For fixed budgets use lf_renderer_passes,
- * which never fills holes. */
+/* Like lf_renderer_pass, for the live image: after its visit, a row receives native samples in
+ * holes (LF_PIXEL_HOLE). If hole_reach is 0, all holes are filled. If it is above 0, as many as a
+ * coarse frame needs: afterwards no hole is farther than hole_reach columns from a filled pixel of
+ * its view and row. If it is below 0, none. These samples do not count as passes.
+ *
+ * The estimator mwis stays consistent. The others, mis and cv, are too bright in those pixels, by a
+ * share that vanishes with further passes (docs/developer/estimators.md, "8. Three estimators").
+ * For fixed budgets use lf_renderer_passes, which never fills holes. */
 LF_NODISCARD lf_status lf_renderer_pass_filling(lf_renderer *renderer, const lf_part *part,
                                                 int subsets, int hole_reach, lf_row_fn row_done,
                                                 void *context, const lf_cancel *cancel);

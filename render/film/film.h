@@ -343,10 +343,10 @@ typedef struct lf_row_error {
 } lf_row_error;
 
 /* For every pixel and channel of a row: sqrt(s_A s_B) (x_A - x_B) over the root of an estimate of
- * I^2 + epsilon. s are the halves' shares of the samples, x their estimates; the mean square
- * estimates the row's relMSE. out [view][column][3]; also sets known and doubtful of *out_row.
- * false, with both unchanged, unless both halves have visits. Also reads the neighbouring rows, so
- * it must not run during their visits. */
+ * I^2 + epsilon. Here s are the halves' shares of the samples and x their estimates. The mean
+ * square estimates the row's relMSE. Fills `out` [view][column][3], and known and doubtful of
+ * *out_row. Returns false, with both unchanged, unless both halves have visits. Also reads the
+ * neighbouring rows, so it must not run during their visits. */
 bool lf_film_row_differences(const lf_film *film, lf_estimator estimator, int row, float *out,
                              lf_row_error *out_row);
 

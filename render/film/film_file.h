@@ -27,10 +27,10 @@
 LF_NODISCARD lf_status lf_film_write(const lf_film *film, lf_outfile *file, const lf_cancel *cancel,
                                      lf_error *err);
 
-/* Makes *out from a file; release it with lf_film_finish. like (may be NULL): accept only this
- * image with this layout and sky. *out must be zeroed or finished, and is so after a failure:
- * LF_E_IO, LF_E_FORMAT (not a film, truncated or changed), LF_E_STATE (another version, or not
- * like), LF_E_NOMEM. */
+/* Makes *out from a file; release it with lf_film_finish. If `like` is not NULL, only a film of
+ * this image with this layout and sky is accepted. *out must be zeroed or finished, and is so after
+ * a failure. Errors: LF_E_IO, LF_E_FORMAT (not a film, truncated or changed), LF_E_STATE (another
+ * version, or not like), LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_film_read(int fd, const lf_film *like, lf_film *out, lf_error *err);
 
 /* Reads the head of a file from its start: the layout, and the seed of its first stream (0: no

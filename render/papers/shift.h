@@ -75,10 +75,10 @@ typedef double (*lf_extinction_fn)(void *ray, double t);
 double lf_shift_ratio(const lf_shift *shift, const lf_majorant *from, const lf_majorant *to, int n,
                       const lf_null *nulls, lf_extinction_fn extinction, void *target);
 
-/* Area at the pivot per area on the film: g(l,f)/g(l,p), g(a,b) = |cos at b|/|b - a|^2. film is the
- * point where the ray from the lens meets any plane perpendicular to the camera's unit axis, the
- * same plane for all views. normal: of the surface at the pivot, NULL in a medium. The film's
- * Jacobian from i to j is area_i / area_j. */
+/* Area at the pivot per area on the film: g(l,f)/g(l,p), g(a,b) = |cos at b|/|b - a|^2. The point
+ * `film` is where the ray from the lens meets any plane perpendicular to the camera's unit axis,
+ * the same plane for all views. The normal is of the surface at the pivot, NULL in a medium. The
+ * film's Jacobian from i to j is area_i / area_j. */
 double lf_shift_area(const double lens[3], const double film[3], const double axis[3],
                      const double pivot[3], const double *normal);
 

@@ -32,9 +32,9 @@ typedef struct lf_alpha_walk {
 void lf_alphas_before(const lf_row_cut *alphas, lf_vec3 p, const lf_hit *on, int n, const float *c,
                       float *scale);
 
-/* Along the rays of lf_section_nearest, in front of z_end[k]: multiplies through[k] by the
- * transmittance of the alpha surfaces, and sets mirrors[k] if one of them has delta lobes. kept:
- * [k], receives the nearest crossings of each ray, up to the first opaque one; NULL: not needed. */
+/* Walks along the rays of lf_section_nearest, in front of z_end[k]. Multiplies through[k] by the
+ * transmittance of the alpha surfaces, and sets mirrors[k] if one of them has delta lobes. Unless
+ * it is NULL, kept[k] receives the nearest crossings of each ray, up to the first opaque one. */
 void lf_alphas_along(const lf_row_cut *alphas, const lf_lines *lines, const float *z_end,
                      float *through, bool *mirrors, lf_alpha_crossings *kept);
 

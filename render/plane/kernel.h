@@ -23,10 +23,10 @@ typedef struct lf_kernels {
     const char *name;
 
     /* Adds to tau[n] the optical depths per unit of Z of n rays X(Z) = x0[k] + slope[k] Z in a
-     * slice, between the camera line and z_end[k]. sigma[n] is set to sigma_t of each ray at z_end,
-     * which must then be the same for all; NULL: not needed. n is a multiple of LF_LANES. On every
-     * plane, X(Z) must be monotonic in k, so that the end rays bound the fan: camera positions
-     * increase with k, and lanes after the last view repeat it. */
+     * slice, between the camera line and z_end[k]. If sigma is not NULL, sets sigma[n] to sigma_t
+     * of each ray at z_end, which must then be the same for all. The number n is a multiple of
+     * LF_LANES. On every plane, X(Z) must be monotonic in k, so that the end rays bound the fan:
+     * camera positions increase with k, and lanes after the last view repeat it. */
     void (*march)(const lf_slice *slice, int n, const float *x0, const float *slope,
                   const float *z_end, float *tau, float *sigma);
 

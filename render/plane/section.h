@@ -132,9 +132,9 @@ typedef struct lf_lines {
 } lf_lines;
 
 /* Sets scale[k] to 0 for every camera position c[k] from which a surface hides the point p of the
- * plane, k < n, n a multiple of LF_LANES. c increases in k, except in lanes after the last view,
- * whose scale must be 0. Views with scale 0 are skipped. on: the surface that contains p and
- * therefore does not hide it; NULL for a point in a medium. */
+ * plane, k < n, n a multiple of LF_LANES. Positions increase in k, except in lanes after the last
+ * view, whose scale must be 0. Views with scale 0 are skipped. `on` is the surface that contains p
+ * and therefore does not hide it; NULL for a point in a medium. */
 void lf_section_hide(const lf_row_cut *cut, lf_vec3 p, const lf_hit *on, int n, const float *c,
                      float *scale);
 

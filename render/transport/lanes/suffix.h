@@ -1,7 +1,7 @@
 /* Suffixes of many pivots at once, in lanes (lanes.h); private to render/. They do the work of
  * path.c for scenes that lane_scene.h supports. The estimators are the same, with other random
- * numbers, except for shadow rays, which are traced with some probability around the control.
- * path.c is the reference for the mean, suffix_c.c for the bits: the result of a job is the same
+ * numbers, except for shadow rays, which are traced with some probability around the control. The
+ * reference for the mean is path.c, and for the bits suffix_c.c. The result of a job is the same
  * for every instruction set and does not depend on the other jobs. */
 #ifndef LF_RENDER_SUFFIX_H
 #define LF_RENDER_SUFFIX_H

@@ -1,8 +1,8 @@
 /* Glass solids inside each other or overlapping (a bottle, the water in it): the solids that a path
- * is inside of, and so the media on either side of a face (Schmidt and Budge 2002, Simple Nested
- * Dielectrics in Ray Traced Images). Where solids overlap, the one with the highest "priority"
- * counts, and among equal ones the smaller solid; lf_nesting.solids is in this order. A face with
- * the same solid on both sides is ignored. Private to render/; used only in scenes with
+ * is inside of, and so the media on either side of a face. Source: Schmidt and Budge 2002, Simple
+ * Nested Dielectrics in Ray Traced Images. Where solids overlap, the one with the highest
+ * "priority" counts, and among equal ones the smaller solid; lf_nesting.solids is in this order. A
+ * face with the same solid on both sides is ignored. Private to render/; used only in scenes with
  * LF_TRAIT_NESTED_GLASS. */
 #ifndef LF_RENDER_NEST_H
 #define LF_RENDER_NEST_H

@@ -58,9 +58,9 @@ static inline bool lf_volume_is_isotropic(const lf_volume *volume)
     return volume->g == 0.0f && volume->second.share == 0.0f;
 }
 
-/* Water droplets in light, of 5 to 50 micrometres' diameter: the fit of Mie's theory by Jendersie
- * and d'Eon, a Henyey-Greenstein lobe and a Draine lobe (An Approximate Mie Scattering Function for
- * Fog and Cloud Rendering, 2023, equations 4 to 7). */
+/* Water droplets in light, of 5 to 50 micrometres' diameter, by a Henyey-Greenstein lobe and a
+ * Draine lobe. This is the fit of Mie's theory by Jendersie and d'Eon (An Approximate Mie
+ * Scattering Function for Fog and Cloud Rendering, 2023, equations 4 to 7). */
 void lf_phase_droplets(double diameter, lf_volume *volume);
 
 #endif

@@ -13,9 +13,9 @@
 
 #include "render/transport/path/path.h"
 
-/* The single-scattering albedo a for which a half-space has the reflectance `albedo`, by van de
+/* The single-scattering albedo a for which a half-space has the reflectance `albedo`. Uses van de
  * Hulst's fit of its spherical albedo, (1 - s)(1 - 0.139 s)/(1 + 1.17 s), s^2 = (1 - a)/(1 - g a)
- * (Multiple Light Scattering, 1980, volume 2; the inverse as in Kulla and Conty 2017). Within
+ * (Multiple Light Scattering, 1980, volume 2). The inverse is as in Kulla and Conty 2017. Within
  * 0.0025 for g = 0. */
 float lf_subsurface_albedo(float albedo, float g);
 

@@ -115,11 +115,11 @@ lf_vec3 lf_track_emission(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t,
 float lf_track_transmittance(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max);
 
 /* lf_track_collision in chromatic media. One channel is drawn with a probability proportional to
- * the path's throughput (beta, not all 0), and tracked with the majorants of the largest.
- * *out_channels: for each channel the density of all events of the tracking, real and null
- * collisions, over the mean of that density over the channels that could be drawn. This is the
- * one-sample balance heuristic (Veach 1997, 9.2; over channels Miller, Georgiev and Jarosz 2019):
- * the sum of beta times it is the sum of beta for any events. */
+ * the path's throughput (beta, not all 0), and tracked with the majorants of the largest. For each
+ * channel, *out_channels is the density of all events of the tracking, real and null collisions,
+ * over the mean of that density over the channels that could be drawn. This is the one-sample
+ * balance heuristic (Veach 1997, 9.2; over channels Miller, Georgiev and Jarosz 2019): the sum of
+ * beta times it is the sum of beta for any events. */
 float lf_track_channels(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, lf_vec3 beta,
                         int *out_volume, lf_vec3 *out_channels);
 /* lf_track_transmittance per channel. */
