@@ -2,7 +2,7 @@
 
 #include <assert.h>
 
-/* Where a ray is within what bounds a volume; false: it passes by. */
+/* The part of a ray within the bounds of a volume; false: it misses them. */
 static bool find_span(const lf_volume *volume, lf_vec3 o, lf_vec3 w, lf_span *out)
 {
     float from[3], along[3], t0 = 0.0f, t1 = INFINITY;

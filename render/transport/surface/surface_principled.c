@@ -33,20 +33,20 @@
 typedef struct layers {
     const lf_material *m; /* loss: of the dielectric */
     float alpha, coat_alpha;
-    /* shares: of what is not metal, by its own lobes and as rough glass; of metal, what is below,
-     * and what enters flesh */
+    /* shares: of the dielectric, by its own lobes and as rough glass; of metal; of the layer below;
+     * and of light that enters subsurface */
     float dielectric, glass, metal, below, subsurface;
     bool rough, coated, rough_coat, sheened, apart;
     lf_vec3 coat_axis[3]; /* apart: of the coat's frame, in the base's */
 } layers;
 
-/* The shares that one direction wo sees, and the probabilities of drawing by each lobe. */
+/* The shares for one direction wo, and the probabilities of drawing from each lobe. */
 typedef struct shares {
     float under;   /* the coat: what the rest gets */
     float beneath; /* the sheen, likewise */
     float enters;  /* loss(cos_o) */
     float several;
-    float by_far;                      /* rough glass or flesh; else … */
+    float by_far;                      /* rough glass or subsurface; else … */
     float by_coat, by_gloss, by_sheen; /* … the rest is diffuse */
 } shares;
 
@@ -115,7 +115,7 @@ static inline lf_vec3 to_coat(const layers *l, lf_vec3 w)
     return lf_to_frame(l->coat_axis[0], l->coat_axis[1], l->coat_axis[2], w);
 }
 
-/* Of what is seen along wo, at cos_o to the base, by the coat: 0, where it is seen from behind. */
+/* The coat's share along wo, with cos_o to the base: 0 if it is seen from behind. */
 static inline float coat_share(const layers *l, bool special, lf_vec3 wo, float cos_o)
 {
     float cosine = special && l->apart ? lf_min(lf_dot(l->coat_axis[2], wo), 1.0f) : cos_o;
@@ -153,7 +153,7 @@ static inline __attribute__((always_inline)) shares shares_of(const layers *l, b
     return s;
 }
 
-/* The layers below the coat, but for its `under`. */
+/* The layers below the coat, without its `under`. */
 static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_oh)
 {
     const lf_material *m = l->m;
@@ -168,7 +168,7 @@ static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_o
         dielectric * m->specular_tint.z + l->metal * metal.z * (1.0f + s->several * m->rest.z));
 }
 
-/* Diffuse light towards wi, but for what the layers above let through along wo. */
+/* Diffuse light towards wi, without the transmittance of the layers above along wo. */
 static lf_vec3 base_colour(const layers *l, float cos_i)
 {
     if (!(cos_i > LF_MIN_COS))
@@ -230,7 +230,7 @@ static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi
                             : eval_lobes(l, s, false, base, wo, wi, f);
 }
 
-/* Adds rough glass, or what enters flesh, to what the other lobes have; returns the pdf of all. */
+/* Adds rough glass, or light that enters subsurface, to the other lobes; returns the pdf of all. */
 static float add_far(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, float pdf,
                      lf_vec3 *f)
 {
@@ -242,7 +242,7 @@ static float add_far(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, f
     return lf_lerp(pdf, own, s->by_far);
 }
 
-/* What leaves flesh, towards wi from any wo within. */
+/* Light that leaves subsurface, towards wi from any wo inside. */
 static float leave(const lf_material *m, lf_vec3 wi, lf_vec3 *f)
 {
     float pdf = wi.z < -LF_MIN_COS ? -wi.z * LF_INV_PI : 0.0f,
@@ -285,8 +285,8 @@ static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o
     }
 }
 
-/* eval_local for all directions of a fan: one term a channel. Inline, with layers whose flags the
- * caller knows: what is left has no branches, for the compiler's vectors. */
+/* eval_local for all directions of a fan: one term per channel. Inline, with layers whose flags the
+ * caller knows, so that no branches remain and the compiler vectorises it. */
 static inline __attribute__((always_inline)) void fan_of(layers l, bool special, lf_vec3 wi, int n,
                                                          const float *x, const float *y,
                                                          const float *z, lf_fan_lobes *out)
@@ -294,7 +294,7 @@ static inline __attribute__((always_inline)) void fan_of(layers l, bool special,
     float *restrict pdf = out->pdf, *restrict red = out->weight[0],
                     *restrict green = out->weight[1], *restrict blue = out->weight[2];
     const lf_vec3 base = base_colour(&l, wi.z);
-#pragma GCC ivdep /* what restrict says is forgotten where a function is inlined */
+#pragma GCC ivdep /* GCC forgets restrict when a function is inlined */
     for (int k = 0; k < n; k++) {
         float cos_o = lf_min(lf_max(z[k], LF_MIN_COS), 1.0f),
               above = z[k] > LF_MIN_COS ? 1.0f : 0.0f;
@@ -307,12 +307,12 @@ static inline __attribute__((always_inline)) void fan_of(layers l, bool special,
     }
 }
 
-/* The same of what most surfaces are: a rough base, a rough coat or none. */
+/* fan_of for the most common surfaces: a rough base, a rough coat or none. */
 static void fan_of_gloss(const layers *of, lf_vec3 wi, int n, const float *x, const float *y,
                          const float *z, lf_fan_lobes *out)
 {
     layers l = *of;
-    l.glass = l.subsurface = 0.0f; /* lobes of their own, added later */
+    l.glass = l.subsurface = 0.0f; /* separate lobes, added later */
     l.rough = true;
     l.sheened = l.apart = l.coated = l.rough_coat = false;
     if (of->coated) {
@@ -392,7 +392,7 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
 
 /* ------------------------------------------------------------------------------------ deltas -- */
 
-/* What a smooth dielectric reflects, glass and what is not. */
+/* Reflection of a smooth dielectric, glass or not. */
 static lf_vec3 mirrored_by_dielectric(const lf_material *m, bool front, float cos_o)
 {
     float f = lf_lerp(lf_fresnel_dielectric(cos_o, m->ior), lf_glass_reflectance(m, !front, cos_o),
@@ -400,7 +400,7 @@ static lf_vec3 mirrored_by_dielectric(const lf_material *m, bool front, float co
     return lf_scale(m->specular_tint, (1.0f - m->metallic) * m->specular * f);
 }
 
-/* What goes through glass, which is what its face does not reflect: along *out_wi. */
+/* Transmission through glass, the light that its face does not reflect: along *out_wi. */
 static lf_vec3 transmitted(const layers *l, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
                            lf_vec3 *out_wi)
 {
@@ -424,7 +424,8 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
         return 0;
     front = m->glass.is_parting ? !m->glass.is_inside : front;
     layers l = layers_of(m);
-    lf_vec3 shiny = ns; /* of a coat's own normal the base below, or it itself, is no mirror */
+    /* with a coat normal of its own, the base or the coat itself is not a mirror */
+    lf_vec3 shiny = ns;
     float cos_coat = cos_o;
     if (l.apart) {
         lf_vec3 t, b, own;
@@ -487,7 +488,7 @@ static void vary(lf_material *m)
 
 static void prepare(lf_material *m)
 {
-    /* what a texture makes of a smooth lobe is a rough one */
+    /* a texture turns a smooth lobe into a rough one */
     if (has_texture(m, LF_SLOT_METAL_ROUGH) || has_texture(m, LF_SLOT_NORMAL) ||
         has_texture(m, LF_SLOT_SPECULAR) || m->anisotropy > 0.0f)
         m->roughness = lf_max(m->roughness, LF_LEAST_ROUGHNESS);
