@@ -27,7 +27,7 @@ enum { THINGS = sizeof things / sizeof *things };
 
 typedef struct unknown {
     const char *name; /* the document's */
-    size_t n[THINGS]; /* elements that have it, or hold something that has */
+    size_t n[THINGS]; /* elements that have it, directly or in a child */
     const json_t *last;
 } unknown;
 
@@ -37,7 +37,7 @@ typedef struct search {
     unknown found[MOST];
 } search;
 
-/* NULL: it is known, or one too many. */
+/* NULL: it is known, or there are too many. */
 static unknown *find(search *s, const char *name)
 {
     if (lf_gltf_knows(name))

@@ -49,7 +49,7 @@ static bool is_there(const char *file, const char *folder, const lf_roots *roots
     return opened;
 }
 
-/* The nearest file that is there, so many numbers apart; NULL: none is. */
+/* The nearest existing file in steps of `step`; NULL: none. */
 static char *nearest(const lf_frame_of *of, int step, const char *folder, const lf_roots *roots)
 {
     for (int i = 1, number = of->number; i <= MOST_MISSING; i++) {

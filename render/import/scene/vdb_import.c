@@ -9,7 +9,7 @@
 #include "base/sandbox/import.h"
 #include "render/scene/scene.h"
 
-/* The section's elements if there are as many as they have to be. */
+/* The section's elements if it has the expected number. */
 static const void *exactly(const lf_parcel *parcel, lf_parcel_tag tag, size_t count)
 {
     size_t n;
@@ -24,7 +24,7 @@ static lf_status take_others(const lf_parcel *parcel, lf_grid *grid)
     return lf_grid_set_others(grid, others && others[n - 1] == '\0' ? others : "");
 }
 
-/* Numbers of words alone: whatever they are, no voxel depends on them. */
+/* Numbers for messages only: no voxel depends on them. */
 static void take_odd(const lf_parcel *parcel, lf_grid *grid)
 {
     const double *odd = exactly(parcel, LF_PARCEL_ODD, 4);

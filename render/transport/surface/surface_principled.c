@@ -1,27 +1,29 @@
 /* glTF's layered model (2.0, appendix B; KHR_materials_clearcoat, _specular, _transmission,
- * _volume), with energy kept where glTF's own formulas lose or win it. From the top, each layer
- * letting through what it does not reflect:
+ * _volume), with energy conserved where glTF's own formulas lose or add it. From the top, each
+ * layer transmitting the light that it does not reflect:
  *
- *   coat        GGX, index 1.5, about a normal of its own where the base's is bent; what is below
- *               gets 1 - coat E_coat(cos_o)
- *   sheen       fibres (surface_sheen.h); what is below gets 1 - max(sheen) E_sheen(cos_o)
- *   metal       the share `metallic`: a conductor of colour albedo (surface_conductor.c)
- *   dielectric  the rest: GGX of index ior times specular, and below it either
+ *   coat          GGX, index 1.5, about its own normal if the base's is bent; the layers below
+ *                 receive 1 - coat E_coat(cos_o)
+ *   sheen         fibres (surface_sheen.h); the layers below receive 1 - max(sheen) E_sheen(cos_o)
+ *   metal         the share `metallic`: a conductor of colour albedo (surface_conductor.c)
+ *   dielectric    the remaining share: GGX of index ior times specular, and below it one of
  *     diffuse     albedo / pi  loss(cos_o) loss(cos_i) / mean loss
- *     or glass    the share `transmission`: what is not reflected goes on, refracted or, through a
+ *     glass       the share `transmission`: unreflected light continues, refracted or, through a
  *                 sheet, straight, tinted by albedo
- *     or flesh    the share `subsurface` of diffuse light: loss(cos_o) cos_i / pi inwards, and from
- *                 within loss(cos_i) cos_i / (pi mean loss) outwards, with no lobe but that
+ *     subsurface  the share `subsurface` of diffuse light: loss(cos_o) cos_i / pi inwards, and from
+ *                 inside loss(cos_i) cos_i / (pi mean loss) outwards, with no other lobe
  *
- * loss(cos) = 1 - specular E(cos), E of the GGX lobe (surface_energy.c), with what more than one
- * microfacet reflects where the index is above 3. Diffuse light is coupled
- * as Ashikhmin and Shirley (2000) and Kelemen do, so that albedo is what is seen: white gives back
- * loss(cos_o) and all together is 1 at every angle. Plastic, whose albedo is the pigment's, darkens
- * by what is reflected inside; both meet where albedo is 0 or 1. Grooves (KHR_materials_anisotropy)
- * make the lobe of metal and dielectric one of two alphas (surface_anisotropy.h); E is then that of
- * the round lobe of the root of their mean square: a white metal gives back 1 within 0.02 at alphas
- * of 0.3 and 0.1, 0.04 at 0.5 and 0.25, 0.1 at 1 and 0.1, where it is 1.07 from above. What goes
- * through rough glass is a lobe as well, surface_glass.c. */
+ * loss(cos) = 1 - specular E(cos), E of the GGX lobe (surface_energy.c), including multiple
+ * scattering if the index is above 3. Diffuse light is coupled as in Ashikhmin and Shirley (2000)
+ * and Kelemen, so that albedo is the visible colour: white returns loss(cos_o), and the sum is 1 at
+ * every angle. Plastic, whose albedo is the pigment's, is darker by its internal reflection; both
+ * agree if albedo is 0 or 1.
+ *
+ * Anisotropy (KHR_materials_anisotropy) gives the lobe of metal and dielectric two alphas
+ * (surface_anisotropy.h). E is then that of the isotropic lobe with the root of their mean square.
+ * So a white metal returns 1 within 0.02 at alphas of 0.3 and 0.1, 0.04 at 0.5 and 0.25, 0.1 at 1
+ * and 0.1, where it is 1.07 from above. Transmission through rough glass is a lobe as well,
+ * surface_glass.c. */
 #include <string.h>
 
 #include "render/scene/vec_double.h"
