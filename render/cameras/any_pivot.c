@@ -137,7 +137,7 @@ static void spread_light(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot
            pilot);
 }
 
-/* The same by a direction of the base's own lobe, and all that comes along it. */
+/* spread_light for a direction of the base's own lobe, and the light along it. */
 static void spread_direction(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
                              double densities, float share, bool pilot)
 {

@@ -430,7 +430,7 @@ typedef struct lf_merge {
     bool features, q;
 } lf_merge;
 
-/* Of pixels [first, first + n), before q is merged: means weighted by q, of both halves. */
+/* For pixels [first, first + n), before q is merged: means weighted by q, of both halves. */
 static void merge_albedo(const lf_merge *merge, size_t first, size_t n,
                          const uint32_t *restrict random)
 {

@@ -27,7 +27,7 @@ static void add_feature(lf_packed_feature *to, double weight_to, lf_packed_featu
     *to = lf_feature_pack(&mixed, random);
 }
 
-/* n q of both halves, as far as it is above 0. */
+/* n q of both halves, clamped to 0. */
 static double pivots_of(const lf_film_half half[2], const double n[2], size_t i)
 {
     return fmax(n[0] * (double)half[0].q[i] + n[1] * (double)half[1].q[i], 0.0);

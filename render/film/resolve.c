@@ -20,13 +20,14 @@ enum {
     NEAR_PLACES = (LF_TILE_VIEWS + 2 * NEAR_VIEWS) * NEAR_ACROSS
 };
 
-/* Source of I in the error's denominator: the row's medians only (for maps of counts, which must
- * not depend on other rows, and films made by them); also what the halves agree on in the row; or
- * also in the neighbouring rows, which must not be visited meanwhile. */
+/* Source of I in the error's denominator. SCALE_MEDIAN: the row's medians only, for maps of counts
+ * (which must not depend on other rows) and films made by them. SCALE_ROW: also light that the
+ * halves agree on in the row. SCALE_ROWS: also in the neighbouring rows, which must not be visited
+ * at the same time. */
 typedef enum lf_scale_of { SCALE_MEDIAN, SCALE_ROW, SCALE_ROWS } lf_scale_of;
 
-/* Of the squared difference of known light between the halves to its square: what changes the error
- * by less than a hundredth. */
+/* Squared difference of known light between the halves, relative to its square, that is negligible:
+ * it changes the error by less than a hundredth. */
 #define NEGLIGIBLE 1e-4
 
 static size_t pixel_index(const lf_tile *t, int i)
@@ -184,7 +185,7 @@ static uint8_t flags_of(const lf_sums *s)
 
 /* ------------------------------------------------------------------------------------ errors -- */
 
-/* What a tile's pixels are answered with. */
+/* Data for resolving a tile's pixels. */
 typedef struct lf_tile_answers {
     lf_estimator estimator;
     bool second; /* W' is the better weight */
@@ -480,7 +481,7 @@ static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t
     }
 }
 
-/* What a row of the film holds, for tiles to be read from; false when it was never visited. */
+/* Prepares a row of the film for reading its tiles; false: the row has no visit. */
 static bool open_row(lf_tile *t, const lf_film *film, int row)
 {
     const lf_film_row *state = &film->rows[row];

@@ -19,7 +19,7 @@ typedef struct lf_lanes {
     float n[3][LF_TILE_COLUMNS], w[2][LF_TILE_COLUMNS];
 } lf_lanes;
 
-/* What the halves are apart by N/W and by N/W', squares for each channel and column. */
+/* Squared differences of the halves' N/W and N/W', for each channel and column. */
 typedef struct lf_apart {
     float square[2][3][LF_TILE_COLUMNS];
 } lf_apart;

@@ -9,7 +9,7 @@
 /* Bound of N/W when it is estimated from many pixels: times its own mean. */
 #define RATIO_BOUND 2.0
 
-/* What a mean of N/W is taken of: a half, by W or by W', in the columns first to last of a tile. */
+/* Input of a mean of N/W: a half, with W or W', in the columns first to last of a tile. */
 typedef struct lf_mean_of {
     int half, first, last;
     bool second;

@@ -27,7 +27,7 @@
 #define FEW_REFLECTED 16
 /* This many of its own rays determine the catcher share of a pixel. */
 #define KNOWN_SHARE 4.0f
-/* What a row has that is called converged: samples of lights, and of each pixel's reflection. */
+/* Samples of a row that counts as converged: of lights, and of each pixel's reflection. */
 #define CONVERGED_LIGHTS 64
 #define CONVERGED_REFLECTED 16
 
@@ -347,7 +347,7 @@ static float smooth_at(const lf_caught *caught, int row, int view, int column, i
     return darkness(sum.lit, sum.all);
 }
 
-/* What of a pixel's rays comes to catchers, by its own. */
+/* Catcher share of a pixel, from its own rays. */
 static float own_share(const caught_sums *s)
 {
     return s->caught / lf_max(s->n, 1.0f);

@@ -4,7 +4,7 @@
 
 #include "render/layers/caught.h"
 
-/* --------------------------------------------------------------------------- a whole picture -- */
+/* ----------------------------------------------------------------------------- a whole image -- */
 
 typedef struct catch_job {
     const lf_renderer *renderer;
@@ -64,7 +64,7 @@ lf_status lf_renderer_catch(const lf_renderer *renderer, float *picture, const l
                : status;
 }
 
-/* ------------------------------------------------------------------ a picture that is fitted -- */
+/* -------------------------------------------------------------------------- a denoised image -- */
 
 typedef struct sharing_job {
     lf_caught *caught;

@@ -92,7 +92,7 @@ static bool weigh(const lf_general *g, lf_general_worker *w, const lf_prefix *p)
 
 /* ----------------------------------------------------------------------------- normalisation -- */
 
-/* Adds the views that see what was drawn, each by the Jacobian as it is printed. */
+/* Adds the views that see the pivot, each with the Jacobian as printed. */
 static void add_seen(const lf_general *g, lf_general_worker *w, const lf_prefix *p, double n)
 {
     if (p->event.kind == LF_EVENT_ESCAPE)

@@ -61,7 +61,7 @@ typedef struct lf_general_visit {
     int row;
     uint64_t key;   /* of the half's stream */
     uint32_t index; /* of the visit in it */
-    double n;       /* native samples a view pixel before it */
+    double n;       /* native samples per view pixel before it */
 } lf_general_visit;
 
 static bool cancelled(const lf_general_visit *v)

@@ -60,7 +60,7 @@ typedef struct wave {
     const lf_depth_kernel *kernel;
     lf_tracer *tracer;
     int n, n_shadows;
-    lf_light_walk *walks[LF_MAX_WALKS]; /* that still go on */
+    lf_light_walk *walks[LF_MAX_WALKS]; /* that continue */
     double goals[LF_MAX_WALKS];
     lf_coarse_end ends[LF_MAX_WALKS];
     lf_coarse_ray shadows[LF_MAX_WALKS];

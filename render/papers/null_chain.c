@@ -60,7 +60,7 @@ double lf_media_path_extinction(void *path, double t)
     return sum;
 }
 
-/* Of the volumes at a point, by their extinctions. */
+/* Picks one of the volumes at a point, in proportion to their extinctions. */
 static int pick_volume(lf_media_path *path, double t, double sum)
 {
     const lf_scene *scene = path->tracer->scene;

@@ -84,7 +84,7 @@ static lf_vec3 radiance_of(const lf_general *g, const lf_general_worker *w, cons
     return sum;
 }
 
-/* N and W of a view pixel. */
+/* Adds to N and W of a view pixel. */
 static void add(const lf_general *g, lf_general_worker *w, int view, int column, double weight,
                 lf_vec3 y)
 {

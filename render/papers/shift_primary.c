@@ -1,7 +1,7 @@
 /* By the primary sample, u = 1 - exp(-tau). */
 #include "render/papers/shift.h"
 
-/* The same u is the same tau. */
+/* Equal u means equal tau. */
 static bool copy(const lf_majorant *from, const lf_majorant *to, lf_majorant_point p,
                  lf_majorant_point *out, double *out_jacobian)
 {

@@ -28,7 +28,7 @@ static lf_to_show to_show(const lf_answered_row *o)
     return in;
 }
 
-/* What N of both halves is divided by. */
+/* The divisor of N for both halves. */
 static float weight_of(const lf_answered_row *o, const lf_pixel_found *both, size_t i)
 {
     const lf_pixels *pixels = &o->scratch->rows[0];
@@ -75,7 +75,7 @@ void lf_answer_pixel(const lf_answered_row *o, size_t i, lf_pixel_found out_foun
         mix_bounded(o, i, &x, out);
 }
 
-/* What tiles lack. */
+/* Applies the corrections of tiles. */
 static void add_lacking(const lf_answered_row *o, float (*out)[3])
 {
     const int width = o->film->width;

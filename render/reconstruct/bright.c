@@ -196,7 +196,7 @@ static lf_bright_cell sum_around(const lf_reconstruction *r, int number, const l
     return sum;
 }
 
-/* Of a cell, from means: the sums of products of the halves, and of squares. */
+/* For a cell, from means: the sums of products of the halves, and of squares. */
 static void spread_of(const lf_bright_cell *s, const float mean[2], float *out_agreed,
                       float *out_total)
 {

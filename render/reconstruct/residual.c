@@ -11,7 +11,7 @@
  * finest tiles, which have most noise. */
 #define DOUBT 2.0f
 #define DOUBT_FINEST 4.0f
-/* Of sharpening. */
+/* Steps of sharpening. */
 #define ROUNDS 3
 /* Limit of one step of a level relative to the expectation: if that was almost 0, one bright path
  * would be multiplied. Finer levels find brighter light. */
@@ -110,7 +110,7 @@ lf_status lf_residual_sum(lf_reconstruction *r, const lf_film *film, int number)
     return status;
 }
 
-/* Adds a finest tile's sums, as it is shown by now. */
+/* Adds a finest tile's sums with the current corrections. */
 static void add_sums(lf_residual_sums *to, const lf_residual_tile *from)
 {
     for (int c = 0; c < 3; c++) {
@@ -260,7 +260,7 @@ static void coarsen(const lf_reconstruction *r, int level, int view)
         }
 }
 
-/* A finest tile as it is shown by now, and what it lacks: a step. */
+/* A step for a finest tile with the current corrections. */
 static void weigh_finest(lf_residual_tile *tile, float step[LF_VARIANTS][3])
 {
     lf_residual_sums now;

@@ -11,8 +11,8 @@
 #include "render/reconstruct/scratch.h"
 
 #define EPSILON 1e-2
-/* Of a cell's own part in the shares by which its pixels go: those around it are between, in two or
- * three directions 7/8 each. */
+/* A cell's own part in the shares of its pixels. Its neighbours have the remainder by
+ * interpolation: in two or three directions 7/8 each. */
 #define OWN_PART 0.7
 
 typedef struct lf_open_row {
@@ -111,7 +111,7 @@ static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
     sums->pixels++;
 }
 
-/* What both halves predict of a row. */
+/* Predictions of both halves for a row. */
 static lf_status predict(const lf_reconstruction *r, int row, const lf_pixels *pixels,
                          lf_reconstruct_scratch *const scratch[2])
 {
@@ -266,7 +266,7 @@ static void add_chosen(const lf_reconstruction *r, const lf_reconstruction *whol
             }
 }
 
-/* What the estimate lacks because shares were chosen by the halves that it compares. */
+/* Correction of the estimate because the compared halves also chose the shares. */
 static lf_shown_chosen chosen_by_chance(const lf_reconstruction *r, const lf_film *film)
 {
     lf_shown_chosen chosen = {0.0, 0.0};

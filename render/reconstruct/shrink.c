@@ -11,7 +11,7 @@
 #define EPSILON 1e-2
 /* A half represents at most this multiple of its own samples. */
 #define MOST_STOOD_FOR 4.0
-/* Of what decides on a share the least part that others than the cell itself count for. */
+/* Minimum part of other cells in the decision about a share. */
 #define LEAST_OTHERS 0.25f
 
 /* ------------------------------------------------------------------------------------ planes -- */
@@ -176,8 +176,8 @@ static double importance(const lf_cell *cell, const lf_plane *x, int c)
     return albedo * albedo * q / (radiance * radiance + EPSILON);
 }
 
-/* Of steps away from x (of both halves): their sums with what a half has found beyond `against`,
- * and with themselves. */
+/* Sums over steps away from x (of both halves): their products with a half's data minus `against`,
+ * and their squares. */
 typedef struct lf_worth {
     double agreed, total;
 } lf_worth;

@@ -86,7 +86,7 @@ static bool is_made_up(const struct aiMaterial *m)
            is_white(m, AI_MATKEY_COLOR_AMBIENT);
 }
 
-/* ------------------------------------------------------------------------------ what is lost -- */
+/* ----------------------------------------------------------------------------- lost features -- */
 
 static bool is_transparent(const struct aiMaterial *m)
 {

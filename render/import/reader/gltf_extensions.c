@@ -7,7 +7,7 @@
 
 enum { MOST = 64, DEEPEST = 64 };
 
-/* What elements of the document's arrays are called. */
+/* Names of the elements of the document's arrays. */
 static const struct {
     const char *array, *one, *many;
 } things[] = {{"accessors", "accessor", "accessors"},
@@ -52,7 +52,7 @@ static unknown *find(search *s, const char *name)
     return &s->found[s->n++];
 }
 
-/* What an element has, however deep; its extras are its own matter. */
+/* Searches an element at any depth; its extras are skipped. */
 static void look(search *s, int thing, const json_t *element, json_t *json, int depth)
 {
     const char *key;

@@ -119,7 +119,7 @@ static lf_status load_json(lf_gltf *gltf, lf_error *err)
     return json_is_object(gltf->json) ? LF_OK : no_json(&wrong, err);
 }
 
-/* -------------------------------------------------------------------------- what it requires -- */
+/* ----------------------------------------------------------------------- required extensions -- */
 
 static const char *const known_extensions[] = {"EXT_mesh_gpu_instancing",
                                                "EXT_meshopt_compression",

@@ -218,7 +218,7 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_source_ma
         lf_v3(share(source->albedo.x), share(source->albedo.y), share(source->albedo.z));
 }
 
-/* ------------------------------------------------------------------------------ what is lost -- */
+/* ----------------------------------------------------------------------------- lost features -- */
 
 /* Unsupported features of an extension; LF_LOST_KINDS: none. */
 typedef struct known_extension {

@@ -157,7 +157,7 @@ static json_t *member(json_t *of, const char *name, size_t n)
     return json_object_get(of, copy);
 }
 
-/* What has the last name of a pointer as a member. NULL: it is not there. */
+/* The object that has the last name of a pointer as a member. NULL: it does not exist. */
 static json_t *find_owner(json_t *at, const char *pointer, const char **out_key)
 {
     const char *end;

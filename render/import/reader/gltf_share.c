@@ -107,7 +107,7 @@ bool lf_gltf_is_shared(lf_gltf_build *build)
            visit_once(build, tally, &s, NULL, NULL) == LF_OK && s.n_once < s.n;
 }
 
-/* ------------------------------------------------------------------------------------ places -- */
+/* --------------------------------------------------------------------------------- instances -- */
 
 typedef struct placing {
     size_t room, n_left; /* room for instances; number of dropped ones */

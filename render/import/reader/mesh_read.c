@@ -23,7 +23,7 @@ static lf_format_read_fn *find_format(const char *path, int fd)
     return NULL;
 }
 
-/* By its name, or GLB's first word. */
+/* By the file's name, or GLB's first word. */
 static bool is_gltf(const char *path, int fd)
 {
     char first[4] = "";

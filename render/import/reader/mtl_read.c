@@ -164,7 +164,7 @@ static bool take_model(const char *at, mtl *m)
     return true;
 }
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 static bool begins(const char *word, size_t n, const char *with)
 {

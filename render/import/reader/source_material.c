@@ -143,7 +143,7 @@ static lf_material convert_source(const lf_source_material *source, cuts *c)
     return out;
 }
 
-/* Of materials that triangles have. false: no memory. */
+/* For materials of triangles. false: no memory. */
 static bool convert_textures(const lf_source_material *source, size_t n, const bool *used,
                              lf_mesh_data *out)
 {
@@ -160,7 +160,7 @@ static bool convert_textures(const lf_source_material *source, size_t n, const b
     return true;
 }
 
-/* ------------------------------------------------------------------------------ what is lost -- */
+/* ----------------------------------------------------------------------------- lost features -- */
 
 static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_TEXTURES] = "textures are not read, the colours beside them alone count",

@@ -48,7 +48,7 @@ static facet_colours begin_colours(const unsigned char *title, bool wanted)
     return c;
 }
 
-/* Of the three points that came last; those before had none. */
+/* Colours the last three points; earlier points had none. */
 static lf_status put_colours(unsigned bits, facet_colours *c, lf_soup *soup, lf_error *err)
 {
     bool high = bits & 0x8000, own = high != c->of_magics;

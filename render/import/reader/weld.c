@@ -332,7 +332,7 @@ static void warn_of_rest(const lf_soup *soup, bool coloured, const lf_mesh_desc 
                       "point or line is left out", "points and lines are left out");
 }
 
-/* Which vertices are to be kept apart, by materials that are there. */
+/* Vertices that must stay separate, according to the materials. */
 static welding begin_welding(const lf_soup *soup, const lf_mesh_desc *desc, bool colours,
                              const lf_mesh_data *out)
 {

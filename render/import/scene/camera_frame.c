@@ -90,7 +90,7 @@ static int find_camera(lf_reader *reader, const lf_node *from, const lf_framing 
     return -1;
 }
 
-/* --------------------------------------------------------------------------- where it stands -- */
+/* ---------------------------------------------------------------------------------- position -- */
 
 /* The middle of what of the scene's box lies before the camera, along its axis. */
 static double middle_depth(const lf_scene *scene, const lf_file_camera *camera)

@@ -26,7 +26,7 @@
 #define PITCH_LYING 45.0
 #define CONE 35.0
 #define FILL 0.96
-/* Of the window that a camera of the file is measured by: a Portrait's. */
+/* Assumed aspect of the window for a camera of the file: a Portrait panel. */
 #define ASPECT 0.75
 
 /* A camera of the file is used if the object fills at least this share of its window. */

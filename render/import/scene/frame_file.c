@@ -9,7 +9,7 @@
 /* 0.29 * 100 is less than 29. */
 #define ROUNDING 1e-6
 
-/* Of numbers, to either side of a hole. */
+/* Maximum number of missing files on either side of a gap. */
 #define MOST_MISSING 1000
 
 char *lf_frame_file(lf_reader *reader, const lf_node *node, const char *file, int frame,

@@ -92,7 +92,7 @@ static bool file_is_unchanged(const lf_mesh_file *file, const lf_roots *roots)
     return same;
 }
 
-/* Of mesh i. */
+/* The motion of mesh i. */
 static lf_mesh_motion motion_of(lf_ends ends, int i, double span)
 {
     return (lf_mesh_motion){span, lf_clip_moment(&ends[0]->meshes[i].clip, span),

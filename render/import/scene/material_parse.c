@@ -27,7 +27,7 @@ const char *const lf_picture_keys[LF_OWN_SLOTS][2] = {
     [LF_SLOT_NORMAL] = {"normal", NULL},
     [LF_SLOT_EMISSION] = {"emission", NULL}};
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 /* The description of a key's image; NULL: the key has none. */
 static lf_picture_desc *place_of(const char *key, lf_pictures_desc *pictures)
@@ -258,7 +258,7 @@ void lf_material_parse(lf_reader *reader, const lf_node *node, lf_scene_desc *de
         lf_material_make_pictured(material);
 }
 
-/* --------------------------------------------------------------------------- those of meshes -- */
+/* ------------------------------------------------------------------------------------ meshes -- */
 
 /* The number of a material that is named at a node of a mesh. */
 static int find_material(lf_reader *reader, const lf_node *root, const lf_node *at,
@@ -282,7 +282,7 @@ static int find_material(lf_reader *reader, const lf_node *root, const lf_node *
     return found;
 }
 
-/* What a mesh needs for a material that it has, in part or all over. */
+/* Adds the vertex data that a mesh needs for one of its materials. */
 static void take_needs(const lf_scene_desc *desc, int material, lf_mesh_desc *mesh)
 {
     if (material < 0)

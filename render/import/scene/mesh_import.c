@@ -11,7 +11,7 @@
 #include "render/import/scene/file_identity.h"
 #include "render/import/scene/mesh_take.h"
 
-/* -------------------------------------------------------------------- files the reader wants -- */
+/* --------------------------------------------------------------------------- requested files -- */
 
 typedef struct asked {
     const lf_roots *roots;
@@ -103,7 +103,7 @@ static void take_warnings(const lf_parcel *parcel, const char *path, lf_warnings
     }
 }
 
-/* --------------------------------------------------------------------------------- all of it -- */
+/* ------------------------------------------------------------------------------ a whole mesh -- */
 
 static void put_clip(const lf_clip *clip, lf_import_request *request)
 {

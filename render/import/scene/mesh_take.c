@@ -187,7 +187,7 @@ static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_e
     return LF_OK;
 }
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 /* Whether the images' sizes are valid, and the number of texels matches. */
 static bool sizes_fit(const lf_parcel_picture *sizes, size_t n, size_t n_texels)

@@ -35,7 +35,7 @@ typedef struct importing {
     bool *ordered;
 } importing;
 
-/* ------------------------------------------------------------------------- what is read once -- */
+/* ------------------------------------------------------------------------ groups of readings -- */
 
 static bool meshes_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
 {
@@ -114,7 +114,7 @@ static lf_status read_instances(importing *all, const reading *r, int *out_wrong
     return status;
 }
 
-/* ------------------------------------------------------------------------------- all of them -- */
+/* -------------------------------------------------------------------------------- all meshes -- */
 
 static void run_reading(importing *all, int item,
                         lf_status (*read)(importing *all, const reading *r, int *out_wrong,
@@ -286,7 +286,7 @@ static bool same_looks(const lf_mesh_data *a, const lf_mesh_data *b)
     return same;
 }
 
-/* What a file animates and no shutter blurs. */
+/* Warns of animated properties that the shutter does not blur. */
 static void warn_of_looks(lf_mesh_data *data, const lf_mesh_data *at, const char *where)
 {
     const struct {

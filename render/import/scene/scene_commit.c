@@ -124,7 +124,7 @@ static void fail_too_much(const commit *c, const lf_volume_desc *desc, const cha
     fail_at(c, "volumes", desc->name, key, &err);
 }
 
-/* What volume number i emits, if it does. */
+/* Loads the emission of volume i, if it has one. */
 static void load_emissive(commit *c, int i)
 {
     lf_scene *scene = c->scene;
@@ -236,7 +236,7 @@ static void check_volumes(const commit *c)
         check_volume(c, &c->scene->emissive.field[i], c->scene->emissive.light[i].volume);
 }
 
-/* Of number i of the descs. */
+/* Sets the position of volume i of the descs. */
 static void place_volume(const commit *c, lf_volume *volume, int i)
 {
     lf_error err = {0};
@@ -254,7 +254,8 @@ static void place_emissive(const commit *c, int i)
 
 /* ------------------------------------------------------------------------------------ meshes -- */
 
-/* What a mesh chose that its file does not have: lf_gltf_find_variant begins so. */
+/* The key whose value the mesh's file does not have; lf_gltf_find_variant's message begins with it.
+ */
 static const char *choice_of(const lf_error *err)
 {
     static const char variant[] = "no variant";
@@ -543,7 +544,7 @@ static void warn_of_dense_grids(const commit *c)
     }
 }
 
-/* Of every grid that the volume is made of. */
+/* Warns of every grid of the volume. */
 static void warn_of_odd_voxels(const commit *c, int i)
 {
     const lf_volume *volume = &c->scene->volumes[i];
@@ -557,7 +558,7 @@ static void warn_of_odd_voxels(const commit *c, int i)
                                   desc->file);
 }
 
-/* What parts that may be shared with other scenes know, and what only the whole does. */
+/* Warnings of parts that may be shared with other scenes, and of the whole scene. */
 static void collect_warnings(const commit *c)
 {
     lf_scene *scene = c->scene;

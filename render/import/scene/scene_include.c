@@ -62,11 +62,11 @@ void lf_scene_text_finish(lf_scene_text *text)
     lf_free(text->text);
     lf_free(text->path);
     *text = (lf_scene_text){0};
-    if (large) /* a document that was refused is gone with it */
+    if (large) /* the refused document is freed with it */
         lf_trim();
 }
 
-/* ----------------------------------------------------------------------------- what it names -- */
+/* -------------------------------------------------------------------------------- file names -- */
 
 /* `name`, relative to the folder of `from`, as a path relative to the document. NULL = out of
  * memory. */
@@ -196,7 +196,7 @@ static void include_name(const including *all, lf_reader *reader, const lf_node 
     lf_free(path);
 }
 
-/* What a source includes, the last name first: it wins. */
+/* The includes of a source, the last name first: it wins. */
 static void include_all(const including *all, const lf_json_source *source, const char *from,
                         const chain *above)
 {

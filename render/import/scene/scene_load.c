@@ -17,7 +17,7 @@
 #include "render/import/scene/scene_include.h"
 #include "render/import/scene/vdb_import.h"
 
-/* Those that are all there are. */
+/* Copies closed roots. */
 static lf_status copy_roots(const lf_roots *roots, lf_roots *out, lf_error *err)
 {
     out->closed = true;

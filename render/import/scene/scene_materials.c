@@ -27,9 +27,9 @@ static void out_of_memory(const making *m)
             lf_error_set(m->reader->err, LF_E_NOMEM, m->reader->where, "out of memory");
 }
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
-/* Of the scene's material number i, which is called name. */
+/* Loads the images of the scene's material i, called name. */
 static void load_pictures(const making *m, int i, const char *name)
 {
     lf_own_textures *own = &m->scene->own_textures[i];

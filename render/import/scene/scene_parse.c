@@ -81,7 +81,7 @@ static int parse_render(lf_reader *reader, const lf_node *root)
     return lf_read_int(reader, &node, "max_depth", 0, 1, 65536);
 }
 
-/* ----------------------------------------------------------------------- things kept by name -- */
+/* ----------------------------------------------------------------------------- named objects -- */
 
 /* Reads one member of a section into the slot with this number. */
 typedef void (*parse_member_fn)(lf_reader *reader, const lf_node *node, lf_scene_desc *desc,
@@ -142,7 +142,7 @@ static void parse_members(lf_reader *reader, const lf_node *root, const char *na
 #define STEPS 8 /* of velocities */
 #define MAX_GRID_NAME 256
 
-/* What a grid emits: "emission" is an object. */
+/* Emission of a grid: "emission" is an object. */
 static void parse_emissive(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
     static const char *const keys[] = {"grid", "scale", "colour", "kelvin", NULL};

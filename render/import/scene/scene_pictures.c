@@ -98,7 +98,8 @@ static lf_status read_part(part *p, lf_digest *digest, lf_error *err)
     if (!p->path)
         return LF_OK;
     lf_status status = lf_file_digest(p->fd, p->path, digest, err);
-    snprintf(request.path, sizeof request.path, "%s", p->path); /* in words: it is open already */
+    /* only for messages: the file is open already */
+    snprintf(request.path, sizeof request.path, "%s", p->path);
     if (status == LF_OK)
         status = lf_import_run(&request, p->fd, p->path, NULL, NULL, &parcel, err);
     if (status == LF_OK)

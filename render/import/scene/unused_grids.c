@@ -57,7 +57,7 @@ static bool is_used(const lf_scene_desc *desc, const char *file, const char *nam
     return false;
 }
 
-/* What programs call velocities: the name, or that and a component. */
+/* Common names of velocities: the name, or the name and a component. */
 static bool is_velocity(const char *name, size_t length)
 {
     static const char *const names[] = {"velocity", "vel", "v"};

@@ -68,7 +68,8 @@ static lf_status import(int fd, const char *path, const char *name, bool is_velo
         return lf_error_set(err, LF_E_FORMAT, path, "the name of a grid has at most %zu bytes",
                             sizeof request.grid - 1);
     memcpy(request.grid, name, strlen(name) + 1);
-    snprintf(request.path, sizeof request.path, "%s", path); /* in words: it is open already */
+    /* only for messages: the file is open already */
+    snprintf(request.path, sizeof request.path, "%s", path);
     lf_status status = lf_import_run(&request, fd, path, NULL, NULL, &parcel, err);
     if (status != LF_OK)
         return status;

@@ -22,7 +22,7 @@ static lf_status no_memory(const request *r, lf_error *err)
     return lf_error_set(err, LF_E_NOMEM, r->path, "out of memory");
 }
 
-/* ----------------------------------------------------------------------------- what there is -- */
+/* ---------------------------------------------------------------------------- existing grids -- */
 
 /* A field whose grid has a key, among n fields. */
 static const lf_volume *find_among(const lf_volume *fields, int n, const char *key, bool flows)
@@ -51,7 +51,7 @@ static const lf_volume *find(const lf_grid_source *source, const char *key, bool
     return found ? found : find_in(source->previous, key, flows);
 }
 
-/* ---------------------------------------------------------------------------------- as it is -- */
+/* ------------------------------------------------------------------------ without velocities -- */
 
 static lf_status import_grid(const request *r, const char *key, lf_grid **out, lf_error *err)
 {

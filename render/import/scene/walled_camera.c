@@ -5,7 +5,7 @@
 #include "render/transport/light/light_kind.h"
 #include "render/transport/path/track.h"
 
-/* Scenes are loaded while somebody waits: a million triangles took 0.17 s. */
+/* A limit, because users wait for scenes to load: a million triangles took 0.17 s. */
 enum { MOST_TRIANGLES = 1 << 18 };
 
 static bool contains(const lf_box *box, lf_vec3 p)

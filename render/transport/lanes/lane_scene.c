@@ -67,7 +67,7 @@ static bool serves_picture(const lf_environment *picture)
     return (uint64_t)picture->width * (uint64_t)picture->height < MOST_TEXELS;
 }
 
-/* Of lights at infinity. */
+/* For lights at infinity. */
 static bool serves_lights(const lf_scene *scene)
 {
     int drawn[2] = {0, 0};
@@ -286,7 +286,7 @@ typedef struct shades {
     float toward[3]; /* volume space */
 } shades;
 
-/* What meshes let through from p to the light. */
+/* Transmittance of meshes from p to the light. */
 static float passed(const shades *job, lf_tracer *tracer, lf_vec3 p)
 {
     const lf_volume *volume = &job->field->scene->volumes[0];

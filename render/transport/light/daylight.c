@@ -127,7 +127,7 @@ void lf_daylight_sun(double turbidity, double elevation, double out_rgb[3])
         out_rgb[j] = fmax(out_rgb[j], 0.0);
 }
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 /* A row above the horizon, both halves the same; adds what the row gives a horizontal plane. */
 static void paint_row(const lf_daylight *sky, int row, int width, int height, float *rgb,

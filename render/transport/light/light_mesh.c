@@ -36,7 +36,7 @@ static bool see(const lf_mesh *mesh, uint32_t triangle, lf_vec3 from, lf_spheric
                              vertex(mesh, triangle, 2));
 }
 
-/* With what probability a triangle of the light is chosen. */
+/* The probability of choosing a triangle of the light. */
 static float share_of(const lf_light *light, uint32_t triangle)
 {
     int first = 0, count = light->n_triangles;

@@ -2,7 +2,7 @@
 #include "render/scene/vec_double.h"
 #include "render/transport/light/light_types.h"
 
-/* Of the length of a direction: as near as that to +y or -y it is vertical. */
+/* Relative to a direction's length: within this distance of +y or -y it counts as vertical. */
 #define VERTICAL 1e-6
 
 /* The height direction of a face before rotation: the part of +y perpendicular to the face's

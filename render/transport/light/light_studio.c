@@ -28,7 +28,7 @@ static const soft_box boxes[] = {{-122, 42, 0.36, 0.34, 6.6},
                                  {28, 42, 0.55, 0.20, 2.8},
                                  {150, 72, 0.30, 0.30, 1.2}};
 
-/* Of the room's height: floor, horizon and ceiling. */
+/* Radiance of the room at the floor, horizon and ceiling. */
 #define FLOOR 0.10
 #define HORIZON 0.17
 #define CEILING 0.36

@@ -132,7 +132,7 @@ static float first_half(const lf_light_node *tree, size_t node, lf_vec3 p)
     return a + b > 0.0f ? a / (a + b) : -1.0f;
 }
 
-/* Of a leaf, by area. */
+/* Chooses in a leaf, by area. */
 static int choose_in_leaf(const double *cdf, int first, int count, double place, float *probability)
 {
     double from = cdf[first], all = cdf[first + count] - from, at = from + place * all;

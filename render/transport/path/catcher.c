@@ -67,7 +67,7 @@ void lf_catcher_light(lf_tracer *tracer, const lf_hit *hit, const float u[5], do
 
 /* -------------------------------------------------------------------------------- reflection -- */
 
-/* What comes along wi, drawn with this pdf; 0: a delta lobe. */
+/* The light along wi, drawn with this pdf; 0: a delta lobe. */
 static lf_vec3 arriving(lf_tracer *tracer, const lf_event *event, lf_vec3 wi, float pdf,
                         int max_depth)
 {

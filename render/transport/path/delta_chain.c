@@ -1,6 +1,6 @@
 #include "render/transport/path/delta_chain.h"
 
-/* Branches that bring less than this go on by chance, at the end of which they have it. */
+/* Branches with less than this share continue at random, and survivors have this share. */
 #define LEAST_BRANCH 0.02f
 /* At the end of a branch with less than a quarter of the light, a path is drawn with some
  * probability, because it costs much more than the branch. */

@@ -81,7 +81,7 @@ lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
     return in ? lf_interior_left(in, light->distance) : lf_v3(1.0f, 1.0f, 1.0f);
 }
 
-/* Of the medium of a collision. */
+/* For the medium of a collision. */
 static float phase_of(const lf_scene *scene, const lf_event *event, lf_vec3 w, lf_vec3 wi)
 {
     return event->volume == LF_INTERIOR ? lf_phase_between(event->interior->g, w, wi)

@@ -402,8 +402,8 @@ static float sharp(const lf_sunlight_map *map, const place_on_map *at,
     return lf_lerp(upper, lower, fy);
 }
 
-/* Of a disk of texels: the weights of all and of those that hide the point, and how far above it
- * these are. */
+/* A disk of texels: the total weight, the weight of occluders, and their mean height above the
+ * point. */
 typedef struct disk {
     float all, hidden, above;
 } disk;

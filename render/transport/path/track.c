@@ -629,8 +629,8 @@ static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *emissive,
     while (walk_next(&k));
     if (!(sum > 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    /* The same sums in the same order: they reach any share of the whole, at a brick that adds to
-     * them. */
+    /* The sums are repeated in the same order, so they reach any share of the total, at a brick
+     * that adds to them. */
     float wanted = lf_rng_fine(tracer) * sum;
     walk_begin(&k, emissive, r);
     do {

@@ -48,7 +48,7 @@ static void fan_once(const lf_material *m, lf_vec3 wi, int n, const float *x, co
     }
 }
 
-/* How much more there is of several reflections. */
+/* Adds the multiple-scattering compensation. */
 static void fan_several(const lf_material *m, int n, const float *z, float *restrict more)
 {
     const lf_material own = *m;

@@ -38,7 +38,7 @@ static float kept(const lf_material *m, float cos_o)
     return lf_lerp(at[k], at[k + 1], x - (float)k);
 }
 
-/* What a microfacet does with light that meets it at this cosine. */
+/* Reflection and refraction at a microfacet for this cosine. */
 typedef struct facet {
     lf_vec3 mirrored, through;
     float by_mirror; /* probability */

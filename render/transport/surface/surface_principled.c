@@ -31,7 +31,7 @@
 #include "render/transport/surface/surface_glass.h"
 #include "render/transport/surface/surface_sheen.h"
 
-/* What all directions share of a material. */
+/* Data of a material that all directions share. */
 typedef struct layers {
     const lf_material *m; /* loss: of the dielectric */
     float alpha, coat_alpha;
@@ -93,7 +93,7 @@ static inline float clear_loss(const lf_material *m, float cosine)
     return lf_loss_by(m->energy.coat_loss, a, lf_coat_transmittance(LF_COAT_INDEX, cosine), cosine);
 }
 
-/* What the fibres reflect, in the channel of which they reflect most. */
+/* Albedo of the fibres, in their strongest channel. */
 static inline float sheen_share(const lf_material *m, float cosine)
 {
     return lf_max3(m->sheen) * lf_sheen_albedo(m->sheen_roughness, cosine);
@@ -106,7 +106,7 @@ static inline float metal_several(const lf_material *m, float cosine)
     return loss / (1.0f - loss);
 }
 
-/* What has a lobe that is not about the base's normal, or not round. */
+/* Whether a lobe is not about the base's normal, or not isotropic. */
 static inline bool is_special(const lf_material *m)
 {
     return lf_is_anisotropic(m) || m->coat_normal.z > 0.0f;
@@ -195,8 +195,8 @@ static inline lf_ggx_lobe gloss_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
                                    : lf_ggx_eval(l->alpha, wo, wi);
 }
 
-/* Towards wi from wo.z > LF_MIN_COS; base: base_colour of wi. Inline, so that who is not special
- * has no branch for it. */
+/* Towards wi from wo.z > LF_MIN_COS; base: base_colour of wi. Inline, so that common materials have
+ * no branch for special ones. */
 static inline __attribute__((always_inline)) float eval_lobes(const layers *l, const shares *s,
                                                               bool special, lf_vec3 base,
                                                               lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)

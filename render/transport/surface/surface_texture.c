@@ -18,7 +18,7 @@ static place place_of(const lf_hit *hit)
                    .weight = {1.0f - hit->u - hit->v, hit->u, hit->v}};
 }
 
-/* Of arrays [n_vertices][n]. */
+/* For arrays [n_vertices][n]. */
 static void interpolate(const place *at, const float *values, int n, float *out)
 {
     for (int i = 0; i < n; i++) {
