@@ -33,5 +33,5 @@ install: all $(completions)
 	@$(call to,644,$(SRCDIR)/systemd/quiltd.tmpfiles,$(TMPFILESDIR)/quiltd.conf)
 	@$(call to,644,$(SRCDIR)/systemd/70-quiltd.rules,$(UDEVDIR)/70-quiltd.rules)
 	@$(call to,644,$(SRCDIR)/systemd/60-quiltd.polkit.rules,$(POLKITDIR)/60-quiltd.rules)
-	@echo 'installed beneath $(DESTDIR)$(PREFIX); then, as root: systemd-sysusers && systemd-tmpfiles --create && udevadm control --reload'
+	@echo 'installed below $(DESTDIR)$(PREFIX); now run as root: systemd-sysusers && systemd-tmpfiles --create && udevadm control --reload'
 	@echo 'and for the service: systemctl daemon-reload && systemctl enable --now quiltd; adduser NAME quiltd for those who may steer it'

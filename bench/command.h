@@ -28,7 +28,7 @@ typedef struct lf_bench_command {
     LF_BENCH_FIELD(LF_PARAM_WHOLE, "repeat", field, "N", 1, LF_TIMING_MAX, times, what)
 #define LF_BENCH_JSON(field)                                                                       \
     LF_BENCH_FIELD(LF_PARAM_TEXT, "json", field, "FILE", 0, 0, 0,                                  \
-                   "the numbers as JSON (- for stdout)")
+                   "write the numbers as JSON (-: standard output)")
 
 /* Sets *arguments to the initial values of its table, then takes all options; argv[optind] is the
  * first operand then. false: *out_code is what to end with, after help was asked for and printed,

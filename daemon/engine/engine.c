@@ -218,7 +218,7 @@ lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_
         status = start_thread(engine);
     if (status != LF_OK) {
         lf_engine_destroy(engine);
-        return lf_error_set(err, status, "engine", "cannot start its threads");
+        return lf_error_set(err, status, "engine", "cannot start the engine's threads");
     }
     *out_engine = engine;
     return LF_OK;

@@ -103,7 +103,9 @@ static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
     lf_views8 views = lf_picture_views(&engine->picture, engine->pool, &unfilled, out_blank);
     bool final = engine->converged || !engine->content->scene;
     if (unfilled > 0) {
-        lf_log(LF_LOG_DEBUG, "%.2f passes: %lld view pixels missing, %lld out of reach",
+        lf_log(LF_LOG_DEBUG,
+               "%.2f passes: %lld view pixels have no sample, %lld of them cannot "
+               "be filled",
                engine->spent.passes, (long long)lf_picture_missing(&engine->picture),
                (long long)unfilled);
         engine->level = LF_LEVEL_NONE;
@@ -187,7 +189,7 @@ static lf_status fit(lf_engine *engine, bool final)
     take_time(&cost->fit, &cpu);
     engine->fit.passes = status == LF_OK ? engine->spent.passes : 0;
     if (status != LF_OK && status != LF_E_CANCELLED) {
-        lf_log(LF_LOG_ERROR, "out of memory for the reconstruction: the picture is unfiltered");
+        lf_log(LF_LOG_ERROR, "out of memory for denoising; the image is shown unfiltered");
         engine->picture.reconstructs = false;
         lf_picture_forget(&engine->picture);
         status = LF_OK;
@@ -200,8 +202,7 @@ static lf_status fit(lf_engine *engine, bool final)
     engine->fit.is_whole = status == LF_OK && lf_picture_missing(&engine->picture) == 0;
     engine->fit.at = lf_time_now();
     engine->fit.cost = engine->fit.at - start;
-    lf_log(LF_LOG_DEBUG, "%.2f passes: fitted and shown in %.3f s", engine->spent.passes,
-           engine->fit.cost);
+    lf_log(LF_LOG_DEBUG, "%.2f passes: denoised in %.3f s", engine->spent.passes, engine->fit.cost);
     return status;
 }
 
@@ -383,7 +384,7 @@ static void guide(lf_engine *engine, const lf_content *content)
     const bool on = engine->now.controls.guides && engine->renderer && content->scene &&
                     content->has_depth && content->settings.features;
     if (lf_picture_guide(&engine->picture, on ? &content->depth : NULL) != LF_OK)
-        lf_log(LF_LOG_ERROR, "out of memory for the guides: they are left out");
+        lf_log(LF_LOG_ERROR, "out of memory for the guides; the image is shown without them");
 }
 
 static bool reconstructs(const lf_engine_controls *controls, const lf_content *content)
@@ -507,7 +508,8 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
     if (status != LF_OK)
         return status;
     if (lf_picture_follow(&engine->picture, engine->renderer) != LF_OK)
-        lf_log(LF_LOG_ERROR, "out of memory for what catchers get: it is left out");
+        lf_log(LF_LOG_ERROR, "out of memory for shadow catchers; the image is shown without "
+                             "their shadows");
     guide(engine, content);
     engine->picture.estimator = engine->now.controls.estimator;
     engine->picture.reconstructs = reconstructs(&engine->now.controls, content);
@@ -608,11 +610,14 @@ static lf_status take_film(lf_engine *engine, lf_snapshot *out, lf_error *err)
 {
     if (out->reconstructed && !engine->content->settings.features)
         return lf_error_set(err, LF_E_STATE, "reconstruct",
-                            "the picture that is shown was begun with reconstruct off");
+                            "the current image was started with denoise off; use render.set "
+                            "denoise=on");
     lf_status status =
         lf_picture_film(&engine->picture, out->reconstructed, engine->pool, out->film);
     if (status == LF_E_STATE)
-        return lf_error_set(err, status, "", "nothing has been rendered yet");
+        return lf_error_set(err, status, "",
+                            "nothing has been rendered yet; use wait "
+                            "for=coarse first");
     return status == LF_OK ? LF_OK : lf_error_set(err, status, "", "out of memory for the views");
 }
 
@@ -625,7 +630,8 @@ static lf_status take_layers(lf_engine *engine, unsigned layers, lf_snapshot *ou
                  row = width * (size_t)content->layout.n_views;
     if (!content->settings.features)
         return lf_error_set(err, LF_E_STATE, "export",
-                            "no depth: the picture that is shown was begun with reconstruct off");
+                            "the current image was started with denoise off and has no depth; "
+                            "use render.set denoise=on");
     out->beside = lf_calloc((size_t)content->layout.view_height, row * sizeof *out->beside);
     if (!out->beside)
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory for the layers");
@@ -633,7 +639,10 @@ static lf_status take_layers(lf_engine *engine, unsigned layers, lf_snapshot *ou
     out->source.views32.layers = &out->layers;
     lf_status status = lf_renderer_layers(engine->renderer, engine->now.controls.estimator, layers,
                                           out->beside, NULL);
-    return status == LF_OK ? LF_OK : lf_error_set(err, status, "", "no layers were made");
+    return status == LF_OK ? LF_OK
+                           : lf_error_set(err, status, "",
+                                          "the layers could not be "
+                                          "computed");
 }
 
 lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
@@ -641,10 +650,12 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
     lf_content *content = engine->content;
     lf_snapshot *out = request->snapshot;
     if (!content || engine->spoiled)
-        return lf_error_set(request->err, LF_E_STATE, "", "there is no picture to export");
+        return lf_error_set(request->err, LF_E_STATE, "",
+                            "there is no image to export; load a "
+                            "scene first");
     if (request->layers && !content->scene)
         return lf_error_set(request->err, LF_E_STATE, "export",
-                            "no depth: a finished picture is shown, not a scene");
+                            "a finished image has no depth; load a scene first");
     if (content->scene) {
         const lf_layout *layout = &content->layout;
         size_t pixels =
@@ -677,7 +688,9 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
 lf_status engine_run_save(lf_engine *engine, engine_request *request)
 {
     if (!engine->renderer || engine->spoiled)
-        return lf_error_set(request->err, LF_E_STATE, "", "there is no accumulation to save");
+        return lf_error_set(request->err, LF_E_STATE, "",
+                            "there is no rendering to save; load "
+                            "a scene first");
     lf_status status = request->keeps ? lf_states_begin(engine->states, engine->renderer,
                                                         request->file, request->err)
                                       : LF_OK;

@@ -126,8 +126,8 @@ static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf
     /* whoever calls has no command line */
     if (status == LF_E_ARG && load->deferred && !named && options.columns == 0)
         status = lf_error_set(&load->err, LF_E_ARG, load->file,
-                              "the file name has no quilt suffix such as _qs8x6a0.75; rename the "
-                              "file, or say its tiles in scene.load: quilt=COLUMNSxROWS");
+                              "the file name has no quilt suffix such as _qs8x6a0.75; rename "
+                              "the file or pass quilt=COLUMNSxROWS to scene.load");
     return status;
 }
 
@@ -147,7 +147,7 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
         return load_quilt(roots, load, named, out);
     if (load->words.columns > 0)
         return lf_error_set(&load->err, LF_E_ARG, load->file,
-                            "is no picture: quilt=COLUMNSxROWS goes with pictures alone");
+                            "is not an image; quilt=COLUMNSxROWS applies only to images");
     lf_scene *scene = NULL;
     const lf_scene *previous = loader->content ? loader->content->scene : NULL;
     status = lf_scene_load_patched(load->file, &load->options.alone, NULL, roots, previous, &scene,
@@ -227,7 +227,7 @@ static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf
     }
     if (!now || !now->scene)
         return lf_error_set(&load->err, LF_E_STATE, now ? now->file : "",
-                            "no scene is shown that could be changed");
+                            "no scene is loaded; load one with scene.load first");
     if (load->kind == LF_LOAD_PATCH)
         return load_patches(loader, roots, load, out);
     json_t *patch = NULL;

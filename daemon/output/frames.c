@@ -18,18 +18,18 @@
 /* clang-format off */
 const lf_param lf_frames_params[] = {
     {.option = "turntable", .argument = "N", PLACE(turntable), .type = LF_PARAM_WHOLE, .low = 1,
-     .high = MOST_FRAME, .help = "N frames, in which the camera goes once round its target"},
+     .high = MOST_FRAME, .help = "render N frames of one camera orbit around the target"},
     {.option = "frames", .joined = ":", .argument = "A", PLACE(first), .type = LF_PARAM_WHOLE,
      .has = offsetof(lf_frames, has_range), .high = MOST_FRAME,
-     .help = "frames A to B of a scene that moves, or of the turntable"},
+     .help = "render frames A to B of an animated scene or of the turntable"},
     {.option = "frames", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE, .high = MOST_FRAME},
     {.option = "camera-rows", .joined = ":", .argument = "A", PLACE(first), .type = LF_PARAM_WHOLE,
      .has = offsetof(lf_frames, of_rows), .high = LF_MAX_CAMERA_ROWS - 1,
-     .help = "rows A to B of a grid of cameras, each by itself"},
+     .help = "render rows A to B of a camera grid, one output per row"},
     {.option = "camera-rows", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE,
      .high = LF_MAX_CAMERA_ROWS - 1},
     {.option = "overwrite", PLACE(overwrite), .type = LF_PARAM_SWITCH,
-     .help = "frames whose files are there are rendered anew, as single files always are"},
+     .help = "re-render frames whose files exist"},
     {0},
 };
 /* clang-format on */
@@ -54,17 +54,23 @@ lf_status lf_frames_check(lf_frames *frames, lf_error *err)
     if (!lf_frames_wanted(frames))
         return LF_OK;
     if (frames->of_rows && (frames->has_range || frames->turntable > 0))
-        return lf_error_set(err, LF_E_ARG, "--camera-rows", "does not go with %s",
+        return lf_error_set(err, LF_E_ARG, "--camera-rows", "cannot be combined with %s",
                             frames->turntable > 0 ? "--turntable" : "--frames");
     if (!frames->has_range && !frames->of_rows) {
         frames->first = 1;
         frames->last = frames->turntable;
     }
     if (frames->first > frames->last)
-        return lf_error_set(err, LF_E_ARG, lf_frames_option(frames), "%d:%d ends before it begins",
+        return lf_error_set(err, LF_E_ARG, lf_frames_option(frames),
+                            "%d:%d ends before it "
+                            "begins; expected "
+                            "FIRST:LAST with FIRST <= "
+                            "LAST",
                             frames->first, frames->last);
     if (frames->turntable > 0 && (frames->first < 1 || frames->last > frames->turntable))
-        return lf_error_set(err, LF_E_ARG, "--frames", "%d:%d is no part of --turntable %d (1:%d)",
+        return lf_error_set(err, LF_E_ARG, "--frames",
+                            "%d:%d is outside --turntable %d; "
+                            "expected frames within 1:%d",
                             frames->first, frames->last, frames->turntable, frames->turntable);
     return LF_OK;
 }

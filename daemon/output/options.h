@@ -111,14 +111,15 @@ enum { LF_OPTION_OWN = 256 };
 
 /* The lines of --help for what every program takes. */
 #define LF_OPTIONS_HELP_LAST                                                                       \
-    "  --help                 this text\n"                                                         \
-    "  --version              the version\n"
+    "  --help                 print this help\n"                                                   \
+    "  --version              print the version\n"
 /* The same of programs that write their completion. */
 #define LF_OPTIONS_HELP_SHELLS                                                                     \
-    "  --completion SHELL     prints what bash, zsh or fish completes; no other word beside it\n"
+    "  --completion SHELL     print a completion script for bash, zsh or fish; must be the only "
+"option\n"
 
-/* Options out of a table. */
-typedef struct lf_options_part {
+    /* Options out of a table. */
+    typedef struct lf_options_part {
     const lf_param *params;
     const char *names; /* of the options that are taken (lf_param_among); NULL = all */
     void *object;      /* the struct that is filled */

@@ -78,7 +78,7 @@ static lf_status unknown(const struct option *table, const char *where, lf_error
     if (word[0])
         meant = lf_nearest_name(word, names);
     return meant ? lf_error_set(err, LF_E_ARG, where, "unknown option; did you mean --%s?", meant)
-                 : lf_error_set(err, LF_E_ARG, where, "unknown option (see --help)");
+                 : lf_error_set(err, LF_E_ARG, where, "unknown option; see --help");
 }
 
 /* getopt_long without its own messages; *out_code is -1 behind the last option. */
@@ -101,11 +101,13 @@ static lf_status read_next(int argc, char *const argv[], const char *letters,
     if (optopt != 0) {
         snprintf(where, sizeof where, "-%c", optopt);
         return lf_error_set(err, LF_E_ARG, where,
-                            code == ':' ? "expects an argument" : "unknown option (see --help)");
+                            code == ':' ? "expects an argument" : "unknown option; see --help");
     }
     snprintf(where, sizeof where, "%.100s", text);
     if (strncmp(text, "--", 2) == 0 && count_matches(table, text + 2) > 1)
-        return lf_error_set(err, LF_E_ARG, where, "could mean several options (see --help)");
+        return lf_error_set(err, LF_E_ARG, where,
+                            "is ambiguous; give the whole name of the "
+                            "option (see --help)");
     return unknown(table, where, err);
 }
 

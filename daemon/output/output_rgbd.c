@@ -24,20 +24,21 @@ static const char *const extents[] = {"middle", "quilt", NULL};
 /* clang-format off */
 const lf_param lf_rgbd_params[] = {
     {.name = "side", .option = "rgbd", .argument = "SIDE", PLACE(side), .type = LF_PARAM_WORD,
-     .words = sides, .help = "the middle view, its depth on this side of it, into OUT.png",
-     .about = "side on which the depth lies beside the middle view"},
+     .words = sides, .help = "write the middle view with its depth on this side to OUT.png",
+     .about = "side of the middle view on which its depth is"},
     {.name = "of", .option = "rgbd-of", .argument = "middle|quilt", PLACE(is_quilt),
      .type = LF_PARAM_WORD, .words = extents,
-     .help = "of what: the middle view, or all views, as a quilt beside a quilt of depth"},
+     .help = "write the middle view, or a quilt next to a quilt of depth"},
     {.name = "near_is", .option = "near-is", .argument = "COLOUR", PLACE(near_is_black),
-     .type = LF_PARAM_WORD, .words = near_ends, .help = "what near is in the depth of --rgbd",
-     .about = "colour of what is near in the depth"},
+     .type = LF_PARAM_WORD, .words = near_ends, .help = "grey of near points in the depth of "
+                                                        "--rgbd",
+     .about = "grey of near points in the depth"},
     {.name = "near", .option = "near", .argument = "Z", PLACE(near), .low = 1e-9, .high = 1e9,
-     .help = "distance along the view axis that is as near as --rgbd tells",
-     .about = "distance along the view axis that is as near as the depth tells"},
+     .help = "distance along the view axis that gets the nearest depth value of --rgbd",
+     .about = "distance along the view axis that gets the nearest depth value"},
     {.name = "far", .option = "far", .argument = "Z", PLACE(far), .low = 1e-9, .high = 1e9,
-     .help = "the same of what is far",
-     .about = "distance along the view axis that is as far as the depth tells"},
+     .help = "distance along the view axis that gets the farthest depth value of --rgbd",
+     .about = "distance along the view axis that gets the farthest depth value"},
     {0},
 };
 /* clang-format on */
@@ -92,7 +93,7 @@ static lf_status open_views(const lf_output_request *request, const lf_output_so
         out->coverage = find_channel(layers, names[1]);
     }
     if (out->depth < 0 || out->coverage < 0)
-        return lf_error_set(err, LF_E_ARG, request->path, "the picture has no depth");
+        return lf_error_set(err, LF_E_ARG, request->path, "the image has no depth");
     return LF_OK;
 }
 
@@ -211,7 +212,7 @@ static lf_status draw(const lf_output_request *request, const lf_output_source *
         lf_image8_init(image, above ? width : 2 * width, above ? 2 * height : height, 3);
     if (status != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, request->path,
-                            "no memory for two pictures of %dx%d pixels", width, height);
+                            "out of memory for two images of %dx%d pixels", width, height);
     const size_t second = above ? (size_t)height * image->stride : (size_t)width * 3;
     uint8_t *depth = image->data + (depth_first ? 0 : second),
             *colour = image->data + (depth_first ? second : 0);
@@ -265,7 +266,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
 static const char *const endings[] = {".png", NULL};
 
 const lf_output_kind lf_output_rgbd = {.name = "rgbd",
-                                       .what = "a picture with depth",
+                                       .what = "an image with depth",
                                        .endings = endings,
                                        .option = "rgbd",
                                        .layers = LAYERS,

@@ -36,16 +36,16 @@ static const char *const formats[] = {"yuv420p", "yuv444p", NULL};
 /* clang-format off */
 const lf_param lf_video_params[] = {
     {.name = "fps", .option = "fps", .argument = "N", PLACE(fps), .low = 1, .high = 240,
-     .initial = 30, .help = "frames of a video in a second"},
+     .initial = 30, .help = "frames per second of a video"},
     {.name = "codec", .option = "codec", .argument = "NAME", PLACE(codec), .type = LF_PARAM_WORD,
-     .words = codecs, .help = "how a video is compressed"},
+     .words = codecs, .help = "video codec"},
     {.name = "pixel_format", .option = "pixel-format", .argument = "NAME", PLACE(is_444),
      .type = LF_PARAM_WORD, .words = formats,
-     .help = "colours of 2x2 pixels together, which players take, or of each"},
+     .help = "chroma format; most players accept only yuv420p"},
     {.name = "crf", .option = "crf", .argument = "N", PLACE(crf), .type = LF_PARAM_WHOLE,
-     .high = 51, .initial = 18, .help = "how much a video may lose, 0 to 51"},
+     .high = 51, .initial = 18, .help = "quality of a video, from 0 (best) to 51 (worst)"},
     {.option = "wiggle", PLACE(wiggle), .type = LF_PARAM_SWITCH,
-     .help = "a loop to share, through the views and back: OUT.gif or OUT.mp4"},
+     .help = "write a loop through the views and back to OUT.gif or OUT.mp4"},
     {0},
 };
 /* clang-format on */
@@ -102,18 +102,18 @@ lf_status lf_video_check(const lf_video_options *options, const lf_layout *layou
     int width = layout->columns * layout->view_width, height = layout->rows * layout->view_height;
     if (!options->is_444 && !options->wiggle && (width % 2 != 0 || height % 2 != 0))
         return lf_error_set(err, LF_E_ARG, path,
-                            "a picture of %dx%d pixels has an odd side, which yuv420p has not: "
-                            "--view-size %dx%d (or --pixel-format yuv444p)",
+                            "yuv420p cannot hold an image of %dx%d pixels, which has an odd "
+                            "side; use --view-size %dx%d or --pixel-format yuv444p",
                             width, height, layout->view_width + width % 2,
                             layout->view_height + height % 2);
     *out_warning = NULL;
     if (lf_path_has_ending(path, ".gif"))
         return LF_OK;
     if (options->codec == LF_CODEC_H264 && (width > MOST_OF_H264 || height > MOST_OF_H264))
-        *out_warning = "more than 4096 pixels a side: few players take that of H.264 (--codec h265 "
-                       "goes up to 8192)";
+        *out_warning = "more than 4096 pixels on a side, which few H.264 players accept; use "
+                       "--codec h265 (up to 8192)";
     else if (options->is_444)
-        *out_warning = "yuv444p: most players take yuv420p alone";
+        *out_warning = "most players accept only yuv420p; use --pixel-format yuv420p";
     return LF_OK;
 }
 
@@ -264,7 +264,8 @@ static lf_status begin_program(lf_video *video, const lf_layout *layout,
 {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
-        return lf_error_set(err, LF_E_IO, PROGRAM, "no pipe: %s", lf_errno_text(errno));
+        return lf_error_set(err, LF_E_IO, PROGRAM, "cannot create a pipe: %s",
+                            lf_errno_text(errno));
     int input = raised(ends[0]), file = fcntl(video->file.fd, F_DUPFD_CLOEXEC, FILE_FD + 1);
     video->pipe = raised(ends[1]);
     video->said = raised(memfd_create(PROGRAM, MFD_CLOEXEC));
@@ -278,7 +279,7 @@ static lf_status begin_program(lf_video *video, const lf_layout *layout,
         close(file);
     if (failed == ENOENT)
         return lf_error_set(err, LF_E_IO, PROGRAM,
-                            "is not in PATH: videos are made by it (the package is called ffmpeg)");
+                            "is not in PATH; install the package ffmpeg, which writes videos");
     return failed
                ? lf_error_set(err, LF_E_IO, PROGRAM, "cannot be started: %s", lf_errno_text(failed))
                : LF_OK;
@@ -306,14 +307,14 @@ static lf_status check_stopped(lf_video *video, int waited_ms, lf_error *err)
         return LF_OK;
     }
     if (!video->told)
-        lf_log(LF_LOG_WARNING, PROGRAM " is stopped (signal %d); waiting for it to go on",
+        lf_log(LF_LOG_WARNING, PROGRAM " is stopped (signal %d); waiting for it to continue",
                info.si_status);
     video->told = true;
     video->stopped_ms += waited_ms;
     return video->stopped_ms < LF_VIDEO_STOPPED_S * 1000
                ? LF_OK
                : lf_error_set(err, LF_E_TIMEOUT, PROGRAM,
-                              "has been stopped (signal %d) for %d s: the video is given up",
+                              "has been stopped (signal %d) for %d s, so the video is abandoned",
                               info.si_status, LF_VIDEO_STOPPED_S);
 }
 
@@ -341,7 +342,8 @@ static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
         if (got == video->pid)
             break;
         if (got < 0 && errno != EINTR)
-            return lf_error_set(err, LF_E_IO, PROGRAM, "is lost: %s", lf_errno_text(errno));
+            return lf_error_set(err, LF_E_IO, PROGRAM, "cannot be waited for: %s",
+                                lf_errno_text(errno));
         if (is_cancelled(video))
             return cancelled(video, err);
         nanosleep(&(struct timespec){.tv_nsec = NAP_MS * 1000000}, NULL);

@@ -144,8 +144,8 @@ static void make_room(lf_loading *loading)
         load->job.looks += atomic_load(&load->job.running) ? 1 : 0;
         if (load->job.looks < LOOKS_OF_LONG || !replaced || atomic_load(&load->job.cancelled))
             continue;
-        lf_log(LF_LOG_INFO, "%s: its load ends for a later one",
-               lf_loading_file(load) ? lf_loading_file(load) : "a change of what is shown");
+        lf_log(LF_LOG_INFO, "%s: the load was cancelled, because a later one replaces it",
+               lf_loading_file(load) ? lf_loading_file(load) : "a change of the scene");
         lf_loader_cancel(loading->loader, load);
     }
 }

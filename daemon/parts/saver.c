@@ -43,13 +43,10 @@ static lf_status lock_folder(lf_saver *saver, lf_error *err)
     if (flock(saver->folder_fd, LOCK_EX | LOCK_NB) == 0)
         return LF_OK;
     if (errno == EWOULDBLOCK)
-        return lf_error_set(
-            err, LF_E_BUSY, "--state",
-            "%s is another quiltd's, which is still running: each needs a folder of "
-            "its own",
-            folder);
+        return lf_error_set(err, LF_E_BUSY, "--state",
+                            "another running quiltd uses %s; choose another folder", folder);
     /* some network file systems have no locks */
-    lf_log(LF_LOG_WARNING, "--state: %s cannot be locked: %s", folder, lf_errno_text(errno));
+    lf_log(LF_LOG_WARNING, "--state: cannot lock %s: %s", folder, lf_errno_text(errno));
     return LF_OK;
 }
 
@@ -180,8 +177,11 @@ void lf_saver_save_now(lf_saver *saver)
     lf_error err;
     if (!has_news(saver, &now))
         return;
-    sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d\nSTATUS=saving the accumulation", SAVE_MORE_USEC);
+    sd_notifyf(0,
+               "EXTEND_TIMEOUT_USEC=%d\n"
+               "STATUS=saving the rendering state",
+               SAVE_MORE_USEC);
     lf_status status = saver->events.save(saver->context, &err);
     if (status != LF_OK && (status != LF_E_STATE || now.passes > 0))
-        lf_log(LF_LOG_ERROR, "the accumulation is not saved: %s", err.what);
+        lf_log(LF_LOG_ERROR, "the rendering state was not saved: %s", err.what);
 }

@@ -99,7 +99,8 @@ static void add(lf_watch *watch, const char *file)
     }
     int id = inotify_add_watch(watch->fd, folder, IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE);
     if (id < 0)
-        lf_log(LF_LOG_WARNING, "%s: cannot be watched: %s", folder, lf_errno_text(errno));
+        lf_log(LF_LOG_WARNING, "%s: cannot watch the folder for changes: %s", folder,
+               lf_errno_text(errno));
     watch->files[watch->n++] = (watched){id, name};
     lf_free(folder);
 }

@@ -69,7 +69,8 @@ lf_deferred *lf_defer(lf_call *call)
     if (!deferred) {
         lf_error err;
         (void)lf_error_set(&err, LF_E_BUSY, call->method,
-                           "too many calls of this client are waiting for an answer");
+                           "too many calls of this client are waiting for an answer; wait for "
+                           "some of them");
         lf_fail(call, &err, false);
     }
     return deferred;
@@ -84,7 +85,8 @@ lf_status lf_denoise_word(const json_t *params, const char *where, const char **
                *other = json_string_value(json_object_get(params, "denoise"));
     *out_word = word ? word : other;
     return word && other ? lf_error_set_at(err, LF_E_ARG, where, 0, "/denoise",
-                                           "is another name for reconstruct: give one of them")
+                                           "is another name for reconstruct; give only one of "
+                                           "them")
                          : LF_OK;
 }
 
@@ -121,7 +123,7 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
                               lf_error *err)
 {
     if (path[0] == '\0')
-        return lf_error_set(err, LF_E_ARG, path, "a file's name is empty");
+        return lf_error_set(err, LF_E_ARG, path, "the file name is empty");
     char *name = absolute(server, path);
     if (!name)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
@@ -132,9 +134,8 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
         return LF_OK;
     if (status == LF_E_PATH)
         return lf_error_set(err, status, path,
-                            "lies neither beneath the scene's folder nor beneath an --allow-path "
-                            "of quiltd, and its descriptor was not passed (quiltctl passes those "
-                            "of files that you may read)%s",
+                            "is outside the scene's folder and the folders of --allow-path; "
+                            "pass its descriptor, as quiltctl does%s",
                             lf_hidden_home(path));
     return lf_error_set(err, status, path, "%s", why.what);
 }
@@ -145,6 +146,7 @@ lf_status lf_server_write_path(const lf_server *server, const char *path, lf_hel
     if (!server->export_root)
         return lf_error_set(
             err, LF_E_PATH, path,
-            "the daemon was started without --export-dir: it writes no files by name");
+            "quiltd has no --export-dir, so it writes no files by name; pass file descriptors, "
+            "as quiltctl export does");
     return lf_held_name_open(server->export_root, "--export-dir", path, out, err);
 }

@@ -34,7 +34,7 @@ static lf_status check_spec(const lf_server *server, const char *spec, char **ou
     }
     if (named[0] != '/')
         return lf_error_set(err, LF_E_PATH, spec,
-                            "the folder must be an absolute path beneath the --export-dir");
+                            "the folder must be an absolute path below --export-dir");
     char *folder = lf_strdup(named);
     if (!folder)
         return lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
@@ -46,7 +46,7 @@ static lf_status check_spec(const lf_server *server, const char *spec, char **ou
     /* what follows would be taken for options, and another folder opened */
     if (status == LF_OK && strchr(held.path, ','))
         status = lf_error_set(err, LF_E_PATH, held.path,
-                              "a simulated panel's folder may not have a comma in its path");
+                              "the path of a simulated panel's folder must not contain a comma");
     else if (status == LF_OK)
         allowed = lf_device_allowed_spec(spec, held.path);
     if (status == LF_OK && !allowed)
@@ -103,7 +103,8 @@ void lf_method_device_calibration(lf_call *call)
     if (!calibration) {
         lf_error err;
         (void)lf_error_set(&err, LF_E_NODEV, lf_show_spec(call->server->show),
-                           "there is no panel whose calibration is known");
+                           "no panel with a known calibration is open; open one with device.set "
+                           "or start quiltd with --calibration");
         lf_fail(call, &err, false);
         return;
     }

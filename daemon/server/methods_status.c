@@ -183,7 +183,7 @@ void lf_method_wait(lf_call *call)
     lf_error err;
     if (generation > server->generation) {
         (void)lf_error_set_at(&err, LF_E_ARG, call->method, 0, "/generation",
-                              "there is no generation %lld yet, the newest is %lld",
+                              "generation %lld does not exist yet; the newest is %lld",
                               (long long)generation, (long long)server->generation);
         lf_fail(call, &err, false);
         return;

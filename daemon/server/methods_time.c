@@ -24,9 +24,8 @@ static bool check_moves(lf_call *call)
     if (content && content->scene && lf_scene_has_frames(content->scene))
         return true;
     (void)lf_error_set(&err, LF_E_STATE, content ? content->file : call->method,
-                       content && content->scene
-                           ? "nothing in the scene is another from frame to frame"
-                           : "no scene is shown that could move");
+                       content && content->scene ? "the scene has no animation"
+                                                 : "no scene is loaded; call scene.load first");
     lf_fail(call, &err, false);
     return false;
 }
@@ -55,7 +54,8 @@ void lf_method_time_play(lf_call *call)
     };
     if (range.from > range.to) {
         (void)lf_error_set_at(&err, LF_E_ARG, call->method, 0, "/to",
-                              "from %d to %d ends before it begins", range.from, range.to);
+                              "the range %d to %d ends before it begins; expected from <= to",
+                              range.from, range.to);
         lf_fail(call, &err, false);
         return;
     }

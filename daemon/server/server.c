@@ -66,13 +66,13 @@ static void destroy(lf_server *server)
 static lf_status make_folder(const char *option, const char *folder, char **out, lf_error *err)
 {
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return lf_error_set(err, LF_E_IO, option, "%s: cannot be made: %s", folder,
+        return lf_error_set(err, LF_E_IO, option, "cannot create the folder %s: %s", folder,
                             lf_errno_text(errno));
     char *real = realpath(folder, NULL);
     struct stat st;
     if (!real || stat(real, &st) != 0 || !S_ISDIR(st.st_mode)) {
         free(real);
-        return lf_error_set(err, LF_E_IO, option, "%s: is not a folder", folder);
+        return lf_error_set(err, LF_E_IO, option, "%s is not a folder", folder);
     }
     *out = lf_strdup(real);
     free(real);
@@ -89,7 +89,7 @@ static void add_scene_roots(lf_server *server)
     for (int i = 0; i < 2 && names[i]; i++) {
         char *folder = lf_path_folder(names[i]);
         if (folder && lf_roots_add(&server->roots, folder, NULL) != LF_OK)
-            lf_log(LF_LOG_DEBUG, "%s: is no folder to read from", folder);
+            lf_log(LF_LOG_DEBUG, "%s: is not a readable folder", folder);
         lf_free(folder);
     }
     free(real);
@@ -144,7 +144,7 @@ static lf_status make_loop(lf_server *server, lf_error *err)
     return sd_event_new(&server->event) >= 0 && server->engine_fd >= 0 &&
                    lf_inbox_init(&server->inbox) == LF_OK
                ? LF_OK
-               : lf_error_set(err, LF_E_IO, "event loop", "cannot be made");
+               : lf_error_set(err, LF_E_IO, "event loop", "cannot be created");
 }
 
 static lf_status make_threads(lf_server *server, lf_error *err)

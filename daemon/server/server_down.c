@@ -33,7 +33,7 @@ static int on_leave_timer(sd_event_source *source, uint64_t usec, void *context)
     lf_server *server = context;
     (void)source;
     (void)usec;
-    lf_log(LF_LOG_DEBUG, "loads or exports that are still under way are not waited for");
+    lf_log(LF_LOG_DEBUG, "exiting without waiting for the remaining loads and exports");
     leave(server);
     return 0;
 }
@@ -61,8 +61,8 @@ static int on_batch_timer(sd_event_source *source, uint64_t usec, void *context)
         return 0;
     }
     if (lf_time_now() - server->life.stopped_at > MOST_SECONDS) {
-        lf_log(LF_LOG_WARNING, "%s has taken %d s: it is cancelled",
-               lf_saver_is_busy(server->saver) ? "saving" : "the batch in progress", MOST_SECONDS);
+        lf_log(LF_LOG_WARNING, "%s has taken %d s and is cancelled",
+               lf_saver_is_busy(server->saver) ? "saving" : "the current batch", MOST_SECONDS);
         lf_engine_stop(server->engine, true);
         leave_soon(server);
         return 0;
@@ -125,7 +125,9 @@ static void save_last(lf_server *server)
     if (is_settled(server))
         lf_saver_save_now(server->saver);
     else if (server->config.state_dir)
-        lf_log(LF_LOG_WARNING, "the accumulation is not saved: %s did not come to an end",
+        lf_log(LF_LOG_WARNING,
+               "the rendering state was not saved, because %s did not end in "
+               "time",
                lf_saver_is_busy(server->saver) ? "an earlier save" : "rendering");
 }
 

@@ -25,7 +25,7 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
     bool news = shown->generation != before->generation || shown->level != before->level;
     if (shown->card[0] != '\0' && strcmp(shown->card, before->card) != 0 &&
         lf_show_calibration(server->show))
-        lf_log(LF_LOG_INFO, "the panel says: %s", shown->card);
+        lf_log(LF_LOG_INFO, "message on the panel: %s", shown->card);
     server->shown = *shown;
     lf_notify(server->clients, LF_EVENT_FRAME, "frame", frame_json(shown));
     if (!news)
@@ -110,7 +110,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
             lf_server_watch(server);
             lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->content->file,
                    (long long)load->generation,
-                   load->restored > 0 ? ", going on with the saved state" : "");
+                   load->restored > 0 ? ", continuing from the saved state" : "");
         }
         lf_waits_look(server->waits);
     }

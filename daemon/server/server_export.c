@@ -29,7 +29,8 @@ static lf_status take_panel_words(const lf_server *server, lf_export *what, cons
             lf_param_from_json(lf_response_params, params, &what->panel.response, "export", err);
     if (status == LF_OK && !calibration)
         return lf_error_set(err, LF_E_NODEV, lf_show_spec(server->show),
-                            "there is no panel whose calibration is known");
+                            "no panel with a known calibration is open; open one with "
+                            "device.set or start quiltd with --calibration");
     if (status == LF_OK) {
         what->has_calibration = true;
         what->calibration = *calibration;
@@ -77,7 +78,7 @@ static lf_status take_fds(lf_export *what, lf_client *client, int n, lf_error *e
         return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
     if (!lf_client_take_fds(client, what->fds, n))
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
-                               "fewer than %d descriptors came with the call", n);
+                               "expects %d file descriptors, but fewer came with the call", n);
     what->n_fds = n;
     return LF_OK;
 }
@@ -95,7 +96,7 @@ static lf_status take_file(const lf_server *server, lf_export *what, const char 
 {
     if (!what->kind && !ends_with(file, STATE_ENDING))
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/file",
-                               "a state's name must end in " STATE_ENDING);
+                               "the name of a state must end in " STATE_ENDING);
     lf_status status = what->kind ? LF_OK : lf_check_stem(file, STATE_ENDING, err);
     if (status != LF_OK)
         return status;
@@ -165,13 +166,15 @@ static lf_status take_words(lf_export *what, lf_call *call, lf_error *err)
     int n_fds = (int)number_of(params, "fds", 0);
     if (is_state && n_fds > 1)
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
-                               "a state is one file: one descriptor, not %d", n_fds);
+                               "a state is one file; pass one descriptor, not %d", n_fds);
     lf_status status = take_fds(what, call->client, n_fds, err);
     if (status == LF_OK && !is_state)
         status = lf_output_kind_from_name(kind, &what->kind, err);
     if (status == LF_OK && !lf_export_is_drawn(what) &&
         (!server->content || (is_state && !server->content->scene)))
-        return lf_error_set(err, LF_E_STATE, "export", "there is no picture to export");
+        return lf_error_set(err, LF_E_STATE, "export",
+                            "there is no image to export; call "
+                            "scene.load first");
     if (status == LF_OK)
         status = take_file(server, what, string_of(params, "file"), err);
     if (status == LF_OK)
@@ -192,7 +195,8 @@ static lf_status hold_client(lf_export *what, lf_client *client, lf_error *err)
     return what->asker.holds || what->asker.detached
                ? LF_OK
                : lf_error_set(err, LF_E_BUSY, "export",
-                              "too many calls of this client are waiting for an answer");
+                              "too many calls of this client are waiting for an answer; wait "
+                              "for some of them");
 }
 
 static void release_client(lf_server *server, const lf_asker *asker)

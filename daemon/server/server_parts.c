@@ -134,10 +134,11 @@ static void on_late(void *context, const lf_wait *wait)
 {
     const lf_server *server = context;
     lf_error err;
-    (void)lf_error_set(&err, LF_E_TIMEOUT, "wait", "not %s within %g s%s",
+    (void)lf_error_set(&err, LF_E_TIMEOUT, "wait", "the image was not %s within %g s%s",
                        lf_level_name(wait->level), wait->seconds,
                        lf_engine_get_controls(server->engine).paused
-                           ? ": rendering is paused (render.set paused=false)"
+                           ? ", because rendering is paused; continue with render.set "
+                             "paused=false"
                            : "");
     lf_deferred_fail(wait->call, &err, false);
 }

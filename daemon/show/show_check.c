@@ -35,7 +35,10 @@ static void on_checked(void *reader, lf_task *task)
     show->checking = LF_SEARCH_REST;
     if (!show->stopping && is_from_cache(show) && request->denied &&
         memcmp(&request->used, &show->calibration, sizeof request->used) == 0) {
-        lf_log(LF_LOG_INFO, "%s: the panel's own calibration is not the cached one", show->spec);
+        lf_log(LF_LOG_INFO,
+               "%s: the calibration on the panel differs from the cached one; "
+               "reopening",
+               show->spec);
         lf_show_open_again(show);
     } else if (!show->stopping && again) {
         lf_show_check_calibration(show);

@@ -121,7 +121,7 @@ static void come_too_late(lf_show *show, lf_opener_request *request)
     lf_show_discard(show, request->device, NULL);
     request->device = NULL;
     request->status = lf_error_set(&request->err, LF_E_CANCELLED, request->spec,
-                                   "another device was chosen meanwhile");
+                                   "another device was chosen in the meantime");
 }
 
 /* A display that the kernel's driver shows on is shown on through the kernel, whatever was asked
@@ -131,7 +131,9 @@ static void tell_detour(const lf_opener_request *request, const lf_device *devic
     lf_device_info info;
     device->ops->info(device, &info);
     if (!lf_device_is_auto(request->spec) && !lf_device_has_kind(request->spec, info.kind)) {
-        lf_log(LF_LOG_INFO, "%s: the kernel's driver shows on it: shown on through that, as %s",
+        lf_log(LF_LOG_INFO,
+               "%s: the kernel driver uses this display; quiltd opens it as %s "
+               "instead",
                request->spec, info.spec);
     }
 }

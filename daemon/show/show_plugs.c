@@ -88,7 +88,7 @@ void lf_show_watch_plugs(lf_show *show)
     if (r >= 0)
         r = start(show, show->plugs);
     if (r < 0) {
-        lf_log(LF_LOG_DEBUG, "plugging in is not seen: %s", lf_errno_text(-r));
+        lf_log(LF_LOG_DEBUG, "cannot watch for devices being plugged in: %s", lf_errno_text(-r));
         show->plugs = sd_device_monitor_unref(show->plugs);
     }
     /* Without udev there is a monitor too: a silent one. */

@@ -32,7 +32,7 @@ void lf_show_dispatch(lf_show *show)
         break;
     case LF_DEVICE_LOST:
         show->kept.lost = true;
-        lf_show_gone(show, "its folder was removed; a new one is made");
+        lf_show_gone(show, "its folder was removed; creating a new one");
         break;
     }
 }
@@ -105,7 +105,7 @@ static void push(lf_show *show, const lf_frame *frame)
     }
     if (status != LF_OK) {
         show->push.state = LF_PUSH_WHOLE;
-        lf_log(LF_LOG_DEBUG, "%s: a push failed: %s", show->spec, lf_status_name(status));
+        lf_log(LF_LOG_DEBUG, "%s: an update failed: %s", show->spec, lf_status_name(status));
         lf_show_retry(show, REPUSH_USEC);
         return;
     }

@@ -78,10 +78,10 @@ lf_status lf_ctl_connect(const char *path, lf_ctl **out, lf_error *err)
         }
     }
     if (ctl->fd < 0) {
-        lf_status status = lf_error_set(
-            err, LF_E_NODEV, first,
-            "no quiltd answers there: %s (start one, or give the socket of another by --socket)",
-            lf_errno_text(why));
+        lf_status status =
+            lf_error_set(err, LF_E_NODEV, first,
+                         "no quiltd answers: %s; start quiltd or pass another socket with --socket",
+                         lf_errno_text(why));
         lf_ctl_close(ctl);
         return status;
     }
@@ -144,7 +144,9 @@ static lf_status await_some(const lf_ctl *ctl, lf_error *err)
     for (;;) {
         double left = ctl->deadline - lf_time_now();
         if (ctl->deadline > 0 && left <= 0)
-            return lf_error_set(err, LF_E_TIMEOUT, ctl->path, "no answer within %g s (--timeout)",
+            return lf_error_set(err, LF_E_TIMEOUT, ctl->path,
+                                "no answer arrived within %g s; "
+                                "use a longer --timeout",
                                 ctl->timeout);
         int ms = ctl->deadline > 0 ? (int)fmin(ceil(left * 1e3), 1e6) : -1;
         if (poll(&ready, 1, ms) > 0)
@@ -190,7 +192,10 @@ static lf_status take_answer(json_t *message, json_t **out_result, int *out_code
         const char *text = json_string_value(json_object_get(error, "message"));
         if (out_code)
             *out_code = (int)json_integer_value(json_object_get(error, "code"));
-        status = lf_error_set(err, LF_E_STATE, "", "%s", text ? text : "the daemon refused");
+        status = lf_error_set(err, LF_E_STATE, "", "%s",
+                              text ? text
+                                   : "the daemon returned an "
+                                     "error without a message");
     } else {
         *out_result = json_incref(json_object_get(message, "result"));
     }

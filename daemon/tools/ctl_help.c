@@ -214,5 +214,5 @@ void lf_ctl_print_methods(const json_t *hello)
     {
         printf("%-20s %s\n", name, text_of(entry, "summary"));
     }
-    printf("quiltctl METHOD --help says more of one.\n");
+    printf("For details: quiltctl METHOD --help\n");
 }

@@ -86,28 +86,28 @@ static void judge_rule(const report *r)
         }
     }
     say_note(r, "udev rule",
-             "70-quiltd.rules is not installed: panels may belong to root alone; `make install`, "
-             "then `udevadm control --reload`");
+             "70-quiltd.rules is not installed, so only root may open panels; run `make "
+             "install` and `udevadm control --reload`");
 }
 
 static void judge_system(const report *r)
 {
     judge_rule(r);
     if (!has(r, "/run/udev/control"))
-        say_note(
-            r, "udev",
-            "is not running: plugging in is not noticed, and devices get no rights from the rule");
+        say_note(r, "udev",
+                 "is not running, so quiltd does not notice new devices and the rule grants no "
+                 "access; start udev");
     if (!has(r, "/sys/bus/usb")) {
-        say_note(r, "USB", "this kernel shows no USB bus: panels are not found over USB");
+        say_note(r, "USB", "the kernel reports no USB bus, so panels are not found over USB");
     } else if (!has(r, "/sys/bus/hid/drivers/hid-generic")) {
         say_note(r, "module hid-generic",
-                 "is not loaded: `modprobe hid-generic`, when a panel of the first generation is "
-                 "not found");
+                 "is not loaded; if a first-generation panel is not found, run `modprobe "
+                 "hid-generic`");
     }
     if (!has(r, "/dev/dri/card*"))
-        say_note(
-            r, "displays",
-            "there is no /dev/dri/card*: this machine has no display output that quiltd could use");
+        say_note(r, "displays",
+                 "/dev/dri/card* does not exist, so this machine has no display output that quiltd "
+                 "can use");
 }
 
 /* ------------------------------------------------------------------------------- the service -- */
@@ -143,15 +143,16 @@ static void judge_memory(const report *r, const char *memory, const char *oom)
 {
     if (unit_number(memory) == UINT64_MAX)
         say_note(r, "service",
-                 "MemoryMax= is not set: a scene that is too large takes the memory "
-                 "of everybody; 85% leaves the machine some");
+                 "MemoryMax= is not set; a large scene can use up the machine's memory. Set it "
+                 "to 85%");
     else if (unit_number(memory) < LEAST_MEMORY)
         say_note(r, "service",
-                 "MemoryMax= is below 1 GiB, less than a picture of many views takes");
+                 "MemoryMax= is below 1 GiB, which is too little for an image of many views; "
+                 "raise it");
     if (strcmp(oom, "continue") != 0)
         say_note(r, "service",
-                 "OOMPolicy= is not `continue`: a file that is too large ends the "
-                 "picture, not only its reader");
+                 "OOMPolicy= is not `continue`, so a file that is too large stops the daemon, "
+                 "not only its reader; set it");
 }
 
 /* What the service is held to, and whether a picture can stay with it. */
@@ -174,15 +175,17 @@ static void judge_service(const report *r)
     say_ok(r, "service", text);
     judge_memory(r, memory, oom);
     if (unit_number(tasks) < LEAST_TASKS)
-        say_note(r, "service", "TasksMax= is below 64: threads and readers do not fit");
+        say_note(r, "service",
+                 "TasksMax= is below 64, which is too low for the threads and "
+                 "readers; raise it");
     if (strcmp(restart, "on-failure") != 0 && strcmp(restart, "always") != 0)
         say_note(r, "service",
-                 "Restart= is not `on-failure`: what ends the daemon once ends the "
-                 "picture for good");
+                 "Restart= is not `on-failure`, so a crash of the daemon leaves the panel dark; "
+                 "set it");
     if (limited)
         say_note(r, "service",
-                 "StartLimitIntervalSec= is not 0: after a bad minute it is given up "
-                 "for good");
+                 "StartLimitIntervalSec= is not 0, so systemd gives up after several failed "
+                 "starts; set it to 0");
 }
 
 /* -------------------------------------------------------------------------------- the panels -- */
@@ -198,7 +201,7 @@ static void judge_panels(report *r)
         snprintf(what, sizeof what, "panel %s", info->spec);
         n_panels++;
         if (strcmp(info->spec, shown_on(r->facts)) == 0)
-            say_ok(r, what, "quiltd shows on it");
+            say_ok(r, what, "quiltd shows its image on this panel");
         else if (info->problem[0] != '\0')
             say_bad(r, what, info->problem);
         else
@@ -206,8 +209,8 @@ static void judge_panels(report *r)
     }
     if (n_panels == 0)
         say_note(r, "panels",
-                 "no display of a Looking Glass is connected (its EDID name begins with LKG), nor "
-                 "a GUD display over USB");
+                 "no Looking Glass display (EDID name LKG…) and no GUD display over USB is "
+                 "connected; check both cables");
 }
 
 static void judge_calibrations(report *r)
@@ -230,7 +233,7 @@ static void judge_calibrations(report *r)
     }
     if (n_sound == 0)
         say_note(r, "calibrations",
-                 "none was found: connect the panel's USB cable too, or give --calibration FILE");
+                 "none was found; connect the panel's USB cable too, or pass --calibration FILE");
 }
 
 bool lf_doctor_judge(const lf_doctor_facts *facts, FILE *out)

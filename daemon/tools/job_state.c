@@ -114,7 +114,7 @@ static void differences(const json_t *there, const json_t *of, char *words, size
     if (differs(hashes, ours, "camera"))
         lf_list_add(words, size, "the camera");
     if (words[0] == '\0' && differs(hashes, ours, "all"))
-        lf_list_add(words, size, "how it is rendered");
+        lf_list_add(words, size, "the render settings");
 }
 
 /* ------------------------------------------------------------------------------------- write -- */
@@ -159,11 +159,11 @@ lf_status lf_job_state_write(const char *path, const json_t *of, const lf_render
 
 /* -------------------------------------------------------------------------------------- read -- */
 
-#define REMEDY "; remove it, or give another --state FILE"
+#define REMEDY "; remove it or pass another --state FILE"
 
 static lf_status damaged(const char *path, const char *what, lf_error *err)
 {
-    return lf_error_set(err, LF_E_FORMAT, path, "is damaged: %s" REMEDY, what);
+    return lf_error_set(err, LF_E_FORMAT, path, "is damaged (%s)" REMEDY, what);
 }
 
 static lf_status read_all(int fd, const char *path, void *data, size_t n, lf_error *err)
@@ -209,11 +209,10 @@ static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err
         return status;
     if (memcmp(h.magic, magic, sizeof magic) != 0)
         return lf_error_set(err, LF_E_FORMAT, path,
-                            "is there already and holds no state of a job; give another --state "
-                            "FILE");
+                            "exists and is not the state of a job; pass another --state FILE");
     if (le32toh(h.version) != VERSION)
         return lf_error_set(err, LF_E_STATE, path,
-                            "is a state of version %" PRIu32 ", and this program reads version "
+                            "is a state of version %" PRIu32 ", but this program reads version "
                             "%d" REMEDY,
                             le32toh(h.version), VERSION);
     const uint32_t n = le32toh(h.n);
@@ -224,10 +223,10 @@ static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     status = read_all(fd, path, text, n, err);
     if (status == LF_OK && checksum(&h, text) != h.crc)
-        status = damaged(path, "the checksum of its head does not fit", err);
+        status = damaged(path, "the checksum of its head is wrong", err);
     json_t *words = status == LF_OK ? json_loadb(text, n, 0, NULL) : NULL;
     if (status == LF_OK && !is_progress(words, &progress))
-        status = damaged(path, "its head says nothing of a job", err);
+        status = damaged(path, "its head describes no job", err);
     lf_free(text);
     if (status == LF_OK)
         *out = words;
@@ -275,7 +274,7 @@ lf_status lf_job_state_restore(const char *path, const json_t *of, lf_renderer *
     differences(there, of, words, sizeof words);
     if (words[0] != '\0')
         status = lf_error_set(err, LF_E_STATE, path,
-                              "is the state of another job: it differs in %s" REMEDY, words);
+                              "is the state of another job, which differs in %s" REMEDY, words);
     if (status == LF_OK)
         status = restore_film(fd, path, renderer, err);
     if (status == LF_OK) {

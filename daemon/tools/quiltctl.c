@@ -48,36 +48,34 @@ typedef struct arguments {
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
-        "       quiltctl [--socket PATH] watch\n"
-        "       quiltctl [--socket PATH] doctor\n"
-        "       quiltctl [--socket PATH] export "
-        "quilt|still|views|pictures|panel|print|chart|rgbd|state FILE\n"
-        "                [key=value ...]\n"
-        "       quiltctl METHOD --help\n"
-        "Calls a running quiltd and prints what it answers. Values are typed by the method's "
-        "schema; key:=JSON is raw.\n"
-        "`quiltctl hello` lists the methods; some of them: status, scene.load file=PATH, "
-        "scene.patch patch:=JSON,\n"
-        "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
-        "`quiltctl METHOD --help` says what a method takes and answers; it needs no daemon.\n"
-        "doctor says what stands between this machine and a picture on a panel; it needs no "
-        "daemon.\n"
-        "An export is written, and a scene with its files is read, with your rights: they may "
-        "lie anywhere.\n"
-        "\n"
-        "  --socket PATH          the daemon's socket ($QUILTD_SOCKET, "
-        "$XDG_RUNTIME_DIR/quiltd.sock,\n"
-        "                         /run/quiltd/control.sock)\n"
-        "  --json                 prints the result as JSON\n"
-        "  --format FORMAT        prints it as text (default), json or prometheus (status alone: "
-        "lines\n"
-        "                         for the textfile collector of Prometheus' node exporter)\n"
-        "  --timeout SECONDS      gives up after so long\n" LF_OPTIONS_HELP_LAST
-            LF_OPTIONS_HELP_SHELLS
-        "Exit status: 0, 1 when the daemon refused, 2 for wrong usage, 3 when no daemon "
-        "answers.\n");
+    printf("Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
+           "       quiltctl [--socket PATH] watch\n"
+           "       quiltctl [--socket PATH] doctor\n"
+           "       quiltctl [--socket PATH] export "
+           "quilt|still|views|pictures|panel|print|chart|rgbd|state FILE\n"
+           "                [key=value ...]\n"
+           "       quiltctl METHOD --help\n"
+           "Call a method of a running quiltd and print the result. The method's schema gives the "
+           "types; key:=JSON is raw JSON.\n"
+           "`quiltctl hello` lists the methods. Examples: status, scene.load file=PATH, "
+           "scene.patch patch:=JSON,\n"
+           "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
+           "`quiltctl METHOD --help` prints parameters and results of a method; it needs no "
+           "daemon.\n"
+           "`quiltctl doctor` checks what this machine needs to show an image on a panel; it needs "
+           "no daemon.\n"
+           "quiltctl opens exports, scenes and their files with your own rights, in any folder.\n\n"
+           "  --socket PATH          socket of the daemon ($QUILTD_SOCKET, "
+           "$XDG_RUNTIME_DIR/quiltd.sock,\n"
+           "                         /run/quiltd/control.sock)\n"
+           "  --json                 print the result as JSON\n"
+           "  --format FORMAT        print the result as text (default), json or prometheus\n"
+           "                         (status only, for the textfile collector of its node "
+           "exporter)\n"
+           "  --timeout SECONDS      exit with status 1 if no answer arrives in "
+           "time\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS
+           "Exit status: 0; 1 if the daemon returned an error; 2 for wrong usage; 3 if no daemon "
+           "answers.\n");
 }
 
 static lf_status take_format(arguments *a, const char *text, lf_error *err)
@@ -122,12 +120,14 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
     if (status != LF_OK || *out_done)
         return status;
     if (optind >= argc)
-        return lf_error_set(err, LF_E_ARG, "METHOD", "is missing; quiltctl --help");
+        return lf_error_set(err, LF_E_ARG, "METHOD", "is missing; see quiltctl --help");
     a->method = argv[optind];
     a->words = argv + optind + 1;
     a->n_words = argc - optind - 1;
     if (a->format == FORMAT_PROMETHEUS && strcmp(a->method, "status") != 0)
-        return lf_error_set(err, LF_E_ARG, "--format", "prometheus is a format of status alone");
+        return lf_error_set(err, LF_E_ARG, "--format",
+                            "prometheus is only available for the "
+                            "method status");
     return LF_OK;
 }
 
@@ -195,9 +195,10 @@ static lf_status find_schema(const json_t *hello, const char *method, const json
         return LF_OK;
     const char *meant = lf_nearest_key(method, methods);
     return meant ? lf_error_set(err, LF_E_ARG, method,
-                                "is no method of this daemon; did you mean \"%s\"?", meant)
+                                "is not a method of this daemon; did you mean \"%s\"?", meant)
                  : lf_error_set(err, LF_E_ARG, method,
-                                "is no method of this daemon; quiltctl hello lists them");
+                                "is not a method of this daemon; quiltctl hello lists the "
+                                "methods");
 }
 
 /* The scene that is shown; NULL: none. A new reference. */

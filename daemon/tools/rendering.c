@@ -49,7 +49,7 @@ void lf_rendering_show(void *context, const lf_render_progress *progress)
         return;
     }
     seconds_left(seconds, fraction, left, sizeof left);
-    snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples a view pixel, %.0f s%s",
+    snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples per view pixel, %.0f s%s",
              100 * fraction, progress->passes / progress->n_views, seconds, left);
     lf_progress_line_draw(&r->line, text);
 }
@@ -75,11 +75,14 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
                             lf_frames_noun(&r->arguments->frames));
     if (r->state.is_kept)
         return lf_error_set(err, LF_E_CANCELLED, out,
-                            "interrupted: %s keeps the work, and the same command goes on",
+                            "interrupted: the work is saved in %s; run the same command to "
+                            "continue",
                             r->arguments->state);
-    return lf_error_set(
-        err, LF_E_CANCELLED, out, "interrupted: nothing was written%s",
-        !r->scene || r->sequence.on || r->arguments->state ? "" : " (--state FILE keeps the work)");
+    return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: nothing was written%s",
+                        !r->scene || r->sequence.on || r->arguments->state
+                            ? ""
+                            : "; use --state FILE to keep "
+                              "the work");
 }
 
 /* --------------------------------------------------------------------------------- rendering -- */
@@ -162,7 +165,7 @@ static lf_status make_room(const lf_rendering *r, int views, int channels, float
     if (*picture || channels == 0)
         return LF_OK;
     return lf_error_set(err, LF_E_NOMEM, r->arguments->out,
-                        "no memory for %d views of %dx%d pixels in %d channels", views,
+                        "out of memory for %d views of %dx%d pixels with %d channels", views,
                         r->settings.width, r->settings.height, channels);
 }
 
@@ -275,8 +278,10 @@ static void mark_depth(lf_rendering *r)
     lf_depth depth;
     if (!lf_scene_depth(r->scene, &r->settings, &depth))
         return;
-    lf_log(LF_LOG_INFO, "guides: sharp from %.4g to %.4g along the view axis", depth.sharp_from,
-           depth.sharp_to);
+    lf_log(LF_LOG_INFO,
+           "guides: the panel shows distances from %.4g to %.4g along the view "
+           "axis sharply",
+           depth.sharp_from, depth.sharp_to);
     lf_guides_mark(&depth, r->film_settings.exposure, r->layers,
                    (size_t)r->settings.height * (size_t)lf_camera_views(&r->settings.camera) *
                        (size_t)r->settings.width,

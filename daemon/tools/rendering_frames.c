@@ -48,9 +48,7 @@ static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
     }
     r->sequence.n_wanted = lf_frames_count(frames) - n_kept;
     if (n_kept > 0)
-        lf_log(LF_LOG_INFO,
-               "%d of %d %s were there already and stay (--overwrite renders them"
-               " anew)",
+        lf_log(LF_LOG_INFO, "%d of %d %s exist and are kept; use --overwrite to render them again",
                n_kept, lf_frames_count(frames), lf_frames_noun(frames));
     return LF_OK;
 }

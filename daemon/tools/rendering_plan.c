@@ -121,7 +121,8 @@ static lf_status measure(lf_rendering *r, int64_t passes, double *out_cpu, int *
     if (status == LF_OK)
         return LF_OK;
     return lf_error_set(err, status, r->arguments->out, "%s",
-                        status == LF_E_CANCELLED ? "interrupted: not planned" : "cannot measure");
+                        status == LF_E_CANCELLED ? "interrupted; the plan is not complete"
+                                                 : "cannot measure");
 }
 
 /* -------------------------------------------------------------------------------------- plan -- */
@@ -173,8 +174,8 @@ static void print_memory(const lf_rendering *r, const work *w, int views)
     const int renderers = w->n_parts > 0 ? lf_shared_renderers(w->n_parts, w->a_frame) : 1;
     lf_render_stats stats;
     lf_renderer_stats(r->renderer, &stats);
-    print_amount("memory of sums", (double)renderers * (double)stats.film_bytes, "B");
-    print_amount("memory of a picture", 12.0 * views * r->settings.width * r->settings.height, "B");
+    print_amount("film memory", (double)renderers * (double)stats.film_bytes, "B");
+    print_amount("image memory", 12.0 * views * r->settings.width * r->settings.height, "B");
 }
 
 /* Of a task and of all of them. cpu: of what is rendered by itself. */
@@ -193,16 +194,16 @@ static lf_status tell_times(lf_rendering *r, const work *w, int fields, int rows
     double cpu;
     int measured;
     if (w->passes == 0) {
-        printf("# as long as %s\n",
-               lf_rendering_budget(r).seconds > 0 ? "--time says" : "the error takes");
+        printf("# %s\n", lf_rendering_budget(r).seconds > 0 ? "--time gives the time"
+                                                            : "the time depends on the "
+                                                              "target error");
         return LF_OK;
     }
     lf_status status = measure(r, w->passes, &cpu, &measured, err);
     if (status != LF_OK)
         return status;
     print_times(r, w, fields, cpu * rows);
-    printf("# measured on %d of %d image rows; loading, layers, reconstruction and writing are not "
-           "counted\n",
+    printf("# measured on %d of %d image rows; excludes loading, layers, denoising and writing\n",
            measured, r->settings.height);
     return LF_OK;
 }

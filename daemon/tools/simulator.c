@@ -182,7 +182,9 @@ static lf_status panel_init(simulator *s, lf_error *err)
     }
     panel_finish(s);
     return lf_error_set(err, status, "panel",
-                        status == LF_E_NOMEM ? "out of memory" : "no display can be so");
+                        status == LF_E_NOMEM ? "out of memory"
+                                             : "the display cannot have these "
+                                               "properties");
 }
 
 typedef struct picture_rows {
@@ -266,7 +268,7 @@ static void run_connections(simulator *s)
             continue;
         }
         if (status != LF_E_NODEV)
-            lf_log(LF_LOG_WARNING, "a connection was ended: %s", err.what);
+            lf_log(LF_LOG_WARNING, "a connection ended: %s", err.what);
         drop_connection(s, i);
         if (imported)
             say("detached");
@@ -279,7 +281,7 @@ static void take_connection(simulator *s)
     if (fd < 0)
         return; /* whoever it was has gone again */
     if (setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) < 0)
-        lf_log(LF_LOG_DEBUG, "no TCP_NODELAY: %s", lf_errno_text(errno));
+        lf_log(LF_LOG_DEBUG, "cannot set TCP_NODELAY: %s", lf_errno_text(errno));
     if (add_connection(s, fd, false) != LF_OK)
         lf_log(LF_LOG_WARNING, "a connection was refused: out of memory");
 }
@@ -337,7 +339,9 @@ static lf_status press(const simulator *s, const char *name, lf_error *err)
         if (strcmp(name, lf_button_name((lf_button)i)) != 0)
             continue;
         if (!s->panel.hid)
-            return lf_error_set(err, LF_E_NODEV, "press", "there are no buttons now");
+            return lf_error_set(err, LF_E_NODEV, "press",
+                                "the panel is unplugged or has no "
+                                "buttons");
         lf_model_hid_press(s->panel.hid, (uint8_t)(1u << i));
         lf_model_hid_press(s->panel.hid, 0);
         return LF_OK;
@@ -374,7 +378,8 @@ static void take_line(simulator *s, const char *line)
         s->ends = true;
     else
         status = lf_error_set(&err, LF_E_ARG, "stdin",
-                              "expects press BUTTON, unplug, replug, picture, counters or quit");
+                              "unknown command; expected press BUTTON, unplug, replug, picture, "
+                              "counters or quit");
     if (status == LF_OK)
         say("ok");
     else
@@ -484,7 +489,8 @@ lf_status lf_simulator_run(const lf_simulator_config *config, lf_error *err)
 {
     if (config->no_hid && config->no_display)
         return lf_error_set(err, LF_E_ARG, "--no-hid",
-                            "nothing is left of the panel with --no-display");
+                            "cannot be combined with --no-display, because no part of the panel "
+                            "would remain");
     simulator *s = lf_calloc(1, sizeof *s);
     if (!s)
         return lf_error_set(err, LF_E_NOMEM, "quiltsim", "out of memory");

@@ -200,7 +200,7 @@ static void send_bytes(lf_client *client, const char *line, size_t n)
         return;
     size_t waiting = client->out.used - client->sent;
     if (waiting + n + 1 > MAX_QUEUE) {
-        lf_log(LF_LOG_INFO, "a client was dropped: it does not read what it is sent");
+        lf_log(LF_LOG_INFO, "disconnected a client that does not read its messages");
         drop(client);
         return;
     }

@@ -177,7 +177,7 @@ static lf_status unknown_key(checker *c, json_t *properties, const char *key)
         return FAIL(c, "unknown key \"%s\"; did you mean \"%s\"?", key, meant);
     list_keys(properties, known, sizeof known);
     return known[0] != '\0' ? FAIL(c, "unknown key \"%s\"; known: %s", key, known)
-                            : FAIL(c, "unknown key \"%s\": there are no parameters here", key);
+                            : FAIL(c, "unknown key \"%s\"; this method has no parameters", key);
 }
 
 static lf_status check_properties(checker *c, const json_t *schema, json_t *value)
@@ -301,9 +301,8 @@ static const char *example_of(const json_t *schema)
     const json_t *items = json_object_get(schema, "items");
     const char *type = type_name(schema);
     if (strcmp(type, "array") == 0)
-        return strchr("in", type_name(items)[0]) ? "decimal numbers with a comma between two, such "
-                                                   "as 0,0.5,1"
-                                                 : "values with a comma between two";
+        return strchr("in", type_name(items)[0]) ? "a list of decimal numbers such as 0,0.5,1"
+                                                 : "a list of values separated by commas";
     for (size_t i = 0; i < sizeof examples / sizeof *examples; i++)
         if (strcmp(type, examples[i][0]) == 0)
             return examples[i][1];

@@ -198,7 +198,7 @@ static void wrong_words_are_refused_with_the_option_and_what_it_expects(void **s
         {"--colour red", "--colour", "unknown option"},
         {"--sede 3", "--sede", "did you mean --seed?"},
         {"--view-zise=3x4", "--view-zise=3x4", "did you mean --view-size?"},
-        {"--view", "--view", "several"},
+        {"--view", "--view", "ambiguous"},
         {"--help=now", "--help", "takes no argument"},
         {"-z", "-z", "unknown option"},
         {"-o", "-o", "expects an argument"},

@@ -578,7 +578,7 @@ static void a_refusal_says_what_to_do(void **state)
     }
     fake f = {.stranger = true};
     lf_found found = find_unmounted(m, &f);
-    assert_says(&found, "udisks2 does not know it");
+    assert_says(&found, "udisks2 does not list it");
     assert_int_equal(f.n_mounts, 0);
 }
 
