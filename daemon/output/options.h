@@ -115,11 +115,10 @@ enum { LF_OPTION_OWN = 256 };
     "  --version              print the version\n"
 /* The same of programs that write their completion. */
 #define LF_OPTIONS_HELP_SHELLS                                                                     \
-    "  --completion SHELL     print a completion script for bash, zsh or fish; must be the only "
-"option\n"
+    "  --completion SHELL     print a completion script: bash, zsh or fish (no other option)\n"
 
-    /* Options out of a table. */
-    typedef struct lf_options_part {
+/* Options out of a table. */
+typedef struct lf_options_part {
     const lf_param *params;
     const char *names; /* of the options that are taken (lf_param_among); NULL = all */
     void *object;      /* the struct that is filled */

@@ -305,7 +305,7 @@ static void describe_trouble(const lf_kms_calls *kms, int fd, const lf_kms_conne
 static void describe_use(const lf_kms_calls *kms, int card, int fd,
                          const lf_kms_connector *connector, lf_device_info *out)
 {
-    char who[64], by[80] = "another program", text[256], how[80] = "";
+    char who[64], by[80] = "another program", text[256], how[96] = "";
     lf_kms_crtc crtc = {0};
     const struct drm_mode_modeinfo *native = lf_drm_native_mode(connector);
     if (kms->master_name(card, who, sizeof who))
