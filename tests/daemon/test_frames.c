@@ -84,7 +84,7 @@ static const struct {
     {"-o %s/x.png --turntable 4 --stats s.json", "--stats: cannot be combined with --turntable"},
     {"-o %s/x.png --turntable 4 --exposure auto", "--exposure: auto"},
     {"-o %s/x.png --turntable 4 --fps 25", "--fps: applies only to OUT.mp4"},
-    {"-o %s/x.mp4", "a video needs --frames, --turntable or"},
+    {"-o %s/x.mp4", "a video needs --frames, --turntable, --wiggle, or"},
     {"-o %s/x.mp4 --turntable 4 --codec mpeg2", "--codec: expects h264 or h265"},
     {"-o %s/x.mp4 --turntable 4 --rgbd right", "the name of an image with depth must end in .png"},
     {"-o %s/x.mp4 --turntable 4 --views 6 --quilt 3x2 --view-size 11x16",
@@ -362,7 +362,7 @@ static void a_file_that_some_frame_lacks_is_told_before_any_is_rendered(void **s
     qr_run(&o, "%s -o %s/s.exr --frames 4:4 " SIZE, scene, f->folder);
     qr_assert_fails(&o, 1, "smoke.json:2: /volumes/smoke/file: ");
     qr_run(&o, "%s -o %s/s.exr --frames 1:2 " SIZE, f->scene, f->folder);
-    qr_assert_fails(&o, 2, "--frames: nothing in ");
+    qr_assert_fails(&o, 2, "fog.json has no animation");
 }
 
 int main(void)

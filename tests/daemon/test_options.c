@@ -427,7 +427,7 @@ static void cameras_listed_one_by_one_are_no_rig(void **state)
     camera.list = list;
     lf_assert_ok(read_line("", &o, &err), &err);
     assert_int_equal(lf_resolve_view(&o, &camera, NULL, &settings, &layout, &err), LF_E_ARG);
-    assert_non_null(strstr(err.what, "no rig"));
+    assert_non_null(strstr(err.what, "need an arc, a track or a grid"));
     lf_assert_ok(lf_resolve_rows(&o, &camera, NULL, &settings, &layout, &err), &err);
     assert_true(layout.n_views == 12 && settings.camera.list == list && !settings.features);
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {

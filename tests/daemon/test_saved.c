@@ -164,7 +164,7 @@ static void a_print_of_a_file_alone_is_as_deep_as_lenses_show(void **state)
     assert_null(strstr(o.err, "too deep"));
     qr_run(&o, "%s -o %s/s.tif --print 60@600 --print-size 20x20 --passes 1", scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "deeper than lenses show sharply"));
+    assert_non_null(strstr(o.err, "too deep for lenses"));
 }
 
 int main(void)

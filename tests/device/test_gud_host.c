@@ -283,7 +283,7 @@ static const char *const faults[LF_GUD_FAULTS] = {
     [LF_GUD_SHORT_EDID] = "EDID has 100",
     [LF_GUD_NO_MODES] = "neither modes nor",
     [LF_GUD_COMPRESSED_FULL] = "compression",
-    [LF_GUD_BAD_STATUS] = "status is 200",
+    [LF_GUD_BAD_STATUS] = "returned status 200",
 };
 
 static void every_lie_is_a_clear_error(void **state)
