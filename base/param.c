@@ -410,16 +410,15 @@ static const char *common_unit(const lf_param *row)
 static void describe_words(const lf_param *row, char *buf, size_t size)
 {
     for (int i = 0; word_of(row, i); i++) {
-        const bool last = !word_of(row, i + 1);
-        const char *what = row->what_at ? row->what_at(i) : NULL;
+        const char *what = row->what_at ? row->what_at(i) : "";
         const size_t used = strlen(buf);
         snprintf(buf + used, size - used, "%s%s%s%s%s",
-                 i == 0         ? ""
-                 : row->what_at ? "; "
-                 : last         ? " or "
-                                : ", ",
-                 word_of(row, i), i == (int)row->initial ? " (default)" : "", what ? ": " : "",
-                 what ? what : "");
+                 i == 0                ? ""
+                 : row->what_at        ? "; "
+                 : word_of(row, i + 1) ? ", "
+                                       : " or ",
+                 word_of(row, i), i == (int)row->initial ? " (default)" : "", *what ? ": " : "",
+                 what);
     }
 }
 

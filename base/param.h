@@ -49,7 +49,7 @@ typedef struct lf_param {
      */
     const char *const *words;
     const char *(*word_at)(int index); /* or the same out of a table elsewhere; else NULL */
-    const char *(*what_at)(int index); /* help for each word or NULL; may be NULL */
+    const char *(*what_at)(int index); /* help for each word, "": none; may be NULL */
     /* Words that are refused by what is said of them, "WORD REFUSAL", in place of the list of those
      * that may be; NULL behind the last. NULL: there are none. */
     const char *(*refused_at)(int index);

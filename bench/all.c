@@ -66,8 +66,7 @@ static lf_status parse(int argc, char **argv, folders *out, bool *out_done, lf_e
         return status;
     if (optind < argc)
         return lf_error_set(err, LF_E_ARG, argv[optind],
-                            "unexpected argument; --out takes only "
-                            "--scenes (see --help)");
+                            "unexpected argument; --out takes only --scenes (see --help)");
     return out->out ? LF_OK : lf_error_set(err, LF_E_ARG, "--out", "is missing; see --help");
 }
 

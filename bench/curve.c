@@ -332,18 +332,18 @@ static void print_notes(const curve *c)
         correlation |= !isfinite(p->correlation[0]) || !isfinite(p->correlation[1]);
     }
     if (beyond)
-        printf("* the baseline has no run of this length: its curve is extrapolated, to at most "
-               "%g times its time\n",
+        printf("* the baseline has no run of this length: its curve is extrapolated, to at most %g "
+               "times its time\n",
                LF_BEYOND);
     if (without > LF_NOTABLE_SHARE)
-        printf("N/W is undefined for up to %.2g %% of the view pixels of %s: no sample has "
-               "reached them, so they show only unscattered light; use a longer --time\n",
+        printf("N/W is undefined for up to %.2g %% of the view pixels of %s: no sample has reached "
+               "them, so they show only unscattered light; use a longer --time\n",
                100 * without, c->contenders[of].integrator);
     if (c->options.n_seeds < 2)
         puts("- intervals: need at least two seeds (--seeds)");
     else if (error)
-        puts("- relMSE: not above the error of the reference in some run; raise --reference-spp "
-             "or --reference-time");
+        puts("- relMSE: not above the error of the reference in some run; raise --reference-spp or "
+             "--reference-time");
     if (ratio && c->options.n_seeds >= 2)
         printf("- ratios: an error is not above the error of the reference, or the baseline needs "
                "over %g times its longest run (--budgets)\n",

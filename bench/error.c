@@ -183,8 +183,7 @@ static lf_status pick_view(const arguments *a, const char *path, lf_views32 *vie
         return LF_OK;
     if (a->view >= views->n_views)
         return lf_error_set(err, LF_E_ARG, path,
-                            "has %d views, so view %d does not exist; "
-                            "views count from 0",
+                            "has %d views, so view %d does not exist; views count from 0",
                             views->n_views, a->view);
     views->data += (size_t)a->view * views->view_stride;
     views->n_views = 1;
@@ -261,15 +260,14 @@ static lf_status check_limits(const arguments *a, const lf_metrics *m, lf_error 
                             "the mean differs by %+.4f %%, above the limit of %g %% (--max-mean)",
                             100 * m->relative_mean, 100 * a->max_mean);
     if (a->max_block >= 0 && !(m->block_rms <= a->max_block))
-        return lf_error_set(err, LF_E_STATE, a->picture,
-                            "%dx%d blocks differ by %.4f %% rms, above the limit of %g %% "
-                            "(--max-block)",
-                            a->block, a->block, 100 * m->block_rms, 100 * a->max_block);
+        return lf_error_set(
+            err, LF_E_STATE, a->picture,
+            "%dx%d blocks differ by %.4f %% rms, above the limit of %g %% (--max-block)", a->block,
+            a->block, 100 * m->block_rms, 100 * a->max_block);
     if (a->max_rel_mse >= 0 && !(m->rel_mse <= a->max_rel_mse))
         return lf_error_set(err, LF_E_STATE, a->picture,
-                            "relMSE is %.4g, above the limit of %g "
-                            "(--max-relmse)",
-                            m->rel_mse, a->max_rel_mse);
+                            "relMSE is %.4g, above the limit of %g (--max-relmse)", m->rel_mse,
+                            a->max_rel_mse);
     return LF_OK;
 }
 

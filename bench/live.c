@@ -249,8 +249,7 @@ static lf_status start_up(bench *b, lf_error *err)
     }
     if (status == LF_OK && !b->content->scene)
         return lf_error_set(err, LF_E_ARG, b->arguments->scene,
-                            "is a finished image; expected "
-                            "a scene");
+                            "is a finished image; expected a scene");
     return status;
 }
 
@@ -416,8 +415,7 @@ static lf_status measure_idle(bench *b, lf_error *err)
         lf_engine_get_status(b->engine, &status);
         if (lf_time_now() - w.start > PATIENCE_SECONDS)
             return lf_error_set(err, LF_E_STATE, b->arguments->scene,
-                                "the scene does not "
-                                "converge");
+                                "the scene does not converge");
     } while (status.state != LF_STATE_CONVERGED);
     double start = lf_time_now(), cpu = lf_time_cpu();
     while (lf_time_now() - start < IDLE_SECONDS) {

@@ -58,8 +58,7 @@ static const char shared[] = LF_OPTIONS_VIEWS " seed";
 
 static const lf_param own[] = {
     LF_BENCH_REPEAT(offsetof(arguments, repeat), 15,
-                    "number of repetitions; the median is "
-                    "reported"),
+                    "number of repetitions; the median is reported"),
     {.name = "fault",
      .option = "fault",
      .help = "flip one bit of a result, so that the run must fail",
@@ -199,10 +198,9 @@ static lf_status prepare(bench *b, lf_error *err)
                  &b->worker->tracer.lookups);
     draw_fans(b);
     if (b->n_fans < N_FANS)
-        return lf_error_set(
-            err, LF_E_ARG, a->scene,
-            "too few rays of the middle row collide with a volume; choose a scene with a denser "
-            "volume");
+        return lf_error_set(err, LF_E_ARG, a->scene,
+                            "too few rays of the middle row collide with a volume; choose a scene "
+                            "with a denser volume");
     measure_depth(b);
     b->body = (lf_body){.shape = LF_VOLUME_SPHERE, .sigma_t = 1.0f, .depth = {0, 0, 1}};
     b->body.origin[2] = -rig->distance;
@@ -309,10 +307,10 @@ static lf_status measure_kernel(bench *b, const struct kernel *what, lf_error *e
             if (n > 0 && b->arguments->fault)
                 ((unsigned char *)out->tau[0])[0] ^= 1;
             if (n > 0 && !same(b, b->answers[0], out))
-                return lf_error_set(err, LF_E_STATE, what->name,
-                                    "the %s kernels and the plain C kernels differ in their "
-                                    "results",
-                                    lf_kernels_at(n)->name);
+                return lf_error_set(
+                    err, LF_E_STATE, what->name,
+                    "the %s kernels and the plain C kernels differ in their results",
+                    lf_kernels_at(n)->name);
             if (i == 0)
                 timing[n].n = 0; /* pages and caches as they will be */
         }

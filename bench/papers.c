@@ -359,8 +359,8 @@ static void write_notes(FILE *out, const study *s)
     if (s->options.n_seeds < FEW_SEEDS)
         fprintf(out, "* (-): z needs at least %d seeds (--seeds).\n", FEW_SEEDS);
     if (missing)
-        fputs("* -: no ratio. An error is not above the error of the reference "
-              "(--reference-time), or the scene has no silhouettes or no visible parallax.\n",
+        fputs("* -: no ratio. An error is not above the error of the reference (--reference-time), "
+              "or the scene has no silhouettes or no visible parallax.\n",
               out);
 }
 
@@ -595,10 +595,9 @@ int lf_bench_papers(int argc, char **argv)
     const lf_trial_command command = {"papers", "FOLDER", table, print_help, take, s};
     lf_status status = lf_trial_parse(&command, argc, argv, &s->options, &done, &err);
     if (status == LF_OK && s->options.common.choices.given[LF_PAPERS_SELECTION])
-        status = lf_error_set(&err, LF_E_ARG, "--selection",
-                              "cannot be used here; each "
-                              "estimator of this table has its "
-                              "own selection");
+        status =
+            lf_error_set(&err, LF_E_ARG, "--selection",
+                         "cannot be used here; each estimator of this table has its own selection");
     int code = status == LF_OK ? LF_EXIT_OK : lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (status == LF_OK && !done) {
         if (s->options.reference_spp == 0 && !(s->options.reference_seconds > 0))

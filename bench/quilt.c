@@ -49,8 +49,7 @@ static const char shared[] = "views view-size threads";
 
 static const lf_param own[] = {
     LF_BENCH_REPEAT(offsetof(arguments, repeat), 9,
-                    "number of repetitions; the median is "
-                    "reported"),
+                    "number of repetitions; the median is reported"),
     LF_BENCH_JSON(offsetof(arguments, json)),
     {0},
 };
@@ -413,9 +412,8 @@ static lf_status run_print(void *context, lf_pool *pool, lf_error *err)
     lf_status status = LF_OK;
     (void)pool;
     if (fds[0] < 0 || fds[1] < 0)
-        status = lf_error_set(err, LF_E_IO, "print",
-                              "the system has no memory files "
-                              "(memfd_create)");
+        status =
+            lf_error_set(err, LF_E_IO, "print", "the system has no memory files (memfd_create)");
     if (status == LF_OK)
         status = lf_outfile_adopt(&tiff, fds[0], err);
     if (status == LF_OK)

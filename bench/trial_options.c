@@ -107,9 +107,9 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
                             "INTEGRATOR:ESTIMATOR pairs and budgets (see quiltbench %s --help)",
                             command->name);
     if (lf_bench_is_stdout(options->json) && lf_bench_is_stdout(options->csv))
-        return lf_error_set(err, LF_E_ARG, "--csv",
-                            "cannot write to standard output, because "
-                            "--json does; give a file name");
+        return lf_error_set(
+            err, LF_E_ARG, "--csv",
+            "cannot write to standard output, because --json does; give a file name");
     options->operand = argv[optind];
     return LF_OK;
 }
@@ -137,9 +137,7 @@ lf_status lf_trial_check_names(const char *option, const char *list, const char 
             i++;
         if (!name_at(i))
             return lf_error_set(err, LF_E_ARG, option,
-                                "unknown scene \"%.*s\"; --help lists "
-                                "the scenes",
-                                (int)n, at);
+                                "unknown scene \"%.*s\"; --help lists the scenes", (int)n, at);
         at = at[n] ? at + n + 1 : NULL;
     }
     return LF_OK;

@@ -65,8 +65,7 @@ static const lf_param own[] = {
     LF_BENCH_FIELD(LF_PARAM_NUMBER, "seconds", offsetof(arguments, seconds), "S", 0.1, 3600, 20,
                    "time to converge"),
     LF_BENCH_REPEAT(offsetof(arguments, repeat), 15,
-                    "number of repetitions; the median is "
-                    "reported"),
+                    "number of repetitions; the median is reported"),
     LF_BENCH_JSON(offsetof(arguments, json)),
     {0},
 };
@@ -248,8 +247,8 @@ static void report_converging(bench *b, const lf_bench_converge *c)
            share = c->wire_bytes / (c->updates * c->frame_bytes);
     double later = (c->wire_bytes - c->first_bytes) / ((c->updates - 1) * c->frame_bytes);
     if (!lf_bench_is_stdout(b->arguments->json))
-        printf("converging, RGB888%-26s %.1f updates per second for %.0f s, %.0f bytes each: "
-               "%.2f %% of full frames (%.2f %% without the first), last image %s\n",
+        printf("converging, RGB888%-26s %.1f updates per second for %.0f s, %.0f bytes each: %.2f "
+               "%% of full frames (%.2f %% without the first), last image %s\n",
                c->lz4 ? ", LZ4 offered" : "", per_second, c->shown_seconds,
                c->wire_bytes / c->updates, 100 * share, 100 * later,
                c->differences == 0 ? "exact" : "NOT EXACT");
@@ -271,10 +270,10 @@ static lf_status measure_converging(bench *b, lf_error *err)
         if (status == LF_OK)
             report_converging(b, &c);
         if (status == LF_OK && c.differences > 0)
-            status = lf_error_set(err, LF_E_STATE, "usb",
-                                  "the last image on the display differs from the frame in %lld "
-                                  "bytes",
-                                  (long long)c.differences);
+            status =
+                lf_error_set(err, LF_E_STATE, "usb",
+                             "the last image on the display differs from the frame in %lld bytes",
+                             (long long)c.differences);
     }
     return status;
 }

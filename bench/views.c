@@ -67,9 +67,7 @@ static lf_status take_counts(study *s, const char *text, lf_error *err)
             return status;
         if (s->n_counts == MAX_COUNTS || (s->n_counts > 0 && number <= s->counts[s->n_counts - 1]))
             return lf_error_set(err, LF_E_ARG, "--counts",
-                                "expects at most %d numbers in "
-                                "ascending order",
-                                MAX_COUNTS);
+                                "expects at most %d numbers in ascending order", MAX_COUNTS);
         s->counts[s->n_counts++] = number;
         at = at[n] ? at + n + 1 : NULL;
     }

@@ -101,8 +101,8 @@ bool engine_post_dark_card(lf_engine *engine, const lf_views8 *views)
     char words[LF_CARD_TEXT];
     const char *slash = strrchr(content->file, '/');
     snprintf(words, sizeof words,
-             "%.120s: the image is black. No light reaches what the camera sees, or the "
-             "exposure is too low.",
+             "%.120s: the image is black. No light reaches what the camera sees, or the exposure "
+             "is too low.",
              slash ? slash + 1 : content->file);
     post(engine, words);
     return true;

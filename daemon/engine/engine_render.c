@@ -104,8 +104,7 @@ static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
     bool final = engine->converged || !engine->content->scene;
     if (unfilled > 0) {
         lf_log(LF_LOG_DEBUG,
-               "%.2f passes: %lld view pixels have no sample, %lld of them cannot "
-               "be filled",
+               "%.2f passes: %lld view pixels have no sample, %lld of them cannot be filled",
                engine->spent.passes, (long long)lf_picture_missing(&engine->picture),
                (long long)unfilled);
         engine->level = LF_LEVEL_NONE;
@@ -508,8 +507,8 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
     if (status != LF_OK)
         return status;
     if (lf_picture_follow(&engine->picture, engine->renderer) != LF_OK)
-        lf_log(LF_LOG_ERROR, "out of memory for shadow catchers; the image is shown without "
-                             "their shadows");
+        lf_log(LF_LOG_ERROR,
+               "out of memory for shadow catchers; the image is shown without their shadows");
     guide(engine, content);
     engine->picture.estimator = engine->now.controls.estimator;
     engine->picture.reconstructs = reconstructs(&engine->now.controls, content);
@@ -609,15 +608,14 @@ static bool is_reconstructed(lf_engine *engine, lf_reconstruct asked)
 static lf_status take_film(lf_engine *engine, lf_snapshot *out, lf_error *err)
 {
     if (out->reconstructed && !engine->content->settings.features)
-        return lf_error_set(err, LF_E_STATE, "reconstruct",
-                            "the current image was started with denoise off; use render.set "
-                            "denoise=on");
+        return lf_error_set(
+            err, LF_E_STATE, "reconstruct",
+            "the current image was started with denoise off; use render.set denoise=on");
     lf_status status =
         lf_picture_film(&engine->picture, out->reconstructed, engine->pool, out->film);
     if (status == LF_E_STATE)
         return lf_error_set(err, status, "",
-                            "nothing has been rendered yet; use wait "
-                            "for=coarse first");
+                            "nothing has been rendered yet; use wait for=coarse first");
     return status == LF_OK ? LF_OK : lf_error_set(err, status, "", "out of memory for the views");
 }
 
@@ -630,8 +628,8 @@ static lf_status take_layers(lf_engine *engine, unsigned layers, lf_snapshot *ou
                  row = width * (size_t)content->layout.n_views;
     if (!content->settings.features)
         return lf_error_set(err, LF_E_STATE, "export",
-                            "the current image was started with denoise off and has no depth; "
-                            "use render.set denoise=on");
+                            "the current image was started with denoise off and has no depth; use "
+                            "render.set denoise=on");
     out->beside = lf_calloc((size_t)content->layout.view_height, row * sizeof *out->beside);
     if (!out->beside)
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory for the layers");
@@ -640,9 +638,7 @@ static lf_status take_layers(lf_engine *engine, unsigned layers, lf_snapshot *ou
     lf_status status = lf_renderer_layers(engine->renderer, engine->now.controls.estimator, layers,
                                           out->beside, NULL);
     return status == LF_OK ? LF_OK
-                           : lf_error_set(err, status, "",
-                                          "the layers could not be "
-                                          "computed");
+                           : lf_error_set(err, status, "", "the layers could not be computed");
 }
 
 lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
@@ -651,8 +647,7 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
     lf_snapshot *out = request->snapshot;
     if (!content || engine->spoiled)
         return lf_error_set(request->err, LF_E_STATE, "",
-                            "there is no image to export; load a "
-                            "scene first");
+                            "there is no image to export; load a scene first");
     if (request->layers && !content->scene)
         return lf_error_set(request->err, LF_E_STATE, "export",
                             "a finished image has no depth; load a scene first");
@@ -689,8 +684,7 @@ lf_status engine_run_save(lf_engine *engine, engine_request *request)
 {
     if (!engine->renderer || engine->spoiled)
         return lf_error_set(request->err, LF_E_STATE, "",
-                            "there is no rendering to save; load "
-                            "a scene first");
+                            "there is no rendering to save; load a scene first");
     lf_status status = request->keeps ? lf_states_begin(engine->states, engine->renderer,
                                                         request->file, request->err)
                                       : LF_OK;

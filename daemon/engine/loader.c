@@ -126,8 +126,8 @@ static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf
     /* whoever calls has no command line */
     if (status == LF_E_ARG && load->deferred && !named && options.columns == 0)
         status = lf_error_set(&load->err, LF_E_ARG, load->file,
-                              "the file name has no quilt suffix such as _qs8x6a0.75; rename "
-                              "the file or pass quilt=COLUMNSxROWS to scene.load");
+                              "the file name has no quilt suffix such as _qs8x6a0.75; rename the "
+                              "file or pass quilt=COLUMNSxROWS to scene.load");
     return status;
 }
 

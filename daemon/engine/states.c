@@ -286,8 +286,7 @@ static void tell_newest(const lf_states *states, const char *wanted, const lf_st
         if (look_at(path, &there, &err) == LF_OK) {
             differences(name, &there, wanted, id, words, sizeof words);
             lf_log(LF_LOG_INFO,
-                   "rendering starts from the beginning; the newest saved state "
-                   "differs in %s: %s",
+                   "rendering starts from the beginning; the newest saved state differs in %s: %s",
                    words, path);
         } else {
             tell_left_aside(path, &err);
@@ -384,9 +383,9 @@ lf_status lf_states_begin(lf_states *states, const lf_renderer *renderer, lf_out
         return lf_error_set(err, status, states->folder, "out of memory");
     name_of(&id, name);
     if (!use(states, name))
-        return lf_error_set(err, LF_E_STATE, states->folder,
-                            "the saved state of this image cannot be read, so it is not "
-                            "overwritten");
+        return lf_error_set(
+            err, LF_E_STATE, states->folder,
+            "the saved state of this image cannot be read, so it is not overwritten");
     char *path = lf_path_join(states->folder, name);
     status = path ? lf_outfile_open(file, path, true, err)
                   : lf_error_set(err, LF_E_NOMEM, states->folder, "out of memory");

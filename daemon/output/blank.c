@@ -68,7 +68,6 @@ const char *lf_blank_words(lf_blank blank, bool of_daemon)
 const char *lf_unseen_words(bool of_daemon)
 {
     return of_daemon
-               ? "the camera sees no mesh and no volume of the scene; use camera.fit to frame "
-                 "them"
+               ? "the camera sees no mesh and no volume of the scene; use camera.fit to frame them"
                : "the camera sees no mesh and no volume of the scene; use --fit to frame them";
 }

@@ -134,8 +134,7 @@ char *lf_depth_words(const lf_depth *depth, int width, lf_depth_place place, cha
         snprintf(sharp, sizeof sharp, "; sharp %s distance %.4g", is_before ? "from" : "up to",
                  is_before ? depth->sharp_from : depth->sharp_to);
     snprintf(buf, size,
-             "too deep for %s: objects %s the focal plane shift %s between views (limit %s%s); "
-             "%s",
+             "too deep for %s: objects %s the focal plane shift %s between views (limit %s%s); %s",
              of[place].what, is_before ? "in front of" : "behind", far, limit, sharp,
              of[place].remedy);
     return buf;

@@ -62,15 +62,11 @@ lf_status lf_frames_check(lf_frames *frames, lf_error *err)
     }
     if (frames->first > frames->last)
         return lf_error_set(err, LF_E_ARG, lf_frames_option(frames),
-                            "%d:%d ends before it "
-                            "begins; expected "
-                            "FIRST:LAST with FIRST <= "
-                            "LAST",
+                            "%d:%d ends before it begins; expected FIRST:LAST with FIRST <= LAST",
                             frames->first, frames->last);
     if (frames->turntable > 0 && (frames->first < 1 || frames->last > frames->turntable))
         return lf_error_set(err, LF_E_ARG, "--frames",
-                            "%d:%d is outside --turntable %d; "
-                            "expected frames within 1:%d",
+                            "%d:%d is outside --turntable %d; expected frames within 1:%d",
                             frames->first, frames->last, frames->turntable, frames->turntable);
     return LF_OK;
 }

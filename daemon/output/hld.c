@@ -67,8 +67,7 @@ lf_status lf_hld_patch(const lf_scene *scene, double exposure, bool frames, json
         !(hypot(hypot(bounds[1][0] - bounds[0][0], bounds[1][1] - bounds[0][1]),
                 bounds[1][2] - bounds[0][2]) > 0.0))
         return lf_error_set(err, LF_E_STATE, "--preset hld",
-                            "the scene has nothing to show; "
-                            "add a mesh or a volume");
+                            "the scene has nothing to show; add a mesh or a volume");
     const turned t = box_of(bounds);
     json_t *patch = json_pack("{s:f, s:{s:s, s:f}}", "backdrop", exp2(-exposure), "film", "tonemap",
                               "srgb", "exposure", exposure);

@@ -44,7 +44,7 @@ static const char *sharing_at(int index)
     const lf_integrator_entry *entry = lf_integrator_at(index);
     for (int i = 0; lf_integrator_reference(i); i++)
         if (strcmp(entry->name, lf_integrator_reference(i)) == 0)
-            return NULL;
+            return "";
     return entry->what;
 }
 
@@ -161,10 +161,10 @@ lf_status lf_options_check_integrator(const lf_options *options, lf_error *err)
     if (!unfit)
         return LF_OK; /* others say what there is no entry of */
     snprintf(where, sizeof where, "--%s", unfit->option);
-    return lf_error_set(err, LF_E_ARG, where,
-                        "is not supported by the integrator %s; remove it "
-                        "or choose another --integrator",
-                        entry->name);
+    return lf_error_set(
+        err, LF_E_ARG, where,
+        "is not supported by the integrator %s; remove it or choose another --integrator",
+        entry->name);
 }
 
 const lf_preset *lf_options_preset(const lf_options *options)
@@ -301,9 +301,8 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
     rig.n_rows = 0;
     if (camera->list)
         return lf_error_set(err, LF_E_ARG, "camera.views",
-                            "panels, prints and quiltd need an arc, a track or a grid of "
-                            "cameras; use quiltrender for quilts, folders and videos of a "
-                            "camera list");
+                            "quiltd, panels, prints, --rgbd and --fit need an arc, a track or a "
+                            "grid of cameras; use quiltrender for other outputs");
     return lf_resolve_rows(options, &rig, calibration, out_settings, out_layout, err);
 }
 
@@ -343,10 +342,10 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
     lf_layout layout = {0};
     resolve_camera(options, camera, calibration, &settings.camera);
     if (settings.camera.n_rows > 0 && options->views > 0)
-        return lf_error_set(err, LF_E_ARG, "--views",
-                            "cannot change the number of views; the "
-                            "scene has a %s of %d x %d cameras",
-                            camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows);
+        return lf_error_set(
+            err, LF_E_ARG, "--views",
+            "cannot change the number of views; the scene has a %s of %d x %d cameras",
+            camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows);
     if (camera->list && check_list(options, err) != LF_OK)
         return LF_E_ARG;
     layout.n_views = lf_camera_views(&settings.camera);

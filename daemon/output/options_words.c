@@ -106,8 +106,7 @@ static lf_status read_next(int argc, char *const argv[], const char *letters,
     snprintf(where, sizeof where, "%.100s", text);
     if (strncmp(text, "--", 2) == 0 && count_matches(table, text + 2) > 1)
         return lf_error_set(err, LF_E_ARG, where,
-                            "is ambiguous; give the whole name of the "
-                            "option (see --help)");
+                            "is ambiguous; give the whole name of the option (see --help)");
     return unknown(table, where, err);
 }
 

@@ -173,8 +173,8 @@ static lf_status make_folder(const lf_output_request *request, int n, bool *out_
                             strerror(errno));
     if (!request->overwrite && request->kind->surplus(request->path, n, false) > 0)
         return lf_error_set(err, LF_E_EXISTS, request->path,
-                            "the folder already holds more than %d views; choose another folder "
-                            "or pass overwrite=true",
+                            "the folder already holds more than %d views; choose another folder or "
+                            "pass overwrite=true",
                             n);
     return LF_OK;
 }

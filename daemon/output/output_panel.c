@@ -65,10 +65,9 @@ static lf_status interlace(const lf_output_request *request, const lf_views8 *vi
         lf_interlace(interlacer, views, panel, request->pool);
         lf_codes_apply(&codes, panel, request->pool);
     } else {
-        status = lf_error_set(err, status, request->path,
-                              "out of memory for a panel of %dx%d "
-                              "pixels",
-                              calibration->screen_width_px, calibration->screen_height_px);
+        status =
+            lf_error_set(err, status, request->path, "out of memory for a panel of %dx%d pixels",
+                         calibration->screen_width_px, calibration->screen_height_px);
     }
     lf_interlacer_destroy(interlacer);
     return status;

@@ -31,16 +31,15 @@ lf_status output_quilt_path(const char *path, const lf_layout *layout, char **ou
         return status;
     if (lf_layout_from_name(path, &columns, &rows, &aspect)) {
         if (columns != layout->columns || rows != layout->rows)
+            return lf_error_set(err, LF_E_ARG, path,
+                                "the name says %dx%d tiles, but the quilt has %dx%d; change the "
+                                "name or set --quilt",
+                                columns, rows, layout->columns, layout->rows);
+        if (aspect > 0 && fabs(aspect - layout->aspect) > 0.01 * layout->aspect)
             return lf_error_set(
                 err, LF_E_ARG, path,
-                "the name says %dx%d tiles, but the quilt has %dx%d; change the name or set "
-                "--quilt",
-                columns, rows, layout->columns, layout->rows);
-        if (aspect > 0 && fabs(aspect - layout->aspect) > 0.01 * layout->aspect)
-            return lf_error_set(err, LF_E_ARG, path,
-                                "the name says aspect %g, but the views have %g; change the "
-                                "name or the aspect",
-                                aspect, layout->aspect);
+                "the name says aspect %g, but the views have %g; change the name or the aspect",
+                aspect, layout->aspect);
         *out_path = lf_strdup(path);
     } else {
         *out_path = lf_layout_name(path, layout);

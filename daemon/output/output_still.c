@@ -10,8 +10,7 @@ lf_status output_still_path(const char *path, const lf_layout *layout, char **ou
     (void)layout;
     if (lf_layout_from_name(path, &columns, &rows, &aspect) && (columns != 1 || rows != 1))
         return lf_error_set(err, LF_E_ARG, path,
-                            "the name says %dx%d tiles, but the image is one view; change the "
-                            "name",
+                            "the name says %dx%d tiles, but the image is one view; change the name",
                             columns, rows);
     *out_path = lf_strdup(path);
     return *out_path ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");

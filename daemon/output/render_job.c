@@ -309,8 +309,8 @@ bool lf_render_warn_of_cut(const lf_render_stats *stats, const char *where)
     if (!(cut > least))
         return false;
     lf_log(LF_LOG_WARNING,
-           "%s: up to %.2g %% of the scattered light is missing, because paths end after "
-           "max_depth = %d vertices; raise max_depth",
+           "%s: up to %.2g %% of the scattered light is missing, because paths end after max_depth "
+           "= %d vertices; raise max_depth",
            where, 100.0 * cut, stats->max_depth);
     return true;
 }

@@ -102,8 +102,8 @@ lf_status lf_video_check(const lf_video_options *options, const lf_layout *layou
     int width = layout->columns * layout->view_width, height = layout->rows * layout->view_height;
     if (!options->is_444 && !options->wiggle && (width % 2 != 0 || height % 2 != 0))
         return lf_error_set(err, LF_E_ARG, path,
-                            "yuv420p cannot hold an image of %dx%d pixels, which has an odd "
-                            "side; use --view-size %dx%d or --pixel-format yuv444p",
+                            "yuv420p cannot hold an image of %dx%d pixels, which has an odd side; "
+                            "use --view-size %dx%d or --pixel-format yuv444p",
                             width, height, layout->view_width + width % 2,
                             layout->view_height + height % 2);
     *out_warning = NULL;

@@ -144,9 +144,7 @@ lf_status lf_jobs_cancel(lf_jobs *jobs, int64_t id, lf_error *err)
         }
     }
     return lf_error_set_at(err, LF_E_ARG, "job.cancel", 0, "/job",
-                           "there is no job %lld; "
-                           "status lists the jobs",
-                           (long long)id);
+                           "there is no job %lld; status lists the jobs", (long long)id);
 }
 
 /* What is written by name has begun, and ends soon: the client may have left because it knows. */
@@ -248,11 +246,12 @@ lf_status lf_jobs_check_room(const lf_jobs *jobs, int others, lf_error *err)
     int n = others;
     for (const lf_job *job = jobs->first; job; job = job->next)
         n++;
-    return n < MAX_JOBS ? LF_OK
-                        : lf_error_set(err, LF_E_BUSY, "export",
-                                       "%d jobs are waiting or running "
-                                       "already; try again when one has ended",
-                                       MAX_JOBS);
+    return n < MAX_JOBS
+               ? LF_OK
+               : lf_error_set(
+                     err, LF_E_BUSY, "export",
+                     "%d jobs are waiting or running already; try again when one has ended",
+                     MAX_JOBS);
 }
 
 lf_status lf_jobs_check_wait(const lf_jobs *jobs, const lf_export *what, lf_error *err)
@@ -268,18 +267,17 @@ lf_status lf_jobs_check_wait(const lf_jobs *jobs, const lf_export *what, lf_erro
     if (may_start(jobs, what))
         return LF_OK;
     if (of_client >= MOST_OF_CLIENT)
-        return lf_error_set(err, LF_E_BUSY, "export",
-                            "%d exports of this client are waiting already; end one with "
-                            "job.cancel",
-                            MOST_OF_CLIENT);
+        return lf_error_set(
+            err, LF_E_BUSY, "export",
+            "%d exports of this client are waiting already; end one with job.cancel",
+            MOST_OF_CLIENT);
     if (what->asker.detached && detached >= MOST_DETACHED)
         return lf_error_set(err, LF_E_BUSY, "export",
                             "%d detached exports are waiting already; end one with job.cancel",
                             MOST_DETACHED);
     if (waiting >= MOST_WAITING)
         return lf_error_set(err, LF_E_BUSY, "export",
-                            "%d exports are waiting already; try "
-                            "again when one has ended",
+                            "%d exports are waiting already; try again when one has ended",
                             MOST_WAITING);
     return LF_OK;
 }

@@ -151,9 +151,7 @@ lf_status lf_waits_add(lf_waits *waits, const lf_wait *wait, lf_error *err)
         n += other->wait.client == wait->client ? 1 : 0;
     if (n >= MAX_WAITS)
         return lf_error_set(err, LF_E_BUSY, "wait",
-                            "this client has %d waits already; end one "
-                            "first",
-                            n);
+                            "this client has %d waits already; end one first", n);
     entry *e = lf_calloc(1, sizeof *e);
     if (!e)
         return lf_error_set(err, LF_E_NOMEM, "wait", "out of memory");

@@ -68,9 +68,9 @@ lf_deferred *lf_defer(lf_call *call)
     call->answered = true;
     if (!deferred) {
         lf_error err;
-        (void)lf_error_set(&err, LF_E_BUSY, call->method,
-                           "too many calls of this client are waiting for an answer; wait for "
-                           "some of them");
+        (void)lf_error_set(
+            &err, LF_E_BUSY, call->method,
+            "too many calls of this client are waiting for an answer; wait for some of them");
         lf_fail(call, &err, false);
     }
     return deferred;
@@ -85,8 +85,7 @@ lf_status lf_denoise_word(const json_t *params, const char *where, const char **
                *other = json_string_value(json_object_get(params, "denoise"));
     *out_word = word ? word : other;
     return word && other ? lf_error_set_at(err, LF_E_ARG, where, 0, "/denoise",
-                                           "is another name for reconstruct; give only one of "
-                                           "them")
+                                           "is another name for reconstruct; give only one of them")
                          : LF_OK;
 }
 
@@ -134,8 +133,8 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
         return LF_OK;
     if (status == LF_E_PATH)
         return lf_error_set(err, status, path,
-                            "is outside the scene's folder and the folders of --allow-path; "
-                            "pass its descriptor, as quiltctl does%s",
+                            "is outside the scene's folder and the folders of --allow-path; pass "
+                            "its descriptor, as quiltctl does%s",
                             lf_hidden_home(path));
     return lf_error_set(err, status, path, "%s", why.what);
 }
@@ -144,9 +143,8 @@ lf_status lf_server_write_path(const lf_server *server, const char *path, lf_hel
                                lf_error *err)
 {
     if (!server->export_root)
-        return lf_error_set(
-            err, LF_E_PATH, path,
-            "quiltd has no --export-dir, so it writes no files by name; pass file descriptors, "
-            "as quiltctl export does");
+        return lf_error_set(err, LF_E_PATH, path,
+                            "quiltd has no --export-dir, so it writes no files by name; pass file "
+                            "descriptors, as quiltctl export does");
     return lf_held_name_open(server->export_root, "--export-dir", path, out, err);
 }

@@ -103,8 +103,8 @@ void lf_method_device_calibration(lf_call *call)
     if (!calibration) {
         lf_error err;
         (void)lf_error_set(&err, LF_E_NODEV, lf_show_spec(call->server->show),
-                           "no panel with a known calibration is open; open one with device.set "
-                           "or start quiltd with --calibration");
+                           "no panel with a known calibration is open; open one with device.set or "
+                           "start quiltd with --calibration");
         lf_fail(call, &err, false);
         return;
     }

@@ -27,10 +27,10 @@ static lf_status take_descriptors(lf_call *call, const json_t *names, lf_passed 
     int fds[LF_MAX_PASSED];
     const int n = (int)json_array_size(names);
     if (lf_client_count_fds(call->client) != n || !lf_client_take_fds(call->client, fds, n))
-        return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/files",
-                               "names %d files, but %d descriptors came with the call; pass one "
-                               "descriptor per file",
-                               n, lf_client_count_fds(call->client));
+        return lf_error_set_at(
+            err, LF_E_ARG, call->method, 0, "/files",
+            "names %d files, but %d descriptors came with the call; pass one descriptor per file",
+            n, lf_client_count_fds(call->client));
     lf_status status = LF_OK;
     for (int i = 0; i < n; i++) {
         const char *name = json_string_value(json_array_get(names, (size_t)i));
@@ -117,9 +117,9 @@ static lf_status refuse_words(const lf_call *call, const char *file, lf_error *e
         if (!json_object_get(call->params, words[i]))
             continue;
         snprintf(pointer, sizeof pointer, "/%s", words[i]);
-        return lf_error_set_at(err, LF_E_ARG, call->method, 0, pointer,
-                               "applies only to files without a scene; set it in the scene file "
-                               "instead");
+        return lf_error_set_at(
+            err, LF_E_ARG, call->method, 0, pointer,
+            "applies only to files without a scene; set it in the scene file instead");
     }
     return LF_OK;
 }
@@ -167,15 +167,14 @@ void lf_method_scene_get(lf_call *call)
     lf_error err;
     if (!content) {
         (void)lf_error_set(&err, LF_E_STATE, call->method,
-                           "nothing is loaded; call scene.load "
-                           "first");
+                           "nothing is loaded; call scene.load first");
         lf_fail(call, &err, false);
         return;
     }
     if (content->scene && !content->document) {
-        (void)lf_error_set(&err, LF_E_NOMEM, call->method,
-                           "the scene document is not sent, because it is longer than 1 MiB or "
-                           "memory ran out");
+        (void)lf_error_set(
+            &err, LF_E_NOMEM, call->method,
+            "the scene document is not sent, because it is longer than 1 MiB or memory ran out");
         lf_fail(call, &err, false);
         return;
     }

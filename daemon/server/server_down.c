@@ -125,9 +125,7 @@ static void save_last(lf_server *server)
     if (is_settled(server))
         lf_saver_save_now(server->saver);
     else if (server->config.state_dir)
-        lf_log(LF_LOG_WARNING,
-               "the rendering state was not saved, because %s did not end in "
-               "time",
+        lf_log(LF_LOG_WARNING, "the rendering state was not saved, because %s did not end in time",
                lf_saver_is_busy(server->saver) ? "an earlier save" : "rendering");
 }
 

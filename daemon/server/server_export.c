@@ -29,8 +29,8 @@ static lf_status take_panel_words(const lf_server *server, lf_export *what, cons
             lf_param_from_json(lf_response_params, params, &what->panel.response, "export", err);
     if (status == LF_OK && !calibration)
         return lf_error_set(err, LF_E_NODEV, lf_show_spec(server->show),
-                            "no panel with a known calibration is open; open one with "
-                            "device.set or start quiltd with --calibration");
+                            "no panel with a known calibration is open; open one with device.set "
+                            "or start quiltd with --calibration");
     if (status == LF_OK) {
         what->has_calibration = true;
         what->calibration = *calibration;
@@ -173,8 +173,7 @@ static lf_status take_words(lf_export *what, lf_call *call, lf_error *err)
     if (status == LF_OK && !lf_export_is_drawn(what) &&
         (!server->content || (is_state && !server->content->scene)))
         return lf_error_set(err, LF_E_STATE, "export",
-                            "there is no image to export; call "
-                            "scene.load first");
+                            "there is no image to export; call scene.load first");
     if (status == LF_OK)
         status = take_file(server, what, string_of(params, "file"), err);
     if (status == LF_OK)
@@ -195,8 +194,8 @@ static lf_status hold_client(lf_export *what, lf_client *client, lf_error *err)
     return what->asker.holds || what->asker.detached
                ? LF_OK
                : lf_error_set(err, LF_E_BUSY, "export",
-                              "too many calls of this client are waiting for an answer; wait "
-                              "for some of them");
+                              "too many calls of this client are waiting for an answer; wait for "
+                              "some of them");
 }
 
 static void release_client(lf_server *server, const lf_asker *asker)

@@ -137,8 +137,7 @@ static void on_late(void *context, const lf_wait *wait)
     (void)lf_error_set(&err, LF_E_TIMEOUT, "wait", "the image was not %s within %g s%s",
                        lf_level_name(wait->level), wait->seconds,
                        lf_engine_get_controls(server->engine).paused
-                           ? ", because rendering is paused; continue with render.set "
-                             "paused=false"
+                           ? ", because rendering is paused; continue with render.set paused=false"
                            : "");
     lf_deferred_fail(wait->call, &err, false);
 }

@@ -36,8 +36,7 @@ static void on_checked(void *reader, lf_task *task)
     if (!show->stopping && is_from_cache(show) && request->denied &&
         memcmp(&request->used, &show->calibration, sizeof request->used) == 0) {
         lf_log(LF_LOG_INFO,
-               "%s: the calibration on the panel differs from the cached one; "
-               "reopening",
+               "%s: the calibration on the panel differs from the cached one; reopening",
                show->spec);
         lf_show_open_again(show);
     } else if (!show->stopping && again) {

@@ -132,8 +132,7 @@ static void tell_detour(const lf_opener_request *request, const lf_device *devic
     device->ops->info(device, &info);
     if (!lf_device_is_auto(request->spec) && !lf_device_has_kind(request->spec, info.kind)) {
         lf_log(LF_LOG_INFO,
-               "%s: the kernel driver uses this display; quiltd opens it as %s "
-               "instead",
+               "%s: the kernel driver uses this display; quiltd opens it as %s instead",
                request->spec, info.spec);
     }
 }

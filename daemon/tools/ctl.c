@@ -145,8 +145,7 @@ static lf_status await_some(const lf_ctl *ctl, lf_error *err)
         double left = ctl->deadline - lf_time_now();
         if (ctl->deadline > 0 && left <= 0)
             return lf_error_set(err, LF_E_TIMEOUT, ctl->path,
-                                "no answer arrived within %g s; "
-                                "use a longer --timeout",
+                                "no answer arrived within %g s; use a longer --timeout",
                                 ctl->timeout);
         int ms = ctl->deadline > 0 ? (int)fmin(ceil(left * 1e3), 1e6) : -1;
         if (poll(&ready, 1, ms) > 0)
@@ -193,9 +192,7 @@ static lf_status take_answer(json_t *message, json_t **out_result, int *out_code
         if (out_code)
             *out_code = (int)json_integer_value(json_object_get(error, "code"));
         status = lf_error_set(err, LF_E_STATE, "", "%s",
-                              text ? text
-                                   : "the daemon returned an "
-                                     "error without a message");
+                              text ? text : "the daemon returned an error without a message");
     } else {
         *out_result = json_incref(json_object_get(message, "result"));
     }

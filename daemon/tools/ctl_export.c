@@ -51,8 +51,7 @@ static lf_status ask_layout(lf_ctl *ctl, lf_layout *out, lf_error *err)
     out->aspect = aspect;
     return r == 0 ? LF_OK
                   : lf_error_set(err, LF_E_STATE, "export",
-                                 "nothing is loaded; call "
-                                 "scene.load first");
+                                 "nothing is loaded; call scene.load first");
 }
 
 /* Opens the n files of an output with this final name. */
@@ -60,10 +59,10 @@ static lf_status open_output(export_files *files, const lf_output_kind *kind, co
                              int n, bool overwrite, lf_error *err)
 {
     if (n > MAX_FILES)
-        return lf_error_set(err, LF_E_ARG, path,
-                            "cannot pass more than %d views at once; use quiltrender or an "
-                            "--export-dir of quiltd",
-                            MAX_FILES);
+        return lf_error_set(
+            err, LF_E_ARG, path,
+            "cannot pass more than %d views at once; use quiltrender or an --export-dir of quiltd",
+            MAX_FILES);
     if (kind->surplus && mkdir(path, 0777) != 0 && errno != EEXIST)
         return lf_error_set(err, LF_E_IO, path, "cannot make the folder: %s", lf_errno_text(errno));
     lf_status status = LF_OK;
@@ -160,9 +159,7 @@ lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_result, lf_err
     lf_status status = LF_E_ARG;
     if (!files || !kind || !file) {
         status = lf_error_set(err, !files ? LF_E_NOMEM : LF_E_ARG, "export",
-                              "expects a kind and a "
-                              "file; see quiltctl "
-                              "export --help");
+                              "expects a kind and a file; see quiltctl export --help");
         goto end;
     }
     status = open_files(ctl, kind, file, overwrite, files, &path, err);

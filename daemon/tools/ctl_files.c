@@ -85,8 +85,8 @@ static bool add(gathering *g, const char *name, int fd)
     }
     if (files->n == LF_MAX_PASSED) {
         g->status = lf_error_set(g->err, LF_E_ARG, name,
-                                 "more than %d files are outside the folders that quiltd may "
-                                 "read; start quiltd with --allow-path DIR",
+                                 "more than %d files are outside the folders that quiltd may read; "
+                                 "start quiltd with --allow-path DIR",
                                  LF_MAX_PASSED);
         close(fd);
         return false;

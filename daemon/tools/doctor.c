@@ -86,8 +86,8 @@ static void judge_rule(const report *r)
         }
     }
     say_note(r, "udev rule",
-             "70-quiltd.rules is not installed, so only root may open panels; run `make "
-             "install` and `udevadm control --reload`");
+             "70-quiltd.rules is not installed, so only root may open panels; run `make install` "
+             "and `udevadm control --reload`");
 }
 
 static void judge_system(const report *r)
@@ -100,9 +100,9 @@ static void judge_system(const report *r)
     if (!has(r, "/sys/bus/usb")) {
         say_note(r, "USB", "the kernel reports no USB bus, so panels are not found over USB");
     } else if (!has(r, "/sys/bus/hid/drivers/hid-generic")) {
-        say_note(r, "module hid-generic",
-                 "is not loaded; if a first-generation panel is not found, run `modprobe "
-                 "hid-generic`");
+        say_note(
+            r, "module hid-generic",
+            "is not loaded; if a first-generation panel is not found, run `modprobe hid-generic`");
     }
     if (!has(r, "/dev/dri/card*"))
         say_note(r, "displays",
@@ -142,17 +142,17 @@ static uint64_t unit_number(const char *text)
 static void judge_memory(const report *r, const char *memory, const char *oom)
 {
     if (unit_number(memory) == UINT64_MAX)
-        say_note(r, "service",
-                 "MemoryMax= is not set; a large scene can use up the machine's memory. Set it "
-                 "to 85%");
+        say_note(
+            r, "service",
+            "MemoryMax= is not set; a large scene can use up the machine's memory. Set it to 85%");
     else if (unit_number(memory) < LEAST_MEMORY)
-        say_note(r, "service",
-                 "MemoryMax= is below 1 GiB, which is too little for an image of many views; "
-                 "raise it");
+        say_note(
+            r, "service",
+            "MemoryMax= is below 1 GiB, which is too little for an image of many views; raise it");
     if (strcmp(oom, "continue") != 0)
         say_note(r, "service",
-                 "OOMPolicy= is not `continue`, so a file that is too large stops the daemon, "
-                 "not only its reader; set it");
+                 "OOMPolicy= is not `continue`, so a file that is too large stops the daemon, not "
+                 "only its reader; set it");
 }
 
 /* What the service is held to, and whether a picture can stay with it. */
@@ -176,12 +176,11 @@ static void judge_service(const report *r)
     judge_memory(r, memory, oom);
     if (unit_number(tasks) < LEAST_TASKS)
         say_note(r, "service",
-                 "TasksMax= is below 64, which is too low for the threads and "
-                 "readers; raise it");
+                 "TasksMax= is below 64, which is too low for the threads and readers; raise it");
     if (strcmp(restart, "on-failure") != 0 && strcmp(restart, "always") != 0)
-        say_note(r, "service",
-                 "Restart= is not `on-failure`, so a crash of the daemon leaves the panel dark; "
-                 "set it");
+        say_note(
+            r, "service",
+            "Restart= is not `on-failure`, so a crash of the daemon leaves the panel dark; set it");
     if (limited)
         say_note(r, "service",
                  "StartLimitIntervalSec= is not 0, so systemd gives up after several failed "

@@ -126,8 +126,7 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
     a->n_words = argc - optind - 1;
     if (a->format == FORMAT_PROMETHEUS && strcmp(a->method, "status") != 0)
         return lf_error_set(err, LF_E_ARG, "--format",
-                            "prometheus is only available for the "
-                            "method status");
+                            "prometheus is only available for the method status");
     return LF_OK;
 }
 
@@ -197,8 +196,7 @@ static lf_status find_schema(const json_t *hello, const char *method, const json
     return meant ? lf_error_set(err, LF_E_ARG, method,
                                 "is not a method of this daemon; did you mean \"%s\"?", meant)
                  : lf_error_set(err, LF_E_ARG, method,
-                                "is not a method of this daemon; quiltctl hello lists the "
-                                "methods");
+                                "is not a method of this daemon; quiltctl hello lists the methods");
 }
 
 /* The scene that is shown; NULL: none. A new reference. */

@@ -121,10 +121,10 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
                             "%s is not for panels with lenses; use it with quiltrender",
                             preset->name);
     if (tiles > 0 && tiles < views)
-        return lf_error_set(err, LF_E_ARG, "--quilt",
-                            "%dx%d has %d tiles, but there are %d views; use a larger --quilt "
-                            "or set --views",
-                            options->columns, options->rows, tiles, views);
+        return lf_error_set(
+            err, LF_E_ARG, "--quilt",
+            "%dx%d has %d tiles, but there are %d views; use a larger --quilt or set --views",
+            options->columns, options->rows, tiles, views);
     return LF_OK;
 }
 
@@ -161,8 +161,7 @@ int main(int argc, char *argv[])
         return lf_usage_error(PROGRAM, &err);
     if (argc - optind > 1) {
         (void)lf_error_set(&err, LF_E_ARG, argv[optind + 1],
-                           "unexpected argument; give only "
-                           "one scene");
+                           "unexpected argument; give only one scene");
         return lf_usage_error(PROGRAM, &err);
     }
     /* An empty one is none: what a service's variable that is not set leaves. */

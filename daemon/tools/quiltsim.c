@@ -245,10 +245,10 @@ static lf_status read_arguments(int argc, char *const argv[], lf_simulator_confi
     lf_status status = lf_options_read(argc, argv, &reading, out_done, err);
     if (status != LF_OK || *out_done)
         return status;
-    return optind < argc ? lf_error_set(err, LF_E_ARG, argv[optind],
-                                        "unexpected argument; quiltsim takes "
-                                        "only options (see --help)")
-                         : LF_OK;
+    return optind < argc
+               ? lf_error_set(err, LF_E_ARG, argv[optind],
+                              "unexpected argument; quiltsim takes only options (see --help)")
+               : LF_OK;
 }
 
 int main(int argc, char *argv[])

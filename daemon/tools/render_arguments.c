@@ -192,9 +192,7 @@ static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
     }
     if (!other)
         return LF_OK;
-    return lf_error_set(err, LF_E_ARG, other,
-                        "cannot be combined with --%s, which renders "
-                        "nothing",
+    return lf_error_set(err, LF_E_ARG, other, "cannot be combined with --%s, which renders nothing",
                         a->kind->option);
 }
 
@@ -332,15 +330,14 @@ static lf_status take_plain_preset(lf_render_arguments *a, lf_error *err)
     if (!preset || !preset->is_plain)
         return LF_OK;
     if (a->kind->needs_panel || a->kind->check_print || a->kind->layers)
-        return lf_error_set(err, LF_E_ARG, "--preset",
-                            "%s is one view for a display without lenses and cannot be combined "
-                            "with --%s",
-                            preset->name, a->kind->option);
+        return lf_error_set(
+            err, LF_E_ARG, "--preset",
+            "%s is one view for a display without lenses and cannot be combined with --%s",
+            preset->name, a->kind->option);
     if (a->options.views > 1 || a->options.columns > 1 || a->options.rows > 1)
         return lf_error_set(err, LF_E_ARG, "--preset",
-                            "%s is one view and cannot be combined "
-                            "with --%s",
-                            preset->name, a->options.views > 1 ? "views" : "quilt");
+                            "%s is one view and cannot be combined with --%s", preset->name,
+                            a->options.views > 1 ? "views" : "quilt");
     if (a->kind != &lf_output_video)
         return LF_OK;
     if (!a->has_codec)
@@ -356,9 +353,7 @@ static lf_status take_still(lf_render_arguments *a, lf_error *err)
 {
     if (a->options.file.still && a->options.views > 1)
         return lf_error_set(err, LF_E_ARG, "--still",
-                            "is one view and cannot be combined with "
-                            "--views %d",
-                            a->options.views);
+                            "is one view and cannot be combined with --views %d", a->options.views);
     if (a->options.file.still)
         a->options.views = 1;
     return LF_OK;
@@ -370,21 +365,17 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
     const char *where = lf_frames_option(&a->frames);
     if (a->kind->is_drawn)
         return lf_error_set(err, LF_E_ARG, where,
-                            "cannot be combined with --%s, which renders "
-                            "nothing",
-                            a->kind->option);
+                            "cannot be combined with --%s, which renders nothing", a->kind->option);
     if (a->stats || a->state)
         return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
                             "cannot be combined with %s; render one frame at a time for it", where);
     if (a->kind == &lf_output_wiggle)
-        return lf_error_set(err, LF_E_ARG, "--wiggle",
-                            "cannot be combined with %s, because it loops through the views of "
-                            "one image",
-                            where);
+        return lf_error_set(
+            err, LF_E_ARG, "--wiggle",
+            "cannot be combined with %s, because it loops through the views of one image", where);
     if (a->frames.of_rows && a->kind == &lf_output_video)
         return lf_error_set(err, LF_E_ARG, where,
-                            "cannot be combined with a video; write the "
-                            "rows as quilts or folders");
+                            "cannot be combined with a video; write the rows as quilts or folders");
     return LF_OK;
 }
 
@@ -414,8 +405,7 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
         return lf_error_set(err, LF_E_ARG, "SCENE", "is missing; see --help");
     if (optind + 1 < argc)
         return lf_error_set(err, LF_E_ARG, argv[optind + 1],
-                            "unexpected argument; give only "
-                            "one SCENE");
+                            "unexpected argument; give only one SCENE");
     a->scene = optind < argc ? argv[optind] : NULL;
     if (!a->out || a->out[0] == '\0')
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");

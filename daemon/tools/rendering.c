@@ -74,15 +74,14 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
                             r->sequence.n_done, r->sequence.n_wanted,
                             lf_frames_noun(&r->arguments->frames));
     if (r->state.is_kept)
-        return lf_error_set(err, LF_E_CANCELLED, out,
-                            "interrupted: the work is saved in %s; run the same command to "
-                            "continue",
-                            r->arguments->state);
+        return lf_error_set(
+            err, LF_E_CANCELLED, out,
+            "interrupted: the work is saved in %s; run the same command to continue",
+            r->arguments->state);
     return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: nothing was written%s",
                         !r->scene || r->sequence.on || r->arguments->state
                             ? ""
-                            : "; use --state FILE to keep "
-                              "the work");
+                            : "; use --state FILE to keep the work");
 }
 
 /* --------------------------------------------------------------------------------- rendering -- */
@@ -279,8 +278,7 @@ static void mark_depth(lf_rendering *r)
     if (!lf_scene_depth(r->scene, &r->settings, &depth))
         return;
     lf_log(LF_LOG_INFO,
-           "guides: the panel shows distances from %.4g to %.4g along the view "
-           "axis sharply",
+           "guides: the panel shows distances from %.4g to %.4g along the view axis sharply",
            depth.sharp_from, depth.sharp_to);
     lf_guides_mark(&depth, r->film_settings.exposure, r->layers,
                    (size_t)r->settings.height * (size_t)lf_camera_views(&r->settings.camera) *

@@ -87,8 +87,7 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
             "cannot be combined with a finished quilt; its name or --quilt gives the layout");
     if (a->kind->layers)
         return lf_error_set(err, LF_E_ARG, a->scene,
-                            "is a finished image without depth; --rgbd "
-                            "needs a scene");
+                            "is a finished image without depth; --rgbd needs a scene");
     if (a->render_option) {
         char where[64];
         snprintf(where, sizeof where, "--%s", a->render_option);
@@ -152,9 +151,9 @@ static lf_status check_row(const lf_rendering *r, lf_error *err)
                             "cannot be combined with --%s, which defines its own cameras",
                             kind->option);
     if (o->views > 0 || o->preset)
-        return lf_error_set(err, LF_E_ARG, o->preset ? "--preset" : "--views",
-                            "cannot be combined with --camera-rows, because the scene defines "
-                            "the rows");
+        return lf_error_set(
+            err, LF_E_ARG, o->preset ? "--preset" : "--views",
+            "cannot be combined with --camera-rows, because the scene defines the rows");
     return LF_OK;
 }
 
@@ -185,8 +184,8 @@ static void narrow_cone(lf_rendering *r)
         camera->cone *= 0.98 / lf_depth_shift(&depth);
     if (camera->cone < before && !r->pool) /* while it opens, not for every frame */
         lf_log(LF_LOG_INFO,
-               "%s: the view cone is %.1f degrees instead of %.0f, so that the lenses show all "
-               "of the scene sharply",
+               "%s: the view cone is %.1f degrees instead of %.0f, so that the lenses show all of "
+               "the scene sharply",
                r->arguments->scene, camera->cone * 180 / M_PI, before * 180 / M_PI);
 }
 
@@ -252,9 +251,7 @@ static lf_status fit(lf_rendering *r, lf_error *err)
     json_t *patch = NULL;
     lf_status status = lf_fit_patch(r->scene, &r->settings, name, LF_CAMERA_FILL, 0.0, &patch, err);
     for (int i = 0; status == LF_OK && !name && (ground = lf_scene_ground(r->scene, i)); i++)
-        lf_log(LF_LOG_INFO,
-               "--fit: the ground \"%s\" is not framed; use --fit=\"%s\" to frame "
-               "it",
+        lf_log(LF_LOG_INFO, "--fit: the ground \"%s\" is not framed; use --fit=\"%s\" to frame it",
                ground, ground);
     return status == LF_OK ? patch_scene(r, patch, err) : status;
 }
@@ -269,9 +266,9 @@ static lf_status whiten(lf_rendering *r, lf_error *err)
         lf_exposed_film(film, o->has_exposure ? o->exposure : -HUGE_VAL);
     json_t *patch = NULL;
     if (exposed.auto_exposure)
-        return lf_error_set(err, LF_E_ARG, "--preset hld",
-                            "needs a fixed exposure for its white ground, not \"auto\"; pass "
-                            "--exposure STOPS");
+        return lf_error_set(
+            err, LF_E_ARG, "--preset hld",
+            "needs a fixed exposure for its white ground, not \"auto\"; pass --exposure STOPS");
     lf_status status = lf_hld_patch(r->scene, exposed.exposure, frames, &patch, err);
     return status == LF_OK ? patch_scene(r, patch, err) : status;
 }
@@ -282,9 +279,9 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
     if (a->photo_option) {
         char where[64];
         snprintf(where, sizeof where, "--%s", a->photo_option);
-        return lf_error_set(err, LF_E_ARG, where,
-                            "applies only to finished images; a scene is rendered in the shape "
-                            "that you ask for");
+        return lf_error_set(
+            err, LF_E_ARG, where,
+            "applies only to finished images; a scene is rendered in the shape that you ask for");
     }
     if (a->kind->check_print &&
         (a->options.preset || a->options.columns > 0 || a->options.view_width > 0))
@@ -450,8 +447,8 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
     if (!film.auto_exposure || lf_output_is_light(a->kind, a->out))
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, a->options.has_exposure ? "--exposure" : a->scene,
-                        "%sauto would give each of the %s another exposure; pass --exposure "
-                        "STOPS (render without %s to see what auto chooses)",
+                        "%sauto would give each of the %s another exposure; pass --exposure STOPS "
+                        "(render without %s to see what auto chooses)",
                         a->options.has_exposure ? "" : "film.exposure: ",
                         lf_frames_noun(&a->frames), lf_frames_option(&a->frames));
 }
@@ -464,10 +461,9 @@ static lf_status check_track(const lf_rendering *r, lf_error *err)
                             "a camera grid cannot become a video of views; use --frames or "
                             "--turntable for a video of quilts");
     if (!(camera->track > 0.0) && !camera->list)
-        return lf_error_set(
-            err, LF_E_ARG, r->arguments->out,
-            "a video needs --frames, --turntable, --wiggle, or camera.views on a track, path or "
-            "circle or in a list");
+        return lf_error_set(err, LF_E_ARG, r->arguments->out,
+                            "a video needs --frames, --turntable, --wiggle, or camera.views on a "
+                            "track, path or circle or in a list");
     return LF_OK;
 }
 
@@ -517,17 +513,17 @@ static lf_status provide_for_views(const lf_rendering *r, lf_error *err)
     struct rlimit limit;
     if (a->kind->has_tiles && r->layout.columns == 0)
         return lf_error_set(err, LF_E_ARG, a->out,
-                            "%d views do not fit into the %dx%d tiles of a quilt; write a "
-                            "folder (a path that ends in /)",
+                            "%d views do not fit into the %dx%d tiles of a quilt; write a folder "
+                            "(a path that ends in /)",
                             n, LF_MAX_TILES, LF_MAX_TILES);
     if (a->kind->n_files > 0 || getrlimit(RLIMIT_NOFILE, &limit) != 0)
         return LF_OK;
     limit.rlim_cur = limit.rlim_max;
     if (setrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_max < (rlim_t)n + OTHER_FILES)
-        return lf_error_set(err, LF_E_ARG, a->out,
-                            "%d views need as many open files, but the limit is %llu; raise it "
-                            "(ulimit -Hn)",
-                            n, (unsigned long long)limit.rlim_max);
+        return lf_error_set(
+            err, LF_E_ARG, a->out,
+            "%d views need as many open files, but the limit is %llu; raise it (ulimit -Hn)", n,
+            (unsigned long long)limit.rlim_max);
     return LF_OK;
 }
 
@@ -551,8 +547,8 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = provide_for_views(r, err);
     if (status == LF_OK && (a->stats || a->state) && r->settings.camera.n_rows > 0)
         status = lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
-                              "supports one row of cameras, but the scene has several; render "
-                              "them with --camera-rows");
+                              "supports one row of cameras, but the scene has several; render them "
+                              "with --camera-rows");
     if (status == LF_OK)
         status = lf_rendering_name(r, r->sequence.frame, err);
     if (status == LF_OK && r->sequence.on)

@@ -194,9 +194,9 @@ static lf_status tell_times(lf_rendering *r, const work *w, int fields, int rows
     double cpu;
     int measured;
     if (w->passes == 0) {
-        printf("# %s\n", lf_rendering_budget(r).seconds > 0 ? "--time gives the time"
-                                                            : "the time depends on the "
-                                                              "target error");
+        printf("# %s\n", lf_rendering_budget(r).seconds > 0
+                             ? "--time gives the time"
+                             : "the time depends on the target error");
         return LF_OK;
     }
     lf_status status = measure(r, w->passes, &cpu, &measured, err);

@@ -208,8 +208,8 @@ static lf_status give(lf_shared_frames *s, lf_rendering *r, int frame, const lf_
         return status;
     lf_progress_line_clear(&r->line);
     lf_log(LF_LOG_WARNING,
-           "frame %d: the kind of its objects changes while the shutter is open, so it is "
-           "rendered alone and shares no samples",
+           "frame %d: the kind of its objects changes while the shutter is open, so it is rendered "
+           "alone and shares no samples",
            frame);
     return LF_OK;
 }

@@ -56,8 +56,7 @@ static lf_status take_up(lf_rendering *r, const lf_budget *budget, const json_t 
     const double there = spp(r, (double)out->times.passes), wanted = spp(r, (double)budget->passes);
     if (budget->passes > 0 && there > wanted)
         return lf_error_set(err, LF_E_STATE, path,
-                            "holds %.4g spp, but this job asks for %.4g; pass another --state "
-                            "FILE",
+                            "holds %.4g spp, but this job asks for %.4g; pass another --state FILE",
                             there, wanted);
     r->state.goes_on = r->state.is_kept = true;
     r->state.times = out->times;
@@ -78,10 +77,9 @@ static lf_status gather(lf_rendering *r, const lf_budget *budget, const json_t *
             lf_render_gather(r->renderer, budget, a->options.estimator, s->goes_on ? &before : NULL,
                              film, lf_rendering_show, r, r->pause, &s->times);
         if (status == LF_E_STATE)
-            return lf_error_set(
-                err, status, a->state,
-                "holds passes of another job (see --state-info); remove it or pass another "
-                "--state FILE");
+            return lf_error_set(err, status, a->state,
+                                "holds passes of another job (see --state-info); remove it or pass "
+                                "another --state FILE");
         if (status != LF_OK && status != LF_E_CANCELLED)
             return lf_error_set(err, status, a->out, "rendering failed");
         const lf_status kept = save(r, of, status == LF_OK, err);

@@ -183,8 +183,7 @@ static lf_status panel_init(simulator *s, lf_error *err)
     panel_finish(s);
     return lf_error_set(err, status, "panel",
                         status == LF_E_NOMEM ? "out of memory"
-                                             : "the display cannot have these "
-                                               "properties");
+                                             : "the display cannot have these properties");
 }
 
 typedef struct picture_rows {
@@ -340,8 +339,7 @@ static lf_status press(const simulator *s, const char *name, lf_error *err)
             continue;
         if (!s->panel.hid)
             return lf_error_set(err, LF_E_NODEV, "press",
-                                "the panel is unplugged or has no "
-                                "buttons");
+                                "the panel is unplugged or has no buttons");
         lf_model_hid_press(s->panel.hid, (uint8_t)(1u << i));
         lf_model_hid_press(s->panel.hid, 0);
         return LF_OK;
@@ -377,9 +375,9 @@ static void take_line(simulator *s, const char *line)
     else if (strcmp(line, "quit") == 0)
         s->ends = true;
     else
-        status = lf_error_set(&err, LF_E_ARG, "stdin",
-                              "unknown command; expected press BUTTON, unplug, replug, picture, "
-                              "counters or quit");
+        status = lf_error_set(
+            &err, LF_E_ARG, "stdin",
+            "unknown command; expected press BUTTON, unplug, replug, picture, counters or quit");
     if (status == LF_OK)
         say("ok");
     else
@@ -488,9 +486,9 @@ static lf_status start(simulator *s, lf_error *err)
 lf_status lf_simulator_run(const lf_simulator_config *config, lf_error *err)
 {
     if (config->no_hid && config->no_display)
-        return lf_error_set(err, LF_E_ARG, "--no-hid",
-                            "cannot be combined with --no-display, because no part of the panel "
-                            "would remain");
+        return lf_error_set(
+            err, LF_E_ARG, "--no-hid",
+            "cannot be combined with --no-display, because no part of the panel would remain");
     simulator *s = lf_calloc(1, sizeof *s);
     if (!s)
         return lf_error_set(err, LF_E_NOMEM, "quiltsim", "out of memory");

@@ -42,10 +42,10 @@ static lf_status address_of(const char *path, struct sockaddr_un *out, lf_error 
 {
     *out = (struct sockaddr_un){.sun_family = AF_UNIX};
     if (strlen(path) >= sizeof out->sun_path)
-        return lf_error_set(err, LF_E_ARG, path,
-                            "the socket path is longer than %zu bytes; use "
-                            "a shorter one (--socket PATH)",
-                            sizeof out->sun_path - 1);
+        return lf_error_set(
+            err, LF_E_ARG, path,
+            "the socket path is longer than %zu bytes; use a shorter one (--socket PATH)",
+            sizeof out->sun_path - 1);
     memcpy(out->sun_path, path, strlen(path) + 1);
     return LF_OK;
 }
@@ -67,8 +67,7 @@ static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
         if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
             close(fd);
             return lf_error_set(err, LF_E_BUSY, path,
-                                "another quiltd uses this socket; choose "
-                                "another --socket PATH");
+                                "another quiltd uses this socket; choose another --socket PATH");
         }
         struct stat ours, there;
         if (fstat(fd, &ours) == 0 && stat(lock, &there) == 0 && ours.st_ino == there.st_ino &&
@@ -89,8 +88,7 @@ static lf_status clear_name(const char *path, const struct sockaddr_un *address,
         return LF_OK;
     if (!S_ISSOCK(st.st_mode))
         return lf_error_set(err, LF_E_EXISTS, path,
-                            "exists and is not a socket; choose another "
-                            "--socket PATH");
+                            "exists and is not a socket; choose another --socket PATH");
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     bool answered =
         fd >= 0 &&
@@ -99,8 +97,7 @@ static lf_status clear_name(const char *path, const struct sockaddr_un *address,
         close(fd);
     if (answered)
         return lf_error_set(err, LF_E_BUSY, path,
-                            "another program uses this socket; choose "
-                            "another --socket PATH");
+                            "another program uses this socket; choose another --socket PATH");
     return unlink(path) == 0 ? LF_OK
                              : lf_error_set(err, LF_E_IO, path, "cannot replace the old socket: %s",
                                             lf_errno_text(errno));
@@ -141,9 +138,9 @@ lf_status lf_listen(const char *socket, lf_listener *out, int *out_fd, lf_error 
     int n = sd_listen_fds(1);
     *out = (lf_listener){.lock_fd = -1};
     if (n > 1 || (n == 1 && sd_is_socket_unix(SD_LISTEN_FDS_START, SOCK_STREAM, 1, NULL, 0) <= 0))
-        return lf_error_set(err, LF_E_ARG, "systemd",
-                            "passed something other than one listening Unix stream socket; "
-                            "check the socket unit");
+        return lf_error_set(
+            err, LF_E_ARG, "systemd",
+            "passed something other than one listening Unix stream socket; check the socket unit");
     if (n == 1) {
         *out_fd = SD_LISTEN_FDS_START;
         fcntl(*out_fd, F_SETFL, fcntl(*out_fd, F_GETFL) | O_NONBLOCK);

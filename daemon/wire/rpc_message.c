@@ -53,8 +53,7 @@ bool lf_rpc_parse(const char *line, size_t n, lf_rpc_request *out, json_t **out_
     *out_answer = NULL;
     if (memchr(line, '\0', n))
         return refuse(out_answer, NULL, LF_RPC_PARSE_ERROR,
-                      "not JSON: the line contains a zero "
-                      "byte");
+                      "not JSON: the line contains a zero byte");
     json_error_t error;
     out->message = json_loadb(line, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error);
     if (!out->message) {

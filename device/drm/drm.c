@@ -278,8 +278,7 @@ static lf_status check_size(const drm_device *drm, const struct drm_mode_modeinf
         "the native mode has %dx%d pixels, but the calibration (%.80s) is for %dx%d%s",
         mode->hdisplay, mode->vdisplay, drm->origin.words, c->screen_width_px, c->screen_height_px,
         turned ? "; it is for another model or another orientation"
-               : "; pass the calibration of "
-                 "this panel");
+               : "; pass the calibration of this panel");
 }
 
 static void describe(drm_device *drm, const lf_drm_found *found)

@@ -53,11 +53,10 @@ lf_status lf_drm_name_parse(const char *argument, lf_drm_name *out, lf_error *er
         connector = slash + 1;
     }
     if (name.card > MAX_CARD || !is_connector_name(connector))
-        return lf_error_set(
-            err, LF_E_ARG, "drm",
-            "\"%.60s\" is not the name of a display output; expected drm, drm:DP-1 or "
-            "drm:card1/HDMI-A-1",
-            argument);
+        return lf_error_set(err, LF_E_ARG, "drm",
+                            "\"%.60s\" is not the name of a display output; expected drm, drm:DP-1 "
+                            "or drm:card1/HDMI-A-1",
+                            argument);
     if (connector == argument)
         name.card = -1;
     snprintf(name.connector, sizeof name.connector, "%s", connector);
@@ -214,8 +213,7 @@ static lf_status find(const lf_kms_calls *kms, const lf_drm_name *name, lf_drm_f
         }
         kms->close(out->fd);
         return lf_error_set(err, LF_E_FORMAT, "drm",
-                            "the monitor on %s has no usable mode; unplug it and plug it in "
-                            "again",
+                            "the monitor on %s has no usable mode; unplug it and plug it in again",
                             out->connector.name);
     }
     return not_found(name, &search, err);
@@ -377,10 +375,10 @@ static int probe_card(const lf_kms_calls *kms, int card, lf_device_info *out, in
     if (fd == -EACCES || fd == -EPERM) {
         *out = (lf_device_info){.spec = "drm", .kind = "drm"};
         snprintf(out->output, sizeof out->output, "card%d", card);
-        snprintf(out->problem, sizeof out->problem,
-                 "cannot open /dev/dri/card%d (%s); add the user to the group video (usermod "
-                 "-aG video)",
-                 card, lf_errno_text(-fd));
+        snprintf(
+            out->problem, sizeof out->problem,
+            "cannot open /dev/dri/card%d (%s); add the user to the group video (usermod -aG video)",
+            card, lf_errno_text(-fd));
         return 1;
     }
     if (fd < 0)

@@ -423,7 +423,7 @@ void lf_drm_output_finish(lf_drm_output *output)
 
 const char *lf_drm_output_problem(const lf_drm_output *output)
 {
-    return output->plain ? "the driver refuses full colour range, 8 bits per channel or "
-                           "unscaled, unrotated, unprocessed output, so views may mix"
+    return output->plain ? "the driver refuses full colour range, 8 bits per channel or unscaled, "
+                           "unrotated, unprocessed output, so views may mix"
                          : "";
 }

@@ -131,11 +131,10 @@ static lf_status read_page(const reading *r, unsigned page, uint8_t out[LF_HID_P
             return status;
     }
     if (tried > 0 && refused == tried)
-        return lf_error_set(
-            r->err, LF_E_IO, r->where,
-            "the panel refused to send calibration page %u; unplug its USB cable and plug it in "
-            "again",
-            page);
+        return lf_error_set(r->err, LF_E_IO, r->where,
+                            "the panel refused to send calibration page %u; unplug its USB cable "
+                            "and plug it in again",
+                            page);
     return lf_error_set(
         r->err, LF_E_TIMEOUT, r->where,
         "the panel did not send calibration page %u; unplug its USB cable and plug it in again",
@@ -148,13 +147,13 @@ static lf_status take_length(const reading *r, const uint8_t page[LF_HID_PAGE], 
     uint32_t n =
         (uint32_t)page[0] << 24 | (uint32_t)page[1] << 16 | (uint32_t)page[2] << 8 | page[3];
     if (n == UINT32_MAX)
-        return lf_error_set(r->err, LF_E_FORMAT, r->where,
-                            "the panel's EEPROM is blank; pass the panel's visual.json with "
-                            "--calibration");
+        return lf_error_set(
+            r->err, LF_E_FORMAT, r->where,
+            "the panel's EEPROM is blank; pass the panel's visual.json with --calibration");
     if (n == 0 || n > LF_HID_MAX_JSON)
         return lf_error_set(r->err, LF_E_FORMAT, r->where,
-                            "the panel's EEPROM is damaged (a calibration of %ju bytes, "
-                            "expected 1 to %d); pass the panel's visual.json with --calibration",
+                            "the panel's EEPROM is damaged (a calibration of %ju bytes, expected 1 "
+                            "to %d); pass the panel's visual.json with --calibration",
                             (uintmax_t)n, LF_HID_MAX_JSON);
     *out = n;
     return LF_OK;

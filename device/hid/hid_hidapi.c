@@ -76,9 +76,8 @@ static lf_status cannot_open(const char *path, int e, lf_error *err)
         return lf_error_set(err, LF_E_NODEV, path, "the device does not exist or was unplugged");
     if (e == EACCES || e == EPERM)
         return lf_error_set(err, LF_E_IO, path,
-                            "no permission; install the udev rule 70-quiltd.rules (make "
-                            "install), add the user to the group quiltd, and plug the panel in "
-                            "again");
+                            "no permission; install the udev rule 70-quiltd.rules (make install), "
+                            "add the user to the group quiltd, and plug the panel in again");
     return lf_error_set(err, LF_E_IO, path, "cannot be opened as a HID device: %s",
                         lf_errno_text(e));
 }

@@ -387,8 +387,7 @@ static lf_status take_command(lf_usbip *usbip, lf_error *err)
     }
     if (command != CMD_SUBMIT || devid != LF_USBIP_DEVID)
         return lf_error_set(err, LF_E_FORMAT, "usbip",
-                            "unexpected command %u to device %x; expected a transfer to device "
-                            "%x",
+                            "unexpected command %u to device %x; expected a transfer to device %x",
                             command, devid, (unsigned)LF_USBIP_DEVID);
     return take_submit(usbip, err);
 }

@@ -18,8 +18,7 @@ static lf_status cannot(lf_error *err, const char *path, const char *verb)
     int code = errno;
     lf_status status = code == ENOENT ? LF_E_NODEV : LF_E_IO;
     return lf_error_set(err, status, path, "%s: %s%s", verb, lf_errno_text(code),
-                        code == ENOENT                    ? "; run modprobe vhci_hcd as root "
-                                                            "first"
+                        code == ENOENT                    ? "; run modprobe vhci_hcd as root first"
                         : code == EACCES || code == EPERM ? "; run quiltsim --attach as root"
                                                           : "");
 }

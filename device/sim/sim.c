@@ -170,8 +170,7 @@ static lf_status lock_folder(sim_device *sim, lf_error *err)
         return LF_OK;
     if (errno == EWOULDBLOCK)
         return lf_error_set(err, LF_E_BUSY, dir,
-                            "another quiltd uses this simulated panel; "
-                            "choose another folder");
+                            "another quiltd uses this simulated panel; choose another folder");
     return lf_error_set(err, LF_E_IO, dir, "cannot lock the folder: %s", lf_errno_text(errno));
 }
 

@@ -70,13 +70,10 @@ static lf_status check_status(lf_gud_host *host, const char *what, lf_error *err
                       err);
     if (status >= LF_GUD_STATUSES)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "%s failed: the display returned status "
-                            "%d, expected 0..%d",
-                            what, status, LF_GUD_STATUSES - 1);
+                            "%s failed: the display returned status %d, expected 0..%d", what,
+                            status, LF_GUD_STATUSES - 1);
     if (status != LF_GUD_STATUS_OK)
-        return lf_error_set(err, LF_E_IO, WHERE,
-                            "%s failed: the display refused the request "
-                            "(%s)",
+        return lf_error_set(err, LF_E_IO, WHERE, "%s failed: the display refused the request (%s)",
                             what, lf_gud_status_text(status));
     return LF_OK;
 }
@@ -161,10 +158,10 @@ static lf_status find_connector(lf_gud_host *host, lf_error *err)
             (data[0] & LF_GUD_CONNECTOR_STATUS_MASK) != LF_GUD_DISCONNECTED)
             return LF_OK;
     }
-    return status != LF_OK ? status
-                           : lf_error_set(err, LF_E_NODEV, WHERE,
-                                          "the USB display has no panel connected; plug the "
-                                          "panel into it");
+    return status != LF_OK
+               ? status
+               : lf_error_set(err, LF_E_NODEV, WHERE,
+                              "the USB display has no panel connected; plug the panel into it");
 }
 
 static lf_status ask_edid(lf_gud_host *host, lf_error *err)
@@ -268,11 +265,11 @@ static lf_status choose_capacity(lf_gud_host *host, lf_error *err)
         host->descriptor.max_buffer_size != 0 ? host->descriptor.max_buffer_size : SIZE_MAX;
     size_t least = wants_whole_frames(host) ? frame : row;
     if (limit < least)
-        return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "the display's buffer of %zu bytes is smaller than a %s of %dx%d %s "
-                            "(%zu bytes)",
-                            limit, wants_whole_frames(host) ? "frame" : "row", mode->hdisplay,
-                            mode->vdisplay, lf_gud_format_name(host->format), least);
+        return lf_error_set(
+            err, LF_E_FORMAT, WHERE,
+            "the display's buffer of %zu bytes is smaller than a %s of %dx%d %s (%zu bytes)", limit,
+            wants_whole_frames(host) ? "frame" : "row", mode->hdisplay, mode->vdisplay,
+            lf_gud_format_name(host->format), least);
     host->capacity = wants_whole_frames(host) ? frame : limit < BAND_BYTES ? limit : BAND_BYTES;
     if (host->capacity > frame)
         host->capacity = frame;

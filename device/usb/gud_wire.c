@@ -52,8 +52,7 @@ static lf_status count_entries(const char *what, size_t n, size_t size, size_t m
 {
     if (n % size != 0)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "the display's list of %s is cut off (%zu bytes, %zu bytes per "
-                            "entry)",
+                            "the display's list of %s is cut off (%zu bytes, %zu bytes per entry)",
                             what, n, size);
     if (n / size > max)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
@@ -94,9 +93,8 @@ lf_status lf_gud_descriptor_read(const uint8_t *data, size_t n, lf_gud_descripto
 {
     if (n != LF_GUD_DESCRIPTOR_BYTES)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "the display's descriptor has %zu bytes, "
-                            "expected %d",
-                            n, LF_GUD_DESCRIPTOR_BYTES);
+                            "the display's descriptor has %zu bytes, expected %d", n,
+                            LF_GUD_DESCRIPTOR_BYTES);
     if (read32(data) != MAGIC)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
                             "the display's descriptor begins with 0x%08x, expected 0x%08x",
@@ -116,9 +114,9 @@ lf_status lf_gud_descriptor_read(const uint8_t *data, size_t n, lf_gud_descripto
                             "the display uses version %d of the protocol, expected %d", d.version,
                             VERSION);
     if ((d.flags & LF_GUD_FLAG_FULL_UPDATE) != 0 && d.compression != 0)
-        return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "the display asks for both whole frames and compression, which "
-                            "exclude each other");
+        return lf_error_set(
+            err, LF_E_FORMAT, WHERE,
+            "the display asks for both whole frames and compression, which exclude each other");
     if (d.min_width > d.max_width || d.min_height > d.max_height)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
                             "the display's minimum size %ux%u exceeds its maximum size %ux%u",
@@ -298,18 +296,18 @@ lf_status lf_gud_mode_choose(const lf_gud_descriptor *descriptor, const lf_gud_m
         return LF_OK;
     }
     if (any)
-        return lf_error_set(err, LF_E_ARG, WHERE,
-                            "the display has %dx%d pixels, but the calibration is for a panel "
-                            "of %dx%d",
-                            any->hdisplay, any->vdisplay, width, height);
+        return lf_error_set(
+            err, LF_E_ARG, WHERE,
+            "the display has %dx%d pixels, but the calibration is for a panel of %dx%d",
+            any->hdisplay, any->vdisplay, width, height);
     if (n == 0)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
                             "the display has neither modes nor an EDID with a timing");
-    return lf_error_set(err, LF_E_FORMAT, WHERE,
-                        "the display has no usable mode: the first is %dx%d, expected 1..%d "
-                        "within %ux%u to %ux%u",
-                        modes[0].hdisplay, modes[0].vdisplay, LF_MAX_SIDE, descriptor->min_width,
-                        descriptor->min_height, descriptor->max_width, descriptor->max_height);
+    return lf_error_set(
+        err, LF_E_FORMAT, WHERE,
+        "the display has no usable mode: the first is %dx%d, expected 1..%d within %ux%u to %ux%u",
+        modes[0].hdisplay, modes[0].vdisplay, LF_MAX_SIDE, descriptor->min_width,
+        descriptor->min_height, descriptor->max_width, descriptor->max_height);
 }
 
 /* ------------------------------------------------------------------------- what a host sends -- */

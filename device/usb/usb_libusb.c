@@ -392,8 +392,8 @@ static void say_bound(const char *driver, lf_usb_place *place)
 static void say_forbidden(lf_usb_place *place)
 {
     snprintf(place->problem, sizeof place->problem,
-             "no permission; install quiltd's udev rule (70-quiltd.rules, SUBSYSTEM==\"usb\" "
-             "for %04x:%04x) and plug the panel in again",
+             "no permission; install quiltd's udev rule (70-quiltd.rules, SUBSYSTEM==\"usb\" for "
+             "%04x:%04x) and plug the panel in again",
              place->vendor_id, place->product_id);
 }
 

@@ -75,8 +75,7 @@ lf_status lf_sdl_load(const char *library, lf_sdl *out, lf_error *err)
     if (missing)
         return lf_error_set(
             err, LF_E_NODEV, "window",
-            "SDL has no SDL_%s, because it is older than 2.0.16; run apt-get install "
-            "libsdl2-2.0-0",
+            "SDL has no SDL_%s, because it is older than 2.0.16; run apt-get install libsdl2-2.0-0",
             missing);
     *out = sdl;
     return LF_OK;
@@ -109,8 +108,8 @@ lf_status lf_sdl_begin(const lf_sdl *sdl, int wait_ms, lf_error *err)
     };
     if (!lf_sdl_has_desktop())
         return lf_error_set(err, LF_E_NODEV, "window",
-                            "no desktop was found (WAYLAND_DISPLAY and DISPLAY are not set); "
-                            "start quiltd in a desktop session, or use --device drm");
+                            "no desktop was found (WAYLAND_DISPLAY and DISPLAY are not set); start "
+                            "quiltd in a desktop session, or use --device drm");
     if (!take_turn(wait_ms))
         return lf_error_set(err, LF_E_BUSY, "window",
                             "this program already has a window, or is waiting for the desktop");

@@ -103,10 +103,10 @@ static lf_status no_monitor(const window_device *w, const lf_sdl_monitor *monito
         return lf_error_set(err, LF_E_NODEV, "window",
                             "no monitor of this desktop has the name %s; found: %s", w->wanted,
                             seen);
-    return lf_error_set(err, LF_E_NODEV, "window",
-                        "no monitor of this desktop has the name LKG or the calibration's %dx%d "
-                        "pixels; found: %s",
-                        c->screen_width_px, c->screen_height_px, seen);
+    return lf_error_set(
+        err, LF_E_NODEV, "window",
+        "no monitor of this desktop has the name LKG or the calibration's %dx%d pixels; found: %s",
+        c->screen_width_px, c->screen_height_px, seen);
 }
 
 /* ----------------------------------------------------------------------- the device's thread -- */
@@ -355,10 +355,9 @@ static lf_status take_argument(window_device *w, const char *argument, lf_error 
     for (size_t i = 0; i < n && good; i++)
         good = !iscntrl((unsigned char)argument[i]);
     if (!good)
-        return lf_error_set(err, LF_E_ARG, "window",
-                            "\"%.60s\" is not the name of a monitor; expected window or "
-                            "window:NAME",
-                            argument);
+        return lf_error_set(
+            err, LF_E_ARG, "window",
+            "\"%.60s\" is not the name of a monitor; expected window or window:NAME", argument);
     memcpy(w->wanted, argument, n);
     return LF_OK;
 }
@@ -455,8 +454,8 @@ static int window_probe(lf_device_info *out, int max)
         const lf_edid display = edid_of(&monitors[i]);
         if (!lf_find_promise(&display, info->calibration_from))
             snprintf(info->problem, sizeof info->problem,
-                     "no calibration was found; connect the panel's USB cable (not only video), "
-                     "or pass its visual.json with --calibration");
+                     "no calibration was found; connect the panel's USB cable (not only video), or "
+                     "pass its visual.json with --calibration");
     }
     return n;
 }

@@ -149,7 +149,7 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"views s.json --counts 4,2", "ascending"},
         {"views s.json --counts 0", "--counts"},
         {"--out", "--out: expects an argument"},
-        {"--scenes x", "--out: missing"},
+        {"--scenes x", "--out: is missing"},
     };
     const char *d = *state;
 

@@ -588,8 +588,8 @@ static void cameras_in_a_list_are_views(void **state)
         {"x.exr --aov depth", "--aov: is not supported"},
         {"x.exr --reconstruct on", "--reconstruct on: is not supported"},
         {"x_%04d.png --turntable 3", "--turntable: is not supported"},
-        {"x.png --fit", "no rig"},
-        {"x.png --rgbd right", "no rig"}};
+        {"x.png --fit", "need an arc, a track or a grid"},
+        {"x.png --rgbd right", "need an arc, a track or a grid"}};
     const qr_files *f = *state;
     char list[PATH_MAX];
     lf_quilt_file quilts[2];
