@@ -34,10 +34,10 @@ static const char *layer_at(int index)
     return lf_layer_at(index) ? lf_layer_at(index)->name : NULL;
 }
 
-const char *lf_reconstruct_name(int index)
+const char *lf_denoise_name(int index)
 {
     static const char *const words[] = {"auto", "off", "on"};
-    return index <= LF_RECONSTRUCT_ON ? words[index] : NULL;
+    return index <= LF_DENOISE_ON ? words[index] : NULL;
 }
 
 static const char *const exposures[] = {"auto", "scene", NULL};
@@ -110,16 +110,19 @@ const lf_param lf_option_params[] = {
      .low = 1e-12, .high = 1e6,
      .help = "until the estimated relative mean squared error is below this",
      .about = "render until the estimated relative mean squared error is below this"},
-    {.option = "target-shown-error", .argument = "RELMSE", PLACE(target_shown_error),
-     .low = 1e-12, .high = 1e6, .help = "the same of the reconstructed picture"},
-    {.name = "reconstruct", .option = "reconstruct", .argument = "auto|off|on",
-     PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
-     .help = "the denoised picture (auto: on displays and in pictures, off in EXR files and with "
+    {.option = "target-denoised-error", .argument = "RELMSE", PLACE(target_denoised_error),
+     .low = 1e-12, .high = 1e6,
+     .help = "until the estimated relative mean squared error of the denoised image is below this"},
+    {.option = "target-shown-error", .former = "target-denoised-error", .argument = "RELMSE",
+     PLACE(target_denoised_error), .low = 1e-12, .high = 1e6},
+    {.name = "denoise", .option = "denoise", .argument = "auto|off|on", PLACE(denoise),
+     .type = LF_PARAM_WORD, .word_at = lf_denoise_name,
+     .help = "denoise the image (auto: on for displays and images, off for EXR files and with "
              "--estimator)",
-     .about = "show the denoised picture; auto: with the estimator mwis"},
-    {.name = "denoise", .option = "denoise", .argument = "auto|off|on", PLACE(reconstruct),
-     .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
-     .help = "another name for reconstruct"},
+     .about = "show the denoised image; auto: with the estimator mwis"},
+    {.name = "reconstruct", .option = "reconstruct", .former = "denoise",
+     .argument = "auto|off|on", PLACE(denoise), .type = LF_PARAM_WORD, .word_at = lf_denoise_name,
+     .about = "former name of denoise"},
     {.option = "import-memory", .argument = "GIB", PLACE(import_memory), .low = 0.125,
      .high = 65536,
      .help = "what reading files may take (half of what there is; 0.1875 at least)"},
@@ -307,8 +310,8 @@ static lf_status check_list(const lf_options *options, lf_error *err)
         const char *option;
     } refused[] = {{options->preset, "--preset"},
                    {options->views > 0, "--views"},
-                   {options->reconstruct == LF_RECONSTRUCT_ON, "--reconstruct on"},
-                   {options->target_shown_error > 0, "--target-shown-error"},
+                   {options->denoise == LF_DENOISE_ON, "--denoise on"},
+                   {options->target_denoised_error > 0, "--target-shown-error"},
                    {options->layers, "--aov"},
                    {options->guides, "--guides"}};
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
@@ -329,7 +332,7 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .skip = options->has_skip ? options->skip : LF_SKIP_ALL,
-        .features = options->reconstruct == LF_RECONSTRUCT_ON || options->layers & LF_LAYER_DEPTH ||
+        .features = options->denoise == LF_DENOISE_ON || options->layers & LF_LAYER_DEPTH ||
                     options->guides,
     };
     lf_layout layout = {0};

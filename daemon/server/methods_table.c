@@ -11,6 +11,8 @@
     "{\"type\":\"object\",\"additionalProperties\":false,\"required\":[" required                  \
     "],\"properties\":{" properties "}}"
 #define KEY(name, rest, about) "\"" name "\":{" rest ",\"description\":\"" about "\"}"
+#define FORMER(name, rest, now)                                                                   \
+    "\"" name "\":{" rest ",\"deprecated\":true,\"description\":\"former name of " now "\"}"
 #define STRING "\"type\":\"string\""
 #define NUMBER(unit) "\"type\":\"number\",\"unit\":\"" unit "\""
 #define INTEGER(unit) "\"type\":\"integer\",\"unit\":\"" unit "\""
@@ -35,10 +37,9 @@
         "write it once the picture is that good") ","                                              \
     KEY("detach", BOOLEAN("false"), "go on when the client is gone") ","                           \
     KEY("overwrite", BOOLEAN("false"), "replace a file that exists") ","                           \
-    KEY("reconstruct", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                        \
-        "write the denoised picture; auto: what the panel shows") ","                             \
     KEY("denoise", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                            \
-        "another name for reconstruct") ","                                                        \
+        "write the denoised image; auto: what the panel shows") ","                                \
+    FORMER("reconstruct", ENUM("\"auto\",\"off\",\"on\""), "denoise") ","                            \
     KEY("fds", INTEGER("descriptors") RANGE("0", "253") DEFAULT("0"),                              \
         "how many descriptors (SCM_RIGHTS) came with the call, to be written instead of file: "    \
         "one, two for a print or chart, one a view for views")
@@ -86,8 +87,9 @@ static const lf_method methods[] = {
      OBJECT_WITH("\"to\"", KEY("from", FRAME, "first frame (the one that is shown)") ","
                  KEY("to", FRAME, "last frame") ","
                  KEY("loop", BOOLEAN("true"), "begin again behind the last frame") ","
-                 KEY("rate", NUMBER("frames a second") RANGE("0.01", "1000"),
-                     "how fast they follow each other (the scene's rate)")),
+                 KEY("fps", NUMBER("frames per second") RANGE("0.01", "1000"),
+                     "playback speed (the scene's fps)") ","
+                 FORMER("rate", NUMBER("frames per second") RANGE("0.01", "1000"), "fps")),
      lf_method_time_play},
     {"time.stop", "stay at the frame that is shown", "time.stop", OBJECT(""),
      lf_method_time_stop},
@@ -100,7 +102,7 @@ static const lf_method methods[] = {
                 "end with the error -32004 after this time (never)")),
      lf_method_wait},
     {"render.set", "how to render; what is left out stays as it is",
-     "render.set reconstruct=on threads=4",
+     "render.set denoise=on threads=4",
      OBJECT(KEY("paused", "\"type\":\"boolean\"", "render no further passes")),
      lf_method_render_set},
     {"export", "write a quilt, views, panel picture, print, pitch test chart or state",

@@ -48,7 +48,7 @@ static const struct option_rule {
     {"hang-every", U64, TO(gud.hang_every)},
     {"unplug-after", U64, TO(gud.unplug_after)},
     {"bytes-per-second", U64, TO(gud.bytes_per_s)},
-    {"lie", FAULT, TO(gud.fault)},
+    {"fault", FAULT, TO(gud.fault)},
     {"hid-split", FLAG, TO(hid.split)},
     {"hid-stale", INT, TO(hid.stale)},
     {"hid-mute-every", INT, TO(hid.mute_every)},
@@ -60,6 +60,8 @@ static const struct option_rule {
 };
 
 enum { N_RULES = sizeof rules / sizeof rules[0] };
+
+static const char *const former[][2] = {{"lie", "fault"}, {NULL, NULL}};
 
 static const char *const faults[LF_GUD_FAULTS] = {
     [LF_GUD_HONEST] = "none",
@@ -106,7 +108,7 @@ static void print_help(void)
         "  --stall-every N, --fail-every N, --hang-every N   refuses a rectangle, breaks off half "
         "way, never takes it\n"
         "  --unplug-after N, --bytes-per-second N            is gone after N rectangles, is slow\n"
-        "  --lie NAME             one of:",
+        "  --fault NAME           one of:",
         LF_USBIP_PORT);
     for (int i = 0; i < LF_GUD_FAULTS; i++)
         printf("%s%s", i % 6 == 0 && i > 0 ? "\n                         " : " ", faults[i]);
@@ -190,8 +192,8 @@ static lf_status take_fault(const char *text, int *out, lf_error *err)
             return LF_OK;
         }
     }
-    return lf_error_set(err, LF_E_ARG, "--lie", "\"%s\" is no lie that is known (see --help)",
-                        text);
+    return lf_error_set(err, LF_E_ARG, "--fault",
+                        "unknown fault \"%s\"; quiltsim --help lists the faults", text);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -231,6 +233,7 @@ static lf_status read_arguments(int argc, char *const argv[], lf_simulator_confi
     const lf_options_rules reading = {.program = PROGRAM,
                                       .letters = ":",
                                       .table = table,
+                                      .former = former,
                                       .print_help = print_help,
                                       .take = take,
                                       .context = config};
