@@ -55,6 +55,9 @@ typedef struct lf_param {
     const char *(*refused_at)(int index);
     const char *refusal;
     lf_param_type type;
+    /* The name that replaced this row's name and option (former.h); NULL: they are current. The row
+     * is read like any other, but --help and completions leave it out. */
+    const char *former;
     bool required; /* by lf_param_missing and lf_param_check */
     size_t place;  /* offset in the struct */
     size_t has; /* of an option's first row: offset of a bool, true once given; 0: there is none */

@@ -523,7 +523,7 @@ static lf_status prepare(bench *b, lf_error *err)
     const lf_engine_controls controls = {.estimator = a->options.estimator,
                                          .target_error = 1e-12,
                                          .threads = a->options.threads,
-                                         .reconstruct = a->options.reconstruct};
+                                         .denoise = a->options.denoise};
     lf_status status = LF_OK;
     lf_calibration_portrait(&b->calibration);
     if (a->options.calibration)

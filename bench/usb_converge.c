@@ -208,7 +208,7 @@ static lf_status make_engine(stream *s, lf_error *err)
     const lf_engine_controls controls = {.estimator = s->options->estimator,
                                          .target_error = 1e-12,
                                          .threads = s->options->threads,
-                                         .reconstruct = s->options->reconstruct};
+                                         .denoise = s->options->denoise};
     s->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     s->has_inbox = s->event_fd >= 0 && lf_inbox_init(&s->inbox) == LF_OK;
     if (!s->has_inbox)

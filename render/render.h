@@ -89,8 +89,10 @@ LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder,
                                           const lf_roots *roots, const lf_scene *previous,
                                           lf_scene **out_scene, lf_error *err);
 
-/* JSON Merge Patch (RFC 7396) of doc; a new reference, NULL = out of memory. The result shares with
- * doc and patch what it takes from them: nobody may change their values from now on. */
+/* JSON Merge Patch (RFC 7396) of a scene's document; former names of keys in the patch count as
+ * their current names (docs/reference/scene-format.md). A new reference, NULL = out of memory. The
+ * result shares with doc and patch what it takes from them: nobody may change their values from now
+ * on. */
 json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch);
 /* The same of an object in place, which is the caller's own (members that others hold, too, are
  * copied before they change). It shares values with the patch. false: out of memory, the object is

@@ -1,5 +1,5 @@
 #!/bin/bash
-# The client of docs/protocol, run as it stands there: it turns the camera and takes a quilt.
+# The client of docs/reference, run as it is there: it turns the camera and takes a quilt.
 set -u
 src=${QUILTD_SOURCE:-.}
 out=${QUILTD_BUILD:-build/release}
@@ -24,12 +24,12 @@ for ((i = 0; i < 3000; i++)); do
     sleep 0.02
 done
 taken() {
-    python3 "$src/docs/protocol/client.py" "$top/s" "$top/quilt.png" 2>&1 || return
+    python3 "$src/docs/reference/client.py" "$top/s" "$top/quilt.png" 2>&1 || return
     [ "$(od -An -c -N4 "$top/quilt.png" | tr -d ' ')" = '211PNG' ] || echo "quilt.png is no PNG"
 }
 report "the client in Python takes a quilt" "$(taken)"
 refused() {
-    python3 "$src/docs/protocol/client.py" "$top/nothing" "$top/quilt.png" > /dev/null 2>&1 && echo "it ended with 0"
+    python3 "$src/docs/reference/client.py" "$top/nothing" "$top/quilt.png" > /dev/null 2>&1 && echo "it ended with 0"
 }
 report "without a daemon it fails" "$(refused)"
 

@@ -25,7 +25,7 @@ fi
 
 missing() {
     local f
-    for f in bin/quiltd bin/quiltctl bin/quiltrender bin/quiltsim bin/quiltbench libexec/quiltd/quiltimport libexec/quiltd/quiltimport-vdb libexec/quiltd/quiltimport-picture share/quiltd/docs/scene.schema.json share/quiltd/docs/reference/scene-format.md share/quiltd/docs/guide/prints.md \
+    for f in bin/quiltd bin/quiltctl bin/quiltrender bin/quiltsim bin/quiltbench libexec/quiltd/quiltimport libexec/quiltd/quiltimport-vdb libexec/quiltd/quiltimport-picture share/quiltd/docs/scene.schema.json share/quiltd/docs/reference/scene-format.md share/quiltd/docs/reference/protocol.md share/quiltd/docs/reference/client.py share/quiltd/docs/guide/prints.md \
         share/quiltd/scenes/first-light.json share/man/man1/quiltd.1 share/man/man1/quiltctl.1 share/man/man1/quiltrender.1 share/man/man1/quiltsim.1 \
         share/bash-completion/completions/quilt{d,ctl,render,sim,bench} share/zsh/vendor-completions/_quilt{d,ctl,render,sim,bench} \
         share/fish/vendor_completions.d/quilt{d,ctl,render,sim,bench}.fish \

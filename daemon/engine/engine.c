@@ -314,12 +314,12 @@ lf_status lf_engine_show_as(lf_engine *engine, lf_content *content, int64_t *out
     return status;
 }
 
-lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct, unsigned layers,
+lf_status lf_engine_snapshot(lf_engine *engine, lf_denoise denoise, unsigned layers,
                              lf_snapshot *out, lf_error *err)
 {
     engine_request request = {.run = engine_run_snapshot,
                               .err = err,
-                              .reconstruct = reconstruct,
+                              .denoise = denoise,
                               .layers = layers,
                               .snapshot = out};
     *out = (lf_snapshot){0};

@@ -28,7 +28,7 @@ typedef struct lf_engine_controls {
     bool guides; /* what lies outside of the sharp depth is marked (daemon/output/guides.h) */
     /* auto: the reconstructed picture where the estimator is mwis, which it converges to. Nothing
      * is reconstructed of a content without features (lf_content_from_scene) */
-    lf_reconstruct reconstruct;
+    lf_denoise denoise;
 } lf_engine_controls;
 
 typedef enum lf_engine_state {
@@ -127,11 +127,11 @@ typedef struct lf_snapshot {
     bool reconstructed;
 } lf_snapshot;
 
-/* (blocks) reconstruct: auto is as shown by the controls set last. LF_E_STATE: nothing is shown, or
+/* (blocks) denoise: auto is as shown by the controls set last. LF_E_STATE: nothing is shown, or
  * it is to be reconstructed, or to have depth, and has no features. layers: bits of lf_layer that
  * the source gets; of a finished picture, LF_E_STATE. Release with lf_snapshot_finish. */
-LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct,
-                                          unsigned layers, lf_snapshot *out, lf_error *err);
+LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_denoise denoise, unsigned layers,
+                                          lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
 /* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no
  * scene is shown. Works after lf_engine_stop(engine, false) too, from any thread, once

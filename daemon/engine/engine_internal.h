@@ -22,7 +22,7 @@ typedef struct engine_request {
     int64_t generation;
     double restored; /* passes */
     /* of the others */
-    lf_reconstruct reconstruct;
+    lf_denoise denoise;
     unsigned layers;
     lf_snapshot *snapshot;
     lf_outfile *file;

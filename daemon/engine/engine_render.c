@@ -388,9 +388,8 @@ static void guide(lf_engine *engine, const lf_content *content)
 
 static bool reconstructs(const lf_engine_controls *controls, const lf_content *content)
 {
-    bool wanted =
-        controls->reconstruct == LF_RECONSTRUCT_ON ||
-        (controls->reconstruct == LF_RECONSTRUCT_AUTO && controls->estimator == LF_ESTIMATOR_MWIS);
+    bool wanted = controls->denoise == LF_DENOISE_ON || (controls->denoise == LF_DENOISE_AUTO &&
+                                                         controls->estimator == LF_ESTIMATOR_MWIS);
     return wanted && content && content->scene && content->settings.features;
 }
 
@@ -598,18 +597,18 @@ lf_status engine_run_show_as(lf_engine *engine, engine_request *request)
 /* ----------------------------------------------------------------------------------- exports -- */
 
 /* auto: as shown, or as it will be by controls that were set before and are not in force yet. */
-static bool is_reconstructed(lf_engine *engine, lf_reconstruct asked)
+static bool is_reconstructed(lf_engine *engine, lf_denoise asked)
 {
     const lf_engine_controls wanted = lf_engine_get_controls(engine);
-    return asked == LF_RECONSTRUCT_AUTO ? reconstructs(&wanted, engine->content)
-                                        : asked == LF_RECONSTRUCT_ON;
+    return asked == LF_DENOISE_AUTO ? reconstructs(&wanted, engine->content)
+                                    : asked == LF_DENOISE_ON;
 }
 
 static lf_status take_film(lf_engine *engine, lf_snapshot *out, lf_error *err)
 {
     if (out->reconstructed && !engine->content->settings.features)
         return lf_error_set(
-            err, LF_E_STATE, "reconstruct",
+            err, LF_E_STATE, "denoise",
             "the current image was started with denoise off; use render.set denoise=on");
     lf_status status =
         lf_picture_film(&engine->picture, out->reconstructed, engine->pool, out->film);
@@ -658,7 +657,7 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
         out->film = lf_calloc(pixels, 3 * sizeof *out->film);
         if (!out->film)
             return lf_error_set(request->err, LF_E_NOMEM, "", "out of memory for the views");
-        out->reconstructed = is_reconstructed(engine, request->reconstruct);
+        out->reconstructed = is_reconstructed(engine, request->denoise);
         lf_status status = take_film(engine, out, request->err);
         out->source = lf_output_from_film(&content->settings, out->film);
         out->source.reconstructed = out->reconstructed;

@@ -55,7 +55,7 @@ static void list_rules(described_list *list, const lf_options_rules *rules)
 {
     for (const lf_options_part *part = rules->parts; part && part->params; part++)
         for (const lf_param *row = part->params; row->name || row->option; row = lf_param_next(row))
-            if (lf_param_among(row, part->names))
+            if (!row->former && lf_param_among(row, part->names))
                 list_add(list, (described){.name = row->option,
                                            .row = row,
                                            .takes = (row->type != LF_PARAM_SWITCH || row->words) &&

@@ -35,7 +35,7 @@ lf_status lf_content_from_scene(lf_scene *scene, const char *file, const lf_opti
     content->film = *lf_scene_film_settings(scene);
     lf_status status = lf_resolve_view(options, lf_scene_camera(scene), calibration,
                                        &content->settings, &content->layout, err);
-    content->settings.features = options->reconstruct != LF_RECONSTRUCT_OFF || options->guides;
+    content->settings.features = options->denoise != LF_DENOISE_OFF || options->guides;
     if (status != LF_OK) {
         lf_content_unref(content);
         return status;

@@ -30,10 +30,10 @@ static const char *layer_at(int index)
     return lf_layer_at(index) ? lf_layer_at(index)->name : NULL;
 }
 
-const char *lf_reconstruct_name(int index)
+const char *lf_denoise_name(int index)
 {
     static const char *const words[] = {"auto", "off", "on"};
-    return index <= LF_RECONSTRUCT_ON ? words[index] : NULL;
+    return index <= LF_DENOISE_ON ? words[index] : NULL;
 }
 
 static const char *const exposures[] = {"auto", "scene", NULL};
@@ -115,16 +115,18 @@ const lf_param lf_option_params[] = {
      .low = 1e-12, .high = 1e6,
      .help = "render until the estimated relative mean squared error is below RELMSE",
      .about = "render until the estimated relative mean squared error is below this value"},
-    {.option = "target-shown-error", .argument = "RELMSE", PLACE(target_shown_error),
-     .low = 1e-12, .high = 1e6, .help = "render until the error of the denoised image is below "
-                                        "RELMSE"},
-    {.name = "reconstruct", .option = "reconstruct", .argument = "auto|off|on",
-     PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
+    {.option = "target-denoised-error", .argument = "RELMSE", PLACE(target_denoised_error),
+     .low = 1e-12, .high = 1e6,
+     .help = "render until the error of the denoised image is below RELMSE"},
+    {.option = "target-shown-error", .former = "target-denoised-error", .argument = "RELMSE",
+     PLACE(target_denoised_error), .low = 1e-12, .high = 1e6},
+    {.name = "denoise", .option = "denoise", .argument = "auto|off|on", PLACE(denoise),
+     .type = LF_PARAM_WORD, .word_at = lf_denoise_name,
      .help = "denoise; auto: off for EXR files and with --estimator, else on",
      .about = "show the denoised image; auto: on if the estimator is mwis"},
-    {.name = "denoise", .option = "denoise", .argument = "auto|off|on", PLACE(reconstruct),
-     .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
-     .help = "another name for reconstruct"},
+    {.name = "reconstruct", .option = "reconstruct", .former = "denoise",
+     .argument = "auto|off|on", PLACE(denoise), .type = LF_PARAM_WORD, .word_at = lf_denoise_name,
+     .about = "former name of denoise"},
     {.option = "import-memory", .argument = "GIB", PLACE(import_memory), .low = 0.125,
      .high = 65536,
      .help = "memory limit for reading files, at least 0.1875 (half of the RAM)"},
@@ -314,8 +316,8 @@ static lf_status check_list(const lf_options *options, lf_error *err)
         const char *option;
     } refused[] = {{options->preset, "--preset"},
                    {options->views > 0, "--views"},
-                   {options->reconstruct == LF_RECONSTRUCT_ON, "--reconstruct on"},
-                   {options->target_shown_error > 0, "--target-shown-error"},
+                   {options->denoise == LF_DENOISE_ON, "--denoise on"},
+                   {options->target_denoised_error > 0, "--target-denoised-error"},
                    {options->layers, "--aov"},
                    {options->guides, "--guides"}};
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
@@ -336,7 +338,7 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .skip = options->has_skip ? options->skip : LF_SKIP_ALL,
-        .features = options->reconstruct == LF_RECONSTRUCT_ON || options->layers & LF_LAYER_DEPTH ||
+        .features = options->denoise == LF_DENOISE_ON || options->layers & LF_LAYER_DEPTH ||
                     options->guides,
     };
     lf_layout layout = {0};

@@ -30,13 +30,9 @@ enum {
 /* Whether the reconstructed picture is shown. auto: on displays and in pictures, where the
  * estimator is mwis and nobody measures: not in files of light, nor where an estimator was asked
  * for. */
-typedef enum lf_reconstruct {
-    LF_RECONSTRUCT_AUTO,
-    LF_RECONSTRUCT_OFF,
-    LF_RECONSTRUCT_ON
-} lf_reconstruct;
+typedef enum lf_denoise { LF_DENOISE_AUTO, LF_DENOISE_OFF, LF_DENOISE_ON } lf_denoise;
 /* Its names, as on the command line; NULL behind the last. */
-const char *lf_reconstruct_name(int index);
+const char *lf_denoise_name(int index);
 
 /* The camera moves to where all, or the mesh or volume of this name, fills its views. */
 typedef struct lf_fit_option {
@@ -65,17 +61,17 @@ typedef struct lf_options {
     lf_choices choices;          /* lf_integrator_params */
     int threads;                 /* 0 = all CPUs */
     uint64_t seed;
-    int max_depth;                           /* 0 = the scene's */
-    bool has_exposure;                       /* it was given */
-    bool guides;                             /* what lies outside of the sharp depth is marked */
-    bool has_skip;                           /* it was given */
-    unsigned skip;                           /* bits of lf_skip */
-    double target_error, target_shown_error; /* > 0 */
+    int max_depth;                              /* 0 = the scene's */
+    bool has_exposure;                          /* it was given */
+    bool guides;                                /* what lies outside of the sharp depth is marked */
+    bool has_skip;                              /* it was given */
+    unsigned skip;                              /* bits of lf_skip */
+    double target_error, target_denoised_error; /* > 0 */
     lf_fit_option fit;
     lf_file_options file;
     double exposure; /* as in lf_exposed_film */
     int import_time; /* seconds; 0 = LF_IMPORT_SECONDS */
-    lf_reconstruct reconstruct;
+    lf_denoise denoise;
     unsigned layers;         /* bits of lf_layer, beside the colours of EXR files */
     const char *calibration; /* a file */
     double import_memory;    /* GiB; 0 = half of the machine's */
@@ -89,7 +85,7 @@ extern const lf_param lf_option_params[];
 /* What to look at, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
 #define LF_OPTIONS_RENDER                                                                          \
-    "integrator estimator sampler max-depth skip threads seed reconstruct denoise"
+    "integrator estimator sampler max-depth skip threads seed denoise reconstruct"
 #define LF_OPTIONS_IMPORT "import-memory import-time"
 
 /* Holds what reads files to what the options say (lf_import_limit). */
@@ -137,7 +133,10 @@ typedef struct lf_options_rules {
     const char *letters;
     const lf_options_part *parts; /* the last has no params; NULL = none */
     const struct option *table;   /* the program's own, ended by zeros; NULL = none */
-    void (*print_help)(void);     /* NULL: --help and --version are not taken */
+    /* Former names of options of `table` (base/former.h): {former, name} each, {NULL} last. `take`
+     * gets the code of the option with the current name. NULL: none. */
+    const char *const (*former)[2];
+    void (*print_help)(void); /* NULL: --help and --version are not taken */
     /* takes an option of the program's own table; NULL without one */
     lf_status (*take)(void *context, int code, const char *argument, lf_error *err);
     /* hears of every option of parts that was taken; may be NULL */

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/former.h"
 #include "base/nearest.h"
 #include "daemon/output/completion.h"
 
@@ -41,6 +42,16 @@ static int append(struct option *table, int n, const char *name, int has_argumen
     return n;
 }
 
+/* With the code of the option that replaced it; name_of_code finds that one first. */
+static int append_former(struct option *table, int n, const char *former, const char *name)
+{
+    int i = 0;
+    while (table[i].name && strcmp(table[i].name, name) != 0)
+        i++;
+    assert(i < n);
+    return append(table, n, former, table[i].has_arg, table[i].val);
+}
+
 static void make_table(const lf_options_rules *rules, struct option *table)
 {
     int n = 0;
@@ -58,6 +69,8 @@ static void make_table(const lf_options_rules *rules, struct option *table)
     }
     for (const struct option *own = rules->table; own && own->name; own++)
         n = append(table, n, own->name, own->has_arg, own->val);
+    for (int i = 0; rules->former && rules->former[i][0]; i++)
+        n = append_former(table, n, rules->former[i][0], rules->former[i][1]);
     if (!rules->print_help)
         return;
     n = append(table, n, "help", no_argument, CODE_HELP);
@@ -81,14 +94,24 @@ static lf_status unknown(const struct option *table, const char *where, lf_error
                  : lf_error_set(err, LF_E_ARG, where, "unknown option; see --help");
 }
 
+static void log_former(const char *former, const char *name)
+{
+    char old[64], now[64];
+    snprintf(old, sizeof old, "--%s", former);
+    snprintf(now, sizeof now, "--%s", name);
+    lf_former_used(old, now);
+}
+
 /* getopt_long without its own messages; *out_code is -1 behind the last option. */
 static lf_status read_next(int argc, char *const argv[], const char *letters,
                            const struct option *table, int *out_code, lf_error *err)
 {
     char where[128];
     opterr = 0;
-    int code = getopt_long(argc, argv, letters, table, NULL);
+    int at = -1, code = getopt_long(argc, argv, letters, table, &at);
     if (code != '?' && code != ':') {
+        if (at >= 0 && code < CODE_HELP && strcmp(table[at].name, name_of_code(table, code)) != 0)
+            log_former(table[at].name, name_of_code(table, code));
         *out_code = code;
         return LF_OK;
     }
@@ -127,6 +150,8 @@ static lf_status take_row(const lf_options_rules *rules, char *const argv[], int
     const char *text = optarg;
     if (row->optional && !text && is_argument(argv[optind])) /* argv ends with NULL */
         text = argv[optind++];
+    if (row->former)
+        log_former(row->option, row->former);
     lf_status status = lf_param_from_text(row, text, part->object, err);
     if (status == LF_OK && rules->taken)
         rules->taken(rules->context, part->params, row);

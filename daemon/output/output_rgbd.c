@@ -16,6 +16,7 @@ static const char *const sides[] = {[LF_RGBD_RIGHT] = "right",
                                     [LF_RGBD_TOP] = "top",
                                     [LF_RGBD_BOTTOM] = "bottom",
                                     NULL};
+static const char *const inversions[] = {"off", "on", NULL};
 static const char *const near_ends[] = {"white", "black", NULL};
 static const char *const extents[] = {"middle", "quilt", NULL};
 
@@ -29,10 +30,13 @@ const lf_param lf_rgbd_params[] = {
     {.name = "of", .option = "rgbd-of", .argument = "middle|quilt", PLACE(is_quilt),
      .type = LF_PARAM_WORD, .words = extents,
      .help = "write the middle view, or a quilt next to a quilt of depth"},
-    {.name = "near_is", .option = "near-is", .argument = "COLOUR", PLACE(near_is_black),
-     .type = LF_PARAM_WORD, .words = near_ends, .help = "grey of near points in the depth of "
-                                                        "--rgbd",
-     .about = "grey of near points in the depth"},
+    {.name = "depth_inversion", .option = "depth-inversion", .argument = "off|on",
+     PLACE(near_is_black), .type = LF_PARAM_WORD, .words = inversions,
+     .help = "on: near is black and far is white in the depth of --rgbd (off)",
+     .about = "on: near is black and far is white in the depth"},
+    {.name = "near_is", .option = "near-is", .former = "depth-inversion", .argument = "COLOUR",
+     PLACE(near_is_black), .type = LF_PARAM_WORD, .words = near_ends,
+     .about = "former name of depth_inversion: black is on, white is off"},
     {.name = "near", .option = "near", .argument = "Z", PLACE(near), .low = 1e-9, .high = 1e9,
      .help = "distance along the view axis that gets the nearest depth value of --rgbd",
      .about = "distance along the view axis that gets the nearest depth value"},

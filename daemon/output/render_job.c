@@ -193,8 +193,8 @@ lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_es
     } else if (budget->cpu_seconds > 0) {
         status = run_time(&r, budget->cpu_seconds, r.cpu_start, lf_time_cpu);
     } else {
-        assert(budget->target_error > 0 || budget->target_shown_error > 0);
-        status = run_target(&r, fmax(budget->target_error, budget->target_shown_error));
+        assert(budget->target_error > 0 || budget->target_denoised_error > 0);
+        status = run_target(&r, fmax(budget->target_error, budget->target_denoised_error));
     }
     if (status == LF_E_CANCELLED)
         r.passes = atomic_load_explicit(&r.row_passes, memory_order_relaxed) / r.height;
@@ -273,6 +273,8 @@ static void set_errors(json_t *object, const lf_render_report *report, double re
     json_object_set_new(object, "rel_mse_bound", real_or_null(bound));
     json_object_set_new(object, "error", bound >= 0 ? real_or_null(error) : json_null());
     json_object_set_new(object, "error_bound", real_or_null(bound));
+    json_object_set_new(object, "denoised_error", real_or_null(shown));
+    json_object_set_new(object, "denoised_error_bound", real_or_null(shown_bound));
     json_object_set_new(object, "shown_error", real_or_null(shown));
     json_object_set_new(object, "shown_error_bound", real_or_null(shown_bound));
 }
@@ -335,6 +337,8 @@ json_t *lf_render_report_json(const lf_render_report *report)
                                        "rel_mse_bound",
                                        "error",
                                        "error_bound",
+                                       "denoised_error",
+                                       "denoised_error_bound",
                                        "shown_error",
                                        "shown_error_bound",
                                        "rays_traced",

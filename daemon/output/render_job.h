@@ -15,7 +15,7 @@ typedef struct lf_budget {
     /* relMSE that the picture is under, with confidence 1 - LF_ERROR_ALPHA over all looks */
     double target_error;
     /* the same of the reconstructed picture, which the renderer must have features for */
-    double target_shown_error;
+    double target_denoised_error;
     /* The answer is the reconstructed picture, not the estimator's: needs features. */
     bool reconstructed;
 } lf_budget;

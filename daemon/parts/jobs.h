@@ -30,7 +30,7 @@ typedef struct lf_export {
     bool overwrite;
     int64_t generation; /* what to wait for … */
     lf_level wait;      /* … at that level; kinds that are drawn wait for nothing */
-    lf_reconstruct reconstruct;
+    lf_denoise denoise;
     lf_panel_options panel;
     bool has_calibration;
     lf_calibration calibration;

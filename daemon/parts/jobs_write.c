@@ -171,7 +171,7 @@ void lf_job_write(lf_job *job)
         job->status = write_snapshot(job, NULL);
     } else {
         lf_snapshot snapshot;
-        job->status = lf_engine_snapshot(job->jobs->home.engine, asked->reconstruct,
+        job->status = lf_engine_snapshot(job->jobs->home.engine, asked->denoise,
                                          asked->kind->layers, &snapshot, &job->err);
         if (job->status == LF_OK)
             job->status = write_snapshot(job, &snapshot);

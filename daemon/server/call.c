@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/former.h"
 #include "base/frame_name.h"
 #include "daemon/server/server_internal.h"
 
@@ -76,17 +77,32 @@ lf_deferred *lf_defer(lf_call *call)
     return deferred;
 }
 
-/* ------------------------------------------------------------------------------- other names -- */
+/* ------------------------------------------------------------------------------ former names -- */
 
-lf_status lf_denoise_word(const json_t *params, const char *where, const char **out_word,
-                          lf_error *err)
+/* {former, name} */
+static const char *const former_params[][2] = {
+    {"reconstruct", "denoise"}, {"near_is", "depth_inversion"}, {"rate", "fps"}};
+
+lf_status lf_check_former(const json_t *params, const char *method, lf_error *err)
 {
-    const char *word = json_string_value(json_object_get(params, "reconstruct")),
-               *other = json_string_value(json_object_get(params, "denoise"));
-    *out_word = word ? word : other;
-    return word && other ? lf_error_set_at(err, LF_E_ARG, where, 0, "/denoise",
-                                           "is another name for reconstruct; give only one of them")
-                         : LF_OK;
+    char pointer[32];
+    for (size_t i = 0; i < sizeof former_params / sizeof former_params[0]; i++) {
+        const char *former = former_params[i][0], *name = former_params[i][1];
+        if (!json_object_get(params, former))
+            continue;
+        snprintf(pointer, sizeof pointer, "/%s", former);
+        if (json_object_get(params, name))
+            return lf_error_set_at(err, LF_E_ARG, method, 0, pointer,
+                                   "is the former name of %s; give only one of them", name);
+        lf_former_used(former, name);
+    }
+    return LF_OK;
+}
+
+const json_t *lf_param_or_former(const json_t *params, const char *name, const char *former)
+{
+    const json_t *value = json_object_get(params, name);
+    return value ? value : json_object_get(params, former);
 }
 
 /* ------------------------------------------------------------------------------------- paths -- */

@@ -252,12 +252,9 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     options->estimator = controls->estimator;
     options->target_error = controls->target_error;
     options->exposure = controls->has_exposure ? controls->exposure : -(double)INFINITY;
-    options->reconstruct = controls->reconstruct;
+    options->denoise = controls->denoise;
     options->guides = controls->guides;
-    const char *word;
-    lf_status status = lf_denoise_word(params, "render.set", &word, err);
-    if (status == LF_OK)
-        status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
+    lf_status status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
     if (status != LF_OK)
         return status;
     controls->estimator = options->estimator;
@@ -265,7 +262,7 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     controls->target_error = options->target_error;
     controls->exposure = options->exposure;
     controls->has_exposure = true;
-    controls->reconstruct = options->reconstruct;
+    controls->denoise = options->denoise;
     controls->guides = options->guides;
     controls->paused = paused ? json_is_true(paused) : controls->paused;
     return LF_OK;
@@ -292,8 +289,8 @@ void lf_method_render_set(lf_call *call)
     server->options = options;
     lf_engine_set_controls(server->engine, &controls);
     /* Features, which a film that was begun without them lacks. */
-    bool more = before.reconstruct == LF_RECONSTRUCT_OFF &&
-                (controls.reconstruct != before.reconstruct || (controls.guides && !before.guides));
+    bool more = before.denoise == LF_DENOISE_OFF &&
+                (controls.denoise != before.denoise || (controls.guides && !before.guides));
     if (!over && !more) {
         lf_reply(call, json_pack("{s:I}", "generation", (json_int_t)server->generation));
         return;

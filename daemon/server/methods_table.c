@@ -11,6 +11,8 @@
     "{\"type\":\"object\",\"additionalProperties\":false,\"required\":[" required                  \
     "],\"properties\":{" properties "}}"
 #define KEY(name, rest, about) "\"" name "\":{" rest ",\"description\":\"" about "\"}"
+#define FORMER(name, rest, now)                                                                    \
+    "\"" name "\":{" rest ",\"deprecated\":true,\"description\":\"former name of " now "\"}"
 #define STRING "\"type\":\"string\""
 #define NUMBER(unit) "\"type\":\"number\",\"unit\":\"" unit "\""
 #define INTEGER(unit) "\"type\":\"integer\",\"unit\":\"" unit "\""
@@ -35,10 +37,9 @@
         "level of the image to wait for") ","                                                      \
     KEY("detach", BOOLEAN("false"), "continue after the client disconnects") ","                   \
     KEY("overwrite", BOOLEAN("false"), "replace an existing file") ","                             \
-    KEY("reconstruct", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                        \
-        "write the denoised image; auto: as on the panel") ","                                     \
     KEY("denoise", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                            \
-        "another name for reconstruct") ","                                                        \
+        "write the denoised image; auto: as on the panel") ","                                     \
+    FORMER("reconstruct", ENUM("\"auto\",\"off\",\"on\""), "denoise") ","                          \
     KEY("fds", INTEGER("descriptors") RANGE("0", "253") DEFAULT("0"),                              \
         "number of descriptors (SCM_RIGHTS) passed to write to: one; two for a print or chart; "   \
         "one per view for views")
@@ -87,8 +88,9 @@ static const lf_method methods[] = {
      OBJECT_WITH("\"to\"", KEY("from", FRAME, "first frame (the current frame)") ","
                  KEY("to", FRAME, "last frame") ","
                  KEY("loop", BOOLEAN("true"), "repeat from the first frame") ","
-                 KEY("rate", NUMBER("frames per second") RANGE("0.01", "1000"),
-                     "playback speed (the scene's frame rate)")),
+                 KEY("fps", NUMBER("frames per second") RANGE("0.01", "1000"),
+                     "playback speed (the scene's fps)") ","
+                 FORMER("rate", NUMBER("frames per second") RANGE("0.01", "1000"), "fps")),
      lf_method_time_play},
     {"time.stop", "stop at the current frame", "time.stop", OBJECT(""),
      lf_method_time_stop},
@@ -101,7 +103,7 @@ static const lf_method methods[] = {
                 "return error -32004 after this time (never)")),
      lf_method_wait},
     {"render.set", "set how to render; other settings keep their values",
-     "render.set reconstruct=on threads=4",
+     "render.set denoise=on threads=4",
      OBJECT(KEY("paused", "\"type\":\"boolean\"", "pause rendering")),
      lf_method_render_set},
     {"export", "write a quilt, views, panel image, print, pitch test chart or state",

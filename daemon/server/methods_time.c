@@ -10,9 +10,9 @@ json_t *lf_time_json(const lf_server *server)
     json_t *time =
         json_pack("{s:i, s:b}", "frame", lf_scene_frame(scene), "playing", (int)!!played);
     if (played)
-        json_object_update_new(time, json_pack("{s:f, s:i, s:i, s:b}", "rate", played->rate, "from",
-                                               played->from, "to", played->to, "loop",
-                                               (int)!played->once));
+        json_object_update_new(time, json_pack("{s:f, s:f, s:i, s:i, s:b}", "fps", played->rate,
+                                               "rate", played->rate, "from", played->from, "to",
+                                               played->to, "loop", (int)!played->once));
     return time;
 }
 
@@ -39,7 +39,7 @@ void lf_method_time_set(lf_call *call)
 
 void lf_method_time_play(lf_call *call)
 {
-    const json_t *rate = json_object_get(call->params, "rate"),
+    const json_t *rate = lf_param_or_former(call->params, "fps", "rate"),
                  *from = json_object_get(call->params, "from"),
                  *loop = json_object_get(call->params, "loop");
     lf_error err;

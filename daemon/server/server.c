@@ -157,7 +157,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         .has_exposure = options->has_exposure,
         .exposure = options->exposure,
         .guides = options->guides,
-        .reconstruct = options->reconstruct,
+        .denoise = options->denoise,
     };
     lf_status status = lf_response_codes(&server->response, &controls.codes, err);
     controls.has_codes = true;

@@ -11,9 +11,10 @@
 
 static json_t *frame_json(const lf_shown *shown)
 {
-    json_t *frame = json_pack("{s:I, s:s, s:f, s:s}", "generation", (json_int_t)shown->generation,
-                              "level", lf_level_name(shown->level), "passes", shown->passes,
-                              "picture", lf_server_picture_name(shown));
+    json_t *frame =
+        json_pack("{s:I, s:s, s:f, s:s, s:s}", "generation", (json_int_t)shown->generation, "level",
+                  lf_level_name(shown->level), "passes", shown->passes, "image",
+                  lf_server_image_name(shown), "picture", lf_server_picture_name(shown));
     if (frame && shown->card[0] != '\0')
         (void)json_object_set_new(frame, "card", lf_rpc_text(shown->card));
     return frame;

@@ -135,22 +135,17 @@ static lf_level wait_of(const json_t *params, bool is_state)
 }
 
 /* auto: as shown; but of light the estimator's answer, unless the daemon was told on. */
-static lf_status take_reconstruct(const lf_server *server, lf_export *what, const json_t *params,
-                                  lf_error *err)
+static void take_denoise(const lf_server *server, lf_export *what, const json_t *params)
 {
     const lf_engine_controls controls = lf_engine_get_controls(server->engine);
-    const char *word;
-    lf_status status = lf_denoise_word(params, "export", &word, err);
-    if (status != LF_OK)
-        return status;
-    what->reconstruct = word ? LF_RECONSTRUCT_ON : LF_RECONSTRUCT_AUTO;
-    while (what->reconstruct > LF_RECONSTRUCT_AUTO &&
-           strcmp(word, lf_reconstruct_name((int)what->reconstruct)) != 0)
-        what->reconstruct--;
-    if (what->reconstruct == LF_RECONSTRUCT_AUTO && controls.reconstruct != LF_RECONSTRUCT_ON &&
-        what->kind && lf_output_is_light(what->kind, what->file))
-        what->reconstruct = LF_RECONSTRUCT_OFF;
-    return LF_OK;
+    const char *word = json_string_value(lf_param_or_former(params, "denoise", "reconstruct"));
+    what->denoise = word ? LF_DENOISE_ON : LF_DENOISE_AUTO;
+    while (what->denoise > LF_DENOISE_AUTO &&
+           strcmp(word, lf_denoise_name((int)what->denoise)) != 0)
+        what->denoise--;
+    if (what->denoise == LF_DENOISE_AUTO && controls.denoise != LF_DENOISE_ON && what->kind &&
+        lf_output_is_light(what->kind, what->file))
+        what->denoise = LF_DENOISE_OFF;
 }
 
 static lf_status take_words(lf_export *what, lf_call *call, lf_error *err)
@@ -177,7 +172,7 @@ static lf_status take_words(lf_export *what, lf_call *call, lf_error *err)
     if (status == LF_OK)
         status = take_file(server, what, string_of(params, "file"), err);
     if (status == LF_OK)
-        status = take_reconstruct(server, what, params, err);
+        take_denoise(server, what, params);
     if (status == LF_OK && what->kind && what->kind->needs_panel)
         status = take_panel_words(server, what, params, err);
     if (status == LF_OK && what->kind && what->kind->check_print)

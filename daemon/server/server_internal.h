@@ -164,7 +164,9 @@ void lf_server_watch(lf_server *server);
 
 /* "rendering", "converged", "paused", "idle", "error". */
 const char *lf_server_state_name(const lf_server *server);
-/* "reconstructed", "unfiltered" (also a finished picture), "card". */
+/* "denoised", "unfiltered" (also a finished image), "card". */
+const char *lf_server_image_name(const lf_shown *shown);
+/* The same for the former field `picture`, which says "reconstructed". */
 const char *lf_server_picture_name(const lf_shown *shown);
 /* What is to be said of what is shown, as `status` and the answers to loads tell it. */
 json_t *lf_server_warnings_json(const lf_server *server);
@@ -225,10 +227,11 @@ void lf_reply_with(lf_call *call, json_t *result, const char *key, const char *t
 void lf_fail(lf_call *call, const lf_error *err, bool scene);
 /* Puts the answer off; NULL (and answered) when the client has too many calls open. */
 lf_deferred *lf_defer(lf_call *call);
-/* What the call says by reconstruct, or by denoise, its other name; NULL: by neither. LF_E_ARG: by
- * both. */
-LF_NODISCARD lf_status lf_denoise_word(const json_t *params, const char *where,
-                                       const char **out_word, lf_error *err);
+/* Logs former names of parameters (base/former.h). LF_E_ARG: a former name stands next to the
+ * current one. */
+LF_NODISCARD lf_status lf_check_former(const json_t *params, const char *method, lf_error *err);
+/* The value of a parameter under its current or its former name, borrowed; NULL: under neither. */
+const json_t *lf_param_or_former(const json_t *params, const char *name, const char *former);
 /* A path parameter of a client: must lie beneath the roots (LF_E_PATH, whether it exists or not),
  * and exist there (LF_E_IO); relative ones are relative to the folder of the scene the daemon was
  * started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_ARG (empty), LF_E_NOMEM.

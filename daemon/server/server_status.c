@@ -2,16 +2,23 @@
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
+#include <string.h>
 #include <systemd/sd-daemon.h>
 
 #include "base/thread.h"
 #include "daemon/server/server_internal.h"
 
-const char *lf_server_picture_name(const lf_shown *shown)
+const char *lf_server_image_name(const lf_shown *shown)
 {
     if (shown->card[0] != '\0')
         return "card";
-    return shown->reconstructed ? "reconstructed" : "unfiltered";
+    return shown->reconstructed ? "denoised" : "unfiltered";
+}
+
+const char *lf_server_picture_name(const lf_shown *shown)
+{
+    const char *name = lf_server_image_name(shown);
+    return strcmp(name, "denoised") == 0 ? "reconstructed" : name;
 }
 
 const char *lf_server_state_name(const lf_server *server)

@@ -53,10 +53,11 @@ static json_t *seed_words(uint64_t seed)
 
 static json_t *budget_words(const lf_budget *b)
 {
-    return b->passes > 0         ? json_pack("{s:I}", "passes", (json_int_t)b->passes)
-           : b->seconds > 0      ? json_pack("{s:f}", "seconds", b->seconds)
-           : b->target_error > 0 ? json_pack("{s:f}", "target_error", b->target_error)
-                                 : json_pack("{s:f}", "target_shown_error", b->target_shown_error);
+    return b->passes > 0    ? json_pack("{s:I}", "passes", (json_int_t)b->passes)
+           : b->seconds > 0 ? json_pack("{s:f}", "seconds", b->seconds)
+           : b->target_error > 0
+               ? json_pack("{s:f}", "target_error", b->target_error)
+               : json_pack("{s:f}", "target_denoised_error", b->target_denoised_error);
 }
 
 json_t *lf_job_state_of(const char *scene, const lf_renderer *renderer, const lf_budget *budget)
@@ -65,12 +66,12 @@ json_t *lf_job_state_of(const char *scene, const lf_renderer *renderer, const lf
     lf_state_id id;
     if (lf_renderer_state_id(renderer, &id) != LF_OK)
         return NULL;
-    return json_pack("{s:s, s:s, s:i, s:i, s:i, s:o, s:s, s:b, s:{s:o, s:o, s:o}, s:o}", "quiltd",
-                     LF_VERSION, "scene", scene, "views", s->camera.n_views, "width", s->width,
-                     "height", s->height, "seed", seed_words(s->seed), "integrator", s->integrator,
-                     "reconstruct", s->features, "hashes", "scene", hash_words(id.scene), "camera",
-                     hash_words(id.camera), "all", hash_words(id.whole), "budget",
-                     budget_words(budget));
+    return json_pack("{s:s, s:s, s:i, s:i, s:i, s:o, s:s, s:b, s:b, s:{s:o, s:o, s:o}, s:o}",
+                     "quiltd", LF_VERSION, "scene", scene, "views", s->camera.n_views, "width",
+                     s->width, "height", s->height, "seed", seed_words(s->seed), "integrator",
+                     s->integrator, "reconstruct", s->features, "denoise", s->features, "hashes",
+                     "scene", hash_words(id.scene), "camera", hash_words(id.camera), "all",
+                     hash_words(id.whole), "budget", budget_words(budget));
 }
 
 /* ------------------------------------------------------------------------------------ differ -- */
@@ -103,7 +104,7 @@ static void differences(const json_t *there, const json_t *of, char *words, size
     static const char *const keys[][2] = {
         {"views", "the number of views"}, {"width", "the views' width"},
         {"height", "the views' height"},  {"seed", "the seed"},
-        {"integrator", "the integrator"}, {"reconstruct", "--reconstruct"}};
+        {"integrator", "the integrator"}, {"reconstruct", "--denoise"}};
     const json_t *hashes = json_object_get(there, "hashes"), *ours = json_object_get(of, "hashes");
     words[0] = '\0';
     if (differs(hashes, ours, "scene"))

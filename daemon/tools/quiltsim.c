@@ -48,7 +48,7 @@ static const struct option_rule {
     {"hang-every", U64, TO(gud.hang_every)},
     {"unplug-after", U64, TO(gud.unplug_after)},
     {"bytes-per-second", U64, TO(gud.bytes_per_s)},
-    {"lie", FAULT, TO(gud.fault)},
+    {"fault", FAULT, TO(gud.fault)},
     {"hid-split", FLAG, TO(hid.split)},
     {"hid-stale", INT, TO(hid.stale)},
     {"hid-mute-every", INT, TO(hid.mute_every)},
@@ -60,6 +60,8 @@ static const struct option_rule {
 };
 
 enum { N_RULES = sizeof rules / sizeof rules[0] };
+
+static const char *const former[][2] = {{"lie", "fault"}, {NULL, NULL}};
 
 static const char *const faults[LF_GUD_FAULTS] = {
     [LF_GUD_HONEST] = "none",
@@ -109,7 +111,7 @@ static void print_help(void)
         "  --hang-every N         never accept every Nth rectangle\n"
         "  --unplug-after N       unplug the panel after N rectangles\n"
         "  --bytes-per-second N   limit the speed\n"
-        "  --lie NAME             give a wrong answer, one of:",
+        "  --fault NAME           give a wrong answer, one of:",
         LF_USBIP_PORT);
     for (int i = 0; i < LF_GUD_FAULTS; i++)
         printf("%s%s", i % 6 == 0 ? "\n                         " : " ", faults[i]);
@@ -198,8 +200,8 @@ static lf_status take_fault(const char *text, int *out, lf_error *err)
             return LF_OK;
         }
     }
-    return lf_error_set(err, LF_E_ARG, "--lie", "unknown fault \"%s\"; --help lists the faults",
-                        text);
+    return lf_error_set(err, LF_E_ARG, "--fault",
+                        "unknown fault \"%s\"; quiltsim --help lists the faults", text);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -239,6 +241,7 @@ static lf_status read_arguments(int argc, char *const argv[], lf_simulator_confi
     const lf_options_rules reading = {.program = PROGRAM,
                                       .letters = ":",
                                       .table = table,
+                                      .former = former,
                                       .print_help = print_help,
                                       .take = take,
                                       .context = config};

@@ -33,11 +33,12 @@ static const struct option table[] = {
 
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
                                               " exposure panel png still quality target-error "
-                                              "target-shown-error aov"
+                                              "target-denoised-error target-shown-error aov"
                                               " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
-static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
-                              "target-shown-error aov fit guides reconstruct denoise";
+static const char tracing[] =
+    "integrator estimator sampler max-depth skip seed target-error "
+    "target-denoised-error target-shown-error aov fit guides denoise reconstruct";
 
 static void print_help(void)
 {
@@ -70,7 +71,7 @@ static void print_help(void)
            "  --time SECONDS         render as many pairs of passes as fit into SECONDS, at "
            "least one\n",
            LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
-    lf_param_print_help(lf_option_params, "target-error target-shown-error");
+    lf_param_print_help(lf_option_params, "target-error target-denoised-error");
     printf("\n"
            "Sequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
     lf_param_print_help(lf_frames_params, NULL);
@@ -384,12 +385,11 @@ static lf_status choose_reconstruction(lf_render_arguments *a, lf_error *err)
 {
     lf_options *o = &a->options;
     const lf_integrator_entry *entry = lf_integrator_named(o->integrator);
-    if (o->reconstruct == LF_RECONSTRUCT_AUTO &&
-        (o->has_estimator || lf_output_is_light(a->kind, a->out) ||
-         (entry && !entry->reconstructs)))
-        o->reconstruct = LF_RECONSTRUCT_OFF;
-    return o->target_shown_error > 0 && o->reconstruct == LF_RECONSTRUCT_OFF
-               ? lf_error_set(err, LF_E_ARG, "--target-shown-error",
+    if (o->denoise == LF_DENOISE_AUTO && (o->has_estimator || lf_output_is_light(a->kind, a->out) ||
+                                          (entry && !entry->reconstructs)))
+        o->denoise = LF_DENOISE_OFF;
+    return o->target_denoised_error > 0 && o->denoise == LF_DENOISE_OFF
+               ? lf_error_set(err, LF_E_ARG, "--target-denoised-error",
                               "needs a denoised image; add --denoise on")
                : LF_OK;
 }
@@ -410,15 +410,15 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
     if (!a->out || a->out[0] == '\0')
         return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");
     a->budget.target_error = a->options.target_error;
-    a->budget.target_shown_error = a->options.target_shown_error;
+    a->budget.target_denoised_error = a->options.target_denoised_error;
     a->n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +
-                   (a->options.target_shown_error > 0);
+                   (a->options.target_denoised_error > 0);
     if (a->n_budgets > 1)
         return lf_error_set(err, LF_E_ARG,
-                            "--passes, --spp, --time, --target-error, --target-shown-error",
+                            "--passes, --spp, --time, --target-error, --target-denoised-error",
                             "cannot be combined; give only one of them");
-    if (a->options.reconstruct == LF_RECONSTRUCT_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
-        return lf_error_set(err, LF_E_ARG, "--reconstruct", "on needs --estimator mwis");
+    if (a->options.denoise == LF_DENOISE_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
+        return lf_error_set(err, LF_E_ARG, "--denoise", "on needs --estimator mwis");
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)
         status = lf_frames_check(&a->frames, err);

@@ -208,8 +208,8 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     const lf_options options = options_of(r, camera);
     lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(&options, camera, calibration,
                                                                      &r->settings, &r->layout, err);
-    r->reconstructs = a->options.reconstruct == LF_RECONSTRUCT_ON ||
-                      (a->options.reconstruct == LF_RECONSTRUCT_AUTO && !camera->list);
+    r->reconstructs = a->options.denoise == LF_DENOISE_ON ||
+                      (a->options.denoise == LF_DENOISE_AUTO && !camera->list);
     r->settings.features |= r->reconstructs;
     if (a->kind == &lf_output_wiggle)
         r->settings.camera.cone *= LF_WIGGLE_CONE;

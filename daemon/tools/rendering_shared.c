@@ -33,7 +33,7 @@ int lf_shared_parts(const lf_rendering *r, int *out_a_frame)
 {
     const lf_render_arguments *a = r->arguments;
     const lf_camera *camera = &r->settings.camera;
-    const bool by_error = a->budget.target_error > 0 || a->budget.target_shown_error > 0;
+    const bool by_error = a->budget.target_error > 0 || a->budget.target_denoised_error > 0;
     if (!r->sequence.on || a->frames.turntable > 0 || a->frames.of_rows || camera->n_rows > 0 ||
         by_error || a->options.layers || a->options.guides || lf_scene_has_catchers(r->scene))
         return 0;

@@ -11,8 +11,8 @@
 #define LF_MAX_RADIANCE 1e9
 /* Of refraction: all but 4e-6 of light straight on is reflected. */
 #define LF_MAX_INDEX 1e6
-#define LF_MAX_KELVIN 1e6 /* per unit of a grid's value */
-#define LF_MAX_KEYS 32    /* of a kind */
+#define LF_MAX_TEMPERATURE_SCALE 1e6 /* per unit of a grid's value */
+#define LF_MAX_KEYS 32               /* of a kind */
 
 /* The range of a row of coordinates. */
 #define LF_COORDINATES .low = -LF_MAX_COORDINATE, .high = LF_MAX_COORDINATE

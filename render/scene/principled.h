@@ -39,7 +39,7 @@
     COLOUR(absorption, 0, LF_MAX_ABSORPTION, 0, "absorption")                                      \
     COLOUR(scattering, 0, LF_MAX_ABSORPTION, 0, "scattering")                                      \
     NUMBER(g, -0.999, 0.999, 0, "g")                                                               \
-    /* the share of base neither metal nor glass that is subsurface scattering (subsurface.h), and  \
+    /* the share of what is neither metal nor glass that scatters below the surface, and           \
      * the mean free path of each channel there, in scene units */                                 \
     NUMBER(subsurface, 0, 1, 0, "subsurface")                                                      \
     COLOUR(subsurface_radius, LF_LEAST_SUBSURFACE, LF_MAX_COORDINATE, 0.1, "subsurface radius")    \

@@ -75,8 +75,8 @@ static void what_cannot_be_reconstructed_is_not(void **state)
     snprintf(scene, sizeof scene, "%s", lf_test_write(f->folder, "list.json", text));
     qr_succeed("%s -o %s/l_qs2x1a0.75.png --quilt 2x1 --view-size 12x16", scene, f->folder);
     assert_false(written_reconstructed(lf_test_path(f->folder, "l_qs2x1a0.75.png")));
-    qr_run(&o, "%s -o %s/l.png --view-size 12x16 --target-shown-error 0.1", scene, f->folder);
-    qr_assert_fails(&o, 2, "--target-shown-error: is not supported with a list, path or circle");
+    qr_run(&o, "%s -o %s/l.png --view-size 12x16 --target-denoised-error 0.1", scene, f->folder);
+    qr_assert_fails(&o, 2, "--target-denoised-error: is not supported with a list, path or circle");
 }
 
 /* What the programs wrote before there was a picture to reconstruct: the estimator's answer, toned,

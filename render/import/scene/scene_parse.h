@@ -49,10 +49,11 @@ typedef struct lf_volume_desc {
     /* or grids of the file, one a channel: "" = none */
     char albedo_grid[3][LF_GRID_NAME_BYTES];
     /* What it emits, radiance per scene unit: nothing, unless it is given; grids: per unit of the
-     * value of emission_grid, or, kelvin > 0, as a black body of so many degrees per unit. */
+     * value of emission_grid, or, temperature_scale > 0, as a black body of that many kelvin per
+     * unit. */
     bool is_emissive;
     const char *emission_grid;
-    double emissive[3], kelvin;
+    double emissive[3], temperature_scale;
     lf_velocity_desc velocity;
     lf_affine transform;
 } lf_volume_desc;
@@ -135,7 +136,7 @@ typedef struct lf_framing {
 
 typedef struct lf_scene_desc {
     int frame;
-    double rate;           /* frames a second */
+    double fps;
     double seconds;        /* of animations: 0 in frame 1 */
     double unit_mm;        /* what a scene unit is */
     lf_camera camera;      /* what lf_camera_frame makes of it where there is a framing */
