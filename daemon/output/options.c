@@ -311,7 +311,7 @@ static lf_status check_list(const lf_options *options, lf_error *err)
     } refused[] = {{options->preset, "--preset"},
                    {options->views > 0, "--views"},
                    {options->denoise == LF_DENOISE_ON, "--denoise on"},
-                   {options->target_denoised_error > 0, "--target-shown-error"},
+                   {options->target_denoised_error > 0, "--target-denoised-error"},
                    {options->layers, "--aov"},
                    {options->guides, "--guides"}};
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)

@@ -33,7 +33,7 @@ static const struct option table[] = {
 
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
                                               " exposure panel png still quality target-error "
-                                              "target-shown-error aov"
+                                              "target-denoised-error target-shown-error aov"
                                               " fit guides";
 /* They say how paths are traced, so nothing where nothing is rendered. */
 static const char tracing[] =
@@ -71,7 +71,7 @@ static void print_help(void)
            "  --spp N                base paths for every view pixel\n"
            "  --time SECONDS\n",
            LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
-    lf_param_print_help(lf_option_params, "target-error target-shown-error");
+    lf_param_print_help(lf_option_params, "target-error target-denoised-error");
     printf("\nSequences (a file a frame, OUT_0001 and so on, or where OUT has %%04d):\n");
     lf_param_print_help(lf_frames_params, NULL);
     lf_param_print_help(lf_video_params, NULL);
@@ -383,7 +383,7 @@ static lf_status choose_reconstruction(lf_render_arguments *a, lf_error *err)
                                           (entry && !entry->reconstructs)))
         o->denoise = LF_DENOISE_OFF;
     return o->target_denoised_error > 0 && o->denoise == LF_DENOISE_OFF
-               ? lf_error_set(err, LF_E_ARG, "--target-shown-error",
+               ? lf_error_set(err, LF_E_ARG, "--target-denoised-error",
                               "needs a denoised image (--denoise on)")
                : LF_OK;
 }
@@ -408,7 +408,7 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
                    (a->options.target_denoised_error > 0);
     if (a->n_budgets > 1)
         return lf_error_set(err, LF_E_ARG,
-                            "--passes, --spp, --time, --target-error, --target-shown-error",
+                            "--passes, --spp, --time, --target-error, --target-denoised-error",
                             "only one of them");
     if (a->options.denoise == LF_DENOISE_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
         return lf_error_set(err, LF_E_ARG, "--denoise", "on needs --estimator mwis");
