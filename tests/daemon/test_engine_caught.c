@@ -74,7 +74,7 @@ static void begin(running *r, const char *text, lf_denoise denoise)
         (lf_engine_controls){.threads = 2, .denoise = denoise, .target_error = 1e-9};
     lf_assert_ok(lf_engine_create(&r->controls, r->fd, &r->engine, &err), &err);
     lf_engine_set_panel(r->engine, NULL, 1, true);
-    r->content = content_of(text, reconstruct);
+    r->content = content_of(text, denoise);
     lf_assert_ok(lf_engine_commit(r->engine, r->content, false, &generation, NULL, &err), &err);
 }
 

@@ -416,7 +416,7 @@ static void too_few_tiles_are_refused(void **state)
 /* What needs a rig says so; what needs none has one view for each camera. */
 static void cameras_listed_one_by_one_are_no_rig(void **state)
 {
-    static const char *const refused[] = {"--preset portrait", "--views 5", "--reconstruct on"};
+    static const char *const refused[] = {"--preset portrait", "--views 5", "--denoise on"};
     static const lf_view_camera list[12] = {{.fov_y = 0.25}};
     lf_camera camera = scene_camera();
     lf_render_settings settings;

@@ -91,12 +91,26 @@ static bool move_name(json_t *member, const char *key, const char *from)
     return done;
 }
 
+/* The textures of materials: objects with a "file". */
+static bool move_textures(json_t *materials, const char *from)
+{
+    const char *key, *slot;
+    json_t *material, *texture;
+    bool done = true;
+    json_object_foreach(materials, key, material)
+    {
+        json_object_foreach(material, slot, texture)
+            done = done && move_name(texture, "file", from);
+    }
+    return done;
+}
+
 /* Names of files in a document that was included as `from` are relative to it, those of the merged
  * one to the folder of the first. */
 static bool move_names(json_t *doc, const char *from)
 {
     static const char *const sections[] = {"volumes", "meshes", "lights"};
-    bool done = true;
+    bool done = move_textures(json_object_get(doc, "materials"), from);
     for (int i = 0; i < 3; i++) {
         const char *key;
         json_t *member;
