@@ -72,12 +72,10 @@ static void print_help(void)
            "least one\n",
            LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
     lf_param_print_help(lf_option_params, "target-error target-denoised-error");
-    printf("\n"
-           "Sequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
+    printf("\nSequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
     lf_param_print_help(lf_frames_params, NULL);
     lf_param_print_help(lf_video_params, NULL);
-    printf("\n"
-           "How to render:\n");
+    printf("\nHow to render:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER);
     lf_param_print_help(lf_integrator_params(), NULL);
     lf_param_print_help(lf_option_params, LF_OPTIONS_IMPORT);

@@ -164,7 +164,7 @@ static void a_foreign_file_is_refused_and_named(void **state)
     assert_non_null(strstr(o.err, "differs in the camera"));
     qr_run(&o, "%s -o %s/no.png --state %s --reconstruct on --spp 2 " SIZE, f->scene, f->folder,
            path);
-    qr_assert_fails(&o, 1, "--reconstruct (false, now true)");
+    qr_assert_fails(&o, 1, "--denoise (false, now true)");
     assert_int_equal(qr_count_files(f->folder), before);
     snprintf(other, sizeof other, "%s",
              lf_test_write(f->folder, "other.json",

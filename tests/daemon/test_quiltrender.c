@@ -586,7 +586,7 @@ static void cameras_in_a_list_are_views(void **state)
         {"x.png --views 3", "--views: is not supported with a list, path or circle of cameras"},
         {"x.png --preset portrait", "--preset: is not supported"},
         {"x.exr --aov depth", "--aov: is not supported"},
-        {"x.exr --reconstruct on", "--reconstruct on: is not supported"},
+        {"x.exr --reconstruct on", "--denoise on: is not supported"},
         {"x_%04d.png --turntable 3", "--turntable: is not supported"},
         {"x.png --fit", "need an arc, a track or a grid"},
         {"x.png --rgbd right", "need an arc, a track or a grid"}};

@@ -142,7 +142,8 @@ static void a_fault_has_a_former_name(void **state)
     static const char *const names[] = {"--fault", "--lie"};
     for (int i = 0; i < 2; i++) {
         program *p = start((const char *const[]){"--listen", "0", names[i], "no-modes", "x", NULL});
-        assert_string_equal(says(p), "quiltsim: x: expects options alone (see --help)");
+        assert_string_equal(
+            says(p), "quiltsim: x: unexpected argument; quiltsim takes only options (see --help)");
         assert_int_equal(finish(p), 2);
     }
 }
