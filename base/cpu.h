@@ -12,7 +12,7 @@ typedef enum lf_isa { LF_ISA_C, LF_ISA_NEON, LF_ISA_AVX2, LF_ISA_AVX512, LF_ISAS
  * one: plain C, the oracle. */
 typedef const void *const lf_isa_tables[LF_ISAS];
 
-/* Of those that this machine runs, plain C first; NULL behind the last. */
+/* Of those that this machine runs, plain C first; NULL after the last. */
 const void *lf_isa_at(lf_isa_tables tables, size_t index);
 /* The last that is not beyond the chosen instruction set. */
 const void *lf_isa_get(lf_isa_tables tables);

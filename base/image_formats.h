@@ -21,7 +21,7 @@ typedef struct lf_image_source {
 
 typedef struct lf_image_format {
     const char *name;
-    const char *const *endings; /* of files' names, ".png"; NULL behind the last */
+    const char *const *endings; /* of files' names, ".png"; NULL after the last */
     lf_image_kind kind;
     bool (*recognises)(const uint8_t *head, size_t n);
     /* kind LF_IMAGE_8BIT */

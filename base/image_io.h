@@ -29,7 +29,7 @@ LF_NODISCARD lf_status lf_image_probe_open(int fd, const char *path, lf_image_ki
 
 /* Where the ending of a name (".PNG") begins, in path, when it is a picture format's; else NULL. */
 const char *lf_image_ending(const char *path);
-/* The endings of formats of floats one after the other, without the dot; NULL behind the last. */
+/* The endings of formats of floats one after the other, without the dot; NULL after the last. */
 const char *lf_image_float_ending(int index);
 
 /* 8-bit RGB (3 channels; grey is spread, alpha dropped, 16-bit PNG rounded, palettes expanded), the

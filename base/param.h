@@ -44,14 +44,14 @@ typedef struct lf_param {
     const char *unit;     /* of a number, "mm"; NULL: none */
     const char *help;     /* the first row of an option has that of all; may be NULL with words */
     const char *about;    /* of the key alone, for the schema; NULL: help says it */
-    /* Names of the values 0, 1 …, NULL behind the last; of a WHOLE: the numbers that it may be; of
+    /* Names of the values 0, 1 …, NULL after the last; of a WHOLE: the numbers that it may be; of
      * a NUMBER: what may stand in the place of one, the first for INFINITY, a second for -INFINITY.
      */
     const char *const *words;
     const char *(*word_at)(int index); /* or the same out of a table elsewhere; else NULL */
     const char *(*what_at)(int index); /* what --help says of each of the words; may be NULL */
     /* Words that are refused by what is said of them, "WORD REFUSAL", in place of the list of those
-     * that may be; NULL behind the last. NULL: there are none. */
+     * that may be; NULL after the last. NULL: there are none. */
     const char *(*refused_at)(int index);
     const char *refusal;
     lf_param_type type;

@@ -51,7 +51,7 @@ LF_NODISCARD lf_status lf_passed_open(lf_passed *passed, const char *path, int *
 /* From now on a copy ends when this is true, which is asked again and again. Thread: any. */
 void lf_passed_stop_when(bool (*stopped)(void));
 
-/* The name of file number `index`; NULL behind the last, and where passed is NULL. */
+/* The name of file number `index`; NULL after the last, and where passed is NULL. */
 const char *lf_passed_at(const lf_passed *passed, int index);
 
 /* The name as it is compared: absolute, without ".", ".." and empty parts; out is PATH_MAX bytes.

@@ -94,7 +94,7 @@ LF_NODISCARD lf_status lf_trial_parse(const lf_trial_command *command, int argc,
 
 /* --markdown: a file, since the table itself goes to standard output. LF_E_ARG. */
 LF_NODISCARD lf_status lf_trial_check_markdown(const char *path, lf_error *err);
-/* A list "a,b" of what name_at knows (NULL behind the last): LF_E_ARG for another name in it. */
+/* A list "a,b" of what name_at knows (NULL after the last): LF_E_ARG for another name in it. */
 LF_NODISCARD lf_status lf_trial_check_names(const char *option, const char *list,
                                             const char *(*name_at)(int), lf_error *err);
 /* Whether the list has the name; NULL has all. */
@@ -135,7 +135,7 @@ typedef struct lf_trial {
 /* What one run came to. */
 typedef struct lf_measure {
     double cpu_seconds;
-    double answer_cpu_seconds; /* of them, behind the last pass */
+    double answer_cpu_seconds; /* of them, after the last pass */
     double passes;
     double rel_mse;    /* mean over the views */
     double worst_view; /* the greatest relMSE of a view */

@@ -190,7 +190,7 @@ void lf_device_destroy(lf_device *device);
 
 /* Whether it leaves the choice to lf_device_find: "auto". */
 bool lf_device_is_auto(const char *spec);
-/* "auto", then the kinds of the table; NULL behind the last. */
+/* "auto", then the kinds of the table; NULL after the last. */
 const char *lf_device_kind_at(int index);
 /* Whether it names a device of that kind. */
 bool lf_device_has_kind(const char *spec, const char *kind);

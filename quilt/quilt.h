@@ -26,7 +26,7 @@ typedef struct lf_layout {
     double aspect;               /* width / height of a view as it is meant to be seen */
 } lf_layout;
 
-/* Name as in --preset; sources in layout.c. NULL behind the last index. */
+/* Name as in --preset; sources in layout.c. NULL after the last index. */
 typedef struct lf_preset {
     const char *name, *model;
     lf_layout layout;

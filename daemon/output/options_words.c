@@ -81,7 +81,7 @@ static lf_status unknown(const struct option *table, const char *where, lf_error
                  : lf_error_set(err, LF_E_ARG, where, "unknown option (see --help)");
 }
 
-/* getopt_long without its own messages; *out_code is -1 behind the last option. */
+/* getopt_long without its own messages; *out_code is -1 after the last option. */
 static lf_status read_next(int argc, char *const argv[], const char *letters,
                            const struct option *table, int *out_code, lf_error *err)
 {

@@ -20,7 +20,7 @@ enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON, OPTION_FORMAT, OPTION_TIMEOUT
 
 typedef enum format { FORMAT_TEXT, FORMAT_JSON, FORMAT_PROMETHEUS } format;
 
-/* Its names; NULL behind the last. */
+/* Its names; NULL after the last. */
 static const char *format_at(int index)
 {
     static const char *const names[] = {"text", "json", "prometheus"};

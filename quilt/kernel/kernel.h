@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What is read behind the last sample that lf_quilt_kernels.weave may be sent to. */
+/* What is read after the last sample that lf_quilt_kernels.weave may be sent to. */
 #define LF_INTERLACE_SLACK 3
 
 /* Views of the subpixels of a row: phase = (across + along) * pitch - center in lens periods, z =
@@ -51,7 +51,7 @@ extern const lf_quilt_kernels lf_quilt_kernels_avx2;
 /* The table in use. Thread safe. */
 const lf_quilt_kernels *lf_quilt_kernels_get(void);
 
-/* Tables this CPU can run, the oracle first; NULL behind the last. */
+/* Tables this CPU can run, the oracle first; NULL after the last. */
 const lf_quilt_kernels *lf_quilt_kernels_at(int index);
 
 #endif
