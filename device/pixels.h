@@ -1,4 +1,4 @@
-/* Pixels as displays take them. Private to device/. */
+/* Conversion to the pixel formats of displays. Private to device/. */
 #ifndef LF_DEVICE_PIXELS_H
 #define LF_DEVICE_PIXELS_H
 
