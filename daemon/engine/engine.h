@@ -134,8 +134,8 @@ typedef struct lf_snapshot {
  * lf_layer that the source gets; LF_E_STATE for a finished picture. LF_E_STATE also: nothing is
  * shown, or reconstruction or depth is requested and the film has no features. Release with
  * lf_snapshot_finish. */
-LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_denoise denoise,
-                                          unsigned layers, lf_snapshot *out, lf_error *err);
+LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_denoise denoise, unsigned layers,
+                                          lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
 /* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no
  * scene is shown. After lf_engine_stop(engine, false) it also works from any thread, once
