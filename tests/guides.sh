@@ -32,7 +32,7 @@ breaches() {
     for i in 1; do
 END
 }
-reader breaches > setup.log 2>&1
+reader breaches > "$top/setup.log" 2>&1
 breaches > page.md
 found=$(run_page page.md '' : | grep -c '^\[  ERROR   \]')
 report "mistakes of a page are found" "$([ "$found" -eq 5 ] || echo "$found of 5")"

@@ -262,7 +262,9 @@ def file_names(tree):
 def dead_paths(tree):
     made = "".join(p.read_text() for p in tree.glob("scenes/module.mk"))  # the build makes some scenes
     for page in pages(tree):
-        for name in set(re.findall(r"`([\w.*/-]+)`", page.text)):
+        # a man page has no backticks
+        in_text = r"`([\w.*/-]+)`" if page.path.endswith(".md") else r"\b(docs/[\w/-]+\.\w+)"
+        for name in sorted(set(re.findall(in_text, page.text.replace("\\-", "-")))):
             inside = name.split("/")[0] in FOLDERS and "/" in name and not re.search(r"NAME|DIR|%", name)
             if inside and not any(tree.glob(name.rstrip("/"))) and name not in made:
                 yield f"{page.path}: {name}: no such path"
@@ -442,7 +444,7 @@ def make_breaches(tree):
     write(tree, "docs/guide/links.md", "# Here it is\n\nSee [a](gone.md), [b](#here-it-is), [c](#there) and [d](links.md#here).\n\n```\n# there\n```\n")
     write(tree, "docs/guide/paths.md", "# P\n\nSee `render/gone.c`, `gone.h`, `render/message.c` and `message.c`.\n")
     write(tree, "docs/guide/options.md", "# O\n\n    quiltctl --no-such-option status   # --comment\n    apt-get --foreign\n")
-    write(tree, "docs/man/quiltctl.1", ".TH X\n.SH OPTIONS\n.TP\n.B \\-\\-no\\-such\\-tag\nWith systemctl enable \\-\\-foreign.\n.PP\n" + long.replace("word.", "end."))
+    write(tree, "docs/man/quiltctl.1", ".TH X\n.SH OPTIONS\n.TP\n.B \\-\\-no\\-such\\-tag\nWith systemctl enable \\-\\-foreign, see docs/gone.md.\n.PP\n" + long.replace("word.", "end."))
     write(tree, GLOSSARY, "# G\n\n| word | meaning |\n|---|---|\n| pivot, fan | a point |\n")
     write(tree, "docs/guide/terms.md", "# T\n\nTwo pivots are here.\n")
     write(tree, "docs/guide/defined.md", "# T\n\nA *pivot* is here.\n")
@@ -459,7 +461,7 @@ def make_breaches(tree):
         "brackets": ["docs/reference/brackets.md: 50"],
         "paragraph": ["docs/guide/paragraph.md: 84"],
         "dead_links": ["links.md: gone.md: no such file", "links.md: #there: no such heading", "links.md: links.md#here: no such heading"],
-        "dead_paths": ["paths.md: render/gone.c: no such path", "paths.md: gone.h: no file"],
+        "dead_paths": ["paths.md: render/gone.c: no such path", "paths.md: gone.h: no file", "quiltctl.1: docs/gone.md: no such path"],
         "unknown_options": ["options.md: --no-such-option: unknown to quiltctl", "quiltctl.1: --no-such-tag: unknown"],
         "unlinked_terms": ["docs/guide/terms.md: no link to the glossary, for pivot"],
         "long_help": ["x.help: --much TEXT: 17 words", "x.help: --tall: 3 words in 3 lines"],
