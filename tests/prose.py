@@ -36,7 +36,6 @@ PAGES = [  # the first that fits
     ("guide", "CONTRIBUTING.md"),
     ("guide", "docs/guide/*.md"),
     ("reference", "docs/reference/**/*.md"),
-    ("reference", "docs/protocol/*.md"),
     ("reference", "docs/man/*.1"),
     ("developer", "docs/developer/**/*.md"),
 ]
@@ -54,7 +53,7 @@ FORBIDDEN = re.compile(
 # Words of the glossary with an everyday sense, too: a page may use them without a link.
 EVERYDAY = set("""view row window guides pass cycle half stream hole skip channel solid film answer feature fit cell
     section body reader batch card part state chain shift selection reuse module fault pitch slope n B q M outline
-    coarse complete sweep sections slice visit reservoir""".split())
+    coarse complete prefix suffix sweep sections slice visit reservoir""".split())
 
 IRREGULAR = set("""been begun bent bound broken brought built caught chosen cut done drawn driven fallen fed forgotten
     found frozen given gone grown held hidden kept known laid led left lent lit lost made meant met paid put read run
