@@ -28,7 +28,7 @@ LIMITS = {
 HELP_WORDS, HELP_LINES = 16, 2  # of an option
 MESSAGE_WORDS = 25
 # Messages that were longer, or joined from parts, when the rule came. These numbers only fall.
-LONG_MESSAGES, JOINED_MESSAGES = 14, 2
+LONG_MESSAGES, JOINED_MESSAGES = 8, 1
 
 PAGES = [  # the first that fits
     ("", "docs/lab/*"),
