@@ -449,7 +449,9 @@ def make_breaches(tree):
     write(tree, "docs/guide/defined.md", "# T\n\nA *pivot* is here.\n")
     write(tree, "docs/lab/frozen.md", f"# Z\n\n{long}\nThings [x](gone.md).\n")
     write(tree, "x.help", "Usage\n\n  --much TEXT     " + "word " * 17 + "\n  --tall\n          a\n          b\n          c\n  --fine   word\n")
-    write(tree, "render/message.c", 'f = lf_error_set(err, "%s knows no %s", a, b);\nlf_fail("' + "word " * 13 + '"\n    "' + "word " * 13 + '");\n')
+    source = 'f = lf_error_set(err, "%s knows no %s", a, b);\nlf_fail("' + "word " * 13 + '"\n    "' + "word " * 13 + '");\n'
+    for i in range(max(LONG_MESSAGES, JOINED_MESSAGES) + 1):
+        write(tree, f"render/message{i or ''}.c", source)
     return {
         "median": ["docs/guide/median.md: 17"],
         "p90": ["docs/developer/long.md: 42"],
@@ -464,8 +466,8 @@ def make_breaches(tree):
         "unknown_options": ["options.md: --no-such-option: unknown to quiltctl", "quiltctl.1: --no-such-tag: unknown"],
         "unlinked_terms": ["docs/guide/terms.md: no link to the glossary, for pivot"],
         "long_help": ["x.help: --much TEXT: 17 words", "x.help: --tall: 3 words in 3 lines"],
-        "long_messages": ["messages of more than"],
-        "joined_messages": ["messages joined like"],
+        "long_messages": ["messages of more than 25 words, at most"],
+        "joined_messages": ['messages joined like "%s knows no %s", at most'],
     }
 
 
