@@ -1,6 +1,7 @@
-/* A panel's lens calibration, in the format of the vendor's JSON (docs/formats/calibrations.md).
- * Numbers may be wrapped as {"value": x} or plain, integers may be written as floats, keys may be
- * missing. A plain struct shared by all modules; parsed calibrations can be compared as bytes. */
+/* A panel's lens calibration, in the format of the vendor's JSON
+ * (docs/reference/formats/calibrations.md). Numbers may be wrapped as {"value": x} or plain,
+ * integers may be written as floats, keys may be missing. A plain struct shared by all modules;
+ * parsed calibrations can be compared as bytes. */
 #ifndef LF_BASE_CALIBRATION_H
 #define LF_BASE_CALIBRATION_H
 

@@ -38,8 +38,8 @@ LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, l
                                       lf_error *err);
 LF_NODISCARD lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err);
 
-/* Linear float RGB (3 channels) in Rec. 709, all finite. docs/formats/images.md lists how every
- * feature of the formats is handled. EXR: scan lines and tiles; half, float and uint; every
+/* Linear float RGB (3 channels) in Rec. 709, all finite. docs/reference/formats/images.md lists how
+ * every feature of the formats is handled. EXR: scan lines and tiles; half, float and uint; every
  * compression of OpenEXRCore, including DWA; the data window is placed in the display window. Its
  * channels are R,G,B or Y of the first part that has them, otherwise those of the only layer,
  * otherwise the only channel. HDR: Radiance RGBE and XYZE, new and old run lengths, flipped axes.
