@@ -11,8 +11,8 @@
 #define LF_MAX_RADIANCE 1e9
 /* Index of refraction: at normal incidence all but 4e-6 of light is reflected. */
 #define LF_MAX_INDEX 1e6
-#define LF_MAX_KELVIN 1e6 /* per unit of a grid's value */
-#define LF_MAX_KEYS 32    /* per kind */
+#define LF_MAX_TEMPERATURE_SCALE 1e6 /* per unit of a grid's value */
+#define LF_MAX_KEYS 32               /* per kind */
 
 /* Range of coordinates in a row. */
 #define LF_COORDINATES .low = -LF_MAX_COORDINATE, .high = LF_MAX_COORDINATE

@@ -1,6 +1,6 @@
 /* KHR_animation_pointer: channels whose targets are JSON pointers (RFC 6901) of the glTF 2.0 Asset
  * Object Model. The animated value replaces the value in the document, so that all other code sees
- * a static file. docs/formats/gltf-pointers.md lists all of them. */
+ * a static file. docs/reference/formats/gltf-pointers.md lists all of them. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

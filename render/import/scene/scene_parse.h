@@ -51,7 +51,7 @@ typedef struct lf_volume_desc {
      * emission_grid or, if kelvin > 0, as a black body of kelvin degrees per unit. */
     bool is_emissive;
     const char *emission_grid;
-    double emissive[3], kelvin;
+    double emissive[3], temperature_scale;
     lf_velocity_desc velocity;
     lf_affine transform;
 } lf_volume_desc;
@@ -135,7 +135,7 @@ typedef struct lf_framing {
 
 typedef struct lf_scene_desc {
     int frame;
-    double rate;           /* frames per second */
+    double fps;            /* frames per second */
     double seconds;        /* time of animations: 0 in frame 1 */
     double unit_mm;        /* size of a scene unit */
     lf_camera camera;      /* with a framing, completed by lf_camera_frame */
