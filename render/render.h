@@ -216,7 +216,8 @@ typedef struct lf_render_settings {
 typedef struct lf_depth {
     double nearest, farthest; /* Z, scene units */
     double nearest_step, farthest_step;
-    /* Z range in which steps stay within the limit and the panel is sharp; INFINITY: no far end. */
+    /* Z range in which steps stay within the limit: what a panel shows sharply, as far as its views
+     * decide. INFINITY: no far end. */
     double sharp_from, sharp_to;
     /* Steps beyond the limit (4 % of the window, at least 4 pixels) show as double edges; programs
      * warn of them. exceeded: the scene has such steps, and view_blur does not smooth them. */
@@ -271,7 +272,7 @@ typedef void (*lf_row_fn)(void *context, int row, int worker);
  * a film merged from parts with different rows (lf_renderer_add) is bitwise the film of one
  * renderer after the same calls. Streams of one row add up to the same sums except for rounding.
  *
- * Three exceptions share across rows. Cameras listed one by one share paths among the rows of a
+ * There are three exceptions. Cameras listed one by one share paths among the rows of a
  * pass: other parts give other bytes, and the film receives a pass when all of it is done, after
  * row_done. Holes are filled from the samples of all streams of a row. Adaptive integrators (amvpt)
  * read all rows before they distribute samples. */
