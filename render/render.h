@@ -485,8 +485,8 @@ LF_NODISCARD lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *canc
  * has them. A row without samples is unchanged. */
 void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *picture);
 /* lf_renderer_catch with smoothed sums of as many samples as the film has, for a denoised image.
- * Rows without samples first get as many as in lf_caught_add. LF_E_NOMEM, LF_E_CANCELLED: some rows
- * of the image may be done. */
+ * Rows without samples are composited as by lf_renderer_catch. LF_E_NOMEM, LF_E_CANCELLED: some
+ * rows of the image may be done. */
 LF_NODISCARD lf_status lf_renderer_catch_smoothly(const lf_renderer *renderer, float *picture,
                                                   const lf_cancel *cancel);
 
