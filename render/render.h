@@ -100,7 +100,7 @@ LF_NODISCARD bool lf_json_merge_into(json_t *target, const json_t *patch);
 /* Checks another frame of the scene without reading its volumes: its values are valid, and its
  * volume files exist. LF_E_IO, LF_E_FORMAT with their position in the document. */
 LF_NODISCARD lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf_error *err);
-/* The box around all volumes and meshes except grounds (name NULL), or around those of this name,
+/* The box around all volumes and meshes except grounds (name NULL), or around all of this name,
  * in world coordinates: minimum and maximum corner. Lights at a distance, skies and meshes that the
  * camera does not see are excluded. false: the box is empty. */
 bool lf_scene_bounds(const lf_scene *scene, const char *name, double out_bounds[2][3]);
