@@ -48,7 +48,7 @@ bool lf_param_among(const lf_param *row, const char *names)
     return false;
 }
 
-/* The name of a value; NULL behind the last, and where values have none. */
+/* The name of a value; NULL after the last, and where values have none. */
 static const char *word_of(const lf_param *row, int value)
 {
     if (row->word_at)

@@ -21,20 +21,20 @@
 #define BEGINNING "film"
 #define OLD_NAME "film.lfstate"
 #define PATTERN "film-xxxxxxxx-xxxxxxxx-xxxxxxxx.lfstate"
-/* Places in a name. */
+/* Offsets in a name. */
 enum { SCENE_AT = 5, CAMERA_AT = 14, WHOLE_AT = 23, NAME_SIZE = sizeof PATTERN };
 
 struct lf_states {
     char *folder;
     pthread_mutex_t lock;
     char used[NAME_SIZE]; /* under lock; "" = none yet */
-    bool spared;          /* under lock: what lies there under that name is not written over */
+    bool spared;          /* under lock: the existing file of that name must not be overwritten */
 };
 
 /* A state in the folder. */
 typedef struct kept {
     char name[NAME_SIZE];
-    struct timespec at; /* when it was used last */
+    struct timespec at; /* time of the last use */
     uint64_t bytes;
 } kept;
 
@@ -96,7 +96,7 @@ static bool same_part(const char *a, const char *b, int at)
     return memcmp(a + at, b + at, 2 * (size_t)LF_STATE_HASH) == 0;
 }
 
-/* Whether what is kept under it may be written over. */
+/* True if the existing file may be overwritten. */
 static bool use(lf_states *states, const char *name)
 {
     pthread_mutex_lock(&states->lock);
@@ -131,7 +131,7 @@ static int is_state(const struct dirent *entry)
     return is_name(entry->d_name);
 }
 
-/* What is kept, the last used first, in *out (lf_free); their number. */
+/* The state files, most recently used first, in *out (lf_free); returns their number. */
 static int list(const lf_states *states, kept **out)
 {
     struct dirent **entries = NULL;
@@ -157,7 +157,7 @@ static int list(const lf_states *states, kept **out)
     return n;
 }
 
-/* What all of them may take. */
+/* The limit on the bytes of all files. */
 static uint64_t most_bytes(const lf_states *states, uint64_t taken)
 {
     struct statvfs fs;
@@ -209,7 +209,7 @@ static lf_status open_state(const char *path, int *out_fd, lf_error *err)
     return lf_file_open(path, NULL, UINT64_MAX, out_fd, NULL, err);
 }
 
-/* A use of it. */
+/* Restores the state and marks it as used. */
 static lf_status go_on_with(lf_renderer *renderer, const char *path, lf_error *err)
 {
     int fd = -1;
@@ -239,7 +239,7 @@ static void tell_left_aside(const char *path, const lf_error *err)
     lf_log(LF_LOG_WARNING, "%s: the saved state is not used: %s", path, err->what);
 }
 
-/* What the state `name` differs in from the one of `id`, which is called `wanted`. */
+/* Describes how the state `name` differs from the one of `id`, named `wanted`. */
 static void differences(const char *name, const lf_state_id *there, const char *wanted,
                         const lf_state_id *id, char *words, size_t size)
 {
@@ -260,7 +260,7 @@ static void differences(const char *name, const lf_state_id *there, const char *
         lf_list_add(words, size, "%sthe render settings", known ? "" : "the scene, the camera or ");
 }
 
-/* Whether it was gone on with the one state of before, which has the new name then. */
+/* Resumes from the single state of older versions and renames it; false: it does not fit. */
 static bool go_on_with_old(const lf_states *states, lf_renderer *renderer, const char *path,
                            const lf_state_id *id)
 {
@@ -296,7 +296,7 @@ static void tell_newest(const lf_states *states, const char *wanted, const lf_st
     lf_free(all);
 }
 
-/* A name beside path that is free: NAME.aside, NAME.aside.2, … Else false, and errno. */
+/* Finds a free name: NAME.aside, NAME.aside.2, … False: none, with errno. */
 static bool find_aside(const char *path, char out[static PATH_MAX])
 {
     struct stat st;
@@ -333,8 +333,8 @@ static bool put_aside(const char *path)
     return true;
 }
 
-/* Of this picture, and yet of no use: damaged, which is put aside, or not to be read now, for want
- * of memory or of a disk that works. What is saved from here on is not written over it. */
+/* Handles an unusable state of this picture. A damaged one is put aside. One that cannot be read
+ * now, for lack of memory or because of the disk, stays and is not overwritten by later saves. */
 static void keep_useless(lf_states *states, const char *path, const lf_error *err)
 {
     tell_left_aside(path, err);

@@ -4,7 +4,7 @@
 
 #include "base/alloc.h"
 
-/* Whether all n pixels are like the first. */
+/* True if all n pixels equal first. */
 static bool is_plain(const uint8_t *rgb, size_t n, const uint8_t first[3])
 {
     for (size_t i = 0; i < n; i++)

@@ -4,12 +4,12 @@
 
 enum { MAX_OPTIONS = 160 };
 
-/* An option, out of either kind of table. */
+/* An option from either kind of table. */
 typedef struct described {
     const char *name;
-    const lf_param *row;           /* NULL: of the program's own table … */
-    const lf_options_words *words; /* … with these; NULL = none */
-    bool takes;                    /* an argument */
+    const lf_param *row;           /* NULL: from the program's own table … */
+    const lf_options_words *words; /* … with these words; NULL = none */
+    bool takes;                    /* takes an argument */
 } described;
 
 typedef struct described_list {
@@ -18,7 +18,7 @@ typedef struct described_list {
     described options[MAX_OPTIONS];
 } described_list;
 
-/* Commands may have the same option. */
+/* Several commands may have the same option. */
 static void list_add(described_list *list, described option)
 {
     for (int i = 0; i < list->n; i++)
@@ -76,14 +76,15 @@ static const char *word_at(const described *option, int index)
     return row->word_at ? row->word_at(index) : row->words ? row->words[index] : NULL;
 }
 
-/* Numbers are not completed, what is no word and no number may be a file. */
+/* Numbers are not completed; an argument that is neither word nor number may be a file. */
 static bool takes_file(const described *option)
 {
     return option->takes && !word_at(option, 0) &&
            (!option->row || option->row->type == LF_PARAM_TEXT);
 }
 
-/* In single quotes of a shell; a quote ends them, stands escaped, begins them again. */
+/* Writes text in single quotes of a shell; a quote in it closes them, is escaped, and opens them
+ * again. */
 static void write_quoted(FILE *out, const char *text, const char *brackets)
 {
     for (; *text != '\0'; text++)
@@ -109,7 +110,7 @@ static void write_operands(FILE *out, const lf_options_rules *rules)
         fprintf(out, "%s%s", i > 0 ? " " : "", word);
 }
 
-/* A case of `case` for every operand that something follows: those words between two texts. */
+/* Writes a `case` branch for every operand with followers: the words between two texts. */
 static void write_cases(FILE *out, const lf_options_rules *rules, const char *before,
                         const char *after)
 {
@@ -162,7 +163,7 @@ static void write_bash_operands(const lf_options_rules *rules, FILE *out)
     fputs("    esac\n    fi\n", out);
 }
 
-/* The words before the cursor are taken from the line: bash's own are cut at every = and :. */
+/* Takes the words before the cursor from the line, because bash splits its own at every = and :. */
 static void write_bash_words(const described_list *list, FILE *out)
 {
     fputs(
@@ -339,7 +340,7 @@ lf_status lf_completion_write(const lf_options_rules *rules, const char *shell, 
 
 /* ---------------------------------------------------------------------------------- commands -- */
 
-/* Set while commands are asked for their rules, as getopt's state one of the process. */
+/* Set while commands report their rules; one per process, like getopt's state. */
 static described_list *asking;
 static const lf_completion_command *asked;
 static int n_asked;

@@ -56,7 +56,7 @@ lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const l
     lf_content *content = content_create(file);
     if (!content)
         return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
-    lf_import_group group, *before = lf_import_group_begin(&group); /* of a folder's pictures */
+    lf_import_group group, *before = lf_import_group_begin(&group); /* for a folder's pictures */
     lf_status status = lf_quilt_read_photo(file, roots, options->columns, options->rows, &photo,
                                            &content->quilt, err);
     (void)lf_import_group_enter(before);
@@ -93,7 +93,7 @@ void lf_content_write_document(lf_content *content)
 
 #define SCENE_REMEDY "set \"view_blur\": 1 or a smaller \"cone\" in the scene's camera"
 
-/* With as many digits as tell two numbers apart. */
+/* Prints two numbers with enough digits to differ. */
 static void write_apart(double a, double b, char *of_a, char *of_b, size_t size)
 {
     for (int digits = 0; digits <= 6; digits++) {

@@ -10,7 +10,7 @@
 #include "quilt/quilt.h"
 
 #define MOST_FRAME 999999
-/* In a frame, of what its shutter has in common with others. */
+/* Most parts per frame of overlapping shutters. */
 #define MOST_PARTS 4
 
 #define PLACE(field) .place = offsetof(lf_frames, field)
@@ -76,7 +76,7 @@ int lf_frames_count(const lf_frames *frames)
     return frames->last - frames->first + 1;
 }
 
-/* Where "_0001" goes. */
+/* The offset at which "_0001" is inserted. */
 static size_t place_in(const char *path)
 {
     const char *suffix = lf_layout_suffix(path), *slash = strrchr(path, '/');
@@ -104,7 +104,7 @@ uint64_t lf_frames_seed(uint64_t seed, int frame)
     return seed + (uint64_t)(int64_t)(frame - 1);
 }
 
-/* Nor do rows share it with frames. */
+/* Rows and frames do not share noise. */
 uint64_t lf_rows_seed(uint64_t seed, int row)
 {
     return seed + (uint64_t)row * UINT64_C(0x9e3779b97f4a7c15);
@@ -131,7 +131,7 @@ json_t *lf_frames_patch(int frame)
     return json_pack("{s:i}", "frame", frame);
 }
 
-/* Frame 1 is the scene's own camera to the last bit. */
+/* Frame 1 has the scene's own camera, to the last bit. */
 json_t *lf_frames_patch_turned(const lf_frames *frames, const lf_camera *camera, int frame)
 {
     double p[3];

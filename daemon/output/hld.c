@@ -8,7 +8,7 @@
 #define BOTTOM 100.0
 #define SIDE 108.0
 
-/* A box that turns about its vertical axis. */
+/* The bounds of a box rotating about its vertical axis. */
 typedef struct turned {
     double centre[3], radius, half_height;
 } turned;
@@ -23,8 +23,8 @@ static turned box_of(double b[2][3])
     return t;
 }
 
-/* focused: a lens is focused on what is framed. From where the camera looks now, and so far away
- * that the box stays inside the margins. */
+/* Moves the camera, without changing its direction, so that the box stays inside the margins.
+ * focused: also set the focus distance. */
 static json_t *framed(const lf_camera *camera, const turned *t, bool focused)
 {
     double d[3], length = 0.0, half = tan(0.5 * camera->fov_y);

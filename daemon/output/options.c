@@ -161,7 +161,7 @@ lf_status lf_options_check_integrator(const lf_options *options, lf_error *err)
     const lf_param *unfit = entry ? lf_choices_unfit(&options->choices, entry) : NULL;
     char where[64];
     if (!unfit)
-        return LF_OK; /* others say what there is no entry of */
+        return LF_OK; /* other code reports a missing entry */
     snprintf(where, sizeof where, "--%s", unfit->option);
     return lf_error_set(
         err, LF_E_ARG, where,
@@ -177,7 +177,7 @@ const lf_preset *lf_options_preset(const lf_options *options)
     return preset;
 }
 
-/* The panel's own quilt, where it says one and no other is given. */
+/* The panel's default quilt, if it has one and no other is given. */
 static bool panel_quilt(const lf_options *options, const lf_calibration *calibration,
                         lf_layout *out)
 {
@@ -212,7 +212,7 @@ bool lf_options_preset_differs(const lf_options *options, const lf_calibration *
     return true;
 }
 
-/* The quilt that the preset is, or else the panel's own; false: neither says one. */
+/* The preset's quilt, otherwise the panel's; false: neither. */
 static bool quilt_of(const lf_options *options, const lf_calibration *calibration, lf_layout *out)
 {
     const lf_preset *preset = lf_options_preset(options);
@@ -308,7 +308,7 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
     return lf_resolve_rows(options, &rig, calibration, out_settings, out_layout, err);
 }
 
-/* What cameras that are listed one by one do not go with. */
+/* Refuses options that need a rig, for cameras listed one by one. */
 static lf_status check_list(const lf_options *options, lf_error *err)
 {
     const struct {

@@ -11,10 +11,10 @@
 
 #define MAX_OPTIONS 96
 
-/* Codes behind those of a program's own: help, the version, then PART_SIZE rows a part. */
+/* Codes after a program's own: help, the version, then PART_SIZE rows per part. */
 enum { CODE_HELP = 2 * LF_OPTION_OWN, CODE_VERSION, CODE_PART, PART_SIZE = 256 };
 
-/* How many long options the text before any '=' could mean. */
+/* The number of long options that the text before any '=' may abbreviate. */
 static int count_matches(const struct option *table, const char *text)
 {
     size_t n = strcspn(text, "=");
@@ -77,7 +77,7 @@ static void make_table(const lf_options_rules *rules, struct option *table)
     append(table, n, "version", no_argument, CODE_VERSION);
 }
 
-/* where: the argument, dashes and all. */
+/* where: the argument with its dashes. */
 static lf_status unknown(const struct option *table, const char *where, lf_error *err)
 {
     const char *names[MAX_OPTIONS + 1], *meant = NULL;
@@ -102,7 +102,7 @@ static void log_former(const char *former, const char *name)
     lf_former_used(old, now);
 }
 
-/* getopt_long without its own messages; *out_code is -1 behind the last option. */
+/* getopt_long without its own messages; *out_code is -1 after the last option. */
 static lf_status read_next(int argc, char *const argv[], const char *letters,
                            const struct option *table, int *out_code, lf_error *err)
 {
@@ -133,8 +133,8 @@ static lf_status read_next(int argc, char *const argv[], const char *letters,
     return unknown(table, where, err);
 }
 
-/* Whether a word behind an option is its optional argument: what looks like a file is an operand.
- */
+/* True if the word after an option is its optional argument; a word that looks like a file is an
+ * operand. */
 static bool is_argument(const char *word)
 {
     struct stat file;
@@ -176,7 +176,7 @@ lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *
         if (status != LF_OK || code == -1)
             return status;
         if (code == CODE_HELP || code == CODE_VERSION) {
-            assert(rules->print_help); /* without it the table has neither */
+            assert(rules->print_help); /* otherwise the table has neither option */
             code == CODE_HELP ? rules->print_help() : lf_print_version(rules->program);
             *out_done = true;
             return LF_OK;

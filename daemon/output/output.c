@@ -30,7 +30,7 @@ lf_status lf_output_kind_from_name(const char *name, const lf_output_kind **out,
                         known);
 }
 
-/* NULL: it has none. */
+/* NULL: no known ending. */
 static const char *ending_of(const lf_output_kind *kind, const char *path)
 {
     int i = 0;
@@ -89,13 +89,13 @@ int lf_output_n_files(const lf_output_kind *kind, int n_views)
 
 /* ------------------------------------------------------------------------------------- files -- */
 
-/* The files of one job: opened together, published together. Zeroed is a valid empty set. */
+/* The files of one job, opened and published together. Zeroed is a valid empty set. */
 typedef struct output_files {
     int n;
     lf_outfile *file; /* [n] */
 } output_files;
 
-/* For a job that ends before its files were opened. */
+/* For a job that fails before its files are opened. */
 static void close_fds(const lf_output_request *request)
 {
     for (int i = 0; i < request->n_fds; i++)
@@ -126,8 +126,8 @@ static lf_status open_one(lf_outfile *file, const lf_output_request *request, in
     return status;
 }
 
-/* Opens n files, or takes over request->fds, which must then be n. On failure nothing is open (and
- * the fds are closed). */
+/* Opens n files, or takes ownership of request->fds, which must be n. On failure nothing is open,
+ * and the fds are closed. */
 static lf_status open_all(output_files *files, const lf_output_request *request, int n,
                           lf_error *err)
 {

@@ -1,8 +1,8 @@
-/* The picture for one panel's pixels, interlaced by its calibration. */
+/* The image for one panel, interlaced by its calibration. */
 #include "base/alloc.h"
 #include "daemon/output/output_internal.h"
 
-/* zlib: beyond it files of rendered views shrink by a few percent for several times the work */
+/* zlib level; higher ones shrink files by a few percent for several times the work */
 #define PNG_LEVEL 4
 
 static const char *const filters[] = {

@@ -62,7 +62,7 @@ static lf_status write_png(const lf_output_request *request, const lf_output_sou
     return status;
 }
 
-/* Which carries no attributes: what made a picture that is passed on is nobody's business. */
+/* Without attributes, because pictures to share should not reveal how they were made. */
 static lf_status write_jpeg(const lf_output_request *request, const lf_output_source *source,
                             lf_outfile *file, lf_error *err)
 {

@@ -1,5 +1,5 @@
-/* Views and their depth, side by side in one picture: the middle one, for players that make views
- * of it, or all, as a quilt beside a quilt. */
+/* Views and their depth in one picture: the middle view, for players that synthesise views from it,
+ * or all views, as two quilts side by side. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,14 +55,14 @@ lf_status lf_rgbd_check(const lf_rgbd_options *rgbd, const char *where, lf_error
     return LF_OK;
 }
 
-/* Views with what is known of their pixels. */
+/* Views with depth and coverage. */
 typedef struct depth_views {
     const lf_views32 *views;
-    int middle, depth, coverage; /* the view; channels of the layers */
-    int columns, rows;           /* tiles of the picture's halves; of one, the middle view */
+    int middle, depth, coverage; /* middle view; channels of depth and coverage in the layers */
+    int columns, rows;           /* tiles of each half of the picture; 1 x 1 for the middle view */
 } depth_views;
 
-/* The view whose tile lies there, rows from the top; -1: none. */
+/* The view of this tile, rows from the top; -1: none. */
 static int view_at(const depth_views *v, int column, int row)
 {
     if (v->columns * v->rows == 1)
@@ -109,15 +109,15 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The mean of 1/Z over a pixel's rays, 0 for those that meet nothing: chance hits at the rim of a
- * cloud do not stand out. */
+/* The mean of 1/Z over a pixel's rays, 0 for rays that meet nothing. Chance hits at the rim of a
+ * cloud then stay inconspicuous. */
 static double nearness_of(const depth_views *v, const float *at)
 {
     const float depth = at[v->depth];
     return depth > 0.0f ? (double)at[v->coverage] / (double)depth : 0;
 }
 
-/* Of pixels that are covered by more than this; how many. */
+/* Collects the nearness of pixels with coverage over `least`; returns their number. */
 static size_t collect(const depth_views *v, float least, double *out)
 {
     const lf_layers32 *layers = v->views->layers;
@@ -135,14 +135,14 @@ typedef struct nearness_range {
     double near, far; /* near >= far */
 } nearness_range;
 
-/* Of n in their order, the one that a share of them is below; 0 of none. */
+/* The value below which a share of n sorted values is; 0 for none. */
 static double quantile(const double *sorted, size_t n, double share)
 {
     return n > 0 ? sorted[lround(share * (double)(n - 1))] : 0;
 }
 
-/* What the options say, else without the extremes of what is there: one pixel's noise must not
- * take the codes of all others. */
+/* The range from the options, otherwise measured without the extremes: the noise of one pixel must
+ * not use up the codes of all others. */
 static lf_status find_range(const lf_output_request *request, const depth_views *v,
                             nearness_range *out, lf_error *err)
 {
@@ -173,7 +173,7 @@ static uint8_t code_of(const nearness_range *range, double nearness)
 
 /* ----------------------------------------------------------------------------------- picture -- */
 
-/* The depth of one view; far where there is none. */
+/* Draws the depth of one view; far for an unused tile. */
 static void draw_depth(const depth_views *v, int view, const nearness_range *range,
                        bool near_is_black, uint8_t *out, size_t stride)
 {
@@ -232,7 +232,7 @@ static lf_status draw(const lf_output_request *request, const lf_output_source *
     return status;
 }
 
-/* So that codes can be read as distances. */
+/* Attributes for converting codes to distances. */
 static void add_distance(output_attributes *attributes, const char *key, double nearness)
 {
     int i = attributes->n;

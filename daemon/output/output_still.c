@@ -1,4 +1,4 @@
-/* One view as a plain picture: the middle one, under the name that it was given. */
+/* The middle view as a plain picture, under the given name. */
 #include "base/alloc.h"
 #include "daemon/output/output_internal.h"
 

@@ -20,11 +20,11 @@
 #include "daemon/output/output_internal.h"
 
 #define PROGRAM "ffmpeg"
-#define FILE_FD 3 /* of ffmpeg: what it writes into */
+#define FILE_FD 3 /* ffmpeg's descriptor of the output file */
 #define LOOK_MS 50
 #define NAP_MS 5
 #define MOST_OF_H264 4096
-#define LOOPS 2 /* in an MP4 of a loop: not every player begins again */
+#define LOOPS 2 /* repetitions in an MP4 loop, because not every player loops */
 
 /* ----------------------------------------------------------------------------------- options -- */
 
@@ -124,14 +124,14 @@ struct lf_video {
     const lf_cancel *cancel;
     pid_t pid; /* 0: it has ended */
     int pipe;  /* its standard input */
-    int said;  /* its standard error, a file in memory */
+    int said;  /* its standard error, a memory file */
     uint8_t *row;
     bool wiggles, is_gif;
-    int stopped_ms; /* for which it was waited for in vain, of a stop */
-    bool told;      /* that it is stopped */
+    int stopped_ms; /* time spent waiting for the stopped process */
+    bool told;      /* the stop was reported */
 };
 
-/* Out of the way of the descriptors that ffmpeg is to have. */
+/* Moves fd above the descriptors that ffmpeg gets. */
 static int raised(int fd)
 {
     int higher = fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, FILE_FD + 1);
@@ -146,7 +146,7 @@ static int spawn(lf_video *video, int input, int file, const char *const words[]
     return lf_spawn(PROGRAM, fds, FILE_FD + 1, words, environ, &video->pid);
 }
 
-/* Words of a command line; what does not fit is a mistake of ours. */
+/* The words of a command line; too many are a programming error. */
 typedef struct words {
     int n;
     const char *list[64];
@@ -160,21 +160,21 @@ static void add(words *w, const char *const more[])
     }
 }
 
-/* Codes are sRGB's and players take them as BT.709's, whose matrix is then the one to use. */
+/* Codes are sRGB; players treat them as BT.709, so that matrix is used. */
 #define TO_BT709 "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int"
-/* One palette for all frames. Errors in a fixed pattern do not crawl from frame to frame as
- * diffused ones do. */
+/* One palette for all frames. Ordered dithering does not crawl from frame to frame as error
+ * diffusion does. */
 #define TO_PALETTE                                                                                 \
     "split[a][b];[a]palettegen=stats_mode=full[p];[b][p]paletteuse=dither=bayer:bayer_scale=3"
 
-/* How wide the pixels of a view alone are meant; 1: square, and those of a quilt always. */
+/* Pixel aspect of single views; 1: square, as always for quilts. */
 static double pixel_aspect(const lf_layout *layout)
 {
     const double wide = layout->aspect * layout->view_height / layout->view_width;
     return layout->n_views == 1 && fabs(wide - 1.0) > 2e-3 ? wide : 1.0;
 }
 
-/* Of a loop: many a page that shows them knows square pixels alone, and no large GIFs. */
+/* For loops: many web pages support only square pixels and small GIFs. */
 static void put_loop_filters(const lf_video *video, const lf_layout *layout,
                              const lf_video_options *o, char *out, size_t size)
 {
@@ -295,9 +295,9 @@ static lf_status cancelled(const lf_video *video, lf_error *err)
     return lf_error_set(err, LF_E_CANCELLED, video->file.path, "cancelled");
 }
 
-/* After so long in which it took nothing and did not end. However slow a machine is, nothing
- * happens in a program that a signal has stopped; what counts is our own waiting, in which we were
- * not stopped ourselves. */
+/* Fails if ffmpeg has been stopped by a signal for too long. However slow a machine is, a stopped
+ * program makes no progress. Only our own waiting counts, so time in which quiltd itself was
+ * stopped does not. */
 static lf_status check_stopped(lf_video *video, int waited_ms, lf_error *err)
 {
     siginfo_t info = {0};
@@ -318,7 +318,7 @@ static lf_status check_stopped(lf_video *video, int waited_ms, lf_error *err)
                               info.si_status, LF_VIDEO_STOPPED_S);
 }
 
-/* It has ended: well, or with the first line of what it said. */
+/* Judges its exit: success, or an error with the first line of its output. */
 static lf_status judge(const lf_video *video, int ending, lf_error *err)
 {
     char text[400], how[48];
@@ -334,7 +334,7 @@ static lf_status judge(const lf_video *video, int ending, lf_error *err)
     return lf_error_set(err, LF_E_IO, PROGRAM, "%s%s%s", how, text[0] ? ": " : "", text);
 }
 
-/* Until it has ended; how is its own affair (judge). */
+/* Waits until it has ended; judge() interprets how. */
 static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
 {
     for (;;) {
@@ -355,7 +355,7 @@ static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
     return LF_OK;
 }
 
-/* No more frames: what came of it. */
+/* Ends the stream of frames and returns ffmpeg's result. */
 static lf_status close_pipe(lf_video *video, lf_error *err)
 {
     int ending = 0;
@@ -365,7 +365,7 @@ static lf_status close_pipe(lf_video *video, lf_error *err)
     return status == LF_OK ? judge(video, ending, err) : status;
 }
 
-/* It reads no more. */
+/* ffmpeg no longer reads: explains why. */
 static lf_status explain(lf_video *video, lf_error *err)
 {
     lf_status status = close_pipe(video, err);

@@ -1,4 +1,4 @@
-/* What methods answer by, and where the paths of their calls may lie. */
+/* Answers of methods, and the allowed paths of their calls. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +23,7 @@ void lf_reply(lf_call *call, json_t *result)
     }
 }
 
-/* The result is the last member of the answer: what is added to it stands before two brackets. */
+/* The result is the last member of the answer, so an addition goes before two closing brackets. */
 static char *answer_with(const lf_call *call, json_t *result, const char *key, const char *text)
 {
     json_t *message = lf_rpc_result(call->id, result);
@@ -107,8 +107,8 @@ const json_t *lf_param_or_former(const json_t *params, const char *name, const c
 
 /* ------------------------------------------------------------------------------------- paths -- */
 
-/* Paths of clients are absolute (quiltctl makes them so); others are taken from the scene's folder.
- */
+/* Paths of clients are absolute (quiltctl makes them so); relative ones start at the scene's
+ * folder. */
 static char *absolute(const lf_server *server, const char *path)
 {
     char *folder = server->config.scene ? lf_path_folder(server->config.scene) : NULL;
@@ -117,7 +117,7 @@ static char *absolute(const lf_server *server, const char *path)
     return joined;
 }
 
-/* Of a name with a place for a frame's number no file need be there, but its folder. */
+/* For a name with a frame number field, only the folder must exist. */
 static lf_status resolve(const lf_server *server, const char *name, char **out_path, lf_error *why)
 {
     lf_status status = lf_roots_resolve(&server->roots, name, out_path, why);

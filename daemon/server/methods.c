@@ -1,11 +1,11 @@
-/* What a client's lines ask for. */
+/* Handles the requests in a client's lines. */
 #include "daemon/server/methods_internal.h"
 
 #include <string.h>
 
 #include "base/nearest.h"
 
-/* More are not looked at for what was meant. */
+/* At most this many names are compared for suggestions. */
 #define MOST_METHODS 64
 
 static int find_method(const char *name)

@@ -1,4 +1,4 @@
-/* What methods answer and what notifications say, field by field. */
+/* The fields of results and notifications. */
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -6,12 +6,12 @@
 
 #include "daemon/server/methods.h"
 
-/* A field of an answer, of a notification ("!" and its name) or of an object in one of them ("@"
- * and its name). key NULL: there are none. type: "string", "[string]" for an array, "@NAME",
- * "…|null" where it may be null. */
+/* A field of a result, of a notification ("!" and its name) or of a nested object ("@" and its
+ * name). key NULL: no fields. type: "string", "[string]" for an array, "@NAME", "…|null" if it may
+ * be null. */
 typedef struct field {
     const char *of, *key, *type;
-    const char *unit; /* of a number */
+    const char *unit; /* unit of a number */
     const char *about;
 } field;
 
@@ -251,7 +251,7 @@ const lf_notification *lf_notification_at(int index)
 
 /* ----------------------------------------------------------------------------------- schemas -- */
 
-/* The fields of a thing, into properties; whether it is in the table. */
+/* Adds the fields of an object to properties; false: not in the table. */
 static bool add_fields(const char *of, json_t *properties);
 
 static json_t *object_schema(const char *of)
@@ -285,7 +285,7 @@ static bool add_fields(const char *of, json_t *properties)
             continue;
         found = true;
         if (f->key && f->key[0] == '\0') {
-            add_fields(f->type, properties); /* all of that object's */
+            add_fields(f->type, properties); /* all fields of that object */
         } else if (f->key) {
             json_t *schema = type_schema(f->type);
             json_object_set_new(schema, "description", json_string(f->about));
@@ -297,7 +297,7 @@ static bool add_fields(const char *of, json_t *properties)
     return found;
 }
 
-/* Made once, never freed: as much constants as the tables. */
+/* Built once and never freed: constant like the tables. */
 static json_t *all_methods, *all_events;
 static pthread_once_t made = PTHREAD_ONCE_INIT;
 

@@ -6,7 +6,7 @@
 #include "base/sandbox/import.h"
 #include "daemon/server/methods_internal.h"
 
-/* What is read by its name. */
+/* The folders whose files are read by name. */
 static json_t *folders_json(const lf_server *server)
 {
     json_t *folders = json_array();
@@ -23,7 +23,7 @@ void lf_method_hello(lf_call *call)
                        "methods", lf_methods_json(), "events", lf_events_json()));
 }
 
-/* Whole, whatever JSON's integers hold here. */
+/* Exact, also beyond JSON's integers here. */
 static json_t *seed_json(uint64_t seed)
 {
     char text[24];
@@ -36,7 +36,7 @@ static json_t *known_or_null(double value)
     return value >= 0 ? json_real(value) : json_null();
 }
 
-/* What there is no end to is null. */
+/* Infinite values are null. */
 static json_t *finite_or_null(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -53,7 +53,7 @@ static json_t *depth_json(const lf_content *content)
                      finite_or_null(d->sharp_to), "exceeded", d->exceeded);
 }
 
-/* Files that clients have passed for what is shown. */
+/* Files that clients have passed for the shown content. */
 static json_t *passed_json(const lf_content *content)
 {
     json_t *names = json_array();
@@ -93,7 +93,7 @@ static void add_content(const lf_server *server, json_t *status)
     }
 }
 
-/* null: there was no such frame yet. */
+/* null: no such frame yet. */
 static json_t *cost_json(const lf_frame_cost *cost)
 {
     return cost->paths >= 0
@@ -107,7 +107,7 @@ static void add_engine(lf_server *server, json_t *status)
     lf_engine_status now;
     lf_engine_get_status(server->engine, &now);
     lf_engine_controls controls = lf_engine_get_controls(server->engine);
-    /* the engine may have a content already that the server has not been told of */
+    /* the engine may have a newer content than the server knows */
     int64_t generation = now.generation < server->generation ? now.generation : server->generation;
     json_t *more = json_pack(
         "{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:I, s:i, s:s, s:f, s:b, s:b, s:s, s:s}",

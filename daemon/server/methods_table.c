@@ -3,7 +3,7 @@
 #include <pthread.h>
 #include <string.h>
 
-/* JSON Schemas as text: laid out by hand */
+/* JSON Schemas as text, formatted by hand */
 /* clang-format off */
 #define OBJECT(properties)                                                                         \
     "{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{" properties "}}"
@@ -138,12 +138,12 @@ static const lf_method methods[] = {
 
 enum { N_METHODS = sizeof methods / sizeof *methods };
 
-/* Parsed once, never freed: as much a constant as the texts. */
+/* Parsed once and never freed: constant like the texts. */
 static json_t *schemas[N_METHODS];
 static pthread_once_t parsed = PTHREAD_ONCE_INIT;
 
-/* Methods that take the fields of a struct, and the struct's table; keeps: what is left out stays
- * as it is, and has no default. */
+/* Methods with parameters from a struct's table. keeps: missing parameters keep their values, so
+ * there is no default. */
 static const struct {
     const char *method;
     const lf_param *params;
@@ -155,7 +155,7 @@ static const struct {
               {"device.set", lf_response_params, true}, {"camera.set", lf_camera_params, true},
               {"render.set", lf_option_params, true}};
 
-/* Words that get an answer of their own, each with what is said of it. */
+/* Words with an error text of their own. */
 static json_t *refused_words(const lf_param *row)
 {
     json_t *words = json_object();
@@ -187,7 +187,7 @@ static void add_properties(const char *method, json_t *schema)
                                    table_schema(tables[i].params, tables[i].keeps));
 }
 
-/* export's kinds: those of pictures, and the daemon's own. */
+/* The kinds of export: those of pictures, and the daemon's own. */
 static void add_kinds(json_t *schema)
 {
     json_t *names = json_array();

@@ -1,4 +1,4 @@
-/* Which frame of the scene is shown, and playing them. */
+/* Methods for the shown frame and for playback. */
 #include "daemon/server/methods_internal.h"
 
 json_t *lf_time_json(const lf_server *server)
@@ -16,7 +16,7 @@ json_t *lf_time_json(const lf_server *server)
     return time;
 }
 
-/* Whether there is something to move; else the call fails. */
+/* True if the scene has animation; otherwise the call fails. */
 static bool check_moves(lf_call *call)
 {
     const lf_content *content = call->server->content;

@@ -1,5 +1,5 @@
-/* Exports: what a call's words say, checked as far as it can be before anything is written, and
- * what clients hear of the jobs (daemon/parts/jobs.h). */
+/* Exports: checks the parameters of a call as far as possible before anything is written, and
+ * reports jobs to clients (daemon/parts/jobs.h). */
 #include <string.h>
 
 #include "base/alloc.h"
@@ -22,7 +22,7 @@ static lf_status take_panel_words(const lf_server *server, lf_export *what, cons
                                   lf_error *err)
 {
     const lf_calibration *calibration = lf_show_calibration(server->show);
-    what->panel.response = server->response; /* what the panel gets, but for what is said */
+    what->panel.response = server->response; /* defaults of the panel, overridden by the call */
     lf_status status = lf_param_from_json(lf_panel_params, params, &what->panel, "export", err);
     if (status == LF_OK)
         status =
@@ -89,8 +89,8 @@ static bool ends_with(const char *text, const char *ending)
     return n > m && strcmp(text + n - m, ending) == 0;
 }
 
-/* The name: beneath --export-dir, or with descriptors just a name, whose ending tells the format.
- */
+/* Checks the name: inside --export-dir, or with descriptors only a name, whose ending selects the
+ * format. */
 static lf_status take_file(const lf_server *server, lf_export *what, const char *file,
                            lf_error *err)
 {
@@ -124,7 +124,7 @@ static lf_status take_file(const lf_server *server, lf_export *what, const char 
     return status;
 }
 
-/* An accumulation is one from its first pass on; a picture, once it is coarse. */
+/* A state can be saved from the first pass on, a picture once it is coarse. */
 static lf_level wait_of(const json_t *params, bool is_state)
 {
     const char *name = string_of(params, "wait");
@@ -134,7 +134,8 @@ static lf_level wait_of(const json_t *params, bool is_state)
     return is_state ? LF_LEVEL_NONE : LF_LEVEL_COARSE;
 }
 
-/* auto: as shown; but of light the estimator's answer, unless the daemon was told on. */
+/* auto: as shown, but files of linear light get the estimator's answer unless the daemon was
+ * started with `on`. */
 static void take_denoise(const lf_server *server, lf_export *what, const json_t *params)
 {
     const lf_engine_controls controls = lf_engine_get_controls(server->engine);
@@ -182,7 +183,7 @@ static lf_status take_words(lf_export *what, lf_call *call, lf_error *err)
     return status;
 }
 
-/* A connection that is half-closed stays until its jobs have ended; a detached one needs none. */
+/* A half-closed connection stays open until its jobs have ended; a detached job needs none. */
 static lf_status hold_client(lf_export *what, lf_client *client, lf_error *err)
 {
     what->asker.holds = !what->asker.detached && lf_client_hold(client, &what->asker.bytes);
@@ -199,7 +200,7 @@ static void release_client(lf_server *server, const lf_asker *asker)
         lf_clients_release(server->clients, asker->client, asker->bytes);
 }
 
-/* *out as the call says, which a job may be made of; also on failure it is to be finished. */
+/* Fills out from the call; finish it also after a failure. */
 static lf_status take_export(lf_call *call, lf_export *out, lf_error *err)
 {
     lf_status status = take_words(out, call, err);
@@ -219,7 +220,7 @@ void lf_server_export(lf_call *call)
         status = take_export(call, &what, &err);
     if (status == LF_OK)
         status = lf_jobs_add(server->jobs, server->n_jobs + 1, &what, &err);
-    lf_client_drop_fds(call->client); /* more came than were announced */
+    lf_client_drop_fds(call->client); /* more descriptors came than announced */
     if (status != LF_OK) {
         release_client(server, &what.asker);
         lf_export_finish(&what);
@@ -260,7 +261,7 @@ json_t *lf_server_jobs_json(const lf_server *server)
     return list;
 }
 
-/* The one who asked hears of it without subscribing. */
+/* The client that asked gets reports without subscribing. */
 static void on_told(void *context, const lf_job_told *job)
 {
     lf_server *server = context;

@@ -1,4 +1,4 @@
-/* What the daemon is doing, in the words of its answers and in systemd's. */
+/* The daemon's state, in answers and for systemd. */
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
@@ -70,7 +70,7 @@ json_t *lf_server_warnings_json(const lf_server *server)
     return lines;
 }
 
-/* What is being loaded. */
+/* The current load. */
 json_t *lf_server_load_json(const lf_server *server)
 {
     static const char *const kinds[] = {[LF_LOAD_FILE] = "file",

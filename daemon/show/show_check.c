@@ -1,6 +1,6 @@
-/* A panel that was shown with what the cache knows, because its own calibration was not there yet:
- * a drive takes seconds to appear, and the USB cable may come last. When it comes it is read, and
- * where the panel would get another one now it is opened anew. */
+/* Checks a panel that was opened with a cached calibration because its own was not available yet: a
+ * drive takes seconds to appear, and the USB cable may be plugged in last. Once it is available it
+ * is read; if it differs from the cached one, the panel is opened again. */
 #include <stdio.h>
 #include <string.h>
 
@@ -16,7 +16,7 @@ static bool is_from_cache(const lf_show *show)
     return info.calibration_cached;
 }
 
-/* The display as it calls itself, in its native mode, which is the calibration's. */
+/* The display's own name and serial, and its native mode, which is the calibration's. */
 static void describe_display(const lf_show *show, lf_edid *out)
 {
     lf_device_info info;

@@ -1,5 +1,5 @@
-/* quiltctl's exports: the files are opened here, with the caller's rights, and appear when the
- * daemon says that the job is done. */
+/* quiltctl's exports: files are opened here, with the caller's rights, and published when the
+ * daemon reports that the job is done. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,7 +33,7 @@ static lf_status add_file(export_files *files, const char *path, bool overwrite,
     return status;
 }
 
-/* The picture's layout, from the daemon. */
+/* Queries the picture's layout from the daemon. */
 static lf_status ask_layout(lf_ctl *ctl, lf_layout *out, lf_error *err)
 {
     json_t *status = NULL;
@@ -75,7 +75,7 @@ static lf_status open_output(export_files *files, const lf_output_kind *kind, co
     return status;
 }
 
-/* Opens what the kind needs; *out_path is the name with the layout in it. */
+/* Opens the files of the kind; *out_path is the name with the layout in it. */
 static lf_status open_files(lf_ctl *ctl, const char *kind_name, const char *file, bool overwrite,
                             export_files *files, char **out_path, lf_error *err)
 {

@@ -32,7 +32,7 @@ static void say_note(const report *r, const char *what, const char *detail)
 
 /* -------------------------------------------------------------------------------- the daemon -- */
 
-/* "" where the daemon, which may be of another version, says no such thing. */
+/* "" if the daemon, possibly of another version, does not report it. */
 static const char *text_of(const json_t *object, const char *key)
 {
     const char *text = json_string_value(json_object_get(object, key));
@@ -54,7 +54,7 @@ static void judge_daemon(const report *r)
     say_ok(r, "daemon", text);
 }
 
-/* The spec of the panel that the daemon shows on; "" = there is none. */
+/* The spec of the panel that the daemon uses; "" = none. */
 static const char *shown_on(const lf_doctor_facts *facts)
 {
     const json_t *device = json_object_get(facts->status, "device");
@@ -63,7 +63,7 @@ static const char *shown_on(const lf_doctor_facts *facts)
 
 /* -------------------------------------------------------------------------------- the system -- */
 
-/* Whether there is a file of this name, with jokers. */
+/* True if a file matches this pattern. */
 static bool has(const report *r, const char *pattern)
 {
     char path[PATH_MAX];
@@ -115,11 +115,11 @@ static void judge_system(const report *r)
 const char lf_doctor_unit_keys[] =
     "LoadState,Restart,StartLimitIntervalUSec,StartLimitBurst,OOMPolicy,MemoryMax,TasksMax";
 
-/* Below these a picture of 45 views and a thread for every processor do not fit. */
+/* Minimum for a picture of 45 views and a thread per processor. */
 #define LEAST_MEMORY (UINT64_C(1) << 30)
 enum { LEAST_TASKS = 64 };
 
-/* The value of a key, "" where the unit has none; returns value. */
+/* The value of a key, "" if the unit does not have it; returns value. */
 static char *unit_value(const char *unit, const char *key, char *value, size_t size)
 {
     size_t n = strlen(key);
@@ -132,7 +132,7 @@ static char *unit_value(const char *unit, const char *key, char *value, size_t s
     return value;
 }
 
-/* UINT64_MAX: there is no limit, or an old systemd that knows none. */
+/* UINT64_MAX: no limit, or an old systemd without this property. */
 static uint64_t unit_number(const char *text)
 {
     uint64_t number;
@@ -155,7 +155,7 @@ static void judge_memory(const report *r, const char *memory, const char *oom)
                  "only its reader; set it");
 }
 
-/* What the service is held to, and whether a picture can stay with it. */
+/* Judges the limits of the service, and whether a picture fits into them. */
 static void judge_service(const report *r)
 {
     char restart[32], interval[32], burst[32], oom[32], memory[32], tasks[32], text[400];

@@ -15,7 +15,7 @@
 
 #define VERSION 1
 #define MOST_TEXT (UINT32_C(1) << 20)
-#define MOST_PASSES (INT64_C(1) << 40) /* as of --passes */
+#define MOST_PASSES (INT64_C(1) << 40) /* limit of --passes */
 
 static const char magic[8] = "quiltdJB";
 
@@ -41,7 +41,7 @@ static json_t *hash_words(const uint8_t bytes[LF_STATE_HASH])
     return json_string(text);
 }
 
-/* JSON has no whole numbers of 64 bits. */
+/* JSON integers do not hold unsigned 64-bit numbers. */
 static json_t *seed_words(uint64_t seed)
 {
     char text[24];
@@ -81,7 +81,7 @@ static bool differs(const json_t *a, const json_t *b, const char *key)
     return !json_equal(json_object_get(a, key), json_object_get(b, key));
 }
 
-/* As JSON has it; returns buf. */
+/* The member as JSON text; returns buf. */
 static const char *said(const json_t *object, const char *key, char *buf, size_t size)
 {
     char *text = json_dumps(json_object_get(object, key), JSON_ENCODE_ANY);
@@ -98,7 +98,7 @@ static void add_said(char *words, size_t size, const char *what, const json_t *t
                 said(of, key, b, sizeof b));
 }
 
-/* What the picture of a file differs in from that of a job; empty: in nothing. */
+/* Describes how a file's job differs from `of`; empty: not at all. */
 static void differences(const json_t *there, const json_t *of, char *words, size_t size)
 {
     static const char *const keys[][2] = {
@@ -200,7 +200,7 @@ static bool is_progress(const json_t *words, lf_job_progress *out)
            out->times.cpu_seconds >= 0;
 }
 
-/* Up to where the film begins. */
+/* Reads the header, up to the film. */
 static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err)
 {
     head h;
@@ -251,7 +251,7 @@ static lf_status open_head(const char *path, int *out_fd, uint64_t *out_size, js
     return status;
 }
 
-/* What the film's reader says, of this file. */
+/* Restores the film; errors name this file. */
 static lf_status restore_film(int fd, const char *path, lf_renderer *renderer, lf_error *err)
 {
     lf_error why = {0};

@@ -6,7 +6,7 @@
 
 typedef struct quantity {
     const char *name, *type, *help;
-    const char *object, *key; /* where status has it; object NULL: on top */
+    const char *object, *key; /* path in status; object NULL: top level */
 } quantity;
 
 static const quantity quantities[] = {
@@ -50,7 +50,7 @@ static void write_head(FILE *out, const char *name, const char *type, const char
     fprintf(out, "# HELP " PREFIX "%s %s\n# TYPE " PREFIX "%s %s\n", name, help, name, type);
 }
 
-/* A label's value: backslash, quote and newline are escaped, all else is taken as it stands. */
+/* Writes a label's value: escapes backslash, quote and newline, and nothing else. */
 static void write_label(FILE *out, const char *name, const json_t *text)
 {
     fprintf(out, "%s=\"", name);
@@ -81,7 +81,7 @@ static void write_quantity(FILE *out, const quantity *q, const json_t *status)
                                        : (long long)json_is_true(value));
 }
 
-/* One sample a word, 1 for the one that holds. */
+/* Writes one sample per word, 1 for the current one. */
 static void write_words(FILE *out, const char *name, const char *help, const char *label,
                         const char *const *words, const json_t *now)
 {

@@ -20,7 +20,7 @@ enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON, OPTION_FORMAT, OPTION_TIMEOUT
 
 typedef enum format { FORMAT_TEXT, FORMAT_JSON, FORMAT_PROMETHEUS } format;
 
-/* Its names; NULL behind the last. */
+/* Names of formats; NULL after the last. */
 static const char *format_at(int index)
 {
     static const char *const names[] = {"text", "json", "prometheus"};
@@ -42,7 +42,7 @@ typedef struct arguments {
     format format;
     double timeout; /* seconds; 0 = none */
     const char *method;
-    char *const *words; /* what follows the method */
+    char *const *words; /* words after the method */
     int n_words;
 } arguments;
 
@@ -130,7 +130,7 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
     return LF_OK;
 }
 
-/* The daemon runs elsewhere: paths are made absolute. */
+/* Makes paths absolute, because the daemon has another working folder. */
 static void make_absolute(json_t *params, const char *key)
 {
     const char *path = json_string_value(json_object_get(params, key));
@@ -142,7 +142,7 @@ static void make_absolute(json_t *params, const char *key)
     free(here);
 }
 
-/* The folder that a device writes into likewise. */
+/* Makes the folder in a device's spec absolute. */
 static void make_spec_absolute(json_t *params)
 {
     const char *spec = json_string_value(json_object_get(params, "spec"));
@@ -155,14 +155,14 @@ static void make_spec_absolute(json_t *params)
     free(here);
 }
 
-/* The daemon writes such an export by its name, since nobody waits here for its end. */
+/* The daemon writes a detached export by name, since quiltctl does not wait for its end. */
 static bool is_detached(const json_t *params)
 {
     return json_is_true(json_object_get(params, "detach"));
 }
 
-/* Reads the words by the method's schema. first: how many are positional (export's kind and file).
- */
+/* Parses the words with the method's schema. first: number of positional words (export's kind and
+ * file). */
 static lf_status read_words(const arguments *a, const json_t *schema, json_t *params, lf_error *err)
 {
     static const char *const positional[] = {"kind", "file"};
@@ -177,14 +177,14 @@ static lf_status read_words(const arguments *a, const json_t *schema, json_t *pa
         if (status != LF_OK)
             return status;
     }
-    if (!is_detached(params)) /* else relative to the daemon's --export-dir */
+    if (!is_detached(params)) /* otherwise relative to the daemon's --export-dir */
         make_absolute(params, "file");
     make_absolute(params, "icc");
     make_spec_absolute(params);
     return lf_schema_check(schema, params, a->method, err);
 }
 
-/* The schema of a method in the daemon's hello. LF_E_ARG: there is no such method. */
+/* The schema of a method in the daemon's `hello`. LF_E_ARG: unknown method. */
 static lf_status find_schema(const json_t *hello, const char *method, const json_t **out_schema,
                              lf_error *err)
 {
@@ -199,7 +199,7 @@ static lf_status find_schema(const json_t *hello, const char *method, const json
                                 "is not a method of this daemon; quiltctl hello lists the methods");
 }
 
-/* The scene that is shown; NULL: none. A new reference. */
+/* The shown scene; NULL: none. A new reference. */
 static json_t *ask_scene(lf_ctl *ctl)
 {
     json_t *status = NULL, *scene = NULL;
@@ -209,7 +209,8 @@ static json_t *ask_scene(lf_ctl *ctl)
     return scene;
 }
 
-/* A call that names files, with those that the daemon may not open. params are taken over. */
+/* Makes a call that names files, passing the files that the daemon may not open. Takes ownership of
+ * params. */
 static lf_status call_with_files(lf_ctl *ctl, const arguments *a, const json_t *hello,
                                  json_t *params, json_t **out_result, lf_error *err)
 {
@@ -231,13 +232,13 @@ static lf_status call_with_files(lf_ctl *ctl, const arguments *a, const json_t *
     return status;
 }
 
-/* params are taken over. */
+/* Takes ownership of params. */
 static lf_status call(lf_ctl *ctl, const arguments *a, const json_t *hello, json_t *params,
                       json_t **out_result, lf_error *err)
 {
     if (strcmp(a->method, "export") == 0 && !is_detached(params))
         return lf_ctl_export(ctl, params, out_result, err);
-    /* a daemon of before takes none */
+    /* older daemons accept none */
     if (json_is_array(json_object_get(hello, "folders")) &&
         (strcmp(a->method, "scene.load") == 0 || strcmp(a->method, "scene.patch") == 0))
         return call_with_files(ctl, a, hello, params, out_result, err);
@@ -280,7 +281,7 @@ static void print_result(const arguments *a, const json_t *result)
     }
 }
 
-/* "METHOD --help": prints what there is to say of it; false: something else was asked for. */
+/* "METHOD --help": prints the method's help; false: not such a call. */
 static bool print_method_help(int argc, char *const argv[])
 {
     const char *method = NULL;

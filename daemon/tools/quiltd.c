@@ -101,7 +101,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* The scene's absolute path: clients and relative files go by its folder. Owned by the caller. */
+/* The scene's absolute path, whose folder is the base of relative paths. Owned by the caller. */
 static char *absolute_scene(const char *scene)
 {
     char *here = getcwd(NULL, 0);
@@ -110,7 +110,7 @@ static char *absolute_scene(const char *scene)
     return path;
 }
 
-/* What no scene can make right. */
+/* Checks that no scene could satisfy. */
 static lf_status check_tiles(const lf_options *options, lf_error *err)
 {
     const lf_preset *preset = lf_options_preset(options);
@@ -164,7 +164,7 @@ int main(int argc, char *argv[])
                            "unexpected argument; give only one scene");
         return lf_usage_error(PROGRAM, &err);
     }
-    /* An empty one is none: what a service's variable that is not set leaves. */
+    /* An empty operand counts as none: a service's unset variable expands to it. */
     bool has_scene = optind < argc && argv[optind][0] != '\0';
     char *scene = has_scene ? absolute_scene(argv[optind]) : NULL;
     if (has_scene && !scene) {

@@ -13,7 +13,7 @@
 
 #define PROGRAM "quiltsim"
 
-/* What an option's text becomes. */
+/* The type of an option's value. */
 typedef enum option_kind {
     FLAG,    /* bool, without an argument */
     FILE_OF, /* const char * */
@@ -29,7 +29,7 @@ typedef enum option_kind {
 static const struct option_rule {
     const char *name;
     option_kind kind;
-    size_t offset; /* in lf_simulator_config */
+    size_t offset; /* offset in lf_simulator_config */
 } rules[] = {
 #define TO(member) offsetof(lf_simulator_config, member)
     {"listen", PORT, TO(port)},
@@ -162,7 +162,7 @@ static lf_status take_size(lf_simulator_config *config, const char *text, lf_err
     return LF_OK;
 }
 
-/* The format that the first n characters name, in either case. */
+/* The format named by the first n characters, in any case. */
 static lf_gud_format format_of(const char *word, size_t n)
 {
     for (size_t i = 0; i < sizeof known_formats / sizeof known_formats[0]; i++) {
@@ -229,7 +229,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* Reads the command line; *out_done: only help or the version was asked for. */
+/* Reads the command line; *out_done: only help or version was requested. */
 static lf_status read_arguments(int argc, char *const argv[], lf_simulator_config *config,
                                 bool *out_done, lf_error *err)
 {

@@ -35,7 +35,7 @@ static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIO
                                               " exposure panel png still quality target-error "
                                               "target-denoised-error target-shown-error aov"
                                               " fit guides";
-/* They say how paths are traced, so nothing where nothing is rendered. */
+/* Options of path tracing, which have no meaning if nothing is rendered. */
 static const char tracing[] =
     "integrator estimator sampler max-depth skip seed target-error "
     "target-denoised-error target-shown-error aov fit guides denoise reconstruct";
@@ -128,7 +128,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* The kind of output that an option asks for; NULL: none. */
+/* The kind of output selected by an option; NULL: none. */
 static const lf_output_kind *kind_of_option(const char *option)
 {
     for (int i = 0; lf_output_kinds[i]; i++)
@@ -146,7 +146,7 @@ static void take_video_option(lf_render_arguments *a, const char *option)
     a->mp4_option = a->mp4_option || is_fps ? a->mp4_option : option;
 }
 
-/* Remembers the kinds that were asked for, and the first option of those that say more. */
+/* Stores the selected kinds, and the first option of each group that depends on a kind. */
 static void taken(void *context, const lf_param *params, const lf_param *row)
 {
     lf_render_arguments *a = context;
@@ -170,7 +170,7 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->render_option = row->option;
 }
 
-/* What is drawn is not rendered: nothing that says what to render or how goes with it. */
+/* A drawn output is not rendered: refuses options about the scene and rendering. */
 static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
 {
     const lf_options *o = &a->options;
@@ -210,7 +210,7 @@ static bool reads_rgbd(const lf_output_kind *kind)
     return kind->layers;
 }
 
-/* An option that says more of kinds that were not asked for. */
+/* Refuses an option that depends on a kind that was not selected. */
 static lf_status refuse_option(const char *option, bool (*reads)(const lf_output_kind *),
                                lf_error *err)
 {
@@ -237,7 +237,7 @@ static lf_status check_video(const lf_render_arguments *a, lf_error *err)
     return lf_error_set(err, LF_E_ARG, where, "applies only to OUT.mp4");
 }
 
-/* The kind, and the options that say more of it. */
+/* Checks the kind and the options that depend on it. */
 static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 {
     char where[64];
@@ -267,7 +267,7 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
     return LF_OK;
 }
 
-/* The kind whose names end as OUT does, of those that no option asks for. */
+/* The kind whose endings fit OUT, among kinds that no option selects. */
 static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind, lf_error *err)
 {
     char known[512] = "", endings[64];
@@ -291,7 +291,7 @@ static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind
     return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video)", known);
 }
 
-/* What OUT is, from the options and its ending. */
+/* Determines the kind of OUT from the options and its ending. */
 static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
 {
     char *path = NULL;
@@ -314,15 +314,15 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
     a->print.n_views = a->options.views;
     if (status == LF_OK && a->kind->is_drawn)
         status = a->kind->check_print(&a->print, NULL, err);
-    /* the tiles of a name are checked when the layout is known */
+    /* the tiles in a name are checked once the layout is known */
     if (status == LF_OK && !a->kind->has_tiles)
         status = lf_output_path(a->kind, a->out, NULL, &path, err);
     lf_free(path);
     return status;
 }
 
-/* A preset for a display without a lens: its videos are HEVC, and turn unless something else is
- * said of frames. */
+/* A preset for a display without a lens: its videos are HEVC, and a turntable unless an option
+ * about frames is given. */
 static lf_status take_plain_preset(lf_render_arguments *a, lf_error *err)
 {
     const lf_preset *preset = lf_options_preset(&a->options);
@@ -358,7 +358,7 @@ static lf_status take_still(lf_render_arguments *a, lf_error *err)
     return LF_OK;
 }
 
-/* What goes with one picture alone. */
+/* Refuses options that are only for a single picture. */
 static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
 {
     const char *where = lf_frames_option(&a->frames);
@@ -378,7 +378,7 @@ static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
     return LF_OK;
 }
 
-/* auto: pictures are reconstructed; what measures, and what there is to compare with, is not. */
+/* auto: image files are reconstructed; measurements and references are not. */
 static lf_status choose_reconstruction(lf_render_arguments *a, lf_error *err)
 {
     lf_options *o = &a->options;

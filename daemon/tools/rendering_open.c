@@ -1,4 +1,4 @@
-/* What a job reads, and what its name comes to, before anything is rendered. */
+/* Reads the inputs of a job and determines its final name, before rendering. */
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -16,10 +16,10 @@
 #include "daemon/output/hld.h"
 #include "daemon/tools/rendering.h"
 
-/* That are open beside those of an output. */
+/* Open files in addition to those of an output. */
 #define OTHER_FILES 64
 
-/* An hour of rendering must not end at a folder that is not there. */
+/* Checked early, so that an hour of rendering does not end at a missing folder. */
 static lf_status check_folder_of(const char *path, lf_error *err)
 {
     size_t n = strlen(path);
@@ -54,8 +54,8 @@ static lf_status prepare_print(lf_rendering *r, int n_views_most, lf_error *err)
     return status;
 }
 
-/* How a finished light field is laid out anew: a folder has neither tiles nor an aspect but what
- * the options and the names say. */
+/* The new layout of a finished light field: a folder has tiles and aspect only from options and
+ * names. */
 static void lay_out_quilt(lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
@@ -123,7 +123,7 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
                               "cannot be combined with a finished 8-bit image; use an EXR file");
     if (status == LF_OK)
         lay_out_quilt(r);
-    if (status == LF_OK && of_middle) { /* all views are kept: the kind takes those it writes */
+    if (status == LF_OK && of_middle) { /* keeps all views; the kind selects those it writes */
         r->layout.columns = r->layout.rows = 1;
         r->layout.n_views = is_still       ? 1
                             : o->views > 0 ? o->views
@@ -132,7 +132,7 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* Whether the row of cameras in hand is one of the scene's. */
+/* Checks that the current camera row exists in the scene. */
 static lf_status check_row(const lf_rendering *r, lf_error *err)
 {
     const lf_camera *camera = lf_scene_camera(r->scene);
@@ -157,7 +157,7 @@ static lf_status check_row(const lf_rendering *r, lf_error *err)
     return LF_OK;
 }
 
-/* Of a loop of views on an arc, where nothing says how many. */
+/* Default number of views of a loop on an arc. */
 static lf_options options_of(const lf_rendering *r, const lf_camera *camera)
 {
     lf_options options = r->arguments->options;
@@ -172,7 +172,7 @@ static bool is_alone(const lf_rendering *r)
     return !lf_path_has_ending(r->arguments->scene, ".json");
 }
 
-/* A file without a scene says no cone: for a print it is as wide as lenses show sharply. */
+/* A file without a scene has no cone: for a print it is as wide as lenses show sharply. */
 static void narrow_cone(lf_rendering *r)
 {
     lf_camera *camera = &r->settings.camera;
@@ -227,7 +227,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* The scene with a patch (taken over; NULL: out of memory) in its place. */
+/* Replaces the scene by a patched one. Takes ownership of patch; NULL: out of memory. */
 static lf_status patch_scene(lf_rendering *r, json_t *patch, lf_error *err)
 {
     lf_scene *patched = NULL;
@@ -244,7 +244,7 @@ static lf_status patch_scene(lf_rendering *r, json_t *patch, lf_error *err)
     return lf_rendering_resolve(r, err);
 }
 
-/* The scene with its camera where --fit wants it. */
+/* Replaces the scene by one with the camera of --fit. */
 static lf_status fit(lf_rendering *r, lf_error *err)
 {
     const char *name = r->arguments->options.fit.name, *ground;
@@ -256,7 +256,7 @@ static lf_status fit(lf_rendering *r, lf_error *err)
     return status == LF_OK ? patch_scene(r, patch, err) : status;
 }
 
-/* The scene as --preset hld wants it. A file without a scene has no camera of its own to keep. */
+/* Adapts the scene to --preset hld. A file without a scene has no camera of its own to keep. */
 static lf_status whiten(lf_rendering *r, lf_error *err)
 {
     const lf_options *o = &r->arguments->options;
@@ -312,8 +312,7 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
     return status == LF_OK && a->options.fit.on ? fit(r, err) : status;
 }
 
-/* Files that are written beside and renamed would take the place of what they were made from.
- * Either may be NULL. */
+/* Publishing by renaming would replace the input. Either may be NULL. */
 static lf_status check_not_input(const char *path, const char *input, lf_error *err)
 {
     struct stat out, in;
@@ -323,7 +322,7 @@ static lf_status check_not_input(const char *path, const char *input, lf_error *
     return LF_OK;
 }
 
-/* Whether two names are of one file, which need not be there. */
+/* True if two names are the same file, which need not exist. */
 static bool is_same_file(const char *a, const char *b)
 {
     char *folders[2] = {lf_path_folder(a), lf_path_folder(b)};
@@ -337,7 +336,7 @@ static bool is_same_file(const char *a, const char *b)
     return same;
 }
 
-/* What is kept of a job lies apart from what the job writes. */
+/* A job's state file must not be one of its outputs. */
 static lf_status check_state(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -352,7 +351,7 @@ static lf_status check_state(const lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* The manifest of a print takes the place of another manifest, and of nothing else. */
+/* The manifest of a print may replace only another manifest. */
 static lf_status check_manifest(const lf_output_kind *kind, const char *print, const char *input,
                                 lf_error *err)
 {
@@ -385,7 +384,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* OUT as it is for a frame. Caller frees. */
+/* The name of OUT for a frame. Caller frees. */
 static char *out_of(const lf_rendering *r, int frame)
 {
     const lf_render_arguments *a = r->arguments;
@@ -422,7 +421,7 @@ lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err)
     return status;
 }
 
-/* The folders of all that is to be written. */
+/* Checks the folders of all outputs. */
 static lf_status check_folders(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -437,7 +436,7 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* Measured frame by frame, brightness would flicker. EXR has light, which no exposure touches. */
+/* Automatic exposure per frame would flicker. EXR holds linear light, which has no exposure. */
 static lf_status check_exposure(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -485,7 +484,8 @@ static lf_video_options video_options(const lf_rendering *r)
     return options;
 }
 
-/* Whether it can be a video; that of views begins here, before hours of rendering. */
+/* Checks whether the output can be a video. A video of views starts here, before hours of
+ * rendering. */
 static lf_status open_video(lf_rendering *r, lf_error *err)
 {
     const bool is_track = lf_rendering_is_track(r);
@@ -504,8 +504,8 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* What has more views than it can hold is told before hours of rendering. Files of one output are
- * open together, so that all of them appear: the process takes as many as it may have. */
+/* Reports an output with too many views before hours of rendering. Files of one output are open at
+ * the same time, so that all of them appear; raises the process's limit as far as allowed. */
 static lf_status provide_for_views(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;

@@ -1,4 +1,4 @@
-/* --state: what a job leaves behind, now and then and when it is stopped, and goes on with. */
+/* --state: saves a job's film at intervals and when it is stopped, and resumes from it. */
 #include <stdio.h>
 #include <sys/stat.h>
 
@@ -20,7 +20,7 @@ void lf_rendering_state_look(lf_rendering *r, const lf_render_progress *progress
         lf_log(LF_LOG_INFO, "%s: continuing at %.4g spp", r->arguments->state,
                spp(r, progress->passes));
     s->told = true;
-    /* what stops again before anything is added never ends */
+    /* a job that stops again before adding passes would never end */
     if (lf_time_now() - s->saved < s->interval || !(progress->passes > s->passes))
         return;
     s->passes = progress->passes;
@@ -42,14 +42,14 @@ static lf_status save(lf_rendering *r, const json_t *of, bool complete, lf_error
     return status;
 }
 
-/* What is there of an earlier run. */
+/* Restores the state of an earlier run. */
 static lf_status take_up(lf_rendering *r, const lf_budget *budget, const json_t *of,
                          lf_job_progress *out, lf_error *err)
 {
     const char *path = r->arguments->state;
     struct stat st;
     if (stat(path, &st) != 0)
-        return LF_OK; /* whatever hinders it is told by the first save */
+        return LF_OK; /* the first save reports what prevents it */
     lf_status status = lf_job_state_restore(path, of, r->renderer, out, err);
     if (status != LF_OK)
         return status;
@@ -65,7 +65,7 @@ static lf_status take_up(lf_rendering *r, const lf_budget *budget, const json_t 
     return LF_OK;
 }
 
-/* Until the budget is spent or the job is stopped; saved by then. */
+/* Renders until the budget is spent or the job is stopped, and saves. */
 static lf_status gather(lf_rendering *r, const lf_budget *budget, const json_t *of, float *film,
                         lf_error *err)
 {

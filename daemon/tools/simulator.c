@@ -27,7 +27,7 @@
 
 enum { MAX_CONNECTIONS = 16, MAX_LINE = 256, BACKLOG = 8 };
 
-/* The panel as it comes out of the box: made anew at every replug. */
+/* A factory-new panel, made again at every replug. */
 typedef struct panel {
     lf_model_hid *hid;
     lf_model_gud *gud;
@@ -36,7 +36,7 @@ typedef struct panel {
 
 typedef struct simulator {
     const lf_simulator_config *config;
-    lf_calibration calibration; /* of the display's size and name */
+    lf_calibration calibration; /* size and name of the display */
     uint8_t eeprom[LF_MODEL_EEPROM_MAX];
     size_t n_eeprom;
     panel panel;
@@ -48,8 +48,8 @@ typedef struct simulator {
     char line[MAX_LINE];
     size_t n_line;
     bool line_too_long;
-    uint64_t plugged_ns; /* when the panel that is there now was */
-    int64_t first_ms;    /* from then to its first rectangle; -1 = it has shown none */
+    uint64_t plugged_ns; /* time at which the current panel was plugged in */
+    int64_t first_ms;    /* time from then to its first rectangle; -1 = none shown */
 } simulator;
 
 static void LF_PRINTF(1, 2) say(const char *fmt, ...)
@@ -64,7 +64,8 @@ static void LF_PRINTF(1, 2) say(const char *fmt, ...)
 
 /* ------------------------------------------------------------------------------------- panel -- */
 
-/* Numbers as {"value": x}, as the EEPROMs have them. NULL = out of memory; released with free. */
+/* Numbers are wrapped as {"value": x}, as in real EEPROMs. NULL = out of memory; release with
+ * free. */
 static char *eeprom_text(const lf_calibration *c)
 {
     const char *key;
@@ -98,8 +99,8 @@ static lf_status fill_nominal(simulator *s, lf_error *err)
     return status;
 }
 
-/* The EEPROM takes any file, also one that is no calibration; the display then needs its size from
- * elsewhere. */
+/* The EEPROM accepts any file, also one that is not a calibration; the display's size must then be
+ * given. */
 static lf_status load_calibration(simulator *s, lf_error *err)
 {
     const lf_simulator_config *config = s->config;
@@ -197,7 +198,7 @@ static void copy_row(void *context, int y, uint8_t *row)
     memcpy(row, rows->pixels + (size_t)y * rows->row_bytes, rows->row_bytes);
 }
 
-/* What the panel shows, into the file. */
+/* Writes the panel's picture to the file. */
 static lf_status write_picture(const simulator *s, lf_error *err)
 {
     const char *path = s->config->panel_png;
@@ -226,7 +227,8 @@ static void drop_connection(simulator *s, int i)
             (size_t)(s->n_connections - i) * sizeof s->connections[0]);
 }
 
-/* Takes over fd. Whoever has waited longest without importing goes when there are too many. */
+/* Takes ownership of fd. If there are too many connections, closes the one that has waited longest
+ * without importing. */
 static lf_status add_connection(simulator *s, int fd, bool imported)
 {
     lf_usbip *connection = NULL;
@@ -278,7 +280,7 @@ static void take_connection(simulator *s)
 {
     int fd = accept4(s->listen_fd, NULL, NULL, SOCK_CLOEXEC), on = 1;
     if (fd < 0)
-        return; /* whoever it was has gone again */
+        return; /* the peer has already gone */
     if (setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) < 0)
         lf_log(LF_LOG_DEBUG, "cannot set TCP_NODELAY: %s", lf_errno_text(errno));
     if (add_connection(s, fd, false) != LF_OK)
@@ -306,7 +308,7 @@ static lf_status start_listening(simulator *s, int *out_port, lf_error *err)
 
 /* ---------------------------------------------------------------------------------- commands -- */
 
-/* How long the first picture was on its way. */
+/* Records the time until the first picture. */
 static void note_first(simulator *s)
 {
     lf_model_gud_counters c;

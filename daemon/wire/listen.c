@@ -50,8 +50,8 @@ static lf_status address_of(const char *path, struct sockaddr_un *out, lf_error 
     return LF_OK;
 }
 
-/* The lock lies beside the socket; whoever holds it may replace the socket. The loop: a daemon that
- * ends removes the file, and a lock on a removed file is worth nothing. */
+/* The lock file is next to the socket; its holder may replace the socket. Retries, because an
+ * ending daemon removes the file, and a lock on a removed file is worthless. */
 static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
 {
     char lock[sizeof((struct sockaddr_un *)0)->sun_path + 8];
@@ -79,8 +79,8 @@ static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
     }
 }
 
-/* A name left by a dead daemon is removed; one that somebody answers at, or that is no socket, is
- * not. */
+/* Removes a socket of a dead daemon, but not one at which a daemon answers, nor another kind of
+ * file. */
 static lf_status clear_name(const char *path, const struct sockaddr_un *address, lf_error *err)
 {
     struct stat st;
@@ -103,7 +103,7 @@ static lf_status clear_name(const char *path, const struct sockaddr_un *address,
                                             lf_errno_text(errno));
 }
 
-/* The system's socket is for the group too; a user's is the user's. */
+/* The system's socket is accessible to the group; a user's only to the user. */
 static void open_to_group(const char *path)
 {
     const struct group *group = strcmp(path, SYSTEM_SOCKET) == 0 ? getgrnam(SYSTEM_GROUP) : NULL;

@@ -82,7 +82,7 @@ void lf_rpc_request_finish(lf_rpc_request *request)
     *request = (lf_rpc_request){0};
 }
 
-/* json_pack takes its members over even when it fails; an absent id is sent as null. */
+/* json_pack takes ownership of its members even on failure; an absent id is sent as null. */
 static json_t *id_or_null(const json_t *id)
 {
     return id ? json_deep_copy(id) : json_null();

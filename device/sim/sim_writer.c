@@ -290,7 +290,7 @@ static lf_status shape_quilt(lf_image8 *quilt, int width, int height)
     return lf_image8_init(quilt, width, height, 3);
 }
 
-/* Copies a view into its tile, or blackens a tile behind the last view (the last quilt of this size
+/* Copies a view into its tile, or blackens a tile after the last view (the last quilt of this size
  * may have had more). */
 static void fill_tile(const lf_views8 *views, int tile, int x, int y, lf_image8 *quilt)
 {
