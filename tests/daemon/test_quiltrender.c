@@ -588,7 +588,7 @@ static void cameras_in_a_list_are_views(void **state)
         {"x.exr --aov depth", "--aov: is not supported"},
         {"x.exr --reconstruct on", "--denoise on: is not supported"},
         {"x_%04d.png --turntable 3", "--turntable: is not supported"},
-        {"x.png --fit", "need an arc, a track or a grid"},
+        {"x.png --fit", "an arc, a track or a grid"},
         {"x.png --rgbd right", "need an arc, a track or a grid"}};
     const qr_files *f = *state;
     char list[PATH_MAX];
