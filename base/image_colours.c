@@ -67,8 +67,8 @@ static bool white_of(const double xy[2], double out[3])
     return xy[1] > 1e-3 && isfinite(out[0]) && isfinite(out[2]);
 }
 
-/* Solves for the weights of the primaries that add up to white. Primaries with y = 0, as those of
- * XYZ, are valid: only white's y is a divisor. */
+/* Solves for the weights of the primaries that add up to white. Primaries with y = 0, as in XYZ,
+ * are valid: only white's y is a divisor. */
 static bool to_xyz(const lf_chromaticities *c, lf_matrix3 *out)
 {
     const double *const xy[3] = {c->red, c->green, c->blue};

@@ -55,7 +55,7 @@ const char *lf_image_float_ending(int index)
     return NULL;
 }
 
-/* "PNG or JPEG": all formats, or those of one kind. */
+/* "PNG or JPEG": all formats, or only one kind. */
 static char *format_names(bool all, lf_image_kind kind, char *buf, size_t size)
 {
     const char *names[N_FORMATS];

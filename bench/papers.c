@@ -1,4 +1,4 @@
-/* quiltbench papers FOLDER: the estimators of the papers compared with those of quiltd
+/* quiltbench papers FOLDER: the estimators of the papers compared with the estimators of quiltd
  * (docs/developer/papers.md), on the kinds of scenes of their figures, in turns in one run. */
 #include <math.h>
 #include <stdio.h>

@@ -84,7 +84,7 @@ typedef struct lf_options {
 } lf_options;
 
 /* The option of the calibration is --panel in quiltrender and --calibration elsewhere. JSON keys
- * are those of render.set. */
+ * are the keys of render.set. */
 extern const lf_param lf_option_params[];
 /* What to show, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
