@@ -171,8 +171,7 @@ static void put_initial(const lf_param *row, void *object)
         memcpy(point_place(row, object), row->point, sizeof row->point);
         break;
     default:
-        /* these types have no JSON key */
-        assert(row->type != LF_PARAM_SEED && row->type != LF_PARAM_LIST);
+        assert(row->type != LF_PARAM_SEED && row->type != LF_PARAM_LIST); /* not in JSON */
         put_number(row, row->initial, object);
     }
 }
