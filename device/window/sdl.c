@@ -62,8 +62,7 @@ lf_status lf_sdl_load(const char *library, lf_sdl *out, lf_error *err)
     if (!handle)
         return lf_error_set(err, LF_E_NODEV, "window",
                             "SDL2 is not installed: apt-get install libsdl2-2.0-0");
-        /* C has no conversion from an object pointer to a function pointer; POSIX guarantees this
-         * one. */
+        /* C has no conversion from an object's address to a function's; POSIX promises this one. */
 #define X(name)                                                                                    \
     do {                                                                                           \
         void *address = dlsym(handle, "SDL_" #name);                                               \
