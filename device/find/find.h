@@ -29,8 +29,8 @@ typedef struct lf_found {
     char label[64];    /* product string or volume label, known before reading */
     char problem[256]; /* why it cannot be used and what to do; empty = calibration is valid */
     lf_calibration calibration;
-    /* CACHE: the display that it was found for, and the calibration in the cache; name empty =
-     * unknown */
+    /* The display that the calibration was found for: in CACHE entries, and in others if the cache
+     * knows it. Name empty = unknown. */
     lf_edid display;
 } lf_found;
 
