@@ -1,8 +1,8 @@
-/* OpenEXR by the C library OpenEXRCore. The Core of OpenEXR 3.1 (Debian 12) has no DWA decoder,
- * decodes B44 wrongly where a side is no multiple of 4, and does not rebuild luminance-chroma
- * pictures. Pixels of those kinds come through the C interface of the C++ library (ImfCRgbaFile.h),
- * whose half floats lose nothing there, as DWA, B44 and chroma coding go by way of halfs
- * themselves. Headers are always the Core's, so every check is made once. */
+/* OpenEXR through the C library OpenEXRCore. The Core of OpenEXR 3.1 (Debian 12) has no DWA
+ * decoder, decodes B44 wrongly if a side is not a multiple of 4, and does not rebuild
+ * luminance-chroma pictures. Pixels of these kinds are read through the C interface of the C++
+ * library (ImfCRgbaFile.h). Its half floats lose nothing there, because DWA, B44 and chroma coding
+ * use halfs themselves. Headers are always read by the Core, so every check exists once. */
 #include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -72,7 +72,7 @@ static int64_t file_size(exr_const_context_t exr, void *data)
     return (int64_t)s->source->size_bytes;
 }
 
-/* The part of a block that lies in the display window; (x, y) is its corner in the file's
+/* Copies the part of a block inside the display window; (x, y) is its corner in the file's
  * coordinates. */
 static void place_block(const lf_exr_input *in, const float *block, int x, int y, int width,
                         int height, lf_image32 *out)
@@ -99,7 +99,7 @@ static void spread_grey(float *block, size_t n)
         block[3 * i + 1] = block[3 * i + 2] = block[3 * i];
 }
 
-/* Points the channels that are wanted at the block; the library converts half and uint to float. */
+/* Directs the wanted channels to the block; the library converts half and uint to float. */
 static void aim_channels(const lf_exr_input *in, exr_decode_pipeline_t *decode, float *block,
                          int width)
 {
@@ -178,7 +178,7 @@ static exr_result_t read_tiles(const lf_exr_input *in, exr_decode_pipeline_t *de
     return EXR_ERR_SUCCESS;
 }
 
-/* Blocks of the file's own shape, never larger than the data window. */
+/* The shape of the file's blocks, at most the data window. */
 static exr_result_t block_shape(const lf_exr_input *in, int *out_width, int *out_height)
 {
     int32_t width = in->data_width, height = 1;
@@ -209,7 +209,7 @@ static lf_status read_by_core(const lf_exr_input *in, lf_image32 *out)
     return rv == EXR_ERR_SUCCESS ? LF_OK : lf_exr_fail(in->session, rv);
 }
 
-#define BAND_LINES 256 /* DWAB's block: each is unpacked once */
+#define BAND_LINES 256 /* the block height of DWAB, so that each is unpacked once */
 
 static lf_status read_bands(const lf_exr_input *in, ImfInputFile *file, ImfRgba *half, float *block,
                             lf_image32 *out)
@@ -218,8 +218,7 @@ static lf_status read_bands(const lf_exr_input *in, ImfInputFile *file, ImfRgba 
     for (int y = 0; y < in->data_height; y += BAND_LINES) {
         int n = in->data_height - y < BAND_LINES ? in->data_height - y : BAND_LINES;
         int from = in->data.min.y + y;
-        /* The library wants the address that pixel (0, 0) would have, which need not lie in the
-         * buffer. */
+        /* The library expects the address of pixel (0, 0), which need not be inside the buffer. */
         intptr_t origin =
             (intptr_t)half -
             ((intptr_t)in->data.min.x + (intptr_t)from * (intptr_t)width) * (intptr_t)sizeof *half;
@@ -275,7 +274,7 @@ static bool is_beyond_core(const lf_exr_input *in)
         return true;
     case EXR_COMPRESSION_B44:
     case EXR_COMPRESSION_B44A:
-        return in->half || in->chroma; /* other types lie in it as they are */
+        return in->half || in->chroma; /* other types are stored unchanged */
     default:
         return in->chroma;
     }
@@ -369,7 +368,7 @@ typedef struct exr_job {
     exr_result_t (*compress)(exr_encode_pipeline_t *encode); /* the library's choice */
 } exr_job;
 
-/* The channel whose name comes next behind this one (NULL: the first), as files have them. */
+/* The next channel name after `before` (NULL: the first), in file order. */
 static const char *channel_behind(const exr_job *job, const char *before)
 {
     const char *next = NULL;
@@ -418,8 +417,8 @@ static void aim_encoder(exr_encode_pipeline_t *encode, const exr_job *job)
     }
 }
 
-/* The Core's own; OpenEXR 3.1 keeps compressed bytes that are as many as the plain ones, which
- * readers then take for plain. */
+/* The Core's compression. OpenEXR 3.1 keeps compressed data of exactly the plain size, which
+ * readers then take for uncompressed; here it is stored plain. */
 static exr_result_t compress_or_copy(exr_encode_pipeline_t *encode)
 {
     const exr_job *job = encode->encoding_user_data;
@@ -503,7 +502,7 @@ lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
     exr_result_t rv = exr_start_write(&exr, lf_outfile_name(file), EXR_WRITE_FILE_DIRECTLY, &setup);
     if (rv == EXR_ERR_SUCCESS)
         rv = write_picture(exr, &job);
-    /* finishing writes the table of chunks, and may fail as well */
+    /* finishing writes the chunk table, and may also fail */
     exr_result_t end = exr ? exr_finish(&exr) : EXR_ERR_SUCCESS;
     if (rv == EXR_ERR_SUCCESS)
         rv = end;

@@ -1,6 +1,6 @@
-/* Attributes are those of OpenEXR's ImfStandardAttributes.h, and the few of other programs that say
- * what pixels are: names of colour spaces (colorInteropID of the Color Interop Forum, OpenImageIO's
- * oiio:ColorSpace) and OpenImageIO's Orientation. */
+/* Reads attributes of OpenEXR's ImfStandardAttributes.h, and a few of other programs about the
+ * meaning of pixels: names of colour spaces (colorInteropID of the Color Interop Forum,
+ * OpenImageIO's oiio:ColorSpace) and OpenImageIO's Orientation. */
 #include <stdio.h>
 #include <string.h>
 
@@ -22,7 +22,7 @@ static const lf_chromaticities adobe = {{0.64, 0.33}, {0.21, 0.71}, {0.15, 0.06}
 
 static const struct {
     const char *name;
-    const lf_chromaticities *space; /* NULL: it says nothing */
+    const lf_chromaticities *space; /* NULL: no information */
 } spaces[] = {
     {"lin_rec709_scene", &lf_rec709},
     {"lin_ap1_scene", &ap1},
@@ -30,9 +30,9 @@ static const struct {
     {"lin_rec2020_scene", &rec2020},
     {"lin_p3d65_scene", &p3},
     {"lin_adobergb_scene", &adobe},
-    {"lin_ciexyzd65_scene", &lf_xyz}, /* of which D65 is the neutral */
+    {"lin_ciexyzd65_scene", &lf_xyz}, /* with D65 as neutral */
     {"unknown", NULL},
-    /* OpenImageIO's */
+    /* names of OpenImageIO */
     {"lin_rec709", &lf_rec709},
     {"lin_srgb", &lf_rec709},
     {"Linear", &lf_rec709},
@@ -52,7 +52,7 @@ static lf_image_notes *notes_of(const lf_exr_input *in)
     return in->session->source->meta ? &in->session->source->meta->notes : NULL;
 }
 
-/* NULL: there is none of this name and type. */
+/* NULL: no attribute of this name and type. */
 static const exr_attribute_t *find(const lf_exr_input *in, const char *name,
                                    exr_attribute_type_t type)
 {
@@ -74,7 +74,8 @@ static const char *find_text(const lf_exr_input *in, const char *name)
 
 /* ----------------------------------------------------------------------------------- colours -- */
 
-/* A name that is no space of linear colours is noted. NULL: it says nothing of use. */
+/* The colour space of a name attribute. Names of other than linear spaces are noted. NULL: no
+ * usable information. */
 static const lf_chromaticities *space_of(const lf_exr_input *in, const char *attribute)
 {
     const char *name = find_text(in, attribute);
@@ -87,7 +88,7 @@ static const lf_chromaticities *space_of(const lf_exr_input *in, const char *att
     return NULL;
 }
 
-/* What a name or flag says of files that state no chromaticities. */
+/* The space given by a name or flag, for files without chromaticities. */
 static const lf_chromaticities *named_space(const lf_exr_input *in)
 {
     const lf_chromaticities *id = space_of(in, "colorInteropID"),
@@ -142,7 +143,7 @@ static void read_colours(lf_exr_input *in)
 
 /* ------------------------------------------------------------------------------------ layout -- */
 
-/* By ImfEnvmap.h it is the data window that covers the sphere. */
+/* In ImfEnvmap.h the data window covers the sphere. */
 static void read_layout(lf_exr_input *in)
 {
     const exr_attribute_t *envmap = find(in, "envmap", EXR_ATTR_ENVMAP);

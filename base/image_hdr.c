@@ -13,7 +13,7 @@
 
 #define MAX_HEADER_LINES 1000
 
-/* A buffered reader: run lengths are read byte by byte. */
+/* A buffered reader, because run lengths are read byte by byte. */
 typedef struct reader {
     const lf_image_source *source;
     lf_error *err;
@@ -23,10 +23,10 @@ typedef struct reader {
 } reader;
 
 typedef struct hdr_header {
-    int n_scans, n_along;   /* scan lines in the file, and pixels of one */
+    int n_scans, n_along;   /* scan lines in the file, and pixels per scan line */
     bool scans_are_columns; /* the first axis was X */
     bool flip_x, flip_y;    /* stored from the right, from the bottom */
-    double pixel_height;    /* in widths of a pixel: the product of all PIXASPECT */
+    double pixel_height;    /* in pixel widths: the product of all PIXASPECT */
     double gain[3];         /* to undo EXPOSURE and COLORCORR */
     bool xyz;               /* pixels are X, Y, Z */
     bool has_primaries;
@@ -44,7 +44,7 @@ static lf_status fail(const reader *r, const char *what)
     return lf_error_set(r->err, LF_E_FORMAT, r->source->where, "Radiance HDR: %s", what);
 }
 
-/* The next byte; -1 at the end or when it cannot be read. */
+/* The next byte; -1 at the end or on an error. */
 static int next(reader *r)
 {
     if (r->used == r->held) {
@@ -72,7 +72,7 @@ static bool next_bytes(reader *r, uint8_t *to, size_t n)
     return true;
 }
 
-/* A line without its end; false when the file ends or the line is too long. */
+/* A line without its end; false: the file ends or the line is too long. */
 static bool next_line(reader *r, char *line, size_t size)
 {
     size_t n = 0;
@@ -121,7 +121,7 @@ static void take_primaries(const reader *r, const char *line, hdr_header *h)
         lf_image_note(notes_of(r), "PRIMARIES is not eight numbers: taken as Rec. 709");
 }
 
-/* Of pixels that are no light. */
+/* Notes variables of pixels that are not radiance. */
 static void note_variable(const reader *r, const char *line)
 {
     if (strncmp(line, "GAMMA=", 6) == 0 && fabs(strtod(line + 6, NULL) - 1) > 1e-3)
@@ -154,8 +154,7 @@ static lf_status take_variable(const reader *r, const char *line, hdr_header *h)
     return LF_OK;
 }
 
-/* "-Y 512 +X 1024": the first axis is the one from scan line to scan line; y runs upwards and x to
- * the right. */
+/* "-Y 512 +X 1024": the first axis runs from scan line to scan line; +y is up and +x is right. */
 static lf_status take_resolution(const reader *r, const char *line, hdr_header *h)
 {
     char sign[2], axis[2], rest;
@@ -196,7 +195,8 @@ static lf_status read_header(reader *r, hdr_header *h)
     return fail(r, "the header does not end");
 }
 
-/* One component of a scan line in the new run lengths: over 128 a run, else literals. */
+/* One component of a scan line in the new encoding: a count over 128 is a run, otherwise
+ * literals. */
 static lf_status read_component(reader *r, uint8_t *to, int n)
 {
     int i = 0;
@@ -302,7 +302,7 @@ static lf_status read_pixels(reader *r, const hdr_header *h, lf_image32 *out)
     return status;
 }
 
-/* X, Y, Z have their primaries, whatever is said besides. */
+/* X, Y, Z have fixed primaries, whatever the header says. */
 static lf_image_colours colours_of(const reader *r, const hdr_header *h)
 {
     lf_image_colours colours = {0};

@@ -55,7 +55,7 @@ const char *lf_image_float_ending(int index)
     return NULL;
 }
 
-/* "PNG or JPEG": the formats that there are, or those of a kind alone. */
+/* "PNG or JPEG": all formats, or only one kind. */
 static char *format_names(bool all, lf_image_kind kind, char *buf, size_t size)
 {
     const char *names[N_FORMATS];
@@ -93,7 +93,7 @@ static lf_status recognise(const lf_image_source *source, const lf_image_format 
                         format_names(true, LF_IMAGE_8BIT, names, sizeof names));
 }
 
-/* Of a file that is open. said: what it will say of its meaning. */
+/* Examines an open file. meta: to be filled by the reader. */
 static lf_status look_at(int fd, const char *path, lf_image_metadata *meta, lf_image_source *source,
                          const lf_image_format **format, lf_error *err)
 {
@@ -147,7 +147,7 @@ lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind,
     return status;
 }
 
-/* The right way up. */
+/* Rotates the image upright. */
 static lf_status turn(const lf_image_source *source, lf_image8 *image, lf_error *err)
 {
     lf_image_metadata *meta = source->meta;

@@ -10,7 +10,7 @@
 #include "base/alloc.h"
 #include "base/image_png.h"
 
-/* What libpng's callbacks reach; its errors leave by longjmp, so nothing else may change between
+/* State for libpng's callbacks. Its errors leave by longjmp, so nothing else may change between
  * setjmp and there. */
 typedef struct png_session {
     png_structp png;
@@ -73,7 +73,7 @@ static void read_bytes(png_structp png, png_bytep to, size_t n)
     }
 }
 
-/* Of so many channels: 3 is RGB, 4 has coverage, whole where the file says nothing of it. */
+/* Requests 3 channels (RGB) or 4 (with alpha, opaque if the file has none). */
 static void ask_for_rgb8(png_structp png, png_infop info, int channels)
 {
     int color = png_get_color_type(png, info);
@@ -98,7 +98,7 @@ static bool has_alpha(const png_session *s)
            png_get_valid(s->png, s->info, PNG_INFO_tRNS);
 }
 
-/* From four channels to three, in place. The memory stays as large as it was. */
+/* Reduces four channels to three, in place. The allocation keeps its size. */
 static void drop_alpha(const png_session *s, lf_image8 *out)
 {
     size_t n = (size_t)out->width * (size_t)out->height, clear = 0;
@@ -132,7 +132,7 @@ static lf_status read_rows(png_session *s, lf_image8 *out)
     png_read_info(s->png, s->info);
     int64_t width = png_get_image_width(s->png, s->info),
             height = png_get_image_height(s->png, s->info);
-    /* whether alpha is a loss its numbers alone tell */
+    /* only its values show whether dropping alpha loses anything */
     const bool looks = s->source->meta && has_alpha(s) && width * height <= (int64_t)1 << 29;
     const int channels = looks ? 4 : s->source->channels;
     s->status = lf_image_check_shape(s->source, width, height, (size_t)channels, s->err);
@@ -196,7 +196,7 @@ static void flush_nothing(png_structp png)
     (void)png;
 }
 
-/* tEXt is Latin-1 by the standard; anything beyond ASCII goes as iTXt, which is UTF-8. */
+/* tEXt is Latin-1 by the standard; text beyond ASCII is written as iTXt, which is UTF-8. */
 static void put_text(png_session *s, const lf_attribute *attribute)
 {
     char key[80], value[1] = "";
@@ -216,7 +216,7 @@ static void put_text(png_session *s, const lf_attribute *attribute)
     lf_free(copy);
 }
 
-/* Pixels along a unit of length in a pHYs: only the ratio of both numbers counts. */
+/* Pixels per unit in pHYs: only the ratio of both numbers matters. */
 #define PHYS_PER_UNIT 1000000
 
 typedef struct png_job {
@@ -236,8 +236,8 @@ static lf_status write_rows(png_session *s, const png_job *job)
     png_set_write_fn(s->png, s, write_bytes, flush_nothing);
     png_set_compression_buffer_size(s->png, (size_t)1 << 17);
     png_set_compression_level(s->png, job->level);
-    /* At live speed one fixed cheap filter; trying all five for each row costs more than deflate's
-     * fast levels themselves. */
+    /* For live pictures, one fixed cheap filter: trying all five per row costs more than deflate's
+     * fast levels. */
     png_set_filter(s->png, 0, job->level <= 3 ? PNG_FILTER_SUB : PNG_ALL_FILTERS);
     png_set_IHDR(s->png, s->info, (png_uint_32)job->width, (png_uint_32)job->height, 8,
                  PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,

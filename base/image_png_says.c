@@ -1,6 +1,6 @@
-/* The chunks of a PNG (W3C, Portable Network Graphics, third edition, and its registered
- * extensions) that say what pixels are, by their own bytes: libpng knows few of them, and puts some
- * in place of others. */
+/* Reads the chunks of a PNG that define the meaning of pixels (W3C, Portable Network Graphics,
+ * third edition, and its registered extensions) from their raw bytes: libpng knows few of them, and
+ * substitutes some for others. */
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -10,7 +10,7 @@
 #include "base/image_png.h"
 #include "base/image_profile.h"
 
-/* Of a chunk's data; longer ones are cut. */
+/* Bytes read of a chunk's data; the rest is skipped. */
 enum { HELD = 65536 };
 
 typedef struct walk {
@@ -18,7 +18,7 @@ typedef struct walk {
     lf_image_notes *notes;
     uint8_t *data; /* [HELD] */
     size_t n;
-    /* the strongest alone counts: cICP, then iCCP, then sRGB, then these two */
+    /* only the one with the highest priority counts: cICP, iCCP, sRGB, then these two */
     bool has_cicp, has_icc, has_srgb, has_gamma, has_chromaticities, is_rec709;
     uint32_t gamma;
     uint8_t cicp[4];
@@ -137,7 +137,7 @@ static void note_colours(const walk *w, const uint8_t *profile, size_t size)
             lf_image_note(w->notes,
                           "the ICC profile (iCCP) is not applied: colours are taken as sRGB");
     } else if (!w->has_srgb) {
-        /* 1/2.2 is how sRGB is said roughly */
+        /* 1/2.2 approximates sRGB */
         if (w->has_gamma && fabs(w->gamma / 1e5 - 1 / 2.2) > 0.02)
             lf_image_note(w->notes, "gAMA %g is not applied: colours are taken as sRGB",
                           w->gamma / 1e5);

@@ -8,7 +8,7 @@ static const lf_image_format *const formats[] = {&lf_format_png, &lf_format_jpeg
 
 static const char ktx2[] = "\xabKTX 20\xbb\r\n\x1a\n";
 
-/* NULL: none of ours. */
+/* NULL: unknown format. */
 static const lf_image_format *format_of(const uint8_t *data, size_t size)
 {
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)

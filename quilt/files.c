@@ -12,11 +12,11 @@
 
 #define MAX_FOLDER_VIEWS 4096
 #define MAX_SAMPLES ((size_t)1 << 31)
-/* Deflate's fastest: quilts of noise hardly shrink more at any level, and the simulated panel
+/* Deflate's fastest level: noisy quilts hardly shrink more at higher ones, and the simulated panel
  * writes them live. */
 #define PNG_LEVEL 1
 
-/* What was passed is a file, whatever stands under its name. */
+/* A passed path is a file, whatever is on disk under its name. */
 static bool is_folder(const char *path, const lf_roots *roots)
 {
     struct stat st;
@@ -32,8 +32,8 @@ bool lf_is_quilt(const char *path, const lf_roots *roots)
 
 /* ------------------------------------------------------------------------------------- views -- */
 
-/* Room for the views one below the other, view 0 first; taller than a picture may be, as it never
- * is one. */
+/* Allocates the views in a column, view 0 first. It may be taller than pictures are allowed to be,
+ * as it is never used as one. */
 static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *err)
 {
     const lf_layout *l = &q->layout;
@@ -66,7 +66,7 @@ static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *e
     return LF_OK;
 }
 
-/* Copies the part of a picture whose corner is (x, y), turned, into a view. */
+/* Copies the part of a picture at (x, y), rotated, to a view. */
 static void take_view(lf_quilt_file *q, int view, const lf_raster *p, int x, int y, int orientation)
 {
     const lf_layout *l = &q->layout;
@@ -91,7 +91,7 @@ void lf_quilt_finish(lf_quilt_file *q)
 
 /* ------------------------------------------------------------------------------------- quilt -- */
 
-/* Turns the shape of a view. */
+/* Applies the rotation to the shape of a view. */
 static void turn_layout(lf_layout *l, int orientation)
 {
     const int width = l->view_width;
@@ -102,7 +102,7 @@ static void turn_layout(lf_layout *l, int orientation)
     l->aspect = 1 / l->aspect;
 }
 
-/* As it is meant to be seen. */
+/* The aspect when displayed. */
 static double aspect_of(int width, int height, const lf_raster *p)
 {
     return (double)width / height * (p->meta.pixel_aspect > 0 ? p->meta.pixel_aspect : 1);
@@ -133,7 +133,7 @@ static lf_status cut_quilt(const char *path, const lf_raster *p, const lf_photo 
     return status;
 }
 
-/* A name without tiles; what only begins as they do is shown. */
+/* Refuses a name without tiles; shows a suffix that only starts like one. */
 static lf_status refuse_name(const char *path, lf_error *err)
 {
     const char *slash = strrchr(path, '/'), *part = strstr(slash ? slash : path, "_qs");
@@ -183,13 +183,13 @@ static void name_list_finish(name_list *list)
     lf_free(list->names);
 }
 
-/* view_999 before view_1000. */
+/* Sorts view_999 before view_1000. */
 static int by_name(const void *a, const void *b)
 {
     return strverscmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* What is listed is the folder that was checked, whatever its name leads to by now. */
+/* Lists the folder that was checked, whatever its name leads to now. */
 static lf_status open_folder(const char *folder, const lf_roots *roots, DIR **out, lf_error *err)
 {
     int fd;
@@ -234,25 +234,25 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
     return status;
 }
 
-/* The picture of a folder that something is most true of, and of how many it is. */
+/* The picture of a folder with the largest value, and their number. */
 typedef struct most {
     int n;
     double by;
     char name[64];
 } most;
 
-/* A folder that is being read. */
+/* State of reading a folder. */
 typedef struct folder {
     const char *path;
     const lf_roots *roots;
     name_list list;
-    lf_photo photo; /* its frame: the first picture's where there is no other */
+    lf_photo photo; /* its frame is the first picture's if there is no other */
     lf_quilt_file *q;
-    int width, height;  /* of the first picture as it is stored */
+    int width, height;  /* size of the first picture as stored */
     int n_odd;          /* pictures of another size */
     char odd[200];      /* their names and sizes */
-    bool odd_is_full;   /* not all of them */
-    most cut, up, down; /* shares, and scales and their inverses beyond 2 */
+    bool odd_is_full;   /* not all are listed */
+    most cut, up, down; /* fractions cut; scales and inverse scales over 2 */
 } folder;
 
 static lf_status begin_folder(folder *f, const lf_raster *first, double aspect, lf_error *err)
@@ -289,7 +289,7 @@ static void count(most *m, const char *name, double by)
     }
 }
 
-/* Remembers a picture of another size, and what it loses. */
+/* Records a picture of another size, and how much of it is cut. */
 static void count_odd(folder *f, const char *path, const lf_raster *p,
                       const lf_photo_picture *turned, const lf_photo_place *place)
 {
@@ -311,7 +311,7 @@ static void count_odd(folder *f, const char *path, const lf_raster *p,
         count(&f->down, name, 1 / scale);
 }
 
-/* Before what the files say, of which there may be more than is kept. */
+/* Added before the files' own notes, which may exceed the space. */
 static void note_folder(const folder *f)
 {
     lf_image_notes *notes = &f->q->notes, meta = *notes;
@@ -336,7 +336,7 @@ static void note_folder(const folder *f)
     lf_image_note_lines(notes, meta.text, meta.length);
 }
 
-/* A picture of another size than the first; shape: as it is turned. */
+/* Scales a picture of another size than the first; shape: after rotation. */
 static lf_status scale_picture(folder *f, int view, const lf_raster *p, const lf_layout *shape,
                                int orientation, lf_error *err)
 {
@@ -442,7 +442,7 @@ typedef struct quilt_rows32 {
     const lf_layout *layout;
 } quilt_rows32;
 
-/* The view in a column of the quilt's picture row y, -1 where the tile is empty; *row is the row in
+/* The view in a tile column of the quilt's picture row y, -1 if the tile is empty; *row: the row in
  * the view. */
 static int view_at(const lf_layout *l, int y, int column, int *row)
 {
@@ -469,7 +469,7 @@ static void row8(void *context, int y, uint8_t *out)
     lf_quilt_row8(q->views, q->layout, y, out);
 }
 
-/* A row of a view, its layers behind the colours of each pixel; returns what lies behind it. */
+/* Copies a row of a view, with layers after the colours of each pixel; returns the end. */
 static float *view_row(const lf_views32 *views, int view, int row, float *out)
 {
     const lf_layers32 *layers = views->layers;
@@ -525,8 +525,8 @@ static lf_status check_layout(const lf_layout *l, int n_views, int width, int he
     return LF_OK;
 }
 
-/* Of a picture that is one view: a quilt's name says it, and a view's only its pixels can. 0: they
- * are square. */
+/* Pixel aspect of a picture of one view: a quilt records it in its name, a view only in its pixels.
+ * 0: square. */
 static double pixel_aspect_of(const lf_layout *l)
 {
     const double aspect = l->aspect * l->view_height / l->view_width;

@@ -7,7 +7,7 @@
 #include "base/alloc.h"
 #include "quilt/axis.h"
 
-/* Aspects closer than this are the same one, rounded in a file's name. */
+/* Aspects closer than this are equal: file names round them. */
 #define SLACK 1e-3
 
 /* -------------------------------------------------------------------------------- parameters -- */
@@ -17,7 +17,7 @@ static const char *const turns[] = {
     [LF_TURN_NONE] = "0",  [LF_TURN_90] = "90",     [LF_TURN_180] = "180",
     [LF_TURN_270] = "270", [LF_TURN_AUTO] = "auto", NULL};
 
-/* Shares of what is left over, at the left and at the top. */
+/* Fractions of the free space at the left and at the top. */
 static const struct {
     const char *name;
     double left, top;
@@ -89,7 +89,7 @@ int lf_photo_orientation(const lf_photo *photo, double aspect)
     return photo->frame > 0 && (aspect - 1) * (photo->frame - 1) < 0 ? 6 : 1;
 }
 
-/* A whole number of pixels, of which `part` is to be kept, beginning at *first. */
+/* The whole number of pixels to keep for a fraction `part`, starting at *first. */
 static int kept(int n, double part, double share, int *first)
 {
     const int keep = (int)fmin(fmax(round(n * part), 1), n);
@@ -132,7 +132,7 @@ void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt)
 
 /* ----------------------------------------------------------------------------------- scaling -- */
 
-/* The part of a length of n_out samples that a picture of n_in lies on. */
+/* Sets up the axis for a picture of n_in samples on its part of n_out samples. */
 static lf_status init_axis(lf_axis_filter *filter, int n_in, int n_out, double frame,
                            double picture, double offset, double border)
 {

@@ -7,7 +7,7 @@
 
 static atomic_bool stopped;
 static _Thread_local lf_import_group *current;
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of the times of all groups */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* protects the times of all groups */
 
 lf_import_group *lf_import_group_begin(lf_import_group *group)
 {

@@ -18,7 +18,7 @@ static lf_status check_floats(const lf_raster *picture, lf_error *err)
     return LF_OK;
 }
 
-/* Of the parcel that *out holds, which may be a lie. */
+/* Takes the pixels of *out's parcel, which is untrusted. */
 static lf_status take_pixels(lf_raster *out, lf_error *err)
 {
     size_t n, n8, n32, n_notes;
@@ -45,7 +45,8 @@ lf_status lf_raster_import(int fd, const char *path, bool floats, lf_raster *out
     lf_import_request request = {.kind = LF_IMPORT_PICTURE, .floats = floats};
     lf_raster picture = {0};
     lf_error wrong;
-    snprintf(request.path, sizeof request.path, "%s", path); /* in words: it is open already */
+    /* only for messages: the file is open already */
+    snprintf(request.path, sizeof request.path, "%s", path);
     lf_status status = lf_import_run(&request, fd, path, NULL, NULL, &picture.parcel, err);
     if (status != LF_OK)
         return status;

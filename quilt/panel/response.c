@@ -1,12 +1,12 @@
-/* What a panel makes of its codes, turned round: the last step before a picture is sent. */
+/* The inverse of a panel's response: the last step before a picture is sent. */
 #include <assert.h>
 #include <math.h>
 
 #include "quilt/quilt.h"
 
-#define MAX_THROW 1000.0 /* between what channels of a white are, at most */
+#define MAX_THROW 1000.0 /* largest ratio between the channels of a white */
 
-/* CIE daylight (15:2004), of a nominal temperature: 6500 is D65. */
+/* CIE daylight (15:2004) of a nominal temperature: 6500 is D65. */
 static void white_of_day(double kelvin, double out_xy[2])
 {
     double t = kelvin * 1.4388 / 1.438, x;
@@ -18,7 +18,7 @@ static void white_of_day(double kelvin, double out_xy[2])
     out_xy[1] = -3.0 * x * x + 2.870 * x - 0.275;
 }
 
-/* How much of each primary of Rec. 709 the panel's white holds, where its own has 1 of each. */
+/* The amount of each primary of Rec. 709 in the panel's white; 1 each for D65. */
 static bool white_of(const lf_response *response, double out[3])
 {
     static const double from_xyz[3][3] = {{3.2404542, -1.5371385, -0.4985314},

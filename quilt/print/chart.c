@@ -13,7 +13,7 @@
 #define LEAST_BAND_MM 2.0
 #define LEAST_GRATING_MM 10.0
 #define TICK_MM 0.2
-#define GAP 0.1 /* of a band */
+#define GAP 0.1 /* fraction of a band */
 
 /* ------------------------------------------------------------------------------------ layout -- */
 
@@ -41,7 +41,7 @@ static lf_status check(const lf_print *print, lf_error *err)
     return LF_OK;
 }
 
-/* How many decimals it takes to write every pitch. */
+/* The number of decimals needed to write every pitch. */
 static int decimals_of(const lf_print *print)
 {
     int n = 0;
@@ -105,7 +105,7 @@ double lf_chart_lpi(const lf_chart *chart, int band)
 
 /* --------------------------------------------------------------------------------------- ink -- */
 
-/* How much ink lies left of x on a grating with a line about 0, half a pitch wide. */
+/* The ink to the left of x on a grating with a line around 0, half a pitch wide. */
 static double ink_before(double x, double pitch)
 {
     const double t = x / pitch + 0.25, line = floor(t);
@@ -121,7 +121,7 @@ static bool header_ink(const lf_chart *chart, double x, double y)
     return lf_label_ink(text, TEXT_MM, x + 0.5 * lf_label_width(text, TEXT_MM), y - MARGIN_MM);
 }
 
-/* The ruler: a tick every 10 mm, the outer ones longer, and what it measures in all. */
+/* The ruler: a tick every 10 mm, longer ones at the ends, and its total length. */
 static double footer_ink(const lf_chart *chart, double x0, double x1, double y)
 {
     const double tick =
@@ -168,8 +168,9 @@ double lf_chart_ink(const lf_chart *chart, double x0, double x1, double y)
 typedef struct drawing {
     lf_chart chart;
     int width, height;
-    double right, down; /* mm of a pixel */
-    bool turned; /* horizontal lenses: by 90 degrees, the chart's right is the print's lower end */
+    double right, down; /* size of a pixel in mm */
+    bool turned; /* horizontal lenses: rotated by 90 degrees, the chart's right is the print's lower
+                  * end */
 } drawing;
 
 static void draw_row(void *context, int y, float *row)

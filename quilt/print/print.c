@@ -16,7 +16,7 @@ char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size)
     return buf;
 }
 
-/* With more, stripes are so narrow that neighbouring views ghost. */
+/* With more views, stripes are so narrow that neighbouring views ghost. */
 #define VIEWS_A_PIXEL 0.8
 
 static lf_status check_views(const lf_print *print, const char **out_warning, lf_error *err)
@@ -72,11 +72,12 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
 
 /* ------------------------------------------------------------------------------------- shape -- */
 
-/* The lenses whose cells overlap the raster: lens k's is [phase + (k - 1/2) p, phase + (k + 1/2)
- * p]. */
+/* The lenses whose cells overlap the raster; the cell of lens k is [phase + (k - 1/2) p, phase + (k
+ * + 1/2) p]. */
 static void lenses_of(const lf_print *print, int raster_across, int *out_first, int *out_last)
 {
-    const double half = 0.5 * raster_across * print->lpi / lf_print_dpi_across(print); /* lenses */
+    /* in lenses */
+    const double half = 0.5 * raster_across * print->lpi / lf_print_dpi_across(print);
     const double phase = print->phase_mm * print->lpi / 25.4;
     *out_first = (int)floor(-half - phase + 0.5);
     *out_last = (int)ceil(half - phase + 0.5) - 1;
@@ -121,7 +122,7 @@ typedef struct line_key {
     int view, lens;
 } line_key;
 
-/* One print being written. */
+/* State of writing a print. */
 typedef struct job {
     const lf_print *print;
     lf_print_shape shape;
@@ -132,7 +133,7 @@ typedef struct job {
     /* vertical: [n_views][n_lenses][3] of this row; horizontal: [3][n_along][3], the stripes of
      * this row */
     float *samples;
-    line_key held[3]; /* horizontal: what the three lines of samples hold */
+    line_key held[3]; /* horizontal: the contents of the three lines of samples */
 } job;
 
 static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
@@ -185,8 +186,8 @@ static void vertical_row(job *j, int y, float *row)
     }
 }
 
-/* The line of one stripe, read once: rows that follow each other share stripes. A line that this
- * row needs is never replaced, since it needs at most three and there are three. */
+/* The line of one stripe, cached because consecutive rows share stripes. A line that this row needs
+ * is never replaced, since it needs at most three and there are three. */
 static const float *stripe_line(job *j, const lf_stripe_mix *mix, int slot)
 {
     const size_t line_size = (size_t)j->shape.n_along * 3;

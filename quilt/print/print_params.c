@@ -1,8 +1,8 @@
-/* What people set of a print, and the names of it. */
+/* The user's options of a print, and their names. */
 #include "quilt/print/print.h"
 
 #define PLACE(field) .place = offsetof(lf_print, field)
-/* Said by two options. */
+/* Used by two options. */
 #define LPI .argument = "LPI", PLACE(lpi), .unit = "lpi", .low = 5, .high = 600
 #define DPI                                                                                        \
     .argument = "DPI", PLACE(dpi), .type = LF_PARAM_RASTER, .unit = "dpi", .low = 50, .high = 9600
