@@ -68,7 +68,7 @@ static bool meet(const half_space *a, const half_space *b, const half_space *c, 
     return fabs(volume) > 1e-9;
 }
 
-/* What both hold is convex: its nearest and farthest points are among its corners. */
+/* The intersection is convex: its nearest and farthest points are among its corners. */
 static void see_box(const lf_rig *rig, double aside, const lf_box *box, lf_depth *depth)
 {
     half_space sides[HALF_SPACES];

@@ -1,4 +1,4 @@
-/* The accumulation as a file (film_file.h): saved, gone on with, added to another's. */
+/* The accumulation as a file (film_file.h): saved, continued, added to another renderer's. */
 #include <nettle/sha2.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,7 +54,7 @@ static json_t *describe(const lf_scene *scene, const lf_render_settings *s, cons
     return words;
 }
 
-/* Of words (NULL: out of memory). */
+/* The hash of JSON values (NULL: out of memory). */
 static lf_status hash_of(const json_t *words, size_t n, uint8_t *out)
 {
     struct sha256_ctx hash;
@@ -77,7 +77,7 @@ lf_status lf_renderer_identify(const lf_scene *scene, const lf_render_settings *
     return status;
 }
 
-/* All that a film must agree in to be gone on with as it was begun. */
+/* Everything in which a film must agree to be continued. */
 static json_t *describe_film(const lf_renderer *r)
 {
     char picture[2 * LF_PICTURE_BYTES + 1];

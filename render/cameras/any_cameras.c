@@ -1,4 +1,4 @@
-/* mvpt and vpt of cameras that are listed one by one: docs/developer/estimators/cameras.md. */
+/* mvpt and vpt for cameras listed one by one: docs/developer/estimators/cameras.md. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -19,7 +19,7 @@ static const lf_integrator_entry entries[N_ENTRIES] = {
     [MVPT] = {.name = "mvpt",
               .what = "every path serves all views that see it",
               .shares = true,
-              .remembers = true, /* what rows have given others, while a pass is under way */
+              .remembers = true, /* contributions between rows, during a pass */
               .supports = SUPPORT},
     [VPT] = {
         .name = "vpt", .what = "every view for itself", .remembers = true, .supports = SUPPORT}};
@@ -40,9 +40,9 @@ static void draw_lens(const lf_pinhole *view, lf_sampler *sampler, float out_len
     lf_pinhole_lens(view, u, out_lens);
 }
 
-/* Where a ray of a view meets something to scatter at; false: nowhere. What it is made of must not
- * depend on who drew it: pictures on surfaces are read at their finest, cameras having footprints
- * of their own. */
+/* The point where a view's ray meets a surface or medium that scatters; false: none. The material
+ * must not depend on the view that drew it: textures are read at their finest level, because
+ * footprints differ between cameras. */
 static bool find_pivot(const lf_any_cameras *s, lf_any_worker *w, lf_vec3 d, lf_any_pivot *out)
 {
     const lf_vec3 eye = lf_pinhole_eye(&s->views[out->view], out->lens);
@@ -77,7 +77,7 @@ static void base_sample(lf_any_cameras *s, lf_any_worker *w, lf_any_pivot *p, ui
         lf_any_scatter(s, w, p, pilot);
 }
 
-/* How bright it gets, for the unit of the sums: the same whatever is rendered of the picture. */
+/* Finds the largest radiance, for the unit of the sums: the same for every part of the image. */
 static void look_ahead(void *the_state, int item, int worker_index)
 {
     lf_any_cameras *s = the_state;
@@ -99,15 +99,15 @@ static void look_ahead(void *the_state, int item, int worker_index)
 
 /* ------------------------------------------------------------------------------------ visits -- */
 
-/* Of a view pixel's visit. Its base sample and the ray of its B and q leave through the same point
- * of the film and of the lens: where the one has met a surface, so has the other, and no pixel
- * expects to have found something and has found nothing. */
+/* Key of a view pixel's visit. Its base sample and its ray of B and q use the same point of the
+ * film and of the lens. If one has met a surface, so has the other. So no pixel expects a surface
+ * that its sample has not found. */
 static uint64_t numbers_of(uint64_t key, size_t pixel)
 {
     return lf_hash64(key, (uint64_t)pixel + 16);
 }
 
-/* The film takes it all behind the pass. */
+/* The film receives everything after the pass. */
 static bool visit(void *the_state, const lf_visit_order *order, int row, int half, int worker_index,
                   const lf_cancel *cancel)
 {
@@ -150,13 +150,13 @@ static lf_vec3 sky_of(const lf_any_cameras *s, const lf_pinhole *view, lf_vec3 w
 /* View pixels that are followed side by side. */
 enum { FOLLOWED = 64 };
 
-/* What a pixel's ray finds behind the media, and whether that is a surface. */
+/* The light behind the media on a pixel's ray, and whether it is from a surface. */
 typedef struct found {
     lf_vec3 light;
     bool met;
 } found;
 
-/* Of one ray, which is returned, through a view pixel. */
+/* Traces one ray through a view pixel, and returns it. */
 static lf_depth_ray follow(const lf_any_cameras *s, lf_any_worker *w, int view, int row, int column,
                            uint64_t key, uint32_t index, found *out)
 {

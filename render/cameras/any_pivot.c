@@ -7,8 +7,8 @@
 
 /* --------------------------------------------------------------------------------- densities -- */
 
-/* Density of view k's samples at the pivot but for what is lost in media on the way, up to what all
- * of them have in common there, and that way; 0: it sees nothing of it. The base sees its own. */
+/* Density of view k's samples at the pivot without media, up to a factor common to all views, and
+ * the ray to the pivot. 0: the view does not see it. The base always sees its own. */
 static double density_of(const lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p, int k,
                          lf_depth_ray *way)
 {
@@ -90,7 +90,7 @@ static double lobes(const lf_any_cameras *s, lf_any_worker *w, const lf_any_pivo
     return sum;
 }
 
-/* Radiance that arrives from one direction to all views, over a density. */
+/* Adds the radiance from one direction to all views, over a density. */
 static void spread(lf_any_cameras *s, lf_any_worker *w, lf_vec3 arriving, bool pilot)
 {
     if (!isfinite(arriving.x + arriving.y + arriving.z)) {
@@ -109,8 +109,8 @@ static void spread(lf_any_cameras *s, lf_any_worker *w, lf_vec3 arriving, bool p
     }
 }
 
-/* What a light sample brings, of which so much is left, and what a direction does, over their
- * densities: each is in balance with all of the others. over: sum of densities times pdf of all
+/* Contribution of a light sample with transmittance `left`, and of a direction, over their
+ * densities: each is weighted against all others. over: sum of densities times pdf of all
  * directions. */
 static lf_vec3 of_light(const lf_light_sample *light, float left, double densities, double over)
 {
@@ -124,7 +124,7 @@ static lf_vec3 of_direction(const lf_suffix *d, double densities, double over)
                   lf_scale(d->found, (float)(1.0 / (over + (double)d->found_pdf * densities))));
 }
 
-/* A share of what a pivot brings, by a light sample that is in balance with one direction. */
+/* A share of a pivot's light, from a light sample weighted against one direction. */
 static void spread_light(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
                          double densities, float share, bool pilot)
 {
@@ -137,7 +137,7 @@ static void spread_light(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot
            pilot);
 }
 
-/* The same by a direction of the base's own lobe, and all that comes along it. */
+/* spread_light for a direction of the base's own lobe, and the light along it. */
 static void spread_direction(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p,
                              double densities, float share, bool pilot)
 {
@@ -160,7 +160,8 @@ static void spread_direction(lf_any_cameras *s, lf_any_worker *w, const lf_any_p
     spread(s, w, lf_scale(of_direction(&d, densities, over), share), pilot);
 }
 
-/* What lanes have drawn behind pivot `at`; where every view is sent the same, in one go. */
+/* Spreads the suffixes that lanes have traced for pivot `at`; in one step if they send the same to
+ * every view. */
 static void spread_batch(lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p, int at,
                          double densities)
 {
@@ -199,7 +200,7 @@ static void add_found(lf_any_cameras *s, lf_any_worker *w, double densities)
     }
 }
 
-/* Weighs a pivot for all views; false: nobody sees it. */
+/* Computes a pivot's densities for all views; false: no view sees it. */
 static bool weigh(const lf_any_cameras *s, lf_any_worker *w, const lf_any_pivot *p, bool alone,
                   double *out_densities)
 {
@@ -242,7 +243,8 @@ void lf_any_flush(lf_any_cameras *s, lf_any_worker *w, const lf_cancel *cancel)
                                 .lens = {q->base[i].lens[0], q->base[i].lens[1]}};
         if (cancel && atomic_load_explicit(cancel, memory_order_relaxed))
             break;
-        w->tracer.rng = waits->rng; /* sums are rounded by numbers of their own, whoever waits */
+        /* rounding of sums uses separate random numbers, independent of the queue */
+        w->tracer.rng = waits->rng;
         if (!weigh(s, w, &p, s->alone, &densities))
             continue;
         spread_batch(s, w, &p, i, densities);

@@ -17,7 +17,7 @@ lf_status lf_splats_init(lf_splats *splats, const lf_film_layout *layout)
     return splats->at ? LF_OK : LF_E_NOMEM;
 }
 
-/* A power of two, so that what is added is rounded once. */
+/* A power of two, so that an addition is rounded only once. */
 void lf_splats_scale(lf_splats *splats, float largest)
 {
     int exponent = 0;
@@ -42,11 +42,11 @@ void lf_splats_finish(lf_splats *splats)
     splats->at = NULL;
 }
 
-/* The sign's bit: numbers are in the order of their bits once it is turned. */
+/* The sign bit: with it flipped, numbers have the order of their bits. */
 #define SIGN (UINT64_C(1) << 63)
 
-/* How often the sum went round upwards, less downwards. All of these together are as many in any
- * order, since whole numbers are added up. */
+/* Number of overflows upwards, minus downwards. The total does not depend on the order, because
+ * integers are added. */
 static int add(atomic_uint_least64_t *sum, double steps, float u)
 {
     const int64_t whole = (int64_t)floor(steps + (double)u);

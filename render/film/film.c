@@ -8,8 +8,8 @@
 #include "render/film/film_round.h"
 #include "render/transport/sampler.h"
 
-/* Films of so many bytes have huge pages. In a smaller one, rows that nothing visits would be most
- * of what they cost, and there is little to gain. */
+/* Films of this size use huge pages. In smaller films, unvisited rows would dominate their memory,
+ * and the gain is small. */
 #define HUGE_FROM ((size_t)16 << 20)
 
 static size_t pixels_of(const lf_film_layout *layout)
@@ -31,7 +31,7 @@ size_t lf_film_used_bytes(const lf_film_layout *layout)
            (layout->has_albedo ? pixels_of(layout) * sizeof(lf_packed_albedo) : 0);
 }
 
-/* Room for one stream more; rows of streams that are gone (lf_film_clear) are kept for others. */
+/* Makes room for one more stream; row arrays of removed streams (lf_film_clear) are reused. */
 static lf_status make_room(lf_film *film)
 {
     size_t n = (size_t)film->n_streams;
@@ -57,7 +57,7 @@ uint64_t lf_film_stream_random(const lf_film_stream *s)
     return s->number == 0 ? s->seed : lf_hash64(lf_hash64(s->seed, 0), s->number);
 }
 
-/* How many streams come before this one. */
+/* The number of streams before this one. */
 static int count_before(const lf_film *film, uint64_t seed, uint32_t number)
 {
     int from = 0, to = film->n_streams;
@@ -107,7 +107,7 @@ lf_status lf_film_init(lf_film *film, const lf_film_layout *layout)
     film->row_bytes = (lf_film_used_bytes(layout) + 63) / 64 * 64;
     film->data_bytes = film->row_bytes * (size_t)film->height;
     film->rows = lf_calloc((size_t)film->height, sizeof *film->rows);
-    /* Mapped, so that rows cost memory only from their first visit on, or that of a row within
+    /* Mapped, so that rows use memory only from the first visit on of the row, or of a row within
      * LF_HUGE_PAGE. */
     void *data = mmap(NULL, film->data_bytes, PROT_READ | PROT_WRITE,
                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -194,7 +194,7 @@ void lf_film_clear(lf_film *film)
     film->n_streams = 0;
 }
 
-/* The arrays of a half, one behind the other from p on. */
+/* The arrays of a half, consecutive from p on. */
 static lf_film_half half_at(const lf_film_layout *layout, unsigned char *p)
 {
     size_t pixels = pixels_of(layout);
@@ -241,7 +241,7 @@ lf_status lf_film_sums_init(lf_film_sums *sums, const lf_film_layout *layout)
     *sums = (lf_film_sums){.data = lf_calloc(1, native + half_size + known + features + albedo)};
     if (!sums->data)
         return LF_E_NOMEM;
-    /* What is summed comes first and q behind it, so that one stretch of memory is zeroed. */
+    /* Sums come first and q after them, so that one range of memory is zeroed. */
     unsigned char *half = sums->data + native, *behind = half + half_size;
     sums->native = native ? (float(*)[3])(void *)sums->data : NULL;
     sums->half = half_at(&summed, half);
@@ -273,14 +273,14 @@ static inline float add(float a, float b, uint32_t random)
     return lf_film_round((double)a + (double)b, random);
 }
 
-/* A running mean: what is constant stays exact, however many visits there are. */
+/* A running mean: a constant stays exact, for any number of visits. */
 static inline float mean(float a, double share, double x, uint32_t random)
 {
     return lf_film_round((double)a + share * (x - (double)a), random);
 }
 
-/* What merging a visit does to means: the visit's share of its half and of both halves, the other
- * half's share before it. None has any of coarse visits, unless there are no others. */
+/* Effect of merging a visit on means: the visit's share of its half and of both halves, and the
+ * other half's share before it. Coarse visits have no share, unless there are no others. */
 typedef struct lf_merge_shares {
     double half, both, other;
     double sign; /* of the half in the difference */
@@ -342,7 +342,7 @@ void lf_film_clear_known(const lf_film *film, int row, int half)
         memset(of.feature, 0, pixels * sizeof *of.feature);
 }
 
-/* Before the first visit of a half, or of the row, that has q, B and features of its own. */
+/* Called before the first visit of a half, or of the row, that has its own q, B and features. */
 static void drop_coarse(const lf_film *film, int row, int half)
 {
     const lf_film_row *state = &film->rows[row];
@@ -397,8 +397,8 @@ void lf_film_count(lf_film *film, int stream, int row, int half, double passes)
 /* Columns that are merged together: their random numbers are the same in all views. */
 #define SPAN 64
 
-/* before: q of all visits before this one, which has the share. What no ray has met stays; so it
- * does where correction weights make q negative. */
+/* before: q of all visits before this one, with its share. Features that no ray has met are
+ * unchanged; so are they if correction weights make q negative. */
 static void merge_features(lf_packed_feature *restrict to, const float *restrict before,
                            const lf_feature *restrict from, const float *restrict now, float share,
                            const uint32_t *restrict random, size_t n)
@@ -419,7 +419,7 @@ static void merge_features(lf_packed_feature *restrict to, const float *restrict
     }
 }
 
-/* What merging a visit goes from and to. */
+/* Source and destination of merging a visit. */
 typedef struct lf_merge {
     lf_film_half to;
     const lf_film_sums *sums;
@@ -430,7 +430,7 @@ typedef struct lf_merge {
     bool features, q;
 } lf_merge;
 
-/* Of pixels [first, first + n), before q is merged: means weighted by q, of both halves. */
+/* For pixels [first, first + n), before q is merged: means weighted by q, of both halves. */
 static void merge_albedo(const lf_merge *merge, size_t first, size_t n,
                          const uint32_t *restrict random)
 {
@@ -526,7 +526,7 @@ void lf_film_merge(lf_film *film, int stream, int row, int half, const lf_film_s
     for (size_t column = 0; column < width; column += SPAN) {
         size_t n = width - column < SPAN ? width - column : SPAN;
         uint32_t random[SPAN];
-        /* One random number a column: what is the same, N and W or two views, stays the same. */
+        /* One random number per column: equal numbers, in N and W or in two views, stay equal. */
         for (size_t k = 0; k < n; k++)
             random[k] = (uint32_t)(lf_hash64(key, column + k) >> 32);
         for (size_t view = 0; view < views; view++)

@@ -1,4 +1,4 @@
-/* Two films of one picture become one. */
+/* Merges two films of one image. */
 #include <math.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 #include "render/film/film_round.h"
 #include "render/transport/sampler.h"
 
-/* A mean over both; what is constant stays exact. */
+/* The mean over both; a constant stays exact. */
 static double pooled(double a, double n_a, double b, double n_b)
 {
     if (n_a == 0.0 || a == b)
@@ -27,7 +27,7 @@ static void add_feature(lf_packed_feature *to, double weight_to, lf_packed_featu
     *to = lf_feature_pack(&mixed, random);
 }
 
-/* n q of both halves, as far as it is above 0. */
+/* n q of both halves, clamped to 0. */
 static double pivots_of(const lf_film_half half[2], const double n[2], size_t i)
 {
     return fmax(n[0] * (double)half[0].q[i] + n[1] * (double)half[1].q[i], 0.0);
@@ -66,13 +66,13 @@ static void add_half(lf_film_half *to, double n_to, const lf_film_half *from, do
     to->q[i] = lf_film_round(pooled((double)to->q[i], n_to, (double)from->q[i], n_from), random);
 }
 
-/* The mean of one half, from that of both and their difference. */
+/* The mean of one half, from the mean of both and their difference. */
 static double of_half(const double n[2], int half, double both, double difference)
 {
     return both + (half == 0 ? n[1] : -n[0]) / (n[0] + n[1]) * difference;
 }
 
-/* a and b: n of the known visits; of one film there may be none. */
+/* a and b: n of the known visits; one film may have none. */
 static void add_known(lf_film_known *to, const double a[2], const lf_film_known *from,
                       const double b[2], uint32_t random)
 {
@@ -112,8 +112,7 @@ static uint64_t key_of(const lf_film *film, int row)
     return key;
 }
 
-/* n of both films' visits that count beside each other for q, B and features: as
- * lf_film_row_known. */
+/* n of both films' visits that are means of q, B and features in the sum: as lf_film_row_known. */
 static void known_of(const lf_film_row *a, const lf_film_row *b, double of_a[2], double of_b[2])
 {
     double whole = 0.0;
@@ -140,7 +139,7 @@ static void add_row(lf_film *film, const lf_film *from, int row)
     const lf_film_known *more = lf_film_known_at(from, row);
     lf_packed_albedo *albedo = lf_film_albedo_at(film, row);
     const lf_packed_albedo *more_albedo = lf_film_albedo_at(from, row);
-    /* As in a visit: what is the same, N and W or two views, stays the same. */
+    /* As in a visit: equal numbers, in N and W or in two views, stay equal. */
     for (size_t i = 0; i < pixels; i++) {
         uint32_t random = (uint32_t)(lf_hash64(key, i % width) >> 32);
         if (albedo) /* before q is added up */
@@ -196,7 +195,7 @@ static lf_status check_streams(const lf_film *film, const lf_film *from, lf_erro
                               LF_FILM_MAX_STREAMS);
 }
 
-/* The first row whose counts have no possible sum; height = none. */
+/* The first row whose counts cannot be added; height = none. */
 static int overflow(const lf_film *film, const lf_film *from)
 {
     int row = 0;

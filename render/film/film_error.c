@@ -1,6 +1,6 @@
-/* What rows tell about the error of the picture (docs/developer/estimators.md, "10. The error
- * estimate"). Views share paths and pixels of a row share an offset; what is independent is the
- * rows, and the halves. */
+/* The error of the image, from its rows (docs/developer/estimators.md, "10. The error estimate").
+ * Views share paths, and pixels of a row share an offset; only the rows and the halves are
+ * independent. */
 #include <math.h>
 
 #include "render/film/film.h"
@@ -15,8 +15,8 @@ static double normal_quantile(double alpha)
     return z;
 }
 
-/* Fisher and Cornish's expansion about the normal one, below 5 on a line in 1/freedom from there to
- * the closed form at 2. */
+/* Fisher and Cornish's expansion around the normal distribution; below 5 a line in 1/freedom from
+ * there to the closed form at 2. */
 double lf_upper_quantile(double alpha, double freedom)
 {
     if (freedom < 5.0) {
@@ -41,17 +41,17 @@ static double trigamma(double x)
            1.0 / (30.0 * pow(x, 5.0));
 }
 
-/* Variance of R squared, relative to the relMSE of one answer: 4 times that of R, and pi/2 to get
- * from the mean magnitude of a normal difference to its mean square. R is a median of five brought
- * between the pixel's two halves (resolve.c: steady_radiance). Of normal answers of variance 1 that
- * has 0.510, and 0.325 weighed by the squared difference of the halves, as errors weigh it (by
- * Monte Carlo). What is used lies between, since noise is not normal; 0.325 would lower bounds by
- * some per cent. */
+/* Variance of R squared, relative to the relMSE of one estimate: 4 times the variance of R, and
+ * pi/2 from the mean magnitude of a normal difference to its mean square. R is a median of five,
+ * clamped to the range of the pixel's two halves (resolve.c: steady_radiance). For normal estimates
+ * of variance 1 this has 0.510, and 0.325 weighted by the squared difference of the halves, as
+ * errors weight it (by Monte Carlo). The value used lies between, because noise is not normal;
+ * 0.325 would lower bounds by some per cent. */
 #define SCALE_VARIANCE (4.0 * 0.449 * M_PI / 2.0)
 
-/* Standard deviation of the logarithm of the error there where the halves do not agree on R
- * (resolve.c: confirmed), the same for all of it: what one half alone has met is one path or one
- * highlight that all views see. */
+/* Standard deviation of the logarithm of the error in pixels whose halves disagree about R
+ * (resolve.c: confirmed), common to all of them: light that only one half has met is one path or
+ * one highlight that all views see. */
 #define DOUBT 0.5
 
 double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out_estimate)
@@ -69,10 +69,10 @@ double lf_error_bound(const lf_row_error *rows, int n, double alpha, double *out
         *out_estimate = estimate;
     if (!(estimate > 0.0) || !isfinite(estimate))
         return estimate == 0.0 ? 0.0 : -1.0;
-    /* A row alone, or beside rows without error, tells nothing about its own scatter: as if it were
-     * a single number. Else the products with the next row, times what is lost where the next row
-     * has less error than this one, and what known light alone makes of a row, whose edges the next
-     * row has elsewhere. */
+    /* A single row, or one next to rows without error, gives no information about its own scatter:
+     * it counts as a single number. Otherwise the variance uses the products with the next row.
+     * They are multiplied by the loss if the next row has less error than this one, plus the part
+     * of the row that is from known light alone, whose edges the next row has elsewhere. */
     double variance = 4.0 * own / ((double)n * n),
            lost = next > 1e-6 * own ? 4.0 * fmax(n / (n - 1.0), own / next) : 0.0;
     for (int i = 0; i < n; i++) {

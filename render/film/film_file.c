@@ -23,7 +23,7 @@ static const char magic[8] = "quiltdST";
 
 /* ----------------------------------------------------------------------------------- numbers -- */
 
-/* A place in a part's content, which moves on. */
+/* A position in a part's content, which advances. */
 typedef struct cursor {
     unsigned char *p;
 } cursor;
@@ -123,7 +123,7 @@ static lf_status read_all(int fd, void *data, size_t n, lf_error *err)
     return LF_OK;
 }
 
-/* A part whose head has been read: its content. */
+/* Reads the content of a part whose head has been read. */
 static lf_status read_content(int fd, unsigned char head[HEAD_BYTES], const lf_film_part *part,
                               lf_error *err)
 {
@@ -173,7 +173,7 @@ static void put_counts(cursor *c, const lf_film_counts *counts)
     put_u32(c, counts->visits[1]);
 }
 
-/* One that has given nothing is left out. */
+/* A stream without samples is omitted. */
 static lf_status write_stream(const lf_film *film, const lf_film_stream *stream, lf_outfile *file,
                               lf_error *err)
 {
@@ -277,7 +277,7 @@ static bool get_layout(cursor c, lf_film_layout *out, float sky[3])
            (out->has_native || !out->has_delta) && (out->has_features || !out->has_albedo);
 }
 
-/* Picture, layout and sky, and nothing else of *out. */
+/* Reads only identity, layout and sky of *out. */
 static lf_status read_identity(int fd, lf_film *out, lf_error *err)
 {
     unsigned char layout_bytes[LAYOUT_BYTES];
@@ -346,14 +346,14 @@ static lf_status read_stream(int fd, unsigned char head[HEAD_BYTES], lf_film *fi
     return status;
 }
 
-/* The row behind the one before. */
+/* Reads the next row. */
 static lf_status read_row(int fd, unsigned char head[HEAD_BYTES], lf_film *film, int *row,
                           lf_error *err)
 {
     unsigned char bytes[ROW_BYTES];
     cursor c = {bytes};
-    /* Read into the next row's memory, and moved once the number is known and sound: rows that were
-     * not visited may hold anything. */
+    /* Read into the next row's memory, and moved when the number is known and valid: rows without
+     * visits may contain anything. */
     const lf_film_part whole = {"ROW ", bytes, sizeof bytes,
                                 film->data + (size_t)(*row + 1) * film->row_bytes,
                                 lf_film_used_bytes(&film->layout)};

@@ -1,6 +1,6 @@
-/* Three answers from one film (docs/developer/estimators.md, "8. Three estimators"). Everything is
- * per row: a tile is a block of neighbouring columns and views of one row, so that resolving needs
- * nothing but the row itself. */
+/* Three estimates from one film (docs/developer/estimators.md, "8. Three estimators"). Everything
+ * is per row: a tile is a block of neighbouring columns and views of one row, so that resolving
+ * needs only the row itself. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -11,8 +11,8 @@
 #include "render/film/tile.h"
 
 enum { BESIDE = LF_TILE_BESIDE, AROUND = LF_TILE_COLUMNS + 2 * BESIDE };
-/* Of the neighbourhood in which a half is asked whether it has met what the other has: views and
- * columns to either side. */
+/* Size of the neighbourhood in which one half is searched for light that the other has met: views
+ * and columns to either side. */
 enum {
     NEAR_VIEWS = 2,
     NEAR_COLUMNS = 1,
@@ -20,13 +20,14 @@ enum {
     NEAR_PLACES = (LF_TILE_VIEWS + 2 * NEAR_VIEWS) * NEAR_ACROSS
 };
 
-/* What I of the error's denominator is made of: the row's medians alone (maps of counts, which must
- * not hear of other rows, and films made by them, stay what they were); what the halves agree on in
- * the row; or in the rows beside it, too, which nobody may be visiting. */
+/* Source of I in the error's denominator. SCALE_MEDIAN: the row's medians only, for maps of counts
+ * (which must not depend on other rows) and films made by them. SCALE_ROW: also light that the
+ * halves agree on in the row. SCALE_ROWS: also in the neighbouring rows, which must not be visited
+ * at the same time. */
 typedef enum lf_scale_of { SCALE_MEDIAN, SCALE_ROW, SCALE_ROWS } lf_scale_of;
 
-/* Of the squared difference of known light between the halves to its square: what changes the error
- * by less than a hundredth. */
+/* Squared difference of known light between the halves, relative to its square, that is negligible:
+ * it changes the error by less than a hundredth. */
 #define NEGLIGIBLE 1e-4
 
 static size_t pixel_index(const lf_tile *t, int i)
@@ -120,11 +121,11 @@ static void answer_mis(const lf_sums *s, float out[3])
         out[c] = s->known[c] + s->scattered[c];
 }
 
-/* B + q N/W, and B where nothing was found. B and q are of the same film points: where none of them
- * has met what scatters, q is 0 and B all the background, and what other paths have found there is
- * counted at the pixels where q is too high. Where weights have both signs a sum W that is small
- * beside q may be what they have left of each other, and N/W anything: the tile's stands in for it.
- */
+/* B + q N/W, and B if no radiance was received. B and q come from the same film points. If none of
+ * them has met a scatterer, q is 0 and B is the whole background; the light that other paths have
+ * found there is counted in pixels where q is too high. If weights have both signs, a W that is
+ * small relative to q may be a remainder of cancellation, and N/W arbitrary; then the tile's ratio
+ * replaces it. */
 static void answer_ratio(const lf_tile *t, int i, int which, bool second, float out[3])
 {
     const lf_sums *s = sums_of(&t->pixel[i], which);
@@ -162,8 +163,7 @@ static void answer_half_cv(const lf_sums *s, int i, const lf_beta *other, double
         out[c] = (double)s->scattered[c] - other->ratio[i][c] * control;
 }
 
-/* Known light and the halves' CV+ by their shares; with one half alone there is no other, and beta
- * is 0. */
+/* Known light and the halves' CV+ by their shares; with only one half, beta is 0. */
 static void answer_cv(const lf_tile *t, int i, const lf_beta beta[2], float out[3])
 {
     const lf_tile_pixel *p = &t->pixel[i];
@@ -175,7 +175,7 @@ static void answer_cv(const lf_tile *t, int i, const lf_beta beta[2], float out[
                          (double)t->share[1] * half[1][c]);
 }
 
-/* A hole is where scattering is possible and no weight has arrived. */
+/* A hole: scattering is possible and no weight has arrived. */
 static uint8_t flags_of(const lf_sums *s)
 {
     if (s->w != 0.0f)
@@ -185,13 +185,14 @@ static uint8_t flags_of(const lf_sums *s)
 
 /* ------------------------------------------------------------------------------------ errors -- */
 
-/* What a tile's pixels are answered with. */
+/* Data for resolving a tile's pixels. */
 typedef struct lf_tile_answers {
     lf_estimator estimator;
     bool second; /* W' is the better weight */
     lf_beta beta[2];
     float pixel[LF_TILE_VIEWS * LF_TILE_COLUMNS][3];
-    float radiance[3][LF_TILE_VIEWS * AROUND]; /* of the tile and BESIDE columns around it */
+    /* of the tile and LF_TILE_BESIDE columns around it */
+    float radiance[3][LF_TILE_VIEWS * AROUND];
     lf_scale_of scale;
     bool has_near;
     double near[2][3][NEAR_PLACES]; /* sums over rows of the fourth power of R, of the halves */
@@ -212,7 +213,7 @@ static void answer_half(const lf_tile *t, const lf_tile_answers *a, int i, int h
             a->estimator == LF_ESTIMATOR_CV ? out[c] + (double)p->half[h].known[c] : (double)y[c];
 }
 
-/* The lower median of those of five numbers that are not negative; -1: none is. */
+/* The lower median of the non-negative numbers among five; -1: none. */
 static float lower_median(const float x[5])
 {
     float sorted[5];
@@ -231,7 +232,8 @@ static float lower_median(const float x[5])
     return n > 0 ? sorted[(n - 1) / 2] : -1.0f;
 }
 
-/* R of a pixel's halves and of both together; -1: nothing was found, or beyond the picture. */
+/* R of a pixel's halves and of both together; -1: no radiance was received, or outside the image.
+ */
 static void read_ratios(const lf_tile *t, const lf_tile_answers *a, const lf_film_half half[2],
                         int view, int column, float out[3][3])
 {
@@ -251,7 +253,7 @@ static void read_ratios(const lf_tile *t, const lf_tile_answers *a, const lf_fil
     }
 }
 
-/* R of both halves in a tile, and in two columns to either side of it. */
+/* R of both halves in a tile, and in two columns to either side. */
 static void read_radiance(const lf_tile *t, lf_tile_answers *a)
 {
     const lf_film_half half[2] = {t->half[0], t->half[1]};
@@ -289,7 +291,7 @@ static void answer_tile(const lf_tile *t, lf_estimator estimator, lf_scale_of sc
         read_radiance(t, a);
 }
 
-/* Adds what the halves have found in one view of one row that is far above the median of five. */
+/* Adds the radiance of the halves in one view of one row that is far above the median of five. */
 static void add_near(const lf_tile *t, const lf_film_half half[2], int view, double *near,
                      lf_tile_answers *a)
 {
@@ -313,8 +315,9 @@ static void add_near(const lf_tile *t, const lf_film_half half[2], int view, dou
     }
 }
 
-/* What each half has found near the tile's pixels that stands out, in this row or the rows beside
- * it as well. What is bright all over, a lit ground beside a shadow, says nothing of a pixel. */
+/* Outstanding radiance of each half near the tile's pixels, in this row and in the neighbouring
+ * rows. Light that is bright everywhere, such as a lit ground next to a shadow, gives no
+ * information about a pixel. */
 static void read_near(const lf_tile *t, lf_tile_answers *a)
 {
     int rows = a->scale == SCALE_ROWS ? 1 : 0;
@@ -332,15 +335,15 @@ static void read_near(const lf_tile *t, lf_tile_answers *a)
     }
 }
 
-/* How many of `around` places to either side there are from 0 to n - 1. */
+/* Number of the `around` positions to either side that are in 0 to n - 1. */
 static int places(int at, int around, int n)
 {
     int first = at > around ? at - around : 0, last = at + around < n ? at + around : n - 1;
     return last - first + 1;
 }
 
-/* How bright half h has found what is near a pixel: the root of the mean fourth power, which is
- * most of the brightest in a highlight, and a part of it where one path alone was bright. */
+/* Brightness that half h has met near a pixel: the root of the mean fourth power. This is close to
+ * the maximum in a highlight, and a part of it if only one path was bright. */
 static float brightness_near(const lf_tile *t, const lf_tile_answers *a, int i, int h, int c)
 {
     int columns = t->column1 - t->column0, rows = a->scale == SCALE_ROWS ? 1 : 0;
@@ -354,9 +357,9 @@ static float brightness_near(const lf_tile *t, const lf_tile_answers *a, int i, 
     return (float)sqrt(sqrt(sum / n));
 }
 
-/* R of a pixel of which the halves do not agree (u and v are what they say): each is believed as
- * far as the other has found the like near the pixel, and no less than the median. What one half
- * alone has met is most often too bright for the pixel, so that R lies between the two. */
+/* R of a pixel whose halves disagree (u and v are their values): each is trusted as far as the
+ * other has met similar light near the pixel, and at least the median. Light that only one half has
+ * met is mostly too bright for the pixel, so R lies between the two. */
 static float confirmed(const lf_tile *t, lf_tile_answers *a, int i, int c, const float said[2],
                        float median)
 {
@@ -371,9 +374,9 @@ static float confirmed(const lf_tile *t, lf_tile_answers *a, int i, int c, const
     return high > 0.0f ? cbrtf(lf_least(x[0], x[1]) / high) * high : 0.0f;
 }
 
-/* R of a pixel, as the error's denominator takes it: the median of five, brought between what the
- * two halves say of the pixel itself where they agree at all. A rare bright path must not hide its
- * own error by standing there, but only one half has met it. *out_doubt: they do not agree. */
+/* R of a pixel for the error's denominator: the median of five, clamped to the range of the pixel's
+ * two halves if they agree at all. A rare bright path must not hide its own error in the
+ * denominator, but only one half has met it. *out_doubt: they do not agree. */
 static float steady_radiance(const lf_tile *t, lf_tile_answers *a, int i, int c, bool *out_doubt)
 {
     int columns = t->column1 - t->column0;
@@ -398,8 +401,8 @@ static float darkest(const lf_tile *t, int i, int c)
     return dark;
 }
 
-/* Known light as far as it can be told from a rare bright path in a mirror, which only one half has
- * found and nobody beside it, here or in the next views. */
+/* Known light without rare bright paths in a mirror, which only one half has found, and no
+ * neighbour in this view or the next ones. */
 static float believed(const lf_tile *t, int i, int c)
 {
     int columns = t->column1 - t->column0, column = t->column0 + i % columns;
@@ -433,8 +436,8 @@ static double scale_of(const lf_tile *t, lf_tile_answers *a, int i, int c, bool 
     return scale / (1.0 + 0.9 * lone * sqrt(sqrt(k / (dark * dark + LF_ERROR_EPSILON))));
 }
 
-/* How far the halves are apart, so scaled that its square is what their mean errs by: sqrt(s_A s_B
- * / (I^2 + epsilon)) (x_A - x_B); out_known the same of their known light; out_doubt whether I was
+/* The difference of the halves, scaled so that its square is the error of their mean: sqrt(s_A s_B
+ * / (I^2 + epsilon)) (x_A - x_B). out_known: the same for their known light; out_doubt: I was
  * guessed. */
 static void difference(const lf_tile *t, lf_tile_answers *a, int i, float out[3],
                        float out_known[3], bool out_doubt[3])
@@ -478,7 +481,7 @@ static void resolve_tile(lf_tile *t, lf_estimator estimator, float *out, uint8_t
     }
 }
 
-/* What a row of the film holds, for tiles to be read from; false when it was never visited. */
+/* Prepares a row of the film for reading its tiles; false: the row has no visit. */
 static bool open_row(lf_tile *t, const lf_film *film, int row)
 {
     const lf_film_row *state = &film->rows[row];
@@ -497,7 +500,7 @@ static bool open_row(lf_tile *t, const lf_film *film, int row)
     return true;
 }
 
-/* The tile's bounds; i-th of all. false behind the last. */
+/* The bounds of tile i among all. false after the last. */
 static bool at_tile(lf_tile *t, int i)
 {
     int across = (t->film->width + LF_TILE_COLUMNS - 1) / LF_TILE_COLUMNS;

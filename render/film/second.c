@@ -1,18 +1,17 @@
-/* Where N/W' is less noisy than N/W, as reconstructions ask of whole rows, several times a fit:
- * read straight from the film, column by column without a branch, so that compilers make vectors of
- * it.
- */
+/* Where N/W' is less noisy than N/W, for the reconstruction, which needs whole rows several times
+ * per fit: read directly from the film, column by column without a branch, so that compilers
+ * vectorise it. */
 #include <string.h>
 
 #include "render/film/film.h"
 #include "render/film/median.h"
 #include "render/film/tile.h"
 
-/* A row of which both halves have something. */
+/* A row with samples in both halves. */
 typedef struct lf_open_halves {
     lf_film_half half[2];
     float inverse[2];     /* 1/n */
-    float share_known[2]; /* of the samples whose q counts */
+    float share_known[2]; /* of the samples that q is a mean over */
 } lf_open_halves;
 
 /* Columns side by side: what a half has found, W and W' as N is divided by them, over n. */
@@ -20,7 +19,7 @@ typedef struct lf_lanes {
     float n[3][LF_TILE_COLUMNS], w[2][LF_TILE_COLUMNS];
 } lf_lanes;
 
-/* What the halves are apart by N/W and by N/W', squares for each channel and column. */
+/* Squared differences of the halves' N/W and N/W', for each channel and column. */
 typedef struct lf_apart {
     float square[2][3][LF_TILE_COLUMNS];
 } lf_apart;
@@ -54,8 +53,8 @@ static void read_lanes(const lf_open_halves *o, int h, size_t first, int n, lf_l
         out->w[1][i] = lf_film_weight(out->w[0][i], out->w[1][i], true);
 }
 
-/* Of the three channels, N of the halves over w; where one of these is not above 0 that is no
- * answer. Step by step: whole it is no vector for compilers. */
+/* For the three channels, N of the halves over w; not valid if w is not above 0. In separate steps,
+ * because compilers do not vectorise it as a whole. */
 static void square(const float *restrict q, const lf_lanes *restrict a, const lf_lanes *restrict b,
                    int j, float (*restrict out)[LF_TILE_COLUMNS])
 {
@@ -76,8 +75,8 @@ static void square(const float *restrict q, const lf_lanes *restrict a, const lf
     }
 }
 
-/* Columns [first, first + n) of one view, by R alone: what the halves' film points have met is not
- * compared. */
+/* Columns [first, first + n) of one view, by R alone: the features of the halves are not compared.
+ */
 static void compare(const lf_open_halves *o, size_t first, int n, lf_apart *out)
 {
     const float *qa = o->half[0].q + first, *qb = o->half[1].q + first;

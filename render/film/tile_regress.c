@@ -6,25 +6,25 @@
 
 #include "render/film/median.h"
 
-/* What N/W is bounded by where it is told of many pixels: times its own mean. */
+/* Bound of N/W when it is estimated from many pixels: times its own mean. */
 #define RATIO_BOUND 2.0
 
-/* What a mean of N/W is taken of: a half, by W or by W', in the columns first to last of a tile. */
+/* Input of a mean of N/W: a half, with W or W', in the columns first to last of a tile. */
 typedef struct lf_mean_of {
     int half, first, last;
     bool second;
 } lf_mean_of;
 
-/* N as far as N/w is below the bound; what cancels is left alone. */
+/* N, reduced in proportion if N/w exceeds the bound; signed values are unchanged. */
 static double below_bound(const lf_sums *s, double w, int c, double ratio)
 {
     double n = (double)s->scattered[c];
     return w > 0.0 ? fmin(n, RATIO_BOUND * ratio * w) : n;
 }
 
-/* N/W, N of each pixel below the bound that the same of the round before makes: a highlight of a
- * few pixels stays out, also where these have most of W, since W above 2 q counts as 2 q, and half
- * of the q of all is the least that N is divided by. In: where to begin, INFINITY with all of N. */
+/* N/W with N of each pixel below a bound from the previous round. A highlight of a few pixels is
+ * excluded, also if these have most of W: W above 2 q counts as 2 q, and the divisor of N is at
+ * least half of the sum of q. Input: the start value, INFINITY to use all of N. */
 static void bounded_ratio(const lf_tile *t, const lf_mean_of *of, int rounds, double ratio[3])
 {
     int columns = t->column1 - t->column0, over = columns - of->last + of->first;
@@ -63,8 +63,8 @@ static double tile_spread(const lf_tile *t, const lf_mean_of *of, double ratio[3
     return spread;
 }
 
-/* R of every pixel: of the tile or of what lies around it, whichever is darker: what is too low
- * leaves noise where it was, what is too high adds to it. */
+/* R of every pixel: of the tile or of its surroundings, whichever is darker. Too low a value keeps
+ * the noise, too high a value adds to it. */
 static void read_beta_ratios(const lf_tile *t, int h, lf_beta *beta)
 {
     int columns = t->column1 - t->column0;
@@ -86,8 +86,8 @@ static void read_beta_ratios(const lf_tile *t, int h, lf_beta *beta)
     }
 }
 
-/* Least squares, by what is relative to R. Any coefficients of the other half keep the estimate
- * unbiased; wild ones only make it noisy. */
+/* Least squares, relative to R. Any coefficients from the other half keep the estimate unbiased;
+ * extreme ones only add noise. */
 void lf_tile_regress(const lf_tile *t, int h, lf_beta *out)
 {
     double a11 = 0.0, a12 = 0.0, a22 = 0.0, y1 = 0.0, y2 = 0.0;
@@ -114,7 +114,7 @@ void lf_tile_regress(const lf_tile *t, int h, lf_beta *out)
     } else if (a11 > 0.0) {
         out->lambda[0] = y1 / a11;
     }
-    /* N falls by as much as the controls say at most, and does not rise. */
+    /* N falls by at most the controls' prediction, and does not rise. */
     double sum = out->lambda[0] + out->lambda[1], part = sum > 0.0 ? fmin(1.0, 1.0 / sum) : 0.0;
     for (int i = 0; i < 2; i++)
         out->lambda[i] = fmin(fmax(part * out->lambda[i], -1.0), 2.0);

@@ -4,7 +4,7 @@
 
 #include "render/transport/sampler.h"
 
-/* Reflections have random numbers of their own, so that shadows do not know of them. */
+/* Reflections use separate random numbers, so that shadows do not depend on them. */
 #define REFLECTIONS ((uint64_t)1 << 32)
 
 int lf_catch_points(double native)

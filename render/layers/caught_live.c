@@ -1,5 +1,5 @@
-/* Shadows and reflections of catchers in a picture that is shown while it is rendered. Shadows are
- * the same for all views, which share their samples; what is reflected is not. */
+/* Shadows and reflections of catchers in an image that is shown while it is rendered. Shadows are
+ * the same for all views, which share their samples; reflections are not. */
 #include <math.h>
 #include <string.h>
 
@@ -7,39 +7,41 @@
 #include "render/layers/caught.h"
 #include "render/transport/sampler.h"
 
-/* A smooth shade is made of so many samples of lights, of so many pixels to each side: the error of
- * a half shadow is 0.8 % then, when the mean ends, which is not seen pixel by pixel. */
+/* Samples of lights in a smooth shadow value, and maximum distance of averaged pixels. At this
+ * number, where averaging ends, the error of a half shadow is 0.8 %, which is not visible per
+ * pixel. */
 #define ENOUGH 4096
 #define MOST_REACH 3
-/* A mean of fewer samples goes farther, up to so many pixels: at the sides of the outer views few
- * others, or none, see what they see. */
+/* Averages of fewer samples reach farther, up to this number of pixels: at the sides of the outer
+ * views few or no other views see the same points. */
 #define FEW_SAMPLES 32.0f
 #define FARTHEST_REACH 24
-/* The same of a pixel that objects cover in part. */
+/* The same for a pixel that objects cover in part. */
 #define FEW_BESIDE 16.0f
 #define FARTHEST_BESIDE 3
-/* From so many samples on the darkness of a pixel tells it from that of others. */
+/* With this many samples, only neighbours with a similar shadow are averaged. */
 #define KNOWN 32.0f
-/* The same of reflections, of a pixel's own; and how many a mean is of before. */
+/* The same for reflections, with a pixel's own samples; and the number of samples in an average
+ * before. */
 #define KNOWN_REFLECTED 4.0f
 #define FEW_REFLECTED 16
-/* So many of its own rays tell how much of a pixel comes to catchers. */
+/* This many of its own rays determine the catcher share of a pixel. */
 #define KNOWN_SHARE 4.0f
-/* What a row has that is called converged: samples of lights, and of each pixel's reflection. */
+/* Samples of a row that counts as converged: of lights, and of each pixel's reflection. */
 #define CONVERGED_LIGHTS 64
 #define CONVERGED_REFLECTED 16
 
-/* Of a view pixel. A pixel without a sample of its own has the ray of its first one, so that it is
- * known whether it sees a catcher, and where. */
+/* Sums of a view pixel. A pixel without a sample of its own uses the ray of its first one, which
+ * shows whether and where it sees a catcher. */
 typedef struct caught_sums {
     float lit, all; /* lf_catcher_light's, of this and other views */
     float samples;  /* how many these are of */
-    float caught;   /* what came to catchers of its own rays ... */
+    float caught;   /* light at catchers on its own rays ... */
     float n;        /* ... and how many these were */
     float nearness; /* D/Z of the first that did */
 } caught_sums;
 
-/* Of a view pixel's own rays, beside caught_sums. */
+/* Sums over a view pixel's own rays, besides caught_sums. */
 typedef struct reflected_sums {
     lf_vec3 sum;
     float squares; /* of the three channels together */
@@ -49,11 +51,11 @@ struct lf_caught {
     const lf_renderer *renderer;
     lf_rig rig;
     int n_views, width, height;
-    int stride;        /* from the view of a step to that of the next: all of them in turn */
+    int stride;        /* from one step's view to the next step's: visits all views in turn */
     caught_sums *sums; /* [row][view][column] */
-    float *smooth;     /* [row][view][column]: what is taken of a pixel's light */
+    float *smooth;     /* [row][view][column]: fraction of a pixel's light that is subtracted */
     bool *smoothed;    /* [row]: it has been */
-    /* [row][view][column], and smooth, over what came to catchers; NULL: none of them reflects */
+    /* [row][view][column], and smoothed, over the light at catchers; NULL: no catcher reflects */
     reflected_sums *reflected;
     lf_vec3 *mirrored;
     int *steps; /* [row]; each is a sample of one view's pixel in every column */
@@ -90,7 +92,7 @@ static lf_caught *make(int n_views, int width, int height, bool reflects)
     caught->n_views = n_views;
     caught->width = width;
     caught->height = height;
-    /* by the golden section: whatever steps there are lie evenly among the views */
+    /* by the golden section: any number of steps is spread evenly over the views */
     caught->stride = (int)(0.618 * n_views) + 1;
     while (divisor(caught->stride, n_views) > 1)
         caught->stride++;
@@ -159,14 +161,14 @@ static void look(lf_tracer *tracer, const lf_caught *caught, int row, caught_sum
         }
 }
 
-/* Depths D/Z that may be of one place within a pixel. */
+/* Whether two depths D/Z within a pixel may belong to one surface. */
 static bool may_be_one_place(float a, float b)
 {
     return fabsf(a - b) < 0.01f + 0.01f * lf_min(a, b);
 }
 
-/* A sample at x of a view, in all others where the catcher is seen there: its point lies in one row
- * of all views. */
+/* Adds a sample at x of a view to all other views that see the catcher there: its point lies in one
+ * row of all views. */
 static void share(const lf_caught *caught, caught_sums *sums, int view, float x, float nearness,
                   const double light[2])
 {
@@ -222,14 +224,15 @@ static void add_sample(lf_tracer *tracer, const lf_caught *caught, const lf_catc
                       lf_catch_reflected(tracer, pixel, key, number, &ray, &hit, passed));
 }
 
-/* How many steps a row is to have after this call: one that no pass has come to, the least. */
+/* Number of steps of a row after this call; a row without passes gets the minimum. */
 static int steps_wanted(const lf_caught *caught, int row)
 {
     const lf_film *film = &caught->renderer->film;
     const int steps = caught->steps[row];
     const double passes = film->rows[row].n[0] + film->rows[row].n[1],
                  native = passes > 0.0 ? passes : 1.0 / caught->n_views;
-    /* shadows know enough with as many samples as a pixel has alone; reflections are its own */
+    /* shadows are shared, so the samples of a single pixel are enough; reflections are not shared
+     */
     const double all = ceil(native * caught->n_views),
                  most_of_all = (double)LF_CATCH_MOST * (caught->reflected ? caught->n_views : 1);
     const int wanted = (int)fmin(fmax(all, LF_CATCH_LEAST), most_of_all),
@@ -283,9 +286,9 @@ static int reach_of(int steps)
     return reach;
 }
 
-/* Whether the darkness of two pixels may differ by chance alone: the test of two proportions, at
- * three standard deviations, as if each sample were lit or not; 0.02 is not seen. So the mean ends
- * at the edge of a sharp shadow. */
+/* Whether the shadows of two pixels may differ by chance alone: the test of two proportions, at
+ * three standard deviations, as if each sample were lit or not; differences of 0.02 are not
+ * visible. So averaging ends at the edge of a sharp shadow. */
 static bool may_be_one_shade(const caught_sums *a, const caught_sums *b)
 {
     if (a->samples < KNOWN || b->samples < KNOWN || !(a->all > 0.0f && b->all > 0.0f))
@@ -330,7 +333,7 @@ static sums_around alike_around(const lf_caught *caught, int row, int view, int 
     return sum;
 }
 
-/* Their mean; of more of them where they have few samples, until the pixel has rays of its own. */
+/* Their mean; over more pixels if they have few samples, until the pixel has rays of its own. */
 static float smooth_at(const lf_caught *caught, int row, int view, int column, int reach)
 {
     const caught_sums *own = caught->sums + (size_t)row * row_pixels(caught) +
@@ -344,13 +347,13 @@ static float smooth_at(const lf_caught *caught, int row, int view, int column, i
     return darkness(sum.lit, sum.all);
 }
 
-/* What of a pixel's rays comes to catchers, by its own. */
+/* Catcher share of a pixel, from its own rays. */
 static float own_share(const caught_sums *s)
 {
     return s->caught / lf_max(s->n, 1.0f);
 }
 
-/* What comes to catchers of pixels around one that are all open. */
+/* Catcher share of the surrounding pixels that no object covers. */
 static float share_beside(const lf_caught *caught, int row, int view, int column)
 {
     const size_t line = (size_t)view * (size_t)caught->width;
@@ -380,9 +383,9 @@ static sums_around all_around(const lf_caught *caught, int row, int view, int co
     return sum;
 }
 
-/* What catchers take from a pixel that objects cover in part. Its own few rays say neither how much
- * of it they leave open, which the film knows, nor how dark it is behind them: the pixels around
- * do. */
+/* Subtracted light in a pixel that objects cover in part. Its own few rays determine neither the
+ * uncovered share, which the film knows, nor the shadow behind them. The surrounding pixels
+ * determine both. */
 static float taken_beside(const lf_caught *caught, int row, int view, int column, float open)
 {
     int reach = 1;
@@ -430,16 +433,16 @@ static image_mean mean_of(const reflected_sums *r, float n)
                         lf_max(r->squares - lf_dot(r->sum, r->sum) / n, 0.0f) / (n * (n - 1.0f))};
 }
 
-/* Whether all of it is what one sample of many has brought. */
+/* Whether all of it comes from one of many samples. */
 static bool is_chance(const image_mean *m)
 {
     return m->variance > 0.0f && lf_dot(m->mean, m->mean) <= 1.5f * m->variance;
 }
 
-/* Whether what two pixels reflect may differ by chance alone, at three standard deviations, and
- * both as sure as the surer one: at the rim of an image samples differ because some show it and
- * some do not, and what lies beside it would take a rim's light for its own. A single bright sample
- * is as unsure as it is. 2 % are not seen. */
+/* Whether the reflections of two pixels may differ by chance alone, at three standard deviations,
+ * with the uncertainty of the surer one for both. At the rim of an image, samples differ because
+ * some show it and some do not; otherwise neighbouring pixels would accept the rim's light. A
+ * single bright sample has its own uncertainty. Differences of 2 % are not visible. */
 static bool may_be_one_image(const reflected_sums *a, float n_a, const reflected_sums *b, float n_b)
 {
     if (n_a < KNOWN_REFLECTED || n_b < KNOWN_REFLECTED)
@@ -502,7 +505,7 @@ lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel)
     return lf_pool_run(caught->renderer->pool, caught->height, smooth_row, caught, cancel);
 }
 
-/* Over what came to catchers. A pixel without samples of its own has those of the one before it. */
+/* Over the light at catchers. A pixel without samples of its own uses those of the previous one. */
 static lf_vec3 reflection_at(const lf_caught *caught, size_t i, bool smooth)
 {
     const caught_sums *s = caught->sums + i;

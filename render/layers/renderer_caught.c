@@ -1,10 +1,10 @@
-/* Shadows and reflections of catchers in a picture that is done, pixel by pixel; and in one that is
- * fitted, where views share their samples. */
+/* Shadows and reflections of catchers in a finished image, pixel by pixel; and in a denoised image,
+ * where views share their samples. */
 #include <math.h>
 
 #include "render/layers/caught.h"
 
-/* --------------------------------------------------------------------------- a whole picture -- */
+/* ----------------------------------------------------------------------------- a whole image -- */
 
 typedef struct catch_job {
     const lf_renderer *renderer;
@@ -17,7 +17,7 @@ static bool was_visited(const lf_film *film, int row)
     return row >= 0 && row < film->height && film->rows[row].n[0] + film->rows[row].n[1] > 0.0;
 }
 
-/* The nearest row that was visited; the row itself where none was. */
+/* The nearest visited row; the row itself if there is none. */
 static int visited_near(const lf_film *film, int row)
 {
     for (int apart = 0; apart < film->height; apart++)
@@ -64,7 +64,7 @@ lf_status lf_renderer_catch(const lf_renderer *renderer, float *picture, const l
                : status;
 }
 
-/* ------------------------------------------------------------------ a picture that is fitted -- */
+/* -------------------------------------------------------------------------- a denoised image -- */
 
 typedef struct sharing_job {
     lf_caught *caught;

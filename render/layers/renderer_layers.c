@@ -1,4 +1,4 @@
-/* Layers: what a picture's pixels are of, and how sure of themselves. */
+/* Layers: other data of an image's pixels, and their uncertainty. */
 #include <string.h>
 
 #include "render/layers/caught.h"
@@ -7,14 +7,14 @@
 #include "render/transport/path/track.h"
 #include "render/transport/sampler.h"
 
-/* Film points of a pixel that surfaces are looked for at. */
+/* Number of film points per pixel at which surfaces are searched. */
 #define POINTS 8
 
 /* A row of the film, its halves by their shares of the samples. */
 typedef struct row_of_film {
     lf_film_half half[2];
     double n[2];
-    double total; /* 0: nothing is known of it */
+    double total; /* 0: unknown */
 } row_of_film;
 
 static row_of_film open_row(const lf_film *film, int row)
@@ -52,7 +52,7 @@ typedef struct layer_job {
 } layer_job;
 
 /* One layer of one row: fills out[pixel * stride + 0 .. channels - 1] of all views' pixels, which
- * are 0. */
+ * are initialised to 0. */
 typedef void (*layer_fn)(const layer_job *job, int row, const row_of_film *film, size_t pixels,
                          float *out, size_t stride);
 
@@ -67,9 +67,9 @@ static bool trace_middle(const layer_job *job, int row, size_t pixel, lf_hit *ou
                          lf_rig_direction(rig, mx, y / rig->distance, 1.0f), INFINITY, out);
 }
 
-/* Mirrors and lamps scatter nothing, so that the film's pivots (q) do not know them: the nearness
- * of one that the ray through the middle of a pixel meets; below 0: there is none. Where there are
- * no pivots at all, another surface stands in: film points have met a mirror whose rim the ray has
+/* Mirrors and area lights do not scatter, so the film's pivots (q) do not include them. Returns the
+ * nearness of one that the ray through the middle of a pixel meets; below 0: none. If the pixel has
+ * no pivots at all, another surface is used: film points have met a mirror whose rim the ray has
  * missed. */
 static double nearness_behind(const layer_job *job, int row, size_t pixel, double q)
 {
@@ -84,7 +84,8 @@ static double nearness_behind(const layer_job *job, int row, size_t pixel, doubl
 static void depth(const layer_job *job, int row, const row_of_film *film, size_t pixels, float *out,
                   size_t stride)
 {
-    /* What is farther than packed features tell apart from infinity is as far as they do. */
+    /* Distances that packed features cannot distinguish from infinity are set to the largest one
+     * that they can. */
     const double least = 0.5 * (double)LF_NEARNESS_MAX / 65535.0;
     for (size_t i = 0; i < pixels; i++) {
         double sum = 0.0, q = 0.0, media = 0.0;
@@ -97,7 +98,7 @@ static void depth(const layer_job *job, int row, const row_of_film *film, size_t
         }
         const double behind = nearness_behind(job, row, i, q);
         if (behind >= 0.0) {
-            /* what is seen in the mirror is a surface in q and the features */
+            /* a surface seen in the mirror counts as a surface in q and the features */
             sum = (q > 0.0 ? media * sum / q : 0.0) + (1.0 - media) * behind;
             q = 1.0;
         }
@@ -135,7 +136,7 @@ static void variance(const layer_job *job, int row, const row_of_film *film, siz
     lf_film_row_variances(&job->renderer->film, job->estimator, row, out, stride);
 }
 
-/* The ray of a view through point i of POINTS of a pixel: the same ones in every pixel. */
+/* The ray of a view through point i of POINTS of a pixel: the same points in every pixel. */
 static lf_vec3 ray_of(const lf_rig *rig, int view, int row, int column, int i)
 {
     float u = ((float)i + 0.5f) / POINTS, v = lf_sampler_radical(0, (uint32_t)i),
@@ -270,8 +271,7 @@ static bool is_known(const lf_film *film, int row)
     return row >= 0 && row < film->height && lf_film_is_known(&film->rows[row]);
 }
 
-/* The nearest row of which something is known, above rather than below; the row itself where there
- * is none. */
+/* The nearest row with data, above before below; the row itself if there is none. */
 static int nearest_known(const lf_film *film, int row)
 {
     for (int apart = 0; apart < film->height; apart++) {

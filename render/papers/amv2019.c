@@ -1,5 +1,5 @@
-/* Adaptive Multi-view Path Tracing (Fraboni et al. 2019): a view takes part by a draw of its own,
- * whose probability stands in the sums over strategies (equation 19), so that they are unbiased. */
+/* Adaptive Multi-view Path Tracing (Fraboni et al. 2019): a view is taken at random, with a
+ * probability that is part of the sums over strategies (equation 19), so that they are unbiased. */
 #include "render/papers/amv2019.h"
 
 #include "base/alloc.h"
@@ -20,7 +20,7 @@ typedef struct views {
     const lf_prefix *p;
     const lf_general_worker *w;
     bool sees[LF_MAX_VIEWS];
-    double density[LF_MAX_VIEWS]; /* over that of the base */
+    double density[LF_MAX_VIEWS]; /* relative to the base's */
     double alpha;
     bool alike; /* lobes do not depend on the view */
 } views;
@@ -62,8 +62,8 @@ static void look(views *v, lf_general_worker *w)
     }
 }
 
-/* Equation 19 over the density of what is drawn, for one that was taken: the sum is over all that
- * might have drawn the pivot and taken this view. */
+/* Equation 19 over the sampling density, for a view that was taken: the sum is over all views that
+ * could have drawn the pivot and taken this view. */
 static double weight_of(const views *v, int view)
 {
     double sum = 0.0;
@@ -92,7 +92,7 @@ static bool weigh(const lf_general *g, lf_general_worker *w, const lf_prefix *p)
 
 /* ----------------------------------------------------------------------------- normalisation -- */
 
-/* Adds the views that see what was drawn, each by the Jacobian as it is printed. */
+/* Adds the views that see the pivot, each with the Jacobian as printed. */
 static void add_seen(const lf_general *g, lf_general_worker *w, const lf_prefix *p, double n)
 {
     if (p->event.kind == LF_EVENT_ESCAPE)
@@ -132,7 +132,7 @@ lf_status lf_normalise(lf_general *g)
             lf_prefix_draw(g, w, &p);
             add_seen(g, w, &p, LINES * LINES);
         }
-    w->tracer.rays = rays; /* they make no picture */
+    w->tracer.rays = rays; /* they do not contribute to the image */
     return LF_OK;
 }
 

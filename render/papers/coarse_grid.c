@@ -21,7 +21,7 @@ static void corners(const lf_coarse_grid *grid, const int cell[3], double low[3]
     }
 }
 
-/* The largest voxel whose value reaches into a box of volume space. */
+/* The largest voxel whose value affects a box of volume space. */
 static float largest_voxel(const lf_grid *grid, const double low[3], const double high[3])
 {
     int from[3], to[3];
@@ -39,7 +39,7 @@ static float largest_voxel(const lf_grid *grid, const double low[3], const doubl
     return largest;
 }
 
-/* What one volume's extinction does not exceed in a box. */
+/* An upper bound of one volume's extinction in a box. */
 static float bound_of(const lf_volume *volume, const double low[3], const double high[3])
 {
     double from[3], to[3];
@@ -98,7 +98,7 @@ static void fill_layer(void *context, int z, int worker)
     }
 }
 
-/* Cells of this edge at least, and no more of them than there may be. */
+/* Cells with at least this edge, and within the limits of their number. */
 static void lay_out(lf_coarse_grid *grid, const lf_box *box, double edge)
 {
     const double side[3] = {(double)(box->max.x - box->min.x), (double)(box->max.y - box->min.y),

@@ -54,14 +54,14 @@ static void base_sample(const lf_general *g, lf_general_worker *w, const lf_gene
 
 /* ------------------------------------------------------------------------------------ visits -- */
 
-/* A visit under way. */
+/* The current visit. */
 typedef struct lf_general_visit {
     const lf_visit_order *order;
     const lf_cancel *cancel;
     int row;
     uint64_t key;   /* of the half's stream */
     uint32_t index; /* of the visit in it */
-    double n;       /* native samples a view pixel before it */
+    double n;       /* native samples per view pixel before it */
 } lf_general_visit;
 
 static bool cancelled(const lf_general_visit *v)
@@ -84,7 +84,7 @@ static bool sample_lattice(const lf_general *g, lf_general_worker *w, const lf_g
     return true;
 }
 
-/* As many as the map expects; each map has random numbers of its own. */
+/* As many samples as the map expects; each map has separate random numbers. */
 static bool sample_counts(const lf_general *g, lf_general_worker *w, const lf_general_visit *v)
 {
     const uint64_t key = lf_hash64(v->key, 64 + (uint64_t)g->n_maps);
@@ -105,7 +105,7 @@ static bool sample_counts(const lf_general *g, lf_general_worker *w, const lf_ge
     return true;
 }
 
-/* What has one value a visit: q is 1, B is 0, and W of what is divided by n. */
+/* Values that are constant in a visit: q is 1, B is 0, and W if estimates are divided by n. */
 static void begin_sums(const lf_general *g, lf_general_worker *w, double given)
 {
     lf_film_sums_begin(&w->sums);
@@ -145,7 +145,7 @@ static bool visit(void *the_state, const lf_visit_order *order, int row, int hal
     return true;
 }
 
-/* True when all rows have so many native samples a view pixel in both halves. */
+/* Whether all rows have n native samples per view pixel in both halves. */
 static bool has_samples(const lf_film *film, double n)
 {
     for (int row = 0; row < film->height; row++)
@@ -154,8 +154,8 @@ static bool has_samples(const lf_film *film, double n)
     return true;
 }
 
-/* Behind the pilot: the map; those that are made again and again, whenever samples have doubled.
- * Failing to make one costs nothing but its gain. */
+/* Makes the map after the pilot; kinds with repeated maps make one whenever samples have doubled.
+ * If this fails, only the gain is lost. */
 static void begin(void *the_state, const lf_pass *pass)
 {
     lf_general *g = the_state;

@@ -54,20 +54,20 @@ void lf_light_path_segments(const lf_path_space *space, const lf_camera_ray *ray
 
 /* --------------------------------------------------------------------------------- the walks -- */
 
-/* One step of some walks. */
+/* One step of a group of walks. */
 typedef struct wave {
     const lf_path_space *space;
     const lf_depth_kernel *kernel;
     lf_tracer *tracer;
     int n, n_shadows;
-    lf_light_walk *walks[LF_MAX_WALKS]; /* that still go on */
+    lf_light_walk *walks[LF_MAX_WALKS]; /* that continue */
     double goals[LF_MAX_WALKS];
     lf_coarse_end ends[LF_MAX_WALKS];
     lf_coarse_ray shadows[LF_MAX_WALKS];
-    lf_path_candidate *lit[LF_MAX_WALKS]; /* whose the shadows are */
+    lf_path_candidate *lit[LF_MAX_WALKS]; /* the owners of the shadow rays */
 } wave;
 
-/* A candidate that brings f; what lies behind the walk's last vertex is not in it yet. */
+/* Adds a candidate with value f, without the light after the walk's last vertex. */
 static lf_path_candidate *found(lf_light_walk *walk, lf_vec3 f)
 {
     lf_path_candidate *out = &walk->candidates[walk->n_candidates++];

@@ -3,7 +3,7 @@
 #include "render/papers/count.h"
 #include "render/papers/prefix.h"
 
-/* What equation 24 compares: the lobes of all views at one pivot. */
+/* The inputs of equation 24: the lobes of all views at one pivot. */
 typedef struct lobes {
     const lf_scene *scene;
     const lf_event *event;
@@ -19,7 +19,7 @@ static double of_media(const lobes *l, int a, int b)
                             (double)lf_volume_phase(volume, wa, lf_scale(wb, l->sign)));
 }
 
-/* Where a surface would mirror what is seen along w. */
+/* The direction in which a surface would mirror the direction w. */
 static lf_vec3 mirrored(const lf_event *event, lf_vec3 w)
 {
     return lf_madd(w, -2.0f * lf_dot(event->hit.ns, w), event->hit.ns);
@@ -56,9 +56,9 @@ static void select_views(const lf_general *g, lf_general_worker *w, const lf_pre
     g->selection->select(&views, &w->tracer, w->selected);
 }
 
-/* Algorithm 2, lines 4 to 10 and 15: over what is selected. Counts c_k stand in the sum alone: in
- * p_jj, where the paper has c_j as well, they would have the film's n mean other things in other
- * passes. */
+/* Algorithm 2, lines 4 to 10 and 15, over the selected views. Counts c_k are only in the sum. In
+ * p_jj, where the paper also has c_j, they would change the meaning of the film's n between passes.
+ */
 static bool weigh(const lf_general *g, lf_general_worker *w, const lf_prefix *p)
 {
     double sum = 0.0;

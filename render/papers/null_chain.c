@@ -2,7 +2,7 @@
 
 #include <assert.h>
 
-/* Where a ray is within what bounds a volume; false: it passes by. */
+/* The part of a ray within the bounds of a volume; false: it misses them. */
 static bool find_span(const lf_volume *volume, lf_vec3 o, lf_vec3 w, lf_span *out)
 {
     float from[3], along[3], t0 = 0.0f, t1 = INFINITY;
@@ -60,7 +60,7 @@ double lf_media_path_extinction(void *path, double t)
     return sum;
 }
 
-/* Of the volumes at a point, by their extinctions. */
+/* Picks one of the volumes at a point, in proportion to their extinctions. */
 static int pick_volume(lf_media_path *path, double t, double sum)
 {
     const lf_scene *scene = path->tracer->scene;

@@ -37,7 +37,7 @@ static const lf_restir_reuse reuses[] = {
 /* Pixels that are shaded together. */
 enum { SHADED = 16 };
 
-/* What earlier visits of this half left, as far as they were this one's predecessors. */
+/* The reservoirs of earlier visits of this half, if they were this visit's predecessors. */
 static lf_restir_left *left_of(const lf_restir *s, int row, int half, uint64_t random,
                                uint32_t visits)
 {
@@ -69,8 +69,8 @@ static void choose(const lf_restir *s, lf_restir_worker *w, const lf_visit_order
                 lf_visit_lattice_view(&lattice, column, j) * s->rig.width + column;
 }
 
-/* Exact depths of some pixels' paths, and of the whole rays of those that find a sky: all of them
- * side by side. */
+/* Exact depths of some pixels' paths, and of the whole rays of paths that find a sky, all in lanes.
+ */
 static void find_depths(const lf_restir *s, lf_restir_worker *w, int n, const int *at,
                         double *paths, double *whole)
 {

@@ -3,7 +3,7 @@
 #include "render/papers/alike.h"
 #include "render/papers/restir_state.h"
 
-/* A ray of a view pixel, through a film point and a lens point of its own. */
+/* The ray of a view pixel, through its own film point and lens point. */
 static void aim(const lf_restir *s, int row, int view, int column, lf_sampler *sampler,
                 lf_camera_ray *out)
 {

@@ -28,15 +28,14 @@ void lf_restir_look_back(const lf_restir *s, lf_restir_worker *w, const lf_resti
     own->sample = out;
 }
 
-/* A number within reach of 0, either way alike; never 0. */
+/* A number within reach of 0, symmetric, never 0. */
 static int draw_step(lf_restir_worker *w, int reach)
 {
     int step = (int)(lf_rng(&w->tracer) * 2.0f * (float)reach);
     return step - reach + (step >= reach);
 }
 
-/* A pixel beside this one, -1: there is none. In another view: near where that has the same place
- * in the window. */
+/* A neighbouring pixel, -1: none. In another view: near the same position in the window. */
 static int draw_neighbour(const lf_restir *s, lf_restir_worker *w, int at)
 {
     int view = at / s->rig.width, column = at % s->rig.width;
@@ -65,8 +64,8 @@ static void meet_neighbours(const lf_restir *s, lf_restir_worker *w, int at)
     lf_path_sample_combine(&s->space, n, inputs, s->weights, &w->tracer, &w->spread[at]);
 }
 
-/* Pixels of a block follow one another: of one view, or of a few near the same place in the window.
- * Where blocks begin is the visit's. */
+/* Pixels of a block are consecutive: of one view, or of a few views near the same position in the
+ * window. The visit sets the offset of blocks. */
 typedef struct block_grid {
     int width, views, columns, first_view, first_column;
 } block_grid;

@@ -57,8 +57,8 @@ void lf_path_sample_draw(int n, const lf_light_walk *walks, int taken, lf_tracer
 
 /* ----------------------------------------------------------------------------------- streams -- */
 
-/* The target function of stream i's path along the rays of all; out_own: what it brings along the
- * first. */
+/* The target function of stream i's path along the rays of all streams; out_own: its value along
+ * the first. */
 static void targets_of(const lf_path_space *space, int n, const lf_reuse_input *inputs, int i,
                        lf_tracer *tracer, double *out, lf_path_value *out_own)
 {

@@ -1,6 +1,6 @@
 #include "render/papers/selection.h"
 
-/* Added up from the first view on whoever asks, so that rounding makes the same groups for all. */
+/* Always summed from the first view on, so that rounding gives the same groups for all bases. */
 static bool next_group(const lf_selected_views *views, int k, double *line)
 {
     double before = floor(*line);

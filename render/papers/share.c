@@ -2,7 +2,7 @@
 
 #include "render/transport/path/suffix_one.h"
 
-/* What behind the pivot all views share. */
+/* Data behind the pivot that all views share. */
 typedef struct shared {
     lf_suffix suffix;
     lf_vec3 emitted; /* by the pivot itself */
@@ -22,7 +22,7 @@ bool lf_share_possible(const lf_general *g, const lf_prefix *p)
            lf_max3(emitted_by(g, p)) > 0.0f;
 }
 
-/* The pdf with which the views that share draw a direction: the mean of their lobes'. */
+/* The pdf with which the sharing views draw a direction: the mean of their lobes' pdfs. */
 static float mixture(const lf_general *g, const lf_general_worker *w, const lf_prefix *p,
                      lf_vec3 wi)
 {
@@ -64,7 +64,7 @@ static void draw_shared(const lf_general *g, lf_general_worker *w, const lf_pref
                      g->max_depth, &out->suffix);
 }
 
-/* What of it arrives in a view, over the densities of light sampling and of the mixture. */
+/* Its radiance in a view, over the densities of light sampling and of the mixture. */
 static lf_vec3 radiance_of(const lf_general *g, const lf_general_worker *w, const lf_prefix *p,
                            const shared *behind, float light_mixture, float own_mixture, int view)
 {
@@ -84,7 +84,7 @@ static lf_vec3 radiance_of(const lf_general *g, const lf_general_worker *w, cons
     return sum;
 }
 
-/* N and W of a view pixel. */
+/* Adds to N and W of a view pixel. */
 static void add(const lf_general *g, lf_general_worker *w, int view, int column, double weight,
                 lf_vec3 y)
 {
@@ -115,8 +115,8 @@ void lf_share_spread(const lf_general *g, lf_general_worker *w, const lf_prefix 
     }
 }
 
-/* Where native samples are all there is, of delta lobes and here of what escapes, too, their number
- * must not add noise: the map leaves one a pixel. */
+/* Marks pixels with only native samples, of delta lobes and here also of escapes: their number must
+ * not add noise, so the map keeps one per pixel. */
 static void mark_alone(const lf_general *g, const lf_prefix *p)
 {
     if (g->kind->adaptive)

@@ -1,4 +1,4 @@
-/* The table of shifts, and what chains weigh with any of them. */
+/* The table of shifts, and the weights of chains for any of them. */
 #include "render/papers/shift.h"
 
 #include "render/scene/vec_double.h"

@@ -13,7 +13,7 @@ static bool copy(const lf_majorant *from, const lf_majorant *to, lf_majorant_poi
 static bool stretch(const lf_majorant *from, const lf_majorant *to, lf_majorant_point p,
                     lf_majorant_point *out, double *out_jacobian)
 {
-    /* what rounding puts behind the end is at the end */
+    /* a point that rounding puts beyond the end is at the end */
     double share = fmin(lf_majorant_depth(from, p.t) / from->depth, 1.0);
     if (!lf_majorant_at_depth(to, share * to->depth, out))
         return false;

@@ -1,16 +1,16 @@
 /* By the primary sample, u = 1 - exp(-tau). */
 #include "render/papers/shift.h"
 
-/* The same u is the same tau. */
+/* Equal u means equal tau. */
 static bool copy(const lf_majorant *from, const lf_majorant *to, lf_majorant_point p,
                  lf_majorant_point *out, double *out_jacobian)
 {
     return lf_shift_optical_copy.map(from, to, p, out, out_jacobian);
 }
 
-/* tau' = -log(1 - C u). Where C u is no small number its distance from 1 is lost in it; with a =
- * tau, b = tau_max and b' = tau'_max it is (e^-a (1 - e^-(b-a)) + e^-b' (1 - e^-a)) / (1 - e^-b),
- * of which the larger exponential is taken out. */
+/* tau' = -log(1 - C u). If C u is near 1, its distance from 1 is lost. With a = tau, b = tau_max
+ * and b' = tau'_max this distance is (e^-a (1 - e^-(b-a)) + e^-b' (1 - e^-a)) / (1 - e^-b), with
+ * the larger exponential factored out. */
 static double stretched(double a, double b, double to)
 {
     double c_u = expm1(-to) / expm1(-b) * -expm1(-a);
@@ -24,7 +24,7 @@ static double stretched(double a, double b, double to)
 static bool stretch(const lf_majorant *from, const lf_majorant *to, lf_majorant_point p,
                     lf_majorant_point *out, double *out_jacobian)
 {
-    /* what rounding puts behind the end is at the end */
+    /* a point that rounding puts beyond the end is at the end */
     double depth = fmin(lf_majorant_depth(from, p.t), from->depth),
            there = fmin(stretched(depth, from->depth, to->depth), to->depth);
     if (!lf_majorant_at_depth(to, fmax(there, 0.0), out))

@@ -11,7 +11,7 @@ static bool copy(const lf_majorant *from, const lf_majorant *to, lf_majorant_poi
 static bool stretch(const lf_majorant *from, const lf_majorant *to, lf_majorant_point p,
                     lf_majorant_point *out, double *out_jacobian)
 {
-    /* what rounding puts behind the end is at the end */
+    /* a point that rounding puts beyond the end is at the end */
     double share = fmin(lf_majorant_length(from, p.t) / from->length, 1.0);
     *out_jacobian = to->length / from->length;
     return lf_majorant_at_length(to, share * to->length, out);

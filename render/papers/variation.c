@@ -20,7 +20,7 @@ static int differences_of(const lf_counts *counts, int tile)
     return across > 0 ? down * across : down;
 }
 
-/* Of a row, [tile of views][tile of columns]: the mean of |difference| of the error estimate from
+/* For a row, [tile of views][tile of columns]: the mean of |difference| of the error estimate from
  * one column to the next. */
 static void row_variation(const lf_film *film, const lf_counts *counts, int row, float *error,
                           float *out)
@@ -38,8 +38,8 @@ static void row_variation(const lf_film *film, const lf_counts *counts, int row,
         out[i] /= (float)differences_of(counts, i);
 }
 
-/* Of tile i of a row, from the rows beside it and the tiles beside those; *out_delta: these have
- * met a delta lobe. */
+/* For tile i of a row, from the neighbouring rows and tiles; *out_delta: these have met a delta
+ * lobe. */
 static double pooled(const lf_counts *counts, const float *variation, int row, int i,
                      bool *out_delta)
 {
@@ -60,7 +60,7 @@ static double pooled(const lf_counts *counts, const float *variation, int row, i
     return n > 0.0 ? sum / n : 0.0;
 }
 
-/* The mean of a pass is one sample a pixel, as far as other rows tell. */
+/* Scales the mean of a pass to one sample per pixel, judged by the other rows. */
 static double mean_without(const double *sums, int height, int row)
 {
     double sum = 0.0;
@@ -72,8 +72,8 @@ static double mean_without(const double *sums, int height, int row)
     return n > 0 ? sum / n : 0.0;
 }
 
-/* Where a delta lobe is met native samples are all there is: a plain sum, to which their number
- * must not add noise. */
+/* In tiles with a delta lobe, native samples are the only samples: a plain sum, to which their
+ * number must not add noise. */
 static void fill(lf_counts *counts, const float *variation, double *sums)
 {
     const double least = 0.125, most = 16.0;
@@ -92,7 +92,7 @@ static void fill(lf_counts *counts, const float *variation, double *sums)
     }
 }
 
-/* A restored film knows nothing of where its pilot met delta lobes: then they may be anywhere. */
+/* A restored film does not store where its pilot met delta lobes, so any tile may have them. */
 static void assume_delta(const lf_film *film, lf_counts *counts, size_t n)
 {
     if (film->layout.has_delta && !memchr(counts->delta, 1, n))

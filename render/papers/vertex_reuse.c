@@ -4,11 +4,11 @@
 
 #include "render/papers/path_vertex.h"
 
-/* A path from where rays join it. */
+/* A path from the vertex where rays join it. */
 typedef struct joint {
     const lf_light_path *path;
-    bool second;        /* at x2, with what follows; else what it leaves x1 by */
-    lf_vec3 p;          /* x2 */
+    bool second; /* at x2, with the rest of the path; false: the direction or light sample at x1 */
+    lf_vec3 p;   /* x2 */
     lf_mixture mixture; /* there */
     lf_leaving leaving;
     lf_path_value beyond; /* x2, or x1 */
@@ -18,8 +18,8 @@ typedef struct joint {
 typedef struct reach {
     bool found;
     lf_path_value value; /* of the path along this ray */
-    lf_coarse_ray gap;   /* what is joined: to x2 or to the light */
-    double squared;      /* its length, squared; 1: there is no second vertex */
+    lf_coarse_ray gap;   /* the joint: to x2 or to the light */
+    double squared;      /* its squared length; 1: no second vertex */
 } reach;
 
 typedef struct block {
@@ -48,7 +48,7 @@ static int sort(const block *b, int out[LF_MAX_BLOCK])
     return n;
 }
 
-/* All first segments: one walk through cells a ray. */
+/* All first segments: one walk through cells per ray. */
 static void find_depths(block *b)
 {
     int order[LF_MAX_BLOCK];
@@ -64,7 +64,7 @@ static void find_depths(block *b)
     }
 }
 
-/* The path behind its second vertex, as one of a ray that begins there. */
+/* The path after its second vertex, as the path of a ray that begins there. */
 static lf_path_value behind_second(const block *b, const lf_light_path *path, const joint *at)
 {
     const lf_camera_ray ray = {.o = at->p, .w = at->leaving.w};

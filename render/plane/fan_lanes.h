@@ -61,7 +61,7 @@ static float densities(int n, const float *scale, float *d)
     return total;
 }
 
-/* ----------------------------------------------------------------------------- who is hidden -- */
+/* ------------------------------------------------------------------------------ hidden views -- */
 
 /* Uses the same roundings as segments_before, and rounding is monotonic. So a box spans at least
  * its segments, and no ray slips through between two segments that share an end. */
@@ -164,7 +164,7 @@ static void hide(const lf_section *section, lf_question *q)
     }
 }
 
-/* --------------------------------------------------------------------------- what is nearest -- */
+/* ------------------------------------------------------------------------------ nearest hits -- */
 
 /* The fan, and its nearest hits so far. */
 typedef struct fan {

@@ -191,7 +191,7 @@ static void grid(const lf_row_emission *emission, const lf_medium *emissive, flo
 
 /* ------------------------------------------------------------------------------------ shapes -- */
 
-/* A shape's part of the rays, in what it itself lets through. */
+/* A shape's part of the rays, weighted by its own transmittance. */
 typedef struct inside {
     float sigma_t; /* its own */
     float from[LF_MAX_LANES], part[LF_MAX_LANES];

@@ -163,7 +163,7 @@ typedef struct cutting {
     lf_cut_what what;
 } cutting;
 
-/* What the row lists; how many segments that is. */
+/* Cuts the triangles that the row lists; returns the number of segments. */
 static int cut_listed(lf_section *section, const cutting *of)
 {
     const lf_row_triangles *rows = of->rows;

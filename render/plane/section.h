@@ -15,7 +15,7 @@
 #include "render/plane/rig.h"
 #include "render/transport/path/track.h"
 
-/* ------------------------------------------------------------------------ what rows can meet -- */
+/* ------------------------------------------------------------------------- triangles per row -- */
 
 typedef struct lf_row_triangle {
     uint32_t mesh, triangle;

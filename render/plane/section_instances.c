@@ -7,7 +7,7 @@
 
 enum { WIDE = LF_SECTION_WIDE };
 
-/* -------------------------------------------------------------------------- where views look -- */
+/* -------------------------------------------------------------------------- the views' field -- */
 
 static lf_linear times(const lf_linear *f, double by)
 {
@@ -179,7 +179,7 @@ size_t lf_section_cut_instances(lf_section *section, const lf_row_triangles *row
     return c.n;
 }
 
-/* ------------------------------------------------------------------------------------- whose -- */
+/* --------------------------------------------------------------------------- segment numbers -- */
 
 static uint32_t end_of(const lf_section_instances *places, size_t slot)
 {

@@ -140,7 +140,7 @@ static uint32_t cell_of(float x, float min, float max)
                      : 0;
 }
 
-/* Those that rows list. */
+/* Triangles that rows list. */
 static int listed_of(const lf_mesh *mesh)
 {
     return mesh->instances ? 0 : mesh->n_triangles;

@@ -1,5 +1,5 @@
-/* The answer of one row: what the nodes around its pixels predict, and N/W of the pixel itself by
- * its share. */
+/* The result of one row: the prediction of the nodes around its pixels, and N/W of the pixel itself
+ * by its share. */
 #include "render/reconstruct/answer.h"
 
 #include <math.h>
@@ -8,9 +8,10 @@
 #include "render/reconstruct/residual.h"
 #include "render/reconstruct/scratch.h"
 
-/* Planes that coarser nodes are asked for go far beyond what they were fitted to. */
+/* Planes of coarser nodes are extrapolated far beyond the data of their fit; this limits the
+ * result. */
 #define MOST_FROM_MEAN 1.5f
-/* W of a cell whose mean says something, in pixels that their paths have filled once. */
+/* W of a cell with a meaningful mean, in pixels that their paths have filled once. */
 #define LEAST_SEEN 1.0f
 
 static lf_to_show to_show(const lf_answered_row *o)
@@ -27,7 +28,7 @@ static lf_to_show to_show(const lf_answered_row *o)
     return in;
 }
 
-/* What N of both halves is divided by. */
+/* The divisor of N for both halves. */
 static float weight_of(const lf_answered_row *o, const lf_pixel_found *both, size_t i)
 {
     const lf_pixels *pixels = &o->scratch->rows[0];
@@ -36,7 +37,7 @@ static float weight_of(const lf_answered_row *o, const lf_pixel_found *both, siz
                                  pixels->q[i] * (float)(state->n[0] + state->n[1]));
 }
 
-/* Goes over to the bounded fit where that has a share. */
+/* Blends towards the bounded fit where that has a share. */
 static void mix_bounded(const lf_answered_row *o, size_t i, const lf_fitted *x, float out[3])
 {
     lf_bright_pixel bright;
@@ -74,7 +75,7 @@ void lf_answer_pixel(const lf_answered_row *o, size_t i, lf_pixel_found out_foun
         mix_bounded(o, i, &x, out);
 }
 
-/* What tiles lack. */
+/* Applies the corrections of tiles. */
 static void add_lacking(const lf_answered_row *o, float (*out)[3])
 {
     const int width = o->film->width;
@@ -91,9 +92,9 @@ static void add_lacking(const lf_answered_row *o, float (*out)[3])
     }
 }
 
-/* B + q R. Correction weights may leave q beyond 0..1: then the sky would be dimmed, or shown more
- * than once, in a dot beside its neighbours. Where all else follows from q it is taken to be within
- * (as it is when its noise is gone); a B that was found has the same noise, and keeps it. */
+/* B + q R. Correction weights may move q outside of 0..1: then the sky would be dimmed, or counted
+ * more than once, in isolated pixels. If B follows from q, q is clamped (its limit is in the
+ * range). A stored B has the same noise, and q is not clamped. */
 static void answer_row(const lf_answered_row *o, float (*out)[3])
 {
     const lf_film *film = o->film;
@@ -136,8 +137,8 @@ static const lf_cell *cell_of(const lf_reconstruction *r, const lf_pixels *pixel
     return n >= 0 ? &band->cells[n] : NULL;
 }
 
-/* N/W of a cell; false: its W is so little that one bright path, or signed weights that cancel,
- * would be taken for what it shows. */
+/* N/W of a cell; false: its W is so small that one bright path, or cancelling signed weights, would
+ * dominate it. */
 static bool mean_of(const lf_cell *cell, float out[3])
 {
     const lf_moments *a = &cell->half[0][0], *b = &cell->half[1][1];
@@ -147,8 +148,8 @@ static bool mean_of(const lf_cell *cell, float out[3])
     return w >= LEAST_SEEN;
 }
 
-/* A pixel far from all cells in depth, as of an outline that the fit did not know: between the
- * means of those behind and before it. */
+/* A pixel far from all cells in depth, for example on an outline that was unknown to the fit:
+ * interpolates the means of the cells behind and in front of it. */
 static void predict_between(const lf_reconstruction *r, const lf_pixels *pixels, int row, size_t i,
                             float out[4])
 {
@@ -174,8 +175,8 @@ static void predict_between(const lf_reconstruction *r, const lf_pixels *pixels,
     out[3] = 0.0f;
 }
 
-/* What a cell's node says of a pixel that it was not fitted to, at most MOST_FROM_MEAN times as
- * much or as little as the cell has seen; false: it has seen too little. */
+/* The prediction of a cell's node for a pixel that it was not fitted to, within a factor of
+ * MOST_FROM_MEAN of the cell's mean; false: the cell has too few samples. */
 static bool predict_by(const lf_cell *cell, const lf_pixels *pixels, size_t i,
                        const float middle[3], float out[3])
 {
@@ -192,8 +193,8 @@ static bool predict_by(const lf_cell *cell, const lf_pixels *pixels, size_t i,
     return true;
 }
 
-/* A pixel that no node of the finest level is near: its row was visited after the fit. The finest
- * level that has its cell stands in. */
+/* A pixel without a near node of the finest level, because its row was visited after the fit. The
+ * finest level that has a cell there replaces it. */
 static void predict_coarser(const lf_reconstruction *r, const lf_pixels *pixels, int row, size_t i,
                             float out[4])
 {

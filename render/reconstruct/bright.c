@@ -11,22 +11,22 @@ enum { BUCKETS = 32, LOWEST = -16, ROUNDS = 8 };
 
 /* Times the mean around: more is above the bound. */
 #define BOUND 2.0f
-/* What is shown of one half's is at most so many times the bound, or what the other says as far as
- * that is trusted. */
+/* The shown excess of one half is limited to this factor times the bound, or to the other half's
+ * value as far as that is trusted. */
 #define AGREED 4.0f
-/* What halves agree on is chance up to so many of its standard deviations. */
+/* An agreement of the halves counts as chance up to this number of its standard deviations. */
 #define DOUBT 2.0f
 /* Correlations of the halves from which on the bounded fit has a share, and all. */
 #define LEAST 0.1f
 #define ENOUGH 0.2f
-/* A half may be as bright in a pixel as the other is: in part from the first correlation on, wholly
- * from the second. Below, two rare bright paths in one pixel may be chance. */
+/* Trust in a half whose pixel is as bright as the other's: partial from the first correlation on,
+ * full from the second. Below, two rare bright paths in one pixel may be chance. */
 #define LEAST_TRUSTED 0.4f
 #define TRUSTED 0.7f
 
 struct lf_bright_cell {
     float weight[BUCKETS], found[BUCKETS]; /* sums of W and of N, mean of the channels */
-    float n, sum[2], square, product;      /* of what is above the bound, in both halves */
+    float n, sum[2], square, product;      /* of the excess over the bound, in both halves */
     float bound, trust;
 };
 
@@ -143,8 +143,8 @@ static const lf_bright_cell *around(const lf_reconstruction *r, int number, cons
     return other ? &r->bright[band].cells[other - r->level[1].bands[band].cells] : NULL;
 }
 
-/* The mean, with what is above BOUND times it cut off; no bound where it is not above 0, as single
- * contributions may be below. */
+/* The mean, with values above BOUND times it cut off; no bound if it is not above 0, because single
+ * contributions may be negative. */
 static float bounded_mean(const float weight[BUCKETS], const float found[BUCKETS])
 {
     float w = 0.0f, mean = INFINITY;
@@ -178,7 +178,7 @@ void lf_bright_settle_bound(lf_reconstruction *r, int number)
     }
 }
 
-/* Sums of what is above the bound in the cells around. */
+/* Sums of the excess in the neighbouring cells. */
 static lf_bright_cell sum_around(const lf_reconstruction *r, int number, const lf_cell *cell)
 {
     lf_bright_cell sum = {.n = 0.0f};
@@ -196,7 +196,7 @@ static lf_bright_cell sum_around(const lf_reconstruction *r, int number, const l
     return sum;
 }
 
-/* Of a cell, from means: the sums of products of the halves, and of squares. */
+/* For a cell, from means: the sums of products of the halves, and of squares. */
 static void spread_of(const lf_bright_cell *s, const float mean[2], float *out_agreed,
                       float *out_total)
 {
@@ -205,7 +205,7 @@ static void spread_of(const lf_bright_cell *s, const float mean[2], float *out_a
     *out_total = s->square - a * s->sum[0] - b * s->sum[1] + 0.5f * s->n * (a * a + b * b);
 }
 
-/* The correlation of what is above the bound in the halves, as far as it is beyond chance. */
+/* The correlation of the excess in the halves, as far as it is beyond chance. */
 static float correlation(const lf_reconstruction *r, int number, const lf_cell *cell)
 {
     const lf_bright_cell sum = sum_around(r, number, cell);
@@ -267,7 +267,7 @@ static float answer_of(const lf_fitted *x, int h)
     return x->over[h] > 0.0f ? mean_of(x->answer[h]) : 0.0f;
 }
 
-/* The part of what half h says that is at most `most`. */
+/* The part of half h's value that is at most `most`. */
 static float part_below(const lf_fitted *x, int h, float most)
 {
     float r = answer_of(x, h);

@@ -48,7 +48,7 @@ lf_status lf_band_open(lf_band *band)
     return LF_OK;
 }
 
-/* Cells know their places. */
+/* Stores the position in each cell. */
 static void place_cells(lf_band *band)
 {
     for (int j = 0; j < band->nz; j++) {

@@ -138,7 +138,7 @@ static void add_row(lf_band *band, const lf_reconstruction *r, const lf_film *fi
 }
 
 typedef struct lf_range {
-    int low, high; /* low > high: nothing */
+    int low, high; /* low > high: empty */
 } lf_range;
 
 static void widen(lf_range *range, int x)
@@ -153,7 +153,7 @@ static lf_status begin_band(lf_band *band, lf_range z)
                           : lf_band_begin(band, z.low, z.high - z.low + 1);
 }
 
-/* Where the fitted pixels of some rows lie; of neighbours in one cell the first. */
+/* Lists the cells of the fitted pixels of some rows; neighbours in one cell are listed once. */
 static size_t list_places(const lf_pixels *rows, int n_rows, size_t n, lf_cell_at *out)
 {
     size_t listed = 0;
@@ -167,7 +167,7 @@ static size_t list_places(const lf_pixels *rows, int n_rows, size_t n, lf_cell_a
     return listed;
 }
 
-/* A band with a cell wherever one of n places is. */
+/* A band with a cell at each of n places. */
 static lf_status make_band(lf_band *band, const lf_cell_at *places, size_t n)
 {
     lf_range z = {INT_MAX, INT_MIN};
@@ -207,7 +207,7 @@ lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int numbe
     return status;
 }
 
-/* What moving leaves out (kernel.h). */
+/* Completes the part that moving omits (kernel.h). */
 static void mirror(lf_moments *m)
 {
     for (int i = 0; i < LF_FEATURES; i++)

@@ -5,7 +5,7 @@
 
 #include "base/alloc.h"
 
-/* Places beyond are nowhere. */
+/* Positions beyond this are ignored. */
 #define FARTHEST 1e6
 
 typedef struct lf_past_band {
@@ -90,7 +90,7 @@ void lf_reconstruct_follow(lf_reconstruction *r, const lf_past *past, const lf_p
             r->move.map[i][j] = move->map[i][j] * now[j] / then[i];
 }
 
-/* Where the past saw something, and how that changes with where it is seen now. */
+/* The position of a point for the past, and its derivatives by the current position. */
 typedef struct lf_past_place {
     double at[3], slope[3][3];
 } lf_past_place;
@@ -113,7 +113,7 @@ static bool find_place(const lf_past_move *move, const double x[3], lf_past_plac
     return true;
 }
 
-/* Adds weight times a node's planes, as seen from a place `shift` away from its middle. */
+/* Adds weight times a node's planes, translated by `shift` from its middle. */
 static void add_node(lf_plane out[3], const lf_plane node[3], float weight, const float shift[3])
 {
     for (int c = 0; c < 3; c++) {
@@ -126,7 +126,7 @@ static void add_node(lf_plane out[3], const lf_plane node[3], float weight, cons
     }
 }
 
-/* Between the up to eight nodes around a place; false: there is none. */
+/* Interpolates between up to eight nodes around a position; false: there is no node. */
 static bool look_up(const lf_past *past, const double at[3], lf_plane out[3])
 {
     float sum = 0.0f;
@@ -155,7 +155,7 @@ static bool look_up(const lf_past *past, const double at[3], lf_plane out[3])
     return sum > 0.0f;
 }
 
-/* From the past's coordinates to those of now. */
+/* From the past's coordinates to the current ones. */
 static void turn(lf_plane *plane, const lf_past_place *place, float view)
 {
     float slope[3];

@@ -5,8 +5,8 @@
 
 #include "base/alloc.h"
 
-/* Arrays of their own: all features of both halves; of a half but its row and view, which are the
- * same. */
+/* Separate arrays: all features of both halves; of a half all except its row and view, which are
+ * the same. */
 enum { ARRAYS = LF_FEATURES + 2 * (LF_FEATURES - 2) + 1 };
 
 lf_status lf_pixels_init(size_t n, bool albedo, lf_pixels *out)
@@ -40,8 +40,8 @@ void lf_pixels_finish(lf_pixels *pixels)
     memset(pixels, 0, sizeof *pixels);
 }
 
-/* Of pixel k; where none was found, as of an outline that was met late, that of the nearest pixel
- * of its view; 0: of none. */
+/* Albedo of pixel k. If it is unknown, for example on an outline that was met late, that of the
+ * nearest pixel of its view; 0: none. */
 static lf_packed_albedo nearest_albedo(const lf_view_row *in, int k)
 {
     const int reach = 8;
@@ -53,11 +53,11 @@ static lf_packed_albedo nearest_albedo(const lf_view_row *in, int k)
     return found;
 }
 
-/* Reads albedo, by which R is to be multiplied; so is light, which is told over it. What is not
- * proportional to it is gloss. Of metal it is linear in how much there is, which q tells beside
- * what it tells. Of a dielectric it is linear in 1/a, which the share of media tells. Under a sky
- * it is linear in what falls in over a: light tells that, and the share of media what falls in
- * itself, over the usual. */
+/* Reads albedo, the factor of R; the light feature is relative to it. Radiance that is not
+ * proportional to albedo is gloss. For metal it is linear in the metallic share, which is mixed
+ * into the q feature. For a dielectric it is linear in 1/a, which is mixed into the share of media.
+ * Under a sky it is linear in the incident light over a: the light feature has this, and the share
+ * of media has the incident light itself, relative to the usual. */
 static void read_albedo(const lf_view_row *in, bool halves, lf_pixels *out)
 {
     const float of_gloss = 0.1f, of_metal = 1.0f;
@@ -97,7 +97,8 @@ lf_status lf_second_keep(lf_reconstruction *r, const lf_film *film, int row)
     return LF_OK;
 }
 
-/* As it was kept, while a fit is made: later, holes may have been filled, which no count tells. */
+/* Uses the stored value during a fit: later, holes may have been filled, which counts do not show.
+ */
 static void read_second(const lf_reconstruction *r, const lf_film *film, int row, bool *out)
 {
     const lf_reconstruction *whole = r->whole ? r->whole : r;
@@ -170,7 +171,8 @@ static lf_deck layer_of(const lf_band *band, int z)
     return there ? band->layers[z - band->z0] : (lf_deck){0};
 }
 
-/* Both bands' nodes at one depth and one more to either side: where pixels of these lie between. */
+/* Both bands' nodes at one depth and one more on either side: the range in which their pixels are
+ * interpolated. */
 static lf_deck joined(const lf_band *a, const lf_band *b, int z)
 {
     lf_deck one = layer_of(a, z), other = layer_of(b, z);

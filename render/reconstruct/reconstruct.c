@@ -199,7 +199,7 @@ static lf_status run(lf_fit_job *job, lf_step step, int level)
     return atomic_load_explicit(&job->failed, memory_order_relaxed) ? LF_E_NOMEM : status;
 }
 
-/* A step of the finest level, by the shares of the one above it. */
+/* A step of the finest level, with the shares of the level above it. */
 static lf_status shrink_finest(lf_fit_job *job, lf_step weigh, lf_step settle, lf_step take)
 {
     lf_status status = run(job, weigh, 0);
@@ -232,7 +232,7 @@ static lf_status fit_levels(lf_reconstruction *r, const lf_film *film, const lf_
     return status;
 }
 
-/* Where halves agree on what is far above all around, and a fit of the rest. */
+/* Finds where halves agree on excesses over the surroundings, and fits the rest. */
 static lf_status fit_bounded(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
 {
     static const lf_step steps[] = {BRIGHT_TELL, BRIGHT_BOUND, BRIGHT_COMPARE, BRIGHT_SETTLE,
@@ -282,7 +282,7 @@ static bool has_both_halves(const lf_film *film)
     return false;
 }
 
-/* What of the picture tiles lack: halves have to agree on it. */
+/* Corrections per tile; the halves must agree on them. */
 static lf_status fit_residual(lf_reconstruction *r, const lf_film *film, const lf_cancel *cancel)
 {
     if (!has_both_halves(film)) {

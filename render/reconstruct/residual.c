@@ -7,14 +7,14 @@
 #include "render/reconstruct/answer.h"
 
 #define EPSILON 1e-2f
-/* What halves agree on is chance up to so many of its standard deviations; in the finest tiles,
- * which have most noise. */
+/* An agreement of the halves counts as chance up to this number of its standard deviations; in the
+ * finest tiles, which have most noise. */
 #define DOUBT 2.0f
 #define DOUBT_FINEST 4.0f
-/* Of sharpening. */
+/* Steps of sharpening. */
 #define ROUNDS 3
-/* One step of a level adds no more of what was expected: where that was next to nothing, one bright
- * path would be multiplied. What is brighter still is found by the finer levels. */
+/* Limit of one step of a level relative to the expectation: if that was almost 0, one bright path
+ * would be multiplied. Finer levels find brighter light. */
 #define MOST 1.5f
 
 lf_residual *lf_residual_create(const lf_reconstruct_view *view)
@@ -110,7 +110,7 @@ lf_status lf_residual_sum(lf_reconstruction *r, const lf_film *film, int number)
     return status;
 }
 
-/* Adds a finest tile's sums, as it is shown by now. */
+/* Adds a finest tile's sums with the current corrections. */
 static void add_sums(lf_residual_sums *to, const lf_residual_tile *from)
 {
     for (int c = 0; c < 3; c++) {
@@ -132,8 +132,8 @@ static float lack_of(float found, float expected)
     return fminf(MOST, fmaxf(-1.0f, found / expected - 1.0f));
 }
 
-/* What a tile lacks by each half and by both; in relMSE, by how much it is better if both halves
- * say so, and what the step is in all. */
+/* Corrections of a tile by each half and by both; in relMSE, the improvement if both halves agree,
+ * and the size of the step. */
 static void weigh(const lf_residual_sums *s, float lacks[LF_VARIANTS][3], lf_residual_tile *out)
 {
     memset(lacks, 0, LF_VARIANTS * sizeof *lacks);
@@ -153,9 +153,8 @@ static void weigh(const lf_residual_sums *s, float lacks[LF_VARIANTS][3], lf_res
     }
 }
 
-/* The n-th of the 27 tiles around one, of its view and those beside; NULL: none; and what it
- * counts.
- */
+/* The n-th of the 27 tiles around one, in its view and the neighbouring ones; NULL: none; and its
+ * weight. */
 static const lf_residual_tile *around(const lf_reconstruction *r, int level, int view, int v, int u,
                                       int n, float *weight)
 {
@@ -196,7 +195,7 @@ static double settle_shares(const lf_reconstruction *r, int level, int view)
         for (int u = 0; u < r->residual->across[level]; u++) {
             lf_residual_tile *tile = tile_at(r, level, view, v, u);
             tile->share = share_of(r, level, view, v, u);
-            /* its own noise has at most decided on all that is taken of it */
+            /* its own noise has decided at most this much of the step */
             const double taken = (double)(tile->share * tile->total),
                          own = fmin(fabs((double)tile->agreed - taken), taken);
             if (tile->share > 0.0f && tile->share < 1.0f && tile->total > 0.0f)
@@ -207,7 +206,7 @@ static double settle_shares(const lf_reconstruction *r, int level, int view)
 
 /* ------------------------------------------------------------------------------------- steps -- */
 
-/* Of n tiles of `side`, the two that a place lies between; what the second counts. */
+/* Of n tiles of `side`, the two around a position; and the weight of the second. */
 static void between(float place, int side, int n, int out[2], float *out_part)
 {
     const float at = place / (float)side - 0.5f, low = floorf(at);
@@ -217,7 +216,7 @@ static void between(float place, int side, int n, int out[2], float *out_part)
     out[1] = first + 1 < n ? first + 1 : n - 1;
 }
 
-/* Between the tiles of a level around a place, share times what they lack. */
+/* Interpolates share times correction between the tiles of a level around a position. */
 static void step_at(const lf_reconstruction *r, int level, int view, float row, float column,
                     float out[LF_VARIANTS][3])
 {
@@ -261,7 +260,7 @@ static void coarsen(const lf_reconstruction *r, int level, int view)
         }
 }
 
-/* A finest tile as it is shown by now, and what it lacks: a step. */
+/* A step for a finest tile with the current corrections. */
 static void weigh_finest(lf_residual_tile *tile, float step[LF_VARIANTS][3])
 {
     lf_residual_sums now;
@@ -303,8 +302,8 @@ static void take_all(const lf_reconstruction *r, int level, int view)
         }
 }
 
-/* Between tiles lacks are mixed, so that those of tiles are blurred by what they have on their
- * sides: they are made sharper beforehand, until their means are near to what is wanted. */
+/* Interpolation blurs the corrections of tiles; so they are sharpened beforehand, until their means
+ * are near the required ones. */
 static float mean_along(const float x[3])
 {
     return 0.125f * (x[0] + x[2]) + 0.75f * x[1];
@@ -330,7 +329,7 @@ static void sharpen_tile(const lf_reconstruction *r, int view, int v, int u)
                 }
                 means[dv + 1] = mean_along(x);
             }
-            /* at most half as far again: what is sharper would ring */
+            /* at most half beyond: more would ring */
             const float wanted = tile->wanted[i][c],
                         sharper = tile->lacks[i][c] + wanted - mean_along(means),
                         off = 0.5f * fabsf(wanted);

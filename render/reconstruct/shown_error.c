@@ -11,21 +11,21 @@
 #include "render/reconstruct/scratch.h"
 
 #define EPSILON 1e-2
-/* Of a cell's own part in the shares by which its pixels go: those around it are between, in two or
- * three directions 7/8 each. */
+/* A cell's own part in the shares of its pixels. Its neighbours have the remainder by
+ * interpolation: in two or three directions 7/8 each. */
 #define OWN_PART 0.7
 
 typedef struct lf_open_row {
     const lf_reconstruction *r;
     const lf_film *film;
     const lf_pixels *pixels;
-    lf_reconstruct_scratch *predicted[2], *bounded[2]; /* bounded NULL: nothing is */
+    lf_reconstruct_scratch *predicted[2], *bounded[2]; /* bounded NULL: no bounded fit */
     lf_row_halves halves;
     int row;
     lf_film_half half[2];
     const lf_film_known *known;
     float n[2], share[2]; /* of the samples */
-    bool lacking[2];      /* what tiles of the view lack is in `times` of what is predicted */
+    bool lacking[2];      /* the corrections of tiles for the view are in `times` of `predicted` */
 } lf_open_row;
 
 /* Sums over pixels. */
@@ -34,8 +34,8 @@ typedef struct lf_shown_sums {
     size_t pixels;
 } lf_shown_sums;
 
-/* One pixel of one half: known and what is scattered by the fit alone are what it would be without
- * N/W; off is what an answer without bias is off from what is shown. */
+/* One pixel of one half: known and scattered light by the fit alone, without N/W; off: the
+ * difference of an unbiased estimate from the shown value. */
 typedef struct lf_half_pixel {
     float known[3], scattered[3], shown[3], off[3];
 } lf_half_pixel;
@@ -73,8 +73,8 @@ static void read_half(const lf_open_row *o, size_t i, int h, bool fitted, const 
     }
 }
 
-/* Known light of the pixel and two to either side of it, the median: of mirrors it is as noisy as
- * what it is asked about. */
+/* Median of the known light of the pixel and two to either side: for mirrors a single pixel is as
+ * noisy as the tested value. */
 static float steady_known(const lf_open_row *o, size_t i, int c, const lf_half_pixel half[2])
 {
     float x[5];
@@ -100,7 +100,7 @@ static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
     for (int h = 0; h < 2; h++)
         read_half(o, i, h, fitted, &found, &bright, &half[h]);
     for (int c = 0; c < 3; c++) {
-        /* where only one half has met a bright path, their mean would hide what that is off */
+        /* if only one half has met a bright path, their mean would hide its error */
         double radiance = (double)(steady_known(o, i, c, half) +
                                    fminf(half[0].scattered[c], half[1].scattered[c])),
                inverse = 1.0 / (radiance * radiance + EPSILON),
@@ -111,7 +111,7 @@ static void add_pixel(const lf_open_row *o, size_t i, lf_shown_sums *sums)
     sums->pixels++;
 }
 
-/* What both halves predict of a row. */
+/* Predictions of both halves for a row. */
 static lf_status predict(const lf_reconstruction *r, int row, const lf_pixels *pixels,
                          lf_reconstruct_scratch *const scratch[2])
 {
@@ -132,7 +132,7 @@ static lf_status predict(const lf_reconstruction *r, int row, const lf_pixels *p
     return status;
 }
 
-/* What a thread needs of the fit and of the bounded one, by halves. */
+/* Memory of a thread for the fit and the bounded one, per half. */
 typedef struct lf_row_scratch {
     lf_reconstruct_scratch *whole[2], *bounded[2];
 } lf_row_scratch;
@@ -248,8 +248,8 @@ static void run_row(void *context, int row, int worker)
     give_all(job->r, &scratch);
 }
 
-/* Adds those of the cells of one reconstruction. By what part of a cell it is not shown is known in
- * level 1. */
+/* Adds the cells of one reconstruction. Level 1 stores the share of a cell for which it is not
+ * shown. */
 static void add_chosen(const lf_reconstruction *r, const lf_reconstruction *whole, bool bounded,
                        lf_shown_chosen *sum)
 {
@@ -266,7 +266,7 @@ static void add_chosen(const lf_reconstruction *r, const lf_reconstruction *whol
             }
 }
 
-/* What the estimate lacks because shares were chosen by the halves that it compares. */
+/* Correction of the estimate because the compared halves also chose the shares. */
 static lf_shown_chosen chosen_by_chance(const lf_reconstruction *r, const lf_film *film)
 {
     lf_shown_chosen chosen = {0.0, 0.0};

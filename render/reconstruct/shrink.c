@@ -5,12 +5,13 @@
 
 #include "render/reconstruct/past.h"
 
-/* N/W is noise until the halves' agreement is beyond so many of its standard deviations. */
+/* N/W counts as noise until the halves' agreement exceeds this number of its standard deviations.
+ */
 #define RAW_DOUBT 2.0f
 #define EPSILON 1e-2
-/* What a half has seen stands for at most so many times as much. */
+/* A half represents at most this multiple of its own samples. */
 #define MOST_STOOD_FOR 4.0
-/* Of what decides on a share the least part that others than the cell itself count for. */
+/* Minimum part of other cells in the decision about a share. */
 #define LEAST_OTHERS 0.25f
 
 /* ------------------------------------------------------------------------------------ planes -- */
@@ -23,7 +24,7 @@ static double dot(const lf_plane *a, const lf_plane *b)
     return s;
 }
 
-/* Sum of W f p: the moments' matrix, which is symmetric, applied to a plane. */
+/* Sum of W f p: the moments' symmetric matrix applied to a plane. */
 static lf_plane apply(const lf_moments *m, const lf_plane *p)
 {
     lf_plane out;
@@ -72,10 +73,10 @@ typedef struct lf_above {
     int n;
     const lf_cell *cell[8];
     float weight[8];
-    float shift[8][3]; /* from the middle of the cell above to that of the cell */
+    float shift[8][3]; /* from the middle of the cell above to the middle of the cell */
 } lf_above;
 
-/* i = 0: the cell that holds x; 1: the nearer of its neighbours. */
+/* i = 0: the cell that contains x; 1: the nearer of its neighbours. */
 static int above_of(int x, int i)
 {
     return lf_half_of(x) + (i == 0 ? 0 : x - 2 * lf_half_of(x) == 1 ? 1 : -1);
@@ -126,8 +127,8 @@ static void add_above(const lf_above *above, int i, int variant, float weight, l
     }
 }
 
-/* What the level above predicts about a cell, as seen from its middle; a half of which nothing is
- * known goes by both. */
+/* The prediction of the level above for a cell, relative to its middle; a half without data uses
+ * both. */
 static void predict(const lf_above *above, lf_guess *out)
 {
     memset(out, 0, sizeof *out);
@@ -145,8 +146,7 @@ static void predict(const lf_above *above, lf_guess *out)
     }
 }
 
-/* What a node changes of the guess: nothing where it knows nothing, little where it knows little.
- */
+/* The change of the guess by a node: zero if it has no data, small if it has few. */
 static lf_plane step_of(const lf_cell *cell, const lf_guess *guess, int variant, int c)
 {
     lf_plane step = {0};
@@ -159,7 +159,7 @@ static lf_plane step_of(const lf_cell *cell, const lf_guess *guess, int variant,
 
 /* ------------------------------------------------------------------------------------ shares -- */
 
-/* What a squared error of R counts in the relMSE of the picture; x: about what R is there. */
+/* The weight of a squared error of R in the relMSE of the image; x: approximately R there. */
 static double importance(const lf_cell *cell, const lf_plane *x, int c)
 {
     const lf_raw_sums *raw = &cell->raw;
@@ -176,8 +176,8 @@ static double importance(const lf_cell *cell, const lf_plane *x, int c)
     return albedo * albedo * q / (radiance * radiance + EPSILON);
 }
 
-/* Of steps away from x (of both halves): their sums with what a half has found beyond `against`,
- * and with themselves. */
+/* Sums over steps away from x (of both halves): their products with a half's data minus `against`,
+ * and their squares. */
 typedef struct lf_worth {
     double agreed, total;
 } lf_worth;
@@ -218,7 +218,7 @@ void lf_shrink_weigh(lf_reconstruction *r, int level, int number)
     }
 }
 
-/* The step from a cell's nodes to the past; none where either knows nothing. */
+/* The step from a cell's nodes to the past; zero if either has no data. */
 static void find_step_to_past(const lf_cell *cell, const lf_plane past[3],
                               lf_plane step[LF_VARIANTS][3])
 {
@@ -228,8 +228,8 @@ static void find_step_to_past(const lf_cell *cell, const lf_plane past[3],
             step[v][c] = minus(&past[c], &cell->node[v][c]);
 }
 
-/* All of the step, but for what each half's data have against the past where the other half's node
- * is drawn to it. */
+/* All of the step, except as far as each half's data contradict the past, with the other half's
+ * node moved towards it. */
 static void weigh_past(lf_cell *cell, const lf_plane past[3])
 {
     lf_plane step[LF_VARIANTS][3], against[2][3];
@@ -304,8 +304,7 @@ static float clamp_share(float x)
     return fminf(1.0f, fmaxf(0.0f, x));
 }
 
-/* Sums over the cells around one, and of what they agree on the variance, by how much they differ.
- */
+/* Sums over the neighbouring cells, and the variance of their agreement, from their differences. */
 typedef struct lf_decision {
     float agreed, total, variance;
 } lf_decision;
@@ -328,14 +327,14 @@ static lf_decision decide(const lf_lattice *l, int number, const lf_cell *cell, 
     return out;
 }
 
-/* doubt: how many standard deviations of what is agreed on count as chance. */
+/* doubt: number of standard deviations of the agreement that count as chance. */
 static float share_by(const lf_decision *d, float doubt)
 {
     return d->total > 0.0f ? clamp_share((d->agreed - doubt * sqrtf(d->variance)) / d->total)
                            : 0.0f;
 }
 
-/* The same by the cells around alone. Where these are next to nothing nothing was decided. */
+/* The decision of the neighbouring cells alone. If these have almost no data, there is none. */
 static lf_decision without(const lf_decision *all, const lf_cell *cell)
 {
     const float least = 1e-5f * all->total;
@@ -405,7 +404,7 @@ void lf_shrink_take(lf_reconstruction *r, int level, int number)
         predict(&above, &guess);
         float share = level == 0 ? share_above(&above) : cell->share;
         for (int v = 0; v < LF_VARIANTS; v++) {
-            /* with nothing to shrink towards a node is taken as it is */
+            /* without a guess a node is used as it is */
             for (int c = 0; c < 3 && guess.known[v]; c++) {
                 lf_plane step = step_of(cell, &guess, v, c);
                 cell->node[v][c] = guess.x[v][c];

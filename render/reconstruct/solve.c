@@ -5,7 +5,7 @@
 
 #include "render/reconstruct/kernel.h"
 
-/* A node of both halves that has so many goes half by its own fit, half by the level above. */
+/* A node of both halves with this many pivots uses half its own fit, half the level above. */
 #define FEW_PIVOTS 1.0f
 
 /* From the middles of the 27 cells around one to its own. */
@@ -22,8 +22,8 @@ static void find_shifts(float side, lf_shifts out)
     }
 }
 
-/* Tent-weighted sums of the cells around one, each half's by its own features, as seen from its
- * middle. */
+/* Tent-weighted sums of the neighbouring cells, each half's by its own features, relative to the
+ * cell's middle. */
 static void gather(const lf_reconstruct_kernels *kernels, const lf_lattice *level, int number,
                    const lf_cell *cell, lf_shifts shifts, lf_moments sum[2])
 {
@@ -36,7 +36,7 @@ static void gather(const lf_reconstruct_kernels *kernels, const lf_lattice *leve
     }
 }
 
-/* Fits that wait until there are enough of them. */
+/* Fits that wait until a group is complete. */
 typedef struct lf_fits {
     lf_moments moments[LF_SOLVE_LANES];
     lf_plane (*out[LF_SOLVE_LANES])[3];

@@ -59,7 +59,7 @@ static void scatter(lf_visit *visit, int equiangular, uint64_t key, uint32_t ind
     for (int i = 0; i < w->media.n_here; i++) {
         pivot.medium = w->media.here[i];
         pivot.event.volume = w->media.item[pivot.medium].volume;
-        /* What a slice has there the integrator finds out. */
+        /* the integrator evaluates slices itself */
         if (w->media.item[pivot.medium].kind == LF_MEDIUM_SLICE ||
             lf_volume_sigma_t(&visit->scene->volumes[pivot.event.volume], pivot.event.p) > 0.0f)
             visit->acting->equiangular(visit, view, &pivot, &light);

@@ -45,7 +45,7 @@ static void spread_lobes(lf_visit *visit, const lf_fan_lobes *lobes,
                          const lf_vec3 colour[LF_FAN_TERMS])
 {
     const lf_scratch *w = visit->worker;
-    lf_film_sums sums = visit->sums; /* what it points at is written, not the copy */
+    lf_film_sums sums = visit->sums; /* the arrays that it points to are written, not the copy */
     const int views = visit->rig->n_views, terms = lobes->n_terms;
     for (int k = 0; k < views; k++) {
         lf_vec3 y = lf_v3(0.0f, 0.0f, 0.0f);

@@ -33,7 +33,7 @@ void lf_visit_add_native(lf_visit *visit, size_t pixel, lf_vec3 radiance)
     lf_film_add_native(&visit->sums, pixel, radiance.x, radiance.y, radiance.z);
 }
 
-/* Of a visit's sample of a pixel: native, times what it weighs in M and N. */
+/* The weights of a native sample in M and N. */
 static lf_vec3 weight_of(const lf_visit *visit, int view, size_t pixel, const lf_pivot *pivot)
 {
     lf_vec3 channels;

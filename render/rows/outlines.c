@@ -75,11 +75,11 @@ static bool recall(const lf_outline_map *map, int row, const lf_rig *rig, lf_out
     return map->found[row] == SOME;
 }
 
-/* ---------------------------------------------------------------------------- where they are -- */
+/* -------------------------------------------------------------------------- finding outlines -- */
 
 #define NO_TRIANGLE UINT32_MAX
 
-/* What the rays of a corner meet. */
+/* Hits of a corner's rays. */
 typedef struct corner {
     int material[LF_MAX_LANES];
     uint32_t triangle[LF_MAX_LANES]; /* NO_TRIANGLE: not known, or none */
@@ -226,7 +226,7 @@ static void take_pixel(const lf_visit *visit, size_t i, lf_unscattered_pixel *ou
         out->mirror = visit->worker->mirrors[i];
 }
 
-/* The mean of what a pixel has and of what it had, which counts n times as much. */
+/* The mean of a pixel's new and old values; the old one has weight n. */
 static void mix_pixel(const lf_visit *visit, size_t i, const lf_unscattered_pixel *had, float n)
 {
     const lf_film_sums *sums = &visit->sums;

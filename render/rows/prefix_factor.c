@@ -2,7 +2,7 @@
 
 #include "render/rows/extinction.h"
 
-/* --------------------------------------------------------------------------- alpha and panes -- */
+/* ------------------------------------------------------------- alpha surfaces and thin glass -- */
 
 static bool scene_has_alphas(const lf_visit *visit)
 {
@@ -124,7 +124,7 @@ bool lf_prefix_received(const lf_visit *visit, const lf_pivot *pivot, const lf_r
     return there;
 }
 
-/* ---------------------------------------------------------------------------- one view's own -- */
+/* ----------------------------------------------------------------------------- a single view -- */
 
 void lf_own_ray_init(lf_own_ray *out, const lf_visit *visit, int view, const lf_pivot *pivot)
 {

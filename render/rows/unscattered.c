@@ -53,7 +53,7 @@ static void hit_of(const lf_visit *visit, int k, float z, const lf_fan_face *fac
         lf_hit_vary(out, lf_rig_spread(visit->rig) * z);
 }
 
-/* Whether ray k sees the back of what it meets. */
+/* Whether ray k sees the back of the surface that it meets. */
 static bool meets_back(const lf_visit *visit, int k)
 {
     const lf_scratch *w = visit->worker;
@@ -107,7 +107,7 @@ static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_mat
     lf_film_known_light(&visit->sums, pixel, light.x, light.y, light.z);
 }
 
-/* What a surface that ray k meets at depth z sends on of sunlight, which there is. */
+/* Sunlight that a surface reflects to ray k at depth z, in scenes with sunlight. */
 static float sunlight_of(const lf_visit *visit, int k, float z, const lf_fan_face *face)
 {
     const lf_sunlight *sunlight = visit->plan->order.sunlight;
@@ -363,9 +363,8 @@ static void aim(const lf_visit *visit, float xw, float lx)
     }
 }
 
-/* s of the point in the window that all share, or for a lens of what it makes of that, through
- * which a fan runs.
- */
+/* s of the point in the window through which all rays of a fan pass (for a lens: of the point's
+ * image). */
 static float meeting(const lf_rig *rig, float xw, float lx)
 {
     return xw / rig->distance + lx * (1.0f / rig->window - 1.0f / rig->focus);
@@ -385,7 +384,7 @@ void lf_unscattered_alphas(const lf_unscattered *e, const lf_unscattered_rays *f
         see_alphas(e, k, fan->off);
 }
 
-/* What the volumes emit along the fan's rays; u: the jitter. */
+/* Volume emission along the fan's rays; u: the jitter. */
 static void emission(const lf_visit *visit, const lf_unscattered_rays *fan, float u)
 {
     lf_scratch *w = visit->worker;

@@ -6,7 +6,7 @@
 
 /* ----------------------------------------------------------------------------- coarse frames -- */
 
-/* What a fan has met, for the columns between it and the next. */
+/* Results of a fan, for the columns between it and the next. */
 typedef struct lf_fan_end {
     int column;
     int material[LF_MAX_LANES];

@@ -36,7 +36,7 @@ static void find_known(lf_visit *visit)
         lf_visit_cut(visit, visit->number, 0);
 }
 
-/* What the stream has given the row so far. */
+/* The row's samples from this stream so far. */
 static const lf_film_counts *given_before(const lf_visit *visit)
 {
     const lf_visit_plan *plan = visit->plan;
@@ -200,7 +200,7 @@ static bool put_provisional(lf_visit *visit, const lf_cancel *cancel)
     return true;
 }
 
-/* Native samples that the visit gives a view pixel. */
+/* Native samples that the visit adds to a view pixel. */
 static double given_by(const lf_visit *visit)
 {
     return (double)visit->subsets / visit->plan->order.column_step;

@@ -31,7 +31,7 @@ void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler)
     pivot->sampler = sampler;
 }
 
-/* Its line in the row's plane. */
+/* The ray's line in the row's plane. */
 static void aim(const lf_visit *visit, const lf_base *base, base_ray *ray)
 {
     const lf_rig *rig = visit->rig;

@@ -19,9 +19,9 @@ typedef struct flowing {
     float to_component[3][3][4]; /* from voxels of the grid to voxels of a component */
     float to_voxels[3][3];       /* velocities -> voxels of the grid per unit of time */
     double least[3], most[3];    /* range of displacements in voxels, over all times, including 0 */
-    int first[3], n[3];          /* bricks that values may come to … */
+    int first[3], n[3];          /* bricks that values may reach … */
     uint64_t *wanted;            /* … [z][y][x], bit k: step k has a value there */
-    int used_first[3], used_n[3]; /* those that they do come to */
+    int used_first[3], used_n[3]; /* bricks that values do reach */
     lf_grid_steps *out;
     double contrast[LF_MAX_STEPS]; /* of steps */
     const lf_import_group *group;  /* of the calling thread, not of the pool's threads */
@@ -71,7 +71,7 @@ static void voxel_of(const int b[3], int place, float out[3])
         out[i] = (float)(LF_BRICK * b[i] - 1 + in[i]);
 }
 
-/* ----------------------------------------------------------------------------- where it goes -- */
+/* ---------------------------------------------------------------------------- reached bricks -- */
 
 static int clamp_brick(double voxel, int bricks)
 {

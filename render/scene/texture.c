@@ -19,7 +19,7 @@ void lf_texture_lay(const double offset[2], double angle, const double scale[2],
 
 /* ---------------------------------------------------------------------------------- decoding -- */
 
-static float light[2][256]; /* of a code: as it is, display encoded */
+static float light[2][256]; /* of a code: linear, display encoded */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
 static void fill_light(void)
@@ -57,7 +57,7 @@ static float length_of(const float c[4])
     return lf_length(lf_v3(2.0f * c[0] - 1.0f, 2.0f * c[1] - 1.0f, 2.0f * c[2] - 1.0f));
 }
 
-/* What level 0 means: what the levels above are means of. */
+/* Converts a texel of level 0 to the values that higher levels average. */
 static void interpret(const lf_pyramid *p, float texel[4])
 {
     if (p->use == LF_TEXELS_CUTS)

@@ -175,7 +175,7 @@ static float largest_near(const lf_grid *grid, size_t brick, const int offset[3]
     return max;
 }
 
-/* What a stored brick has, it is near to those around it. */
+/* Applies the largest value of a stored brick to its neighbours. */
 static void note_near(lf_grid *grid, int bx, int by, int bz)
 {
     size_t own = lf_grid_brick(grid, bx, by, bz);

@@ -11,8 +11,8 @@ static inline uint32_t reverse_bits(uint32_t x)
 }
 
 /* A permutation in which every bit is flipped by a hash of the bits BELOW it and the seed (Laine
- * and Karras 2011; this one is Vegdahl's): Owen's nested scramble of a number whose bits are in
- * reverse order. */
+ * and Karras 2011; this one is Vegdahl's): Owen's nested scramble of a number with reversed bits.
+ */
 static inline uint32_t permute_upwards(uint32_t x, uint32_t seed)
 {
     x ^= x * 0x3d20adeau;
@@ -23,9 +23,9 @@ static inline uint32_t permute_upwards(uint32_t x, uint32_t seed)
     return x;
 }
 
-/* Second Sobol' dimension before its bits are reversed: bit i is the sum mod 2 of the index bits j
- * with C(j, i) odd, that is i subset of j (Lucas); Pascal's matrix mod 2 is a Kronecker power, so
- * five steps do it. */
+/* Second Sobol' dimension before its bits are reversed. Bit i is the sum mod 2 of the index bits j
+ * with C(j, i) odd, that is i subset of j (Lucas). Pascal's matrix mod 2 is a Kronecker power, so
+ * five steps suffice. */
 static inline uint32_t pascal(uint32_t x)
 {
     x ^= x >> 16;
@@ -85,7 +85,7 @@ void lf_sampler_2d(lf_sampler *s, float out[2])
     out[1] = unit(reverse_bits(permute_upwards(pascal(shuffled), (uint32_t)(h1 >> 32))));
 }
 
-/* Without a shuffle of its own each of two such sequences would tell the other, and no mean over
+/* Without its own shuffle, each of two such sequences would determine the other, and no mean over
  * both would converge. */
 float lf_sampler_radical(uint64_t key, uint32_t index)
 {

@@ -1,4 +1,4 @@
-/* Assimp's materials (3DS: Phong's model) made into ours, and what of them is lost on the way. */
+/* Converts Assimp's materials (3DS: Phong's model), and records lost features. */
 #include "render/import/reader/assimp_material.h"
 
 #include <assimp/material.h>
@@ -73,8 +73,8 @@ static bool is_white(const struct aiMaterial *m, const char *key, unsigned type,
     return get_colour(m, key, type, index, &c) && c.x == 1.0f && c.y == 1.0f && c.z == 1.0f;
 }
 
-/* What Assimp makes up for meshes without a material: by a name of its own, or nameless and all
- * white. */
+/* A material that Assimp invents for meshes without one: it has a name of Assimp's, or no name and
+ * is all white. */
 static bool is_made_up(const struct aiMaterial *m)
 {
     struct aiString name;
@@ -86,7 +86,7 @@ static bool is_made_up(const struct aiMaterial *m)
            is_white(m, AI_MATKEY_COLOR_AMBIENT);
 }
 
-/* ------------------------------------------------------------------------------ what is lost -- */
+/* ----------------------------------------------------------------------------- lost features -- */
 
 static bool is_transparent(const struct aiMaterial *m)
 {

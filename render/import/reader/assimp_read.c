@@ -158,7 +158,7 @@ static lf_affine node_transform(const struct aiNode *node, const lf_affine *pare
 typedef void (*visit_fn)(const struct aiMesh *mesh, unsigned material, const lf_affine *transform,
                          void *context);
 
-/* Calls visit for every triangle mesh at every place it stands. false: the tree is too deep. */
+/* Calls visit for every triangle mesh in every node that has it. false: the tree is too deep. */
 static bool walk(const struct aiScene *scene, const struct aiNode *node, const lf_affine *parent,
                  int depth, visit_fn visit, void *context)
 {
@@ -228,7 +228,7 @@ static lf_status convert_geometry(const struct aiScene *scene, const lf_mesh_des
 
 /* ------------------------------------------------------------------------------------ Assimp -- */
 
-/* Reads and processes in one go: a failing aiApplyPostProcessing frees its scene twice
+/* Reads and processes in one call, because a failing aiApplyPostProcessing frees its scene twice
  * (Assimp 5.2). Vertices are not joined yet. */
 static const struct aiScene *import_with(const char *path, lf_normals wanted, unsigned steps,
                                          mesh_reading *state)
@@ -256,9 +256,9 @@ static bool has_nan(const struct aiMesh *mesh)
     return false;
 }
 
-/* Joins vertices that are the same, which fails for want of memory alone (JoinVerticesProcess.cpp
- * throws nothing). To Assimp one that is not a number is the same as any other, and a face there
- * would become another face: then they stay as they are in the file. */
+/* Joins identical vertices, which fails only without memory (JoinVerticesProcess.cpp throws
+ * nothing). Assimp treats NaN as equal to any number, so a face could become another face; if there
+ * are any, vertices are not joined. */
 static const struct aiScene *join_vertices(const struct aiScene *scene)
 {
     bool nan = false;
@@ -287,7 +287,7 @@ static const struct aiScene *read_scene(const char *path, lf_normals wanted, mes
     return scene;
 }
 
-/* Of things beside triangles and their materials. */
+/* Warns of elements besides triangles and their materials. */
 static void warn(const struct aiScene *scene, const lf_mesh_desc *desc, lf_warnings *warnings)
 {
     unsigned coloured = 0, boned = 0, beside = 0;

@@ -1,5 +1,5 @@
-/* A 3DS file is a chunk that holds chunks: two bytes that say what it is, four that say how long it
- * is, its own six among them. */
+/* A 3DS file is a chunk that contains chunks: two bytes for its kind, four for its length,
+ * including these six. */
 #include "render/import/reader/assimp_words.h"
 
 #include <stdint.h>
@@ -14,7 +14,7 @@ enum {
     MAIN = 0x4d4d,    /* of a file */
     PROJECT = 0xc23d, /* of a project of 3D Studio's */
     EDITOR = 0x3d3d,
-    OBJECT = 0x4000, /* whose name stands in front of its chunks */
+    OBJECT = 0x4000, /* a name precedes its chunks */
     MESH = 0x4100,
     MATERIAL = 0xafff,
     LONGEST_NAME = 256,
@@ -23,7 +23,7 @@ enum {
 
 typedef struct chunk {
     unsigned what;
-    int64_t at, end; /* bytes of the file; end as the chunk says */
+    int64_t at, end; /* bytes of the file; end is the chunk's declared end */
 } chunk;
 
 static bool read_chunk(int fd, int64_t at, chunk *out)
@@ -37,7 +37,7 @@ static bool read_chunk(int fd, int64_t at, chunk *out)
     return true;
 }
 
-/* Where the first chunk within begins; the chunk's end: there are none. */
+/* Start of the first contained chunk; the chunk's end if there is none. */
 static int64_t first_within(int fd, const chunk *c)
 {
     char name[LONGEST_NAME];
@@ -53,14 +53,14 @@ static int64_t first_within(int fd, const chunk *c)
     return length < n ? c->at + HEADER + length + 1 : c->end;
 }
 
-/* Where a walk through all chunks stands. */
+/* Position of a walk through all chunks. */
 typedef struct walk {
     int fd, depth, n;
-    int64_t at, ends[8]; /* of the chunks that hold the next one; the file's first */
+    int64_t at, ends[8]; /* of the enclosing chunks; the file's first */
 } walk;
 
-/* The next chunk in the order of the file. A chunk that holds others is followed by its first.
- * false: there are no more, or *out ends behind the one that holds it. */
+/* The next chunk in the order of the file. A chunk with contents is followed by its first one.
+ * false: no more, or *out ends after its enclosing chunk. */
 static bool next_chunk(walk *w, chunk *out, bool *out_whole)
 {
     *out_whole = true;
@@ -80,7 +80,7 @@ static bool next_chunk(walk *w, chunk *out, bool *out_whole)
     return true;
 }
 
-/* The first that ends behind the one that holds it. */
+/* The first chunk that ends after its enclosing one. */
 static bool find_fault(int fd, int64_t size, chunk *out, int64_t *out_room)
 {
     walk w = {.fd = fd, .ends = {size}};

@@ -6,7 +6,7 @@
 #include "render/import/scene/mesh_import.h"
 
 #define MOST_ELEMENTS (3 * (uint64_t)LF_MAX_TRIANGLES)
-/* Nothing in a file stands for zeros, so there may not be many. */
+/* Zeros are not stored in the file, so their number must be limited. */
 #define MOST_ZEROS ((uint64_t)1 << 22)
 #define FEW_ZEROS 65536
 
@@ -201,7 +201,7 @@ static float component_at(const unsigned char *at, lf_gltf_type type, bool norma
     }
 }
 
-/* The value that stands in place of an element; NULL: none does. */
+/* The sparse value that replaces an element; NULL: none. */
 static const unsigned char *find_sparse(const lf_gltf_accessor *a, size_t element)
 {
     size_t low = 0, high = a->n_sparse;

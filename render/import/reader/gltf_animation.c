@@ -1,4 +1,4 @@
-/* Animations of glTF (specification, section 3.11): which one is shown, and the nodes it moves. */
+/* Animations of glTF (specification, section 3.11): which one is played, and the nodes it moves. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +25,7 @@ static lf_status take_weights(const lf_gltf_sampler *s, float time, lf_gltf_node
     return LF_OK;
 }
 
-/* One channel: what it moves of its node. */
+/* One channel: changes one property of its node. */
 static lf_status move(lf_gltf *gltf, const json_t *sampled, const char *path, float time,
                       lf_gltf_node *node, lf_error *err)
 {
@@ -56,7 +56,7 @@ static lf_status move(lf_gltf *gltf, const json_t *sampled, const char *path, fl
     return LF_OK;
 }
 
-/* "Walk", 1, "Run": names of the animations, numbers of those without. */
+/* "Walk", 1, "Run": names of the animations, numbers of unnamed ones. */
 static void list_clips(const json_t *animations, char *out, size_t size)
 {
     size_t n = 0;
@@ -98,7 +98,7 @@ static lf_status refuse_clip(const lf_clip *clip, const json_t *animations, lf_e
                         json_array_size(animations) == 1 ? "is" : "are", names);
 }
 
-/* *out NULL: nothing moves, and nobody says that it does. */
+/* out NULL: there is no animation, and none was requested. */
 static lf_status find_clip(const lf_gltf *gltf, const lf_clip *clip, const json_t **out,
                            lf_error *err)
 {
@@ -111,7 +111,8 @@ static lf_status find_clip(const lf_gltf *gltf, const lf_clip *clip, const json_
     return *out || !clip->chosen ? LF_OK : refuse_clip(clip, animations, err);
 }
 
-/* Until the last moment of its channels. A broken one counts nothing: who moves by it tells. */
+/* The time of the last key of its channels. A broken channel does not count; applying it reports
+ * the error. */
 static double measure(lf_gltf *gltf, const json_t *animation)
 {
     const json_t *samplers = json_object_get(animation, "samplers");

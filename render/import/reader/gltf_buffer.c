@@ -1,4 +1,4 @@
-/* Buffers of glTF: a GLB's own, base64, files beside it. */
+/* Buffers of glTF: a GLB's own, base64, files next to it. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -88,7 +88,7 @@ static int hexadecimal(char c)
                                   : -1;
 }
 
-/* A name with %20 for what may not stand in a uri, in place. */
+/* Decodes %20 and similar in a uri, in place. */
 static void decode_percent(char *name)
 {
     char *to = name;
@@ -102,7 +102,7 @@ static void decode_percent(char *name)
     *to = '\0';
 }
 
-/* The file of that name; the name itself where there is none of the decoded one. */
+/* Opens the decoded file name; if it does not exist, the name as it is. */
 static lf_status open_file(const lf_gltf *gltf, const char *uri, bool needed, int *out_fd,
                            lf_error *err)
 {

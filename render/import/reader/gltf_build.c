@@ -60,7 +60,7 @@ lf_status lf_gltf_visit(lf_gltf_build *build, lf_gltf_visit_fn *visit, void *con
 
 /* ---------------------------------------------------------------------------------- counting -- */
 
-/* Where other parts have normals, one without has a face's at every corner: the specification's
+/* If other parts have normals, a part without has face normals at every corner: the specification's
  * flat shading. */
 static bool is_faceted(const lf_gltf_build *build, const lf_gltf_primitive *primitive)
 {
@@ -68,13 +68,13 @@ static bool is_faceted(const lf_gltf_build *build, const lf_gltf_primitive *prim
            primitive->normal.count == 0;
 }
 
-/* Whether the scene's own materials look at coordinates that some part has. */
+/* Whether the scene's own materials need texture coordinates, and a part has them. */
 static bool wants_uvs(const lf_gltf_build *build)
 {
     return build->desc->wants.uvs && build->has_uvs;
 }
 
-/* Whether a picture of its material is laid out by coordinates that it does not have. */
+/* Whether its material's texture uses coordinates that the primitive does not have. */
 static bool lacks_coordinates(const lf_gltf_build *build, const lf_gltf_primitive *primitive)
 {
     const lf_mesh_data *data = build->data;
@@ -107,13 +107,13 @@ static lf_status count(lf_gltf_build *build, const lf_gltf_use *place, void *con
 
 /* ---------------------------------------------------------------------------------- vertices -- */
 
-/* What one primitive is put together with. */
+/* Inputs for building one primitive. */
 typedef struct part {
     lf_gltf_build *build;
     const lf_gltf_primitive *primitive;
     const float *weights; /* of morph targets */
     size_t n_weights;
-    const lf_gltf_skin *skin; /* NULL: it stands at place */
+    const lf_gltf_skin *skin; /* NULL: it is at its node's place */
     lf_mesh_place place;
 } part;
 
@@ -156,7 +156,7 @@ static vertex vertex_of(const part *p, size_t v)
     return out;
 }
 
-/* Of what a material looks at; NaN gives the lower one. Counts in *odd. */
+/* Clamps a vertex attribute; NaN gives the lower limit. Counts in *odd. */
 static float within(float v, float low, float high, int *odd)
 {
     *odd += !(v >= low && v <= high);
@@ -191,7 +191,7 @@ static int put_colour(const part *p, size_t v, size_t to)
     return odd;
 }
 
-/* w stays 0 where there is none, or it is a tangent of other normals. */
+/* w stays 0 without a tangent, or if the tangent belongs to other normals. */
 static void put_tangent(const part *p, const vertex *from, const lf_mesh_place *place, size_t to)
 {
     float *tangent = p->build->data->tangents + 4 * to, length = 0;
@@ -289,7 +289,7 @@ static lf_status fill(lf_gltf_build *build, const lf_gltf_use *place, void *cont
     return status;
 }
 
-/* What materials want of vertices. */
+/* Allocates the vertex data that materials need. */
 static lf_status allocate_more(lf_gltf_build *build, lf_error *err)
 {
     lf_mesh_data *data = build->data;

@@ -24,7 +24,7 @@ static bool make_unit(double v[3])
     return length > 0 && isfinite(length);
 }
 
-/* Longer names are nobody's. */
+/* Longer names are ignored. */
 static void take_name(const json_t *json, char out[LF_FILE_CAMERA_NAME])
 {
     const char *name = lf_gltf_text(json, "name");
@@ -32,7 +32,7 @@ static void take_name(const json_t *json, char out[LF_FILE_CAMERA_NAME])
         memcpy(out, name, strlen(name) + 1);
 }
 
-/* false: it looks nowhere. */
+/* false: its direction is degenerate. */
 static bool take_camera(const json_t *json, const lf_affine *to_world, lf_file_camera *out)
 {
     const json_t *perspective = json_object_get(json, "perspective");

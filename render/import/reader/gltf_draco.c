@@ -1,4 +1,4 @@
-/* Primitives whose attributes Draco holds: decoded once, and from then on as any others. */
+/* Primitives with Draco-compressed attributes: decoded once, and then treated as any others. */
 #include <stdlib.h>
 
 #include "base/sandbox/reader.h"
@@ -12,7 +12,7 @@ struct lf_gltf_decoded {
     lf_draco_attribute attributes[LF_GLTF_ATTRIBUTES];
 };
 
-/* Whether integers mean shares of one, which the accessor says and not the compressed data. */
+/* Whether integers are normalised; the accessor says so, not the compressed data. */
 static bool is_normalised(const lf_gltf *gltf, const json_t *attributes, const char *name)
 {
     const json_t *accessor =

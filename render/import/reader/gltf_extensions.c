@@ -7,7 +7,7 @@
 
 enum { MOST = 64, DEEPEST = 64 };
 
-/* What elements of the document's arrays are called. */
+/* Names of the elements of the document's arrays. */
 static const struct {
     const char *array, *one, *many;
 } things[] = {{"accessors", "accessor", "accessors"},
@@ -27,7 +27,7 @@ enum { THINGS = sizeof things / sizeof *things };
 
 typedef struct unknown {
     const char *name; /* the document's */
-    size_t n[THINGS]; /* elements that have it, or hold something that has */
+    size_t n[THINGS]; /* elements that have it, directly or in a child */
     const json_t *last;
 } unknown;
 
@@ -37,7 +37,7 @@ typedef struct search {
     unknown found[MOST];
 } search;
 
-/* NULL: it is known, or one too many. */
+/* NULL: it is known, or there are too many. */
 static unknown *find(search *s, const char *name)
 {
     if (lf_gltf_knows(name))
@@ -52,7 +52,7 @@ static unknown *find(search *s, const char *name)
     return &s->found[s->n++];
 }
 
-/* What an element has, however deep; its extras are its own matter. */
+/* Searches an element at any depth; its extras are skipped. */
 static void look(search *s, int thing, const json_t *element, json_t *json, int depth)
 {
     const char *key;

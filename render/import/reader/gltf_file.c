@@ -30,8 +30,8 @@ static bool is_kind(uint32_t word)
     return word == JSON_CHUNK || word == BINARY_CHUNK;
 }
 
-/* Where the next chunk begins: where this one's length says. Some writers count the bytes that pad
- * a chunk to a multiple of four, some do not have them, and some have them and do not count. */
+/* Start of the next chunk, from this one's length. Some writers count the bytes that pad a chunk to
+ * a multiple of four, some do not write them, and some write but do not count them. */
 static uint64_t behind_chunk(int fd, uint64_t at, uint32_t length)
 {
     uint64_t end = at + length, padded = end + (4 - length % 4) % 4;
@@ -41,8 +41,8 @@ static uint64_t behind_chunk(int fd, uint64_t at, uint32_t length)
     return read_words(fd, padded, there, 2) && is_kind(there[1]) ? padded : end;
 }
 
-/* A GLB: 12 bytes, then chunks of a length, a kind, and as many bytes. Of other kinds nothing is
- * looked at, nor is what lies behind the last one. */
+/* A GLB: 12 bytes, then chunks of a length, a kind, and their bytes. Other kinds are ignored, as
+ * are bytes after the last chunk. */
 static lf_status find_chunks(lf_gltf *gltf, lf_error *err)
 {
     uint32_t header[3] = {0}, chunk[2];
@@ -72,8 +72,8 @@ static lf_status find_chunks(lf_gltf *gltf, lf_error *err)
     return LF_OK;
 }
 
-/* Where a text begins that is an object, behind a mark and blanks; its size: nowhere. LF_E_FORMAT:
- * text that is not UTF-8. */
+/* Start of a text with a JSON object, after a byte order mark and blanks; its size if there is
+ * none. LF_E_FORMAT: text that is not UTF-8. */
 static lf_status find_object(int fd, uint64_t size, uint64_t *out, lf_error *err)
 {
     char begin[256];
@@ -119,7 +119,7 @@ static lf_status load_json(lf_gltf *gltf, lf_error *err)
     return json_is_object(gltf->json) ? LF_OK : no_json(&wrong, err);
 }
 
-/* -------------------------------------------------------------------------- what it requires -- */
+/* ----------------------------------------------------------------------- required extensions -- */
 
 static const char *const known_extensions[] = {"EXT_mesh_gpu_instancing",
                                                "EXT_meshopt_compression",

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Of dielectrics, where nothing is said. */
+/* Of dielectrics, by default. */
 #define USUAL_REFLECTANCE 0.04f
 
 static void lose(lf_source_material *source, lf_lost what, bool lost)
@@ -109,7 +109,7 @@ static void take_anisotropy(const lf_gltf *gltf, const json_t *json, lf_source_m
         take_texture(gltf, anisotropic, "anisotropyTexture", LF_SLOT_ANISOTROPY, source);
 }
 
-/* What lets nothing through absorbs as much as there is. */
+/* An opaque colour absorbs at the upper limit. */
 static float absorbed(float colour, float distance)
 {
     if (!(colour > 0))
@@ -144,9 +144,9 @@ static bool is_glass(const lf_source_material *source)
     return source->transmission > 0 || source->textures.slot[LF_SLOT_TRANSMISSION].picture > 0;
 }
 
-/* An index of 0, which reflects all, and a tint above 1, f0 = min(f0 tint, 1), become the index of
- * what reflects as much and the tint that is left to say. Of glass the index turns light as well,
- * so that of a tint above 1 it stays. */
+/* An index of 0 (total reflection) and a tint above 1, f0 = min(f0 tint, 1), become an index with
+ * the same reflectance and the remaining tint. For glass the index also determines refraction, so a
+ * tint above 1 does not change it. */
 static void take_reflectance(lf_source_material *source)
 {
     const lf_vec3 tint = source->specular_tint;
@@ -213,18 +213,18 @@ static void take_glossiness(const lf_gltf *gltf, const json_t *old, lf_source_ma
                              1 / fmaxf(metallic, 1e-3f));
     source->metallic = metallic;
     source->albedo = lf_madd(lf_scale(dull, 1 - metallic * metallic), metallic * metallic, shiny);
-    /* what the model below has no room for is no word of the file */
+    /* values that the model below cannot hold are not reported */
     source->albedo =
         lf_v3(share(source->albedo.x), share(source->albedo.y), share(source->albedo.z));
 }
 
-/* ------------------------------------------------------------------------------ what is lost -- */
+/* ----------------------------------------------------------------------------- lost features -- */
 
-/* What an extension says that is not read; LF_LOST_KINDS: nothing. */
+/* Unsupported features of an extension; LF_LOST_KINDS: none. */
 typedef struct known_extension {
     const char *name;
     lf_lost lost;
-    const char *if_factor; /* only where this is not 0 */
+    const char *if_factor; /* only if this factor is not 0 */
 } known_extension;
 
 static const known_extension extensions[] = {
@@ -269,7 +269,7 @@ static void lose_extensions(const json_t *json, lf_source_material *source)
     json_object_foreach(all, name, extension)
     {
         const known_extension *known = find_extension(name);
-        if (!known) /* gltf_extensions.c tells of it */
+        if (!known) /* reported by gltf_extensions.c */
             continue;
         if (known->lost < LF_LOST_KINDS)
             lose(source, known->lost, lf_gltf_number(extension, known->if_factor, 0) != 0);
@@ -280,7 +280,7 @@ static void lose_extensions(const json_t *json, lf_source_material *source)
     lose(source, LF_LOST_OCCLUSION, json_is_object(json_object_get(json, "occlusionTexture")));
 }
 
-/* Of a material without a name, too, that is there for nothing but to be named. */
+/* Also true for a material without a name, which exists only to be referenced. */
 static bool says_nothing(const json_t *json)
 {
     static const char *const words[] = {"emissiveFactor", "emissiveTexture", "normalTexture",

@@ -20,7 +20,7 @@ static bool is_one_of(const char *text, const char *a, const char *b)
     return strcmp(text, a) == 0 || strcmp(text, b) == 0;
 }
 
-/* What the library counts on. */
+/* Preconditions of the library. */
 static bool fits(const packed *p)
 {
     bool vertices = strcmp(p->mode, "ATTRIBUTES") == 0,

@@ -81,7 +81,7 @@ static lf_status show(lf_gltf_nodes *nodes, uint32_t from, uint32_t number, lf_e
     return LF_OK;
 }
 
-/* The scene's nodes; without one, those that have no parent. */
+/* The scene's nodes; without a scene, all nodes without a parent. */
 static lf_status show_scene(const lf_gltf *gltf, lf_gltf_nodes *nodes, lf_error *err)
 {
     uint64_t number = lf_gltf_whole(gltf->json, "scene", 0);

@@ -1,6 +1,6 @@
 /* KHR_animation_pointer: channels whose targets are JSON pointers (RFC 6901) of the glTF 2.0 Asset
- * Object Model. What one comes to replaces what the document says there, so that whoever reads the
- * document sees a still file. docs/reference/formats/gltf-pointers.md lists all of them. */
+ * Object Model. The animated value replaces the value in the document, so that all other code sees
+ * a static file. docs/reference/formats/gltf-pointers.md lists all of them. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,17 +12,17 @@
 #include "render/import/reader/gltf_primitive.h"
 #include "render/import/reader/gltf_sampler.h"
 
-/* Bytes of a pointer that names anything, and of one of its names. */
+/* Maximum length in bytes of a valid pointer, and of one of its names. */
 #define MOST_POINTER 256
 #define MOST_NAME 64
 
 typedef enum kind {
-    NUMBERS,  /* one, or a vector */
+    NUMBERS,  /* a number, or a vector */
     TURN,     /* a unit quaternion */
     SWITCH,   /* true or false */
     WEIGHTS,  /* of all morph targets */
-    WEIGHT,   /* of one */
-    NO_MATTER /* nothing of a picture */
+    WEIGHT,   /* one weight */
+    NO_MATTER /* not rendered */
 } kind;
 
 typedef struct property {
@@ -132,7 +132,7 @@ static const property *find_transform(const char *pointer)
     return found;
 }
 
-/* NULL: nobody reads it. */
+/* NULL: no such property is read. */
 static const property *find_property(const char *pointer)
 {
     if (strlen(pointer) >= MOST_POINTER)
@@ -157,7 +157,7 @@ static json_t *member(json_t *of, const char *name, size_t n)
     return json_object_get(of, copy);
 }
 
-/* What has the last name of a pointer as a member. NULL: it is not there. */
+/* The object that has the last name of a pointer as a member. NULL: it does not exist. */
 static json_t *find_owner(json_t *at, const char *pointer, const char **out_key)
 {
     const char *end;
@@ -187,7 +187,7 @@ static lf_status no_memory(lf_error *err)
 
 /* --------------------------------------------------------------------------------- its value -- */
 
-/* What a property comes to: where its keys are, and in whose place. */
+/* An animated property: its keys, and the place of its value. */
 typedef struct place {
     lf_gltf *gltf;
     const property *property;
@@ -198,7 +198,7 @@ typedef struct place {
     size_t index; /* of a weight */
 } place;
 
-/* Vector number i of a key; as many components as the property has. */
+/* Vector number i of a key, with as many components as the property has. */
 static lf_status value_of(const place *p, size_t i, float out[4], lf_error *err)
 {
     lf_gltf_sampler_value(&p->sampler, &p->moment, i, out);
@@ -208,7 +208,7 @@ static lf_status value_of(const place *p, size_t i, float out[4], lf_error *err)
     return LF_OK;
 }
 
-/* value is the document's, or NULL where there was no memory. */
+/* value is the document's, or NULL without memory. */
 static lf_status put(const place *p, json_t *value, lf_error *err)
 {
     return json_object_set_new(p->owner, p->key, value) == 0 ? LF_OK : no_memory(err);
@@ -228,7 +228,7 @@ static lf_status put_numbers(const place *p, lf_error *err)
             json_decref(array);
             return no_memory(err);
         }
-    if (strncmp(p->property->pointer, "/nodes/", 7) == 0) /* it would count in place of them */
+    if (strncmp(p->property->pointer, "/nodes/", 7) == 0) /* a matrix would override them */
         json_object_del(p->owner, "matrix");
     return put(p, array, err);
 }
@@ -263,8 +263,8 @@ static lf_status put_weights(const place *p, lf_error *err)
     return status;
 }
 
-/* The weights of a mesh, or of a node: those of its mesh where it says none; as many as there are
- * morph targets at least. Borrowed; NULL: no memory. */
+/* The weights of a mesh, or of a node: its mesh's if it has none; at least one per morph target.
+ * Borrowed; NULL: no memory. */
 static json_t *weights_of(const place *p)
 {
     json_t *mesh = mesh_of(p->gltf, p->owner), *weights = json_object_get(p->owner, "weights"),
@@ -335,7 +335,7 @@ static void leave_out(following *f, const char *name, const char *why)
     lf_gltf_line(why, f->why, sizeof f->why);
 }
 
-/* Writes what one pointer's channel comes to. LF_E_NOMEM; others: it is left out. */
+/* Writes the value of one pointer's channel. LF_E_NOMEM; other errors: the channel is ignored. */
 static lf_status follow(following *f, const json_t *channel, const char *pointer, lf_error *err)
 {
     const json_t *sampled = lf_gltf_element(f->playing->animation, "samplers",

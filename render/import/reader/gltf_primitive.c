@@ -24,7 +24,7 @@ void lf_gltf_attributes(lf_gltf_primitive *p, lf_gltf_attribute out[LF_GLTF_ATTR
     memcpy(out, all, sizeof all);
 }
 
-/* One that is absent stays so; one that compression gave stays, too. */
+/* An absent attribute stays absent; a decompressed one stays as it is. */
 static lf_status open_attribute(lf_gltf *gltf, const json_t *attributes,
                                 const lf_gltf_attribute *wanted, size_t n_vertices,
                                 const char *place, lf_error *err)
@@ -134,7 +134,7 @@ static lf_status open_targets(lf_gltf *gltf, const json_t *json, lf_gltf_primiti
     return status;
 }
 
-/* That of the variant, where it has one. */
+/* The material of the variant, if it has one. */
 static uint32_t material_of(const json_t *json, uint32_t variant)
 {
     const json_t *mappings = json_object_get(lf_gltf_extension(json, VARIANTS), "mappings");
@@ -177,7 +177,7 @@ lf_status lf_gltf_find_variant(const lf_gltf *gltf, const char *name, uint32_t *
                         json_array_size(variants) == 1 ? "is" : "are", names);
 }
 
-/* How many triangles, or things that are none, there are. */
+/* Counts triangles, and elements that are not triangles. */
 static void count_elements(lf_gltf_primitive *p)
 {
     size_t n = p->indices.count > 0 ? p->indices.count : p->position.count;

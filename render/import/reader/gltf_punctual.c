@@ -41,7 +41,7 @@ static void take_cone(const json_t *json, lf_punctual *out)
     out->inner = fmin(fmax(inner, 0), out->outer);
 }
 
-/* false: it shines nowhere, or stands where nothing does. */
+/* false: it has no direction, or its position is out of range. */
 static bool take_light(const json_t *json, const lf_affine *to_world, lf_punctual *out)
 {
     double colour[3] = {1, 1, 1}, length2 = 0;

@@ -79,7 +79,7 @@ static lf_status look(lf_gltf_build *build, const lf_gltf_use *place, void *cont
     return LF_OK;
 }
 
-/* In place of none: grey, as everywhere; where vertices have colours, these. */
+/* Default material: grey, as for all formats; white if vertices have colours. */
 static lf_source_material made_up(bool white)
 {
     lf_source_material source = lf_source_material_begin("");
@@ -89,8 +89,8 @@ static lf_source_material made_up(bool white)
     return source;
 }
 
-/* Leaves out what is made up and used by nobody: a file of as many materials as there may be is
- * read. */
+/* Drops unused default materials, so that a file with the maximum number of materials can be read.
+ */
 static size_t count_said(const reading *r)
 {
     const lf_gltf_build *b = &r->build;
@@ -136,7 +136,7 @@ static lf_status open_materials(reading *r, lf_error *err)
 
 /* --------------------------------------------------------------------------------------- all -- */
 
-/* Of what a person may choose, and is not told by the picture. */
+/* Warns of choices that the scene could make and that the image does not show. */
 static void warn_of_choices(const reading *r)
 {
     const json_t *json = r->gltf.json;
@@ -173,7 +173,7 @@ static void warn_of_attributes(const reading *r, lf_warnings *w)
         lf_warnings_count(w, LF_HERE, (long long)r->n_lost[i], lost[i].one, lost[i].many);
 }
 
-/* Of things beside triangles and their materials. */
+/* Warns of elements besides triangles and their materials. */
 static void warn(const reading *r)
 {
     lf_warnings *w = &r->build.data->warnings;

@@ -5,7 +5,7 @@
 
 #include "base/sandbox/reader.h"
 
-/* Morph targets that a mesh may have; more are no use to anybody. */
+/* Maximum number of morph targets of a mesh. */
 #define MOST_WEIGHTS 4096
 
 static float time_at(const lf_gltf_sampler *s, size_t key)
@@ -34,8 +34,8 @@ lf_gltf_moment lf_gltf_sampler_moment(const lf_gltf_sampler *s, float time)
     return m;
 }
 
-/* Vector number i of a key; part: 0 the tangent that comes in, 1 the value, 2 the one that goes
- * out, where there are tangents. */
+/* Vector number i of a key; part: 0 the in-tangent, 1 the value, 2 the out-tangent, if there are
+ * tangents. */
 static void key_value(const lf_gltf_sampler *s, size_t key, int part, size_t i, float out[4])
 {
     size_t at =
@@ -56,7 +56,7 @@ static void follow_cubic(const lf_gltf_sampler *s, const lf_gltf_moment *m, size
                  (3 * t2 - 2 * t3) * b[c] + m->length * (t3 - t2) * into_b[c];
 }
 
-/* On the shorter way from a to b on the sphere of unit quaternions. */
+/* Interpolates on the shorter arc from a to b on the sphere of unit quaternions. */
 static void turn(const float a[4], const float b[4], float share, float out[4])
 {
     float dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3],

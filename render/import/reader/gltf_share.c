@@ -12,7 +12,7 @@ static bool emits(const lf_gltf_build *build)
     return found;
 }
 
-/* What is shown, and whether any of it is bent. */
+/* What is visible, and whether any mesh is deformed. */
 typedef struct shown {
     size_t n, n_once;
     bool bent;
@@ -39,7 +39,7 @@ static bool is_shown(const lf_gltf_node *node)
     return node->is_shown && node->mesh != LF_GLTF_NONE;
 }
 
-/* Whether no node before this one shows its mesh; seen: of the file's meshes. */
+/* Whether no earlier node shows the same mesh; seen: flags of the file's meshes. */
 static bool is_first(const lf_gltf_node *node, bool *seen)
 {
     bool first = is_shown(node) && !seen[node->mesh];
@@ -107,14 +107,14 @@ bool lf_gltf_is_shared(lf_gltf_build *build)
            visit_once(build, tally, &s, NULL, NULL) == LF_OK && s.n_once < s.n;
 }
 
-/* ------------------------------------------------------------------------------------ places -- */
+/* --------------------------------------------------------------------------------- instances -- */
 
 typedef struct placing {
-    size_t room, n_left; /* for places; those that are left out */
-    double own[2][3];    /* the box of the mesh that is placed */
+    size_t room, n_left; /* room for instances; number of dropped ones */
+    double own[2][3];    /* the box of the instanced mesh */
 } placing;
 
-/* Calls come for each primitive; the first stands for its mesh. */
+/* Called for each primitive; the first represents its mesh. */
 static lf_status put_place(lf_gltf_build *build, const lf_gltf_use *place, void *context,
                            lf_error *err)
 {
@@ -168,7 +168,7 @@ lf_status lf_gltf_put_instances(lf_gltf_build *build, const lf_mesh_part *parts,
     lf_mesh_data *data = build->data;
     placing p = {0};
     lf_status status = allocate(build, &p.room, err);
-    /* part by part, in the order of their triangles: whoever looks at them has one box at a time */
+    /* sorted by part, in the order of triangles, so that a reader handles one box at a time */
     bool *seen = lf_calloc(count_meshes(build), sizeof *seen);
     status = status == LF_OK && !seen ? no_memory(err) : status;
     for (size_t i = 0; i < build->nodes->n && status == LF_OK; i++) {
@@ -181,7 +181,7 @@ lf_status lf_gltf_put_instances(lf_gltf_build *build, const lf_mesh_part *parts,
         status = lf_gltf_visit(build, put_place, &p, err);
     }
     build->only = 0;
-    if (data->n_instances == 0) /* nothing can be seen */
+    if (data->n_instances == 0) /* no instance is left */
         data->n_triangles = 0;
     lf_free(seen);
     return status == LF_OK && p.n_left > 0 ? tell_left(data, p.n_left, err) : status;

@@ -1,4 +1,4 @@
-/* Textures of glTF: which picture, which coordinates, moved how; and the pictures. */
+/* Textures of glTF: image, coordinates and transform; and loading of the images. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -77,10 +77,10 @@ lf_texture lf_gltf_texture(const lf_gltf *gltf, const json_t *object, const char
     return (lf_texture){0};
 }
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
-/* The bytes of an image. LF_E_PATH: its file is not to be had. *out_own: they are the caller's to
- * free. */
+/* The bytes of an image. LF_E_PATH: its file is not accessible. *out_own: the caller must free
+ * them. */
 static lf_status find_bytes(lf_gltf *gltf, const json_t *image, lf_gltf_view *out,
                             unsigned char **out_own, lf_error *err)
 {
@@ -111,7 +111,7 @@ static lf_status decode(lf_gltf *gltf, uint32_t number, lf_texels *out, lf_error
     return status;
 }
 
-/* What became of an image: its picture's number and 1, or 0 where it was not looked at yet. */
+/* State of an image: its number in out->pictures plus 1, or 0 if it was not decoded yet. */
 #define FAILED UINT32_MAX
 
 /* By its file, its name, or else its number. */

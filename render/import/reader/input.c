@@ -29,12 +29,12 @@ bool lf_grow(void *array, size_t *room, size_t needed, size_t each)
     return true;
 }
 
-/* Reads on behind what is in the buffer. false: nothing came. */
+/* Reads more data after the buffer's content. false: none arrived. */
 static bool fill_input(lf_input *in)
 {
     if (in->status != LF_OK)
         return false;
-    if (in->at > 0 && in->at >= in->end / 2) { /* what is kept moves once for each byte read */
+    if (in->at > 0 && in->at >= in->end / 2) { /* kept data moves at most once per byte read */
         memmove(in->buffer, in->buffer + in->at, in->end - in->at);
         in->before += in->at;
         in->end -= in->at;
@@ -132,8 +132,8 @@ bool lf_input_skip(lf_input *in, uint64_t n)
     return true;
 }
 
-/* Where the line ends that begins at `at`, from byte `from` of it on; the end where nothing ends
- * it. What is behind a CR is in the buffer. */
+/* End of the line that begins at `at`, searched from its byte `from` on; the end of the data if
+ * there is no terminator. The byte after a CR is in the buffer. */
 static size_t line_end(lf_input *in, size_t from)
 {
     for (;;) {

@@ -12,7 +12,7 @@
 
 enum { MOST_COLUMNS = 16, MOST_HEADER = 4096 };
 
-/* ----------------------------------------------------------------------------------- a place -- */
+/* ------------------------------------------------------------------------------ one instance -- */
 
 /* A unit quaternion x y z w, scaled along its own axes first. */
 static void turn(const double q[4], const double scale[3], lf_affine *out)
@@ -25,7 +25,7 @@ static void turn(const double q[4], const double scale[3], lf_affine *out)
         out->m[i / 3][i % 3] = m[i / 3][i % 3] * scale[i % 3];
 }
 
-/* false: no such row, or it is no place. */
+/* false: no such row, or it is not an instance. */
 static bool map_of(const double *v, int columns, lf_affine *out)
 {
     const double *scales = v + 7, still[4] = {0, 0, 0, 1};
@@ -56,7 +56,7 @@ static bool is_a_shape(size_t columns)
     return found;
 }
 
-/* What a place is called in errors: a line, or a row. */
+/* The word for an instance in errors: a line, or a row. */
 static lf_status take(lf_instance_list *out, const double *v, int columns, const char *what,
                       int64_t number, lf_error *err)
 {
@@ -76,7 +76,8 @@ static lf_status take(lf_instance_list *out, const double *v, int columns, const
 
 /* --------------------------------------------------------------------------------------- CSV -- */
 
-/* The numbers of a line, up to one more than a place has; less than 0: something else is there. */
+/* The numbers of a line, up to one more than an instance has; below 0: the line contains other
+ * text. */
 static int numbers_of(char *line, double *out)
 {
     for (char *c = line; *c; c++)
@@ -88,7 +89,7 @@ static int numbers_of(char *line, double *out)
     return *lf_skip_blanks(at) && n <= MOST_COLUMNS ? -1 : n;
 }
 
-/* The number stands in the words: places in errors are those of the scene, behind the reader. */
+/* The line number is in the text, because the position in errors is in the scene. */
 static lf_status refuse_line(const lf_input *in, int n, int columns, lf_error *err)
 {
     char found[32] = "something that is no number";
@@ -139,7 +140,7 @@ static lf_status refuse(const char *what, lf_error *err)
     return lf_error_set(err, LF_E_FORMAT, LF_HERE, "an .npy file %s", what);
 }
 
-/* What follows a key of the header's dictionary. */
+/* The value of a key in the header's dictionary. */
 static const char *value_of(const char *header, const char *key)
 {
     const char *at = strstr(header, key);

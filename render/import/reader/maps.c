@@ -9,7 +9,7 @@
 #include "base/image_rgba.h"
 #include "base/sandbox/reader.h"
 
-/* A file that was asked for. */
+/* A requested file. */
 typedef struct picture_file {
     const char *path;  /* a map's */
     uint32_t picture;  /* 1 + its number in the mesh; 0: it is none */
@@ -19,7 +19,7 @@ typedef struct picture_file {
 typedef struct map_reading {
     lf_source_material *source;
     lf_mesh_data *out;
-    picture_file *files; /* [n_files], room for one a map */
+    picture_file *files; /* [n_files], room for one per map */
     size_t n_files;
     bool *told; /* [LF_MAX_MATERIALS]: there was a warning */
 } map_reading;
@@ -75,7 +75,8 @@ static lf_status read_bytes(int fd, uint8_t **out, size_t *out_size, lf_error *e
     return LF_OK;
 }
 
-/* What is not where the library says may lie beside it: people move files. */
+/* If a file is not where the library says, it is searched in the library's folder: people move
+ * files. */
 static lf_status open_picture(const char *path, const char *beside, int *out_fd, lf_error *err)
 {
     if (lf_try_for_file(path, out_fd) == LF_OK ||
@@ -96,7 +97,7 @@ lf_status lf_map_decode(int fd, lf_texels *out, lf_error *err)
     return status;
 }
 
-/* Another picture of the mesh. */
+/* Adds another image to the mesh. */
 static lf_status read_picture(const lf_map *map, lf_mesh_data *out, lf_error *err)
 {
     int fd;
@@ -121,7 +122,7 @@ static void warn_once(map_reading *r, const lf_map *map, const char *what)
                     source->name[0] ? "\": " : "", last_name(map->path), what);
 }
 
-/* The map's file, which has no picture where it is none. */
+/* The map's file, without an image if it cannot be decoded. */
 static lf_status find_file(map_reading *r, const lf_map *map, picture_file **out, lf_error *err)
 {
     for (size_t i = 0; i < r->n_files; i++) {
@@ -157,8 +158,8 @@ static bool has_holes(const lf_texels *p)
     return false;
 }
 
-/* Alpha where there is any, else how bright the mask is: its nearest texel, as the two may be of
- * different sizes. */
+/* Copies the mask's alpha if it has any, else its brightness, by nearest texel, because the sizes
+ * may differ. */
 static void put_cover(lf_texels *to, const lf_texels *mask)
 {
     const bool by_alpha = has_holes(mask);
@@ -172,7 +173,7 @@ static void put_cover(lf_texels *to, const lf_texels *mask)
         }
 }
 
-/* A mask alone covers white, which the material's colour multiplies. */
+/* A mask alone becomes the alpha of a white image, which the material's colour multiplies. */
 static void whiten(lf_texels *mask)
 {
     const bool by_alpha = has_holes(mask);
@@ -250,7 +251,8 @@ static void use_map(map_reading *r, const lf_map *map, picture_file *file)
     case LF_MAP_BASE:
         put_texture(r, map, LF_SLOT_BASE, file->picture);
         if (!source->has_diffuse || !(lf_max3(source->albedo) > 0))
-            source->albedo = white; /* exporters say black beside a picture, and mean it */
+            /* exporters write black next to a texture and expect it to be ignored */
+            source->albedo = white;
         break;
     case LF_MAP_EMISSION:
         put_texture(r, map, LF_SLOT_EMISSION, file->picture);
@@ -286,7 +288,7 @@ static lf_status read_map(map_reading *r, const lf_map *map, lf_error *err)
     return LF_OK;
 }
 
-/* Masks and heights have been looked at, and are no part of the mesh. */
+/* Drops masks and height maps, which have been processed. */
 static void drop_unused(lf_source_material *source, const lf_map *maps, size_t n_maps,
                         lf_mesh_data *out, uint32_t *number)
 {

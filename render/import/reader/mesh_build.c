@@ -79,8 +79,8 @@ void lf_mesh_put_triangle(lf_mesh_data *data, const lf_mesh_place *place, const 
     data->n_triangles++;
 }
 
-/* Normals of vertices: the mean of their faces', weighted by the faces' angles there (Thuermer and
- * Wuethrich 1998). Assimp's own are those of one face where a file's faces share their vertices. */
+/* Vertex normals: the mean of the face normals, weighted by the faces' angles there (Thuermer and
+ * Wuethrich 1998). Assimp's are the normals of one face if a file's faces share their vertices. */
 static void smooth(lf_mesh_data *data, const uint32_t *twins)
 {
     for (size_t c = 0; c < 3 * (size_t)data->n_triangles; c++) {
@@ -107,8 +107,8 @@ static void smooth(lf_mesh_data *data, const uint32_t *twins)
         memmove(data->normals + 3 * v, data->normals + 3 * (size_t)twins[v], 3 * sizeof(float));
 }
 
-/* Gives vertices without a usable normal that of a face at them, and takes NaN out of positions
- * that no face uses. */
+/* Gives vertices without a usable normal the normal of a face at them, and removes NaN from
+ * positions that no face uses. */
 static void repair(lf_mesh_data *data)
 {
     for (int v = 0; v < data->n_vertices; v++)

@@ -10,7 +10,7 @@ static const struct {
     lf_format_read_fn *read;
 } formats[] = {{".ply", lf_ply_read}, {".stl", lf_stl_read}, {".obj", lf_obj_read}};
 
-/* By its name; PLY by its first line, too, whatever it is called. NULL: none of ours. */
+/* Selects a reader by the file's name; PLY also by its first line. NULL: none of our readers. */
 static lf_format_read_fn *find_format(const char *path, int fd)
 {
     char first[4] = "";
@@ -23,7 +23,7 @@ static lf_format_read_fn *find_format(const char *path, int fd)
     return NULL;
 }
 
-/* By its name, or GLB's first word. */
+/* By the file's name, or GLB's first word. */
 static bool is_gltf(const char *path, int fd)
 {
     char first[4] = "";

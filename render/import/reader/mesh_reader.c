@@ -1,4 +1,4 @@
-/* quiltimport: meshes, where they stand, and pictures for them. */
+/* quiltimport: meshes, their instances, and their images. */
 #include <string.h>
 
 #include "base/alloc.h"
@@ -67,7 +67,7 @@ static lf_status put_pictures(lf_parcel_writer *parcel, const lf_mesh_data *data
     return status;
 }
 
-/* What materials look at. */
+/* Vertex data for materials. */
 static lf_status put_looks(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
 {
     size_t n = (size_t)data->n_vertices;
@@ -85,7 +85,7 @@ static lf_status put_looks(lf_parcel_writer *parcel, const lf_mesh_data *data, l
     return status == LF_OK ? put_pictures(parcel, data, err) : status;
 }
 
-/* Lines without the name of the file that stands before each. */
+/* Lines without the file name that precedes each. */
 static lf_status put_warnings(lf_parcel_writer *parcel, const lf_warnings *warnings, lf_error *err)
 {
     lf_status status = LF_OK;
@@ -133,7 +133,7 @@ static lf_status put_cameras(lf_parcel_writer *parcel, const lf_file_cameras *ca
     return status;
 }
 
-/* What stands in many places. */
+/* The parts of instanced meshes. */
 static lf_status put_parts(lf_parcel_writer *parcel, const lf_mesh_data *data, lf_error *err)
 {
     _Static_assert(sizeof(lf_mesh_part) == 4 * sizeof(uint32_t), "four numbers");

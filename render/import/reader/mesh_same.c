@@ -1,4 +1,4 @@
-/* Vertices that are one but for what else lies at them. */
+/* Vertices that differ only in attributes. */
 #define XXH_INLINE_ALL
 #include <string.h>
 #include <xxhash.h>

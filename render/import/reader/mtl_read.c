@@ -1,5 +1,5 @@
-/* MTL: Phong's model as Wavefront had it, and the metallic one that exporters have added to it
- * (Pr, Pm and so on). */
+/* MTL: Wavefront's Phong model, and the metallic model that exporters have added (Pr, Pm and so
+ * on). */
 #include "render/import/reader/mtl_read.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@
 #include "render/import/reader/words.h"
 #include "render/scene/vec_double.h"
 
-/* What is not said: as grey as other programs make it. */
+/* Default grey, as in other programs. */
 #define UNSAID 0.6f
 
 typedef struct mtl {
@@ -21,9 +21,9 @@ typedef struct mtl {
     const char *folder;
     unsigned choice; /* the material at hand */
     bool in_material, has_opacity, has_filter, has_roughness;
-    lf_left_out statements; /* that no material of ours has */
-    lf_left_out wrong;      /* whose numbers are none */
-    lf_left_out nameless;   /* textures without a picture */
+    lf_left_out statements; /* unsupported ones */
+    lf_left_out wrong;      /* with invalid numbers */
+    lf_left_out nameless;   /* textures without an image */
     int64_t wrong_line;     /* the first of those */
     int64_t n_more;         /* lines with more numbers than belong there */
     const lf_input *in;
@@ -46,7 +46,7 @@ lf_status lf_mtl_find(lf_soup *soup, const char *name, unsigned *out, lf_error *
 
 /* ------------------------------------------------------------------------------------ values -- */
 
-/* Whether a line's numbers end there. More of them are left out, and counted. */
+/* Whether a line's numbers end there. Further ones are ignored, and counted. */
 static bool ends(mtl *m, const char *at)
 {
     double more;
@@ -59,7 +59,7 @@ static bool ends(mtl *m, const char *at)
     return true;
 }
 
-/* Red alone is grey. Spectra and CIE's XYZ are neither. */
+/* A single number is grey. Spectra and CIE XYZ are not supported. */
 static bool take_colour(mtl *m, const char *at, lf_vec3 *out)
 {
     double c[3];
@@ -88,7 +88,7 @@ static void lose(lf_source_material *source, lf_lost what, bool lost)
         source->lost |= 1u << what;
 }
 
-/* d, or Tr as 1 - d. Nothing at all is what no file means: programs disagree on which way Tr runs.
+/* d, or Tr as 1 - d. Fully transparent is not plausible: programs disagree on the direction of Tr.
  */
 static bool take_opacity(const char *at, bool reversed, mtl *m)
 {
@@ -114,7 +114,7 @@ static bool take_opacity(const char *at, bool reversed, mtl *m)
     return true;
 }
 
-/* Light that is let through whole is what a file says that has no word for opaque. */
+/* Full transmission is written by programs without a word for opaque. */
 static bool take_filter(const char *at, mtl *m)
 {
     lf_vec3 c = lf_v3(1, 1, 1);
@@ -124,7 +124,7 @@ static bool take_filter(const char *at, mtl *m)
     return true;
 }
 
-/* glTF's model takes the place of Phong's; a roughness alone does not. */
+/* glTF's model replaces Phong's; a roughness alone does not. */
 static bool take_metallic(mtl *m, const char *at, lf_source_material *source)
 {
     bool read = take_number(m, at, &source->metallic);
@@ -148,7 +148,7 @@ static bool take_other(mtl *m, const char *at, lf_lost what, lf_source_material 
     return true;
 }
 
-/* Models with a highlight or without; those of glass and of shadows alone are no surface here. */
+/* Models with or without a highlight; models for glass and for shadows only are not supported. */
 static bool take_model(const char *at, mtl *m)
 {
     char name[16] = "illum ";
@@ -164,7 +164,7 @@ static bool take_model(const char *at, mtl *m)
     return true;
 }
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 static bool begins(const char *word, size_t n, const char *with)
 {
@@ -181,7 +181,7 @@ static const struct {
     {"bump", LF_MAP_BUMP},        {"map_bump", LF_MAP_BUMP},   {"map_d", LF_MAP_COVER},
     {"map_opacity", LF_MAP_COVER}};
 
-/* What a map is for; LF_MAP_USES: for nothing of ours. */
+/* The use of a map; LF_MAP_USES: unsupported. */
 static lf_map_use use_of(const char *key, size_t n)
 {
     for (size_t i = 0; i < sizeof map_keys / sizeof *map_keys; i++)
@@ -196,16 +196,15 @@ static bool is_texture(const char *key, size_t n)
            begins(key, n, "disp") || begins(key, n, "decal") || begins(key, n, "refl");
 }
 
-/* Up to three numbers; those that are not said stay. */
+/* Up to three numbers; missing ones keep their values. */
 static void take_numbers(const char **at, double out[3])
 {
     for (int i = 0; i < 3 && lf_number(at, &out[i]);)
         i++;
 }
 
-/* Options in front of a name: -s and -o (size and place), -clamp, -bm (of normals). Those that say
- * how a picture is filtered or kept are nothing to us; of the others it is told. Returns what is
- * behind them. */
+/* Options before a name: -s and -o (scale and offset), -clamp, -bm (of normals). Options about
+ * filtering and storage are ignored; others are reported. Returns the rest of the line. */
 static const char *take_options(const char *at, lf_texture *out, bool *lost)
 {
     static const char *const quiet[] = {"-blendu", "-blendv",     "-boost", "-cc",
@@ -251,7 +250,7 @@ static bool is_sane(const lf_texture *t)
     return sane;
 }
 
-/* map_Kd -s 2 2 2 file.png; the name goes to the end of the line, blanks and all. */
+/* map_Kd -s 2 2 2 file.png; the name extends to the end of the line, including blanks. */
 static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at, lf_error *err)
 {
     lf_source_material *source = &m->soup->source[m->choice];
@@ -266,7 +265,7 @@ static lf_status take_texture(mtl *m, const char *key, size_t n, const char *at,
         length -= 2;
     }
     if (lf_word_reads(key, n, "map_Ka") || lf_word_reads(key, n, "map_aat"))
-        return LF_OK; /* ambient light and smoother edges are nothing of ours */
+        return LF_OK; /* ambient light and antialiasing are not used */
     if (length == 0) {
         lf_leave_out(&m->nameless, key, n);
         return LF_OK;
@@ -296,7 +295,7 @@ static bool take_roughness(const char *at, mtl *m)
     return read;
 }
 
-/* A line about a material, behind its key. false: its numbers are none. */
+/* A line about a material, after its key. false: its numbers are invalid. */
 static bool take_key(mtl *m, const char *key, size_t n, const char *at)
 {
     lf_source_material *source = &m->soup->source[m->choice];
@@ -326,14 +325,14 @@ static bool take_key(mtl *m, const char *key, size_t n, const char *at)
         return take_other(m, at, LF_LOST_ANISOTROPY, source);
     if (lf_word_reads(key, n, "illum"))
         return take_model(at, m);
-    /* ambient light is nothing of ours; the others say how what is told lies */
+    /* ambient light is not used; the others belong to a lost feature that is reported elsewhere */
     if (!lf_word_reads(key, n, "Ka") && !lf_word_reads(key, n, "Pcr") &&
         !lf_word_reads(key, n, "anisor"))
         lf_leave_out(&m->statements, key, n);
     return true;
 }
 
-/* What only all lines of a material say. */
+/* Values that depend on all lines of a material. */
 static void end_material(mtl *m)
 {
     if (!m->in_material)

@@ -1,5 +1,5 @@
-/* Wavefront OBJ: points, normals, texture coordinates, faces, and materials by name out of MTL
- * libraries. Of all other statements it is told that they are left out. */
+/* Wavefront OBJ: points, normals, texture coordinates, faces, and materials by name from MTL
+ * libraries. All other statements are ignored and reported. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -16,19 +16,19 @@ typedef struct obj {
     const lf_mesh_desc *desc;
     lf_input in;
     lf_soup *soup;
-    bool has_choice; /* usemtl has been said */
+    bool has_choice; /* a usemtl was read */
     unsigned choice;
     int n_libraries;
-    char *group, *material;            /* those at hand; the latter where the scene has one */
+    char *group, *material;            /* the current ones; material is NULL if the scene sets it */
     uint32_t *corners, *normals, *uvs; /* of the face at hand */
     size_t n_corners, corners_room, normals_room, uvs_room;
-    /* corners whose texture coordinate or normal there is not */
+    /* corners whose texture coordinate or normal does not exist */
     size_t n_no_uv, n_no_normal;
-    bool has_wrong_normal;  /* the one at hand names a vertex that there is not */
+    bool has_wrong_normal;  /* the current face names a vertex that does not exist */
     bool is_smooth;         /* a smoothing group is on */
-    size_t n_smooth;        /* faces of one that have no normals */
+    size_t n_smooth;        /* faces of a smoothing group without normals */
     size_t n_more;          /* lines with more numbers than are known */
-    lf_left_out statements; /* that are no part of a picture here */
+    lf_left_out statements; /* ignored statements */
 } obj;
 
 static lf_status bad_line(const obj *o, const char *what, lf_error *err)
@@ -36,7 +36,7 @@ static lf_status bad_line(const obj *o, const char *what, lf_error *err)
     return lf_error_set(err, LF_E_FORMAT, LF_HERE, "line %lld: %s", (long long)o->in.line, what);
 }
 
-/* Of a line that goes on with a word which no number is. */
+/* Error for a line with a word that is not a number. */
 static lf_status bad_number(const obj *o, const char *at, const char *expected, lf_error *err)
 {
     size_t n;
@@ -47,7 +47,7 @@ static lf_status bad_number(const obj *o, const char *at, const char *expected, 
                         (long long)o->in.line, expected, (int)(n < 40 ? n : 40), word);
 }
 
-/* Up to `most` numbers, at least `least`, and nothing else; more of them are counted. */
+/* At least `least` and up to `most` numbers, and nothing else; further ones are counted. */
 static lf_status take_numbers(obj *o, const char *at, int least, int most, double *out, int *out_n,
                               const char *expected, lf_error *err)
 {
@@ -65,7 +65,7 @@ static lf_status take_numbers(obj *o, const char *at, int least, int most, doubl
 
 /* ------------------------------------------------------------------------------------ points -- */
 
-/* Of a point that is still to come. Colours count where all have one. */
+/* Colour of the next point. Colours count only if all points have one. */
 static lf_status take_point_colour(obj *o, const double c[3], lf_error *err)
 {
     o->soup->n_coloured = 1;
@@ -76,7 +76,7 @@ static lf_status take_point_colour(obj *o, const double c[3], lf_error *err)
         err);
 }
 
-/* v x y z, then nothing, a weight, or a colour. */
+/* v x y z, then the end, a weight, or a colour. */
 static lf_status take_point(obj *o, const char *at, lf_error *err)
 {
     double v[6];
@@ -115,7 +115,7 @@ static lf_status take_uv(obj *o, const char *at, lf_error *err)
 
 /* ------------------------------------------------------------------------------------- faces -- */
 
-/* From 1 on, or from the last one backwards. */
+/* Counted from 1, or backwards from the last one. */
 static bool to_number(int64_t written, size_t n, uint32_t *out)
 {
     int64_t number = written < 0 ? (int64_t)n + written : written - 1;
@@ -123,7 +123,7 @@ static bool to_number(int64_t written, size_t n, uint32_t *out)
     return written != 0 && number >= 0 && number < (int64_t)n;
 }
 
-/* An index behind a slash, if there is one: false where there is something else. */
+/* An index after a slash, if there is one: false if there is another word. */
 static bool index_behind_slash(const char **at, bool *there, int64_t *out)
 {
     *there = false;
@@ -182,7 +182,7 @@ static lf_status take_corners(obj *o, const char *at, lf_error *err)
     return status;
 }
 
-/* What has no material of its own is of none. */
+/* Faces without a material use the unnamed one. */
 static lf_status choose_none(obj *o, lf_error *err)
 {
     lf_source_material none = lf_source_material_begin("");
@@ -216,7 +216,7 @@ static lf_status take_beside(obj *o, const char *at, bool line, lf_error *err)
 
 /* --------------------------------------------------------------------------------- materials -- */
 
-/* Exporters say the same one again and again: only another begins a part. */
+/* Exporters repeat names: only a different one begins a part. */
 static lf_status take_name(char **now, const char *name, lf_soup *soup, lf_error *err)
 {
     if (*now && strcmp(*now, name) == 0)
@@ -239,7 +239,7 @@ static lf_status choose(obj *o, const char *name, lf_error *err)
     return status == LF_OK && (first || o->choice != before) ? lf_soup_part(o->soup, err) : status;
 }
 
-/* LF_OK as well where there is no such file: who was asked knows, and tells. */
+/* LF_OK also if the file does not exist; the asking process reports that. */
 static lf_status read_library(obj *o, const char *name, bool *out_read, lf_error *err)
 {
     int fd;
@@ -264,7 +264,7 @@ static lf_status read_library(obj *o, const char *name, bool *out_read, lf_error
     return status;
 }
 
-/* Whose library is not there may have one of its own name: people rename both. */
+/* If the named library does not exist, one with the OBJ's own name may: people rename both. */
 static lf_status read_own_library(obj *o, lf_error *err)
 {
     const char *slash = strrchr(o->desc->file, '/'), *name = slash ? slash + 1 : o->desc->file,
@@ -279,7 +279,7 @@ static lf_status read_own_library(obj *o, lf_error *err)
     return read_library(o, own, &read, err);
 }
 
-/* A name may have blanks in it; where an ending is followed by a blank there are several. */
+/* Names may contain blanks; if an ending is followed by a blank there are several names. */
 static lf_status take_libraries(obj *o, char *names, lf_error *err)
 {
     lf_status status = LF_OK;
@@ -311,7 +311,7 @@ static void take_smoothing(obj *o, const char *at)
     o->is_smooth = n > 0 && !lf_word_reads(word, n, "off") && !lf_word_is(word, n, "0");
 }
 
-/* What only curves and surfaces look at, and what says nothing of a picture. */
+/* Statements for curves and surfaces only, and those that do not affect the image. */
 static bool is_quiet(const char *key, size_t n, const char *rest)
 {
     static const char *const with[] = {"vp",   "deg",  "bmat", "step", "cstype", "parm", "trim",
@@ -329,7 +329,7 @@ static bool is_quiet(const char *key, size_t n, const char *rest)
     return n == 0 || key[0] == '#';
 }
 
-/* Statements that the scene's own material leaves nothing to. */
+/* Statements that have no effect if the scene sets the material. */
 static lf_status read_looks(obj *o, const char *key, size_t n, char *rest, lf_error *err)
 {
     const bool wanted = o->desc->material < 0;

@@ -128,7 +128,7 @@ static lf_status read_element(const lf_input *in, const char *at, lf_ply_header 
     return LF_OK;
 }
 
-/* What was measured or edited, which nobody sees; and, of materials, ambient light. */
+/* Properties of measuring or editing, which are not visible; for materials, ambient light. */
 static bool is_quiet(const char *word, size_t n)
 {
     static const char *const names[] = {"confidence",    "intensity",    "quality",
@@ -140,7 +140,7 @@ static bool is_quiet(const char *word, size_t n)
     return false;
 }
 
-/* One that has no role: of elements that have one, it is told. */
+/* A property without a role; reported for elements with a role. */
 static void leave_property(const lf_ply_element *element, const char *word, size_t n,
                            lf_ply_header *out)
 {

@@ -18,9 +18,9 @@ typedef struct ply {
     const char *rest; /* text: of the line at hand */
     bool has_vertices;
     double values[LF_PLY_ROLES]; /* of the element at hand */
-    uint32_t *indices;           /* of its list */
+    uint32_t *indices;           /* of its index list */
     size_t n_indices, indices_room;
-    double *coordinates; /* of its other list: of a texture, two a corner */
+    double *coordinates; /* of its other list: texture coordinates, two per corner */
     size_t n_coordinates, coordinates_room;
     uint32_t *uvs; /* their numbers in the soup */
     size_t uvs_room;
@@ -28,7 +28,7 @@ typedef struct ply {
     double full; /* what a whole colour of a vertex is; 0: it is linear */
 } ply;
 
-/* Where the reading stands, for people. */
+/* Error with the current position. */
 static lf_status bad_place(const ply *p, const char *what, lf_error *err)
 {
     return p->header.encoding == LF_PLY_TEXT
@@ -72,7 +72,7 @@ static double value_of(lf_ply_type type, const unsigned char *bytes, bool big)
     }
 }
 
-/* A number of a text may stand on the next line. */
+/* In text files a number may be on the next line. */
 static lf_status text_value(ply *p, double *out, lf_error *err)
 {
     while (*(p->rest = lf_skip_blanks(p->rest)) == '\0') {
@@ -105,7 +105,7 @@ static lf_status put_coordinate(ply *p, double value, lf_error *err)
     return LF_OK;
 }
 
-#define NO_POINT (UINT32_MAX - 1) /* in place of a point's number that no point has */
+#define NO_POINT (UINT32_MAX - 1) /* index for a point that does not exist */
 
 /* -1, which ends a strip, is UINT32_MAX. */
 static lf_status put_index(ply *p, double value, lf_error *err)
@@ -138,7 +138,7 @@ static lf_status read_list(ply *p, const lf_ply_property *property, lf_error *er
     return status;
 }
 
-/* All of one element. What is behind it in a line of text is nothing of ours. */
+/* All values of one element. The rest of a text line is ignored. */
 static lf_status read_element_values(ply *p, const lf_ply_element *element, lf_error *err)
 {
     lf_status status = LF_OK;
@@ -185,7 +185,8 @@ static bool takes_uvs(const ply *p)
     return (p->header.n_textures > 0 && p->desc->material < 0) || p->desc->wants.uvs;
 }
 
-/* Of a face that has two for each corner; *out: NULL where it has not, or points have their own. */
+/* Texture coordinates of a face with two per corner; *out: NULL if it has none, or points have
+ * their own. */
 static lf_status take_uvs(ply *p, const uint32_t **out, lf_error *err)
 {
     lf_status status = LF_OK;
@@ -203,7 +204,7 @@ static lf_status take_uvs(ply *p, const uint32_t **out, lf_error *err)
     return status;
 }
 
-/* Whether all of them are points; a face of others is counted. */
+/* Whether all indices exist; faces with others are counted. */
 static bool are_there(const ply *p, bool strip)
 {
     for (size_t i = 0; i < p->n_indices; i++)
@@ -229,7 +230,7 @@ static lf_status take_face(ply *p, lf_error *err)
     return lf_soup_polygon(p->soup, p->n_indices, &face, err);
 }
 
-/* Every second triangle runs the other way. */
+/* Every second triangle is reversed. */
 static lf_status take_strip(ply *p, lf_error *err)
 {
     lf_status status = LF_OK;
@@ -251,7 +252,7 @@ static lf_status take_strip(ply *p, lf_error *err)
     return status;
 }
 
-/* Colours in bytes are of 255; the element says so by their type. */
+/* Colours in bytes are relative to 255; their type decides. */
 static lf_vec3 colour_of(const ply *p, const lf_ply_element *element, lf_ply_role red)
 {
     double scale = 1;
@@ -298,7 +299,7 @@ static bool has_role(const ply *p, const lf_ply_element *element, lf_ply_role ro
     return false;
 }
 
-/* What vertices have for the file's own materials to look at. */
+/* Vertex attributes for the file's own materials. */
 static void begin_looks(ply *p, const lf_ply_element *element)
 {
     p->has_colours = has_role(p, element, LF_PLY_RED) && has_role(p, element, LF_PLY_GREEN) &&
@@ -315,7 +316,7 @@ static void begin_looks(ply *p, const lf_ply_element *element)
         p->values[LF_PLY_ALPHA] = p->full > 0 ? p->full : 1;
 }
 
-/* What an element has to have, before the first of them is read. */
+/* Checks the required properties of an element, before the first one is read. */
 static lf_status begin_element(ply *p, const lf_ply_element *element, lf_error *err)
 {
     bool is_vertex = element->kind == LF_PLY_VERTEX,
@@ -356,7 +357,7 @@ static lf_status read_elements(ply *p, const lf_ply_element *element, lf_error *
     return status;
 }
 
-/* Materials may come behind the faces that choose them. */
+/* Materials may follow the faces that choose them. */
 static void check_choices(lf_soup *soup)
 {
     for (size_t t = 0; soup->choices && t < soup->n_triangles; t++)

@@ -1,6 +1,6 @@
-/* Polygons cut into triangles: quads from a corner that looks inwards, if there is one, the others
- * by ears (Meisters 1975): a corner between two neighbours whose triangle looks the same way as the
- * polygon and holds no other corner, inside or on its sides. */
+/* Cuts polygons into triangles: quads from a reflex corner, if there is one, others by ear clipping
+ * (Meisters 1975). An ear is a corner whose triangle with its two neighbours faces the same way as
+ * the polygon and contains no other corner, inside or on its sides. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,8 +9,8 @@
 #include "render/import/reader/soup.h"
 #include "render/scene/vec_double.h"
 
-/* Of an angle beside pi: corners in one line count as looking inwards, so that they are cut from.
- */
+/* Tolerance of an angle near pi: collinear corners count as reflex, so that the cut starts from
+ * them. */
 #define ANGLE_SLACK 1e-6
 
 /* A polygon in the plane that it covers most of. */
@@ -47,7 +47,7 @@ static double angle_between(const double a[3], const double b[3])
     return acos(fmin(fmax(cosine, -1.0), 1.0));
 }
 
-/* Whether a quad looks inwards at corner i: the angles at both sides of its diagonal add up. */
+/* Whether corner i of a quad is reflex: the angles on both sides of its diagonal add up. */
 static bool is_inward(const lf_soup *soup, const uint32_t *corners, size_t i)
 {
     double left[3], diagonal[3], right[3];
@@ -111,7 +111,7 @@ static bool is_ear(const flat_polygon *p, uint32_t corner)
 {
     const double *a = p->at[p->before[corner]], *b = p->at[corner], *c = p->at[p->behind[corner]];
     double area = doubled_area(a, b, c);
-    if (area <= 0) /* one in a line stays a corner of its neighbours */
+    if (area <= 0) /* a collinear corner stays a corner of its neighbours */
         return false;
     for (uint32_t i = p->behind[p->behind[corner]]; i != p->before[corner]; i = p->behind[i]) {
         const double *q = p->at[i];
@@ -123,7 +123,7 @@ static bool is_ear(const flat_polygon *p, uint32_t corner)
     return true;
 }
 
-/* Where no ear is left the polygon crosses itself, and any corner does. */
+/* If no ear is left the polygon intersects itself, and any corner is used. */
 static uint32_t next_ear(const flat_polygon *p, uint32_t from)
 {
     uint32_t i = from;
@@ -171,8 +171,7 @@ static lf_status split_by_ears(lf_soup *soup, size_t n, const lf_soup_face *face
     return status;
 }
 
-/* The first corner that is nowhere, n: there is none. Its triangles are no good, whatever cuts it.
- */
+/* The first corner without a valid position, n: none. Its triangles are unusable in any case. */
 static size_t odd_corner(const lf_soup *soup, size_t n, const lf_soup_face *face)
 {
     for (size_t i = 0; i < n; i++)
@@ -182,7 +181,7 @@ static size_t odd_corner(const lf_soup *soup, size_t n, const lf_soup_face *face
     return n;
 }
 
-/* All of its triangles have that corner, so that none of the face is seen. */
+/* All triangles contain that corner, so that no part of the face is visible. */
 static lf_status split_about(lf_soup *soup, size_t n, size_t corner, const lf_soup_face *face,
                              lf_error *err)
 {

@@ -46,7 +46,7 @@ void lf_leave_out(lf_left_out *list, const char *name, size_t n)
         if ((found == list->names || found[-1] == ' ') &&
             (found[length] == ',' || found[length] == '\0'))
             return;
-    /* room is kept for the dots behind it */
+    /* keeps room for the final dots */
     if (length == 0 || at + 2 + length + sizeof ", ..." > sizeof list->names) {
         if (length > 0 && (at < 3 || strcmp(list->names + at - 3, "...") != 0))
             memcpy(list->names + at, at ? ", ..." : "...", at ? sizeof ", ..." : sizeof "...");
@@ -117,7 +117,7 @@ lf_status lf_soup_colour(lf_soup *soup, const float rgba[4], lf_error *err)
     return LF_OK;
 }
 
-/* Choices are there once one of them is not 0. */
+/* choices are allocated when one of them is not 0 */
 static bool put_choice(lf_soup *soup, unsigned choice)
 {
     bool first = !soup->choices;

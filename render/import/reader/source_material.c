@@ -16,7 +16,7 @@ lf_source_material lf_source_material_begin(const char *name)
     return source;
 }
 
-/* What a material says and no scene can: a value, and what it is cut to, in words. */
+/* Out-of-range values of a material, and the limits that they are clamped to, as text. */
 typedef struct cuts {
     char text[256];
 } cuts;
@@ -27,7 +27,7 @@ static float clamp(float v, const lf_param *row)
     return v > (float)row->low ? fminf(v, (float)row->high) : (float)row->low;
 }
 
-/* Rounding is no matter. */
+/* Ignores rounding. */
 static bool differs(float source, float kept)
 {
     return !(fabsf(source - kept) <= 1e-4f * fmaxf(kept, 1.0f));
@@ -67,7 +67,7 @@ static void cut(cuts *c, const lf_param *row, lf_principled *p)
     memcpy(source, field, (size_t)n * sizeof *source);
     for (int i = 0; i < n && row->type != LF_PARAM_ANGLE; i++)
         field[i] = clamp(source[i], row);
-    if (row == &lf_principled_ior && !(source[0] >= 1.0f)) /* which is no index */
+    if (row == &lf_principled_ior && !(source[0] >= 1.0f)) /* invalid index */
         field[0] = (float)row->initial;
     if (row->help && n == 1)
         tell_number(c, row->help, source[0], field[0]);
@@ -96,7 +96,7 @@ static void convert_phong(const lf_source_material *source, lf_material *out, cu
     }
 }
 
-/* What the model lacks that it is converted by, and what no range says. */
+/* Sets values that the source model lacks, and constraints beyond ranges. */
 static void settle(const lf_source_material *source, lf_principled *p)
 {
     const lf_principled usual = lf_principled_usual();
@@ -109,7 +109,7 @@ static void settle(const lf_source_material *source, lf_principled *p)
     if (source->cover == LF_COVER_OPAQUE)
         p->alpha = clamp(p->alpha, &lf_principled_alpha); /* of no matter */
     else if (source->cover == LF_COVER_MASK && p->alpha_cutoff > 1.0f)
-        p->alpha = 0.0f;                       /* nothing is as opaque as that */
+        p->alpha = 0.0f;                       /* no alpha reaches the cutoff */
     if (source->lost & 1u << LF_LOST_EMISSION) /* which is black nearly everywhere */
         p->emission = usual.emission;
 }
@@ -143,7 +143,7 @@ static lf_material convert_source(const lf_source_material *source, cuts *c)
     return out;
 }
 
-/* Of materials that triangles have. false: no memory. */
+/* For materials of triangles. false: no memory. */
 static bool convert_textures(const lf_source_material *source, size_t n, const bool *used,
                              lf_mesh_data *out)
 {
@@ -160,7 +160,7 @@ static bool convert_textures(const lf_source_material *source, size_t n, const b
     return true;
 }
 
-/* ------------------------------------------------------------------------------ what is lost -- */
+/* ----------------------------------------------------------------------------- lost features -- */
 
 static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_TEXTURES] = "textures are not read, the colours beside them alone count",
@@ -187,7 +187,7 @@ static const char *const losses[LF_LOST_KINDS] = {
     [LF_LOST_GLOSSINESS] = "specular and glossiness are made into metallic and roughness",
 };
 
-/* The names of materials in one line, of which a few are told. */
+/* The names of materials in one line; only a few are listed. */
 typedef struct name_list {
     int n;
     char text[256];
@@ -226,7 +226,7 @@ static void warn_of_cuts(const lf_source_material *source, size_t number, const 
                     what);
 }
 
-/* Cut between characters where it is too long. */
+/* Cut between characters if it is too long. */
 static void copy_name(const char *name, char out[LF_MATERIAL_NAME])
 {
     size_t n = strlen(name);

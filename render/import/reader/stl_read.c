@@ -1,5 +1,5 @@
-/* STL, text and binary. The normals that its facets have are those of their triangles, or wrong:
- * they are not read. */
+/* STL, text and binary. Its facet normals are those of the triangles, or wrong: they are not read.
+ */
 #include <string.h>
 
 #include "base/sandbox/reader.h"
@@ -7,8 +7,8 @@
 #include "render/import/reader/mesh_read.h"
 #include "render/import/reader/words.h"
 
-/* A binary one is a title of 80 bytes, a number of triangles, and 50 bytes for each: a normal,
- * three corners, and two that some programs write a colour into. */
+/* A binary file has a title of 80 bytes, a number of triangles, and 50 bytes for each: a normal,
+ * three corners, and two bytes that some programs use for a colour. */
 #define HEADER_BYTES 84
 #define FACET_BYTES 50
 
@@ -26,12 +26,12 @@ static lf_status put_corner(lf_soup *soup, const double at[3], uint32_t *out, lf
 
 /* ------------------------------------------------------------------------------------ binary -- */
 
-/* What the last two bytes of facets say: five bits a channel, display encoded. By VisCAM and
- * SolidView the highest bit says that there is a colour; Magics has one of the whole in the title,
- * which the highest bit chooses, and its own the other way round. */
+/* Colours in the last two bytes of facets: five bits per channel, display encoded. In VisCAM and
+ * SolidView the highest bit marks a colour. Magics has a colour for the whole mesh in the title,
+ * which the highest bit selects, and reversed channels. */
 typedef struct facet_colours {
-    bool wanted, of_magics, some; /* some: a facet had one */
-    bool lost;                    /* the title says more than a colour */
+    bool wanted, of_magics, some; /* some: at least one facet has a colour */
+    bool lost;                    /* the title has more data than a colour */
     float whole[4];               /* of facets without */
 } facet_colours;
 
@@ -48,7 +48,7 @@ static facet_colours begin_colours(const unsigned char *title, bool wanted)
     return c;
 }
 
-/* Of the three points that came last; those before had none. */
+/* Colours the last three points; earlier points had none. */
 static lf_status put_colours(unsigned bits, facet_colours *c, lf_soup *soup, lf_error *err)
 {
     bool high = bits & 0x8000, own = high != c->of_magics;
@@ -147,7 +147,7 @@ static lf_status end_facet(const lf_input *in, facet *f, lf_soup *soup, lf_error
     return lf_soup_polygon(soup, f->n, &(lf_soup_face){.corners = f->corners}, err);
 }
 
-/* One line. *ended: a solid has, and no other has begun. */
+/* One line. *ended: a solid has ended, and no other has begun. */
 static lf_status read_line(const lf_input *in, const char *line, facet *f, bool *ended,
                            lf_soup *soup, lf_error *err)
 {
@@ -191,7 +191,7 @@ static lf_status read_text(lf_input *in, lf_soup *soup, lf_error *err)
 
 /* -------------------------------------------------------------------------------------- both -- */
 
-/* One whose size does not say that it is binary. */
+/* Reads a file whose size does not identify it as binary. */
 static lf_status read_by_words(lf_input *in, const lf_mesh_desc *desc, lf_soup *soup, lf_error *err)
 {
     size_t n, blanks = 0;
@@ -209,7 +209,7 @@ static lf_status read_by_words(lf_input *in, const lf_mesh_desc *desc, lf_soup *
                         "cannot be read as a mesh: not STL, text (\"solid\") or binary");
 }
 
-/* A binary one may begin with "solid", or with a title of any bytes: its size tells. */
+/* A binary file may begin with "solid", or with a title of any bytes: its size decides. */
 lf_status lf_stl_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error *err)
 {
     lf_input in = {.fd = -1};
@@ -219,7 +219,8 @@ lf_status lf_stl_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
         const unsigned char *begin = lf_input_peek(&in, HEADER_BYTES, &n);
         uint64_t facets = n == HEADER_BYTES ? little_endian(begin + HEADER_BYTES - 4) : 0;
         uint64_t size = HEADER_BYTES + FACET_BYTES * facets;
-        /* or has more bytes than it says, and one in its title that no text has */
+        /* or it has more bytes than declared, and a byte in its title that does not occur in text
+         */
         bool fits = n == HEADER_BYTES &&
                     (in.size == size || (facets > 0 && in.size > size && memchr(begin, 0, n)));
         status = fits ? read_binary(&in, desc->material < 0, soup, err)

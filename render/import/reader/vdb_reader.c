@@ -1,5 +1,5 @@
-/* quiltimport-vdb: volumes. Apart from meshes, as OpenVDB alone takes longer to start than a mesh
- * to read. */
+/* quiltimport-vdb: volumes. Separate from meshes, because loading OpenVDB alone takes longer than
+ * reading a mesh. */
 #include <string.h>
 
 #include "base/sandbox/reader.h"

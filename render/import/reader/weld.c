@@ -1,5 +1,5 @@
-/* Corners with one position, one normal and one look become one vertex, found again by a table of
- * hashes. */
+/* Corners with the same position, normal and attributes become one vertex, found by a hash table.
+ */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -17,8 +17,8 @@
 #define NO_VERTEX UINT32_MAX
 #define LEAST_TABLE 64
 
-/* What makes a vertex: compared byte by byte, so that what is no number equals itself. Of most
- * meshes the first five numbers and a half are all. */
+/* The data of a vertex, compared byte by byte, so that NaN equals itself. For most meshes the first
+ * five and a half numbers are all. */
 typedef struct vertex_key {
     double position[3];
     float normal[3];
@@ -30,20 +30,20 @@ typedef struct vertex_key {
 #define PLAIN_SIZE 40
 #define UV_SIZE offsetof(vertex_key, colour)
 
-/* The vertices so far. Those of the part at hand are in the table, at their hash or behind it. */
+/* The vertices so far. Those of the current part are in the table, at their hash or after it. */
 typedef struct welding {
     const lf_soup *soup;
-    const lf_mesh_data *mesh; /* whose materials are there */
-    bool normals;             /* the file's are wanted, and there are some; or the faces' */
+    const lf_mesh_data *mesh; /* its materials are set */
+    bool normals;             /* normals are required: the file's, or those of faces */
     bool faces;               /* the faces' */
     bool uvs, colours;
     bool wants_uvs;          /* of every triangle, for materials of the scene's own */
-    size_t key_size;         /* of vertex_key, what is kept */
+    size_t key_size;         /* used size of vertex_key */
     unsigned char *vertices; /* [n_vertices][key_size] */
     size_t n_vertices, vertices_room;
     uint32_t *table; /* a power of two, at most half full */
     size_t table_size, n_in_table;
-    uint32_t *twins; /* [n_twins]: the first vertex that stands in the same place of its part */
+    uint32_t *twins; /* [n_twins]: the first vertex with the same position in its part */
     size_t n_twins, twins_room;
     bool wants_twins;
 } welding;
@@ -61,7 +61,7 @@ static bool has_textures(const lf_mesh_data *mesh, unsigned material)
     return false;
 }
 
-/* What lies there beside a normal: of a material without pictures no coordinates. */
+/* Attributes besides a normal; no texture coordinates for a material without images. */
 static void put_look(const welding *w, size_t triangle, int corner, vertex_key *key)
 {
     const lf_soup *soup = w->soup;
@@ -106,7 +106,7 @@ static vertex_key key_of(const welding *w, size_t triangle, int corner)
     return key;
 }
 
-/* Where a key stands in the table, or may. */
+/* The slot of a key in the table, or the free slot for it. */
 static uint32_t *slot_of(const welding *w, const vertex_key *key)
 {
     size_t at = (size_t)XXH3_64bits(key, w->key_size) & (w->table_size - 1);
@@ -115,7 +115,7 @@ static uint32_t *slot_of(const welding *w, const vertex_key *key)
     return &w->table[at];
 }
 
-/* A table of another size with what is in it. */
+/* Replaces the table by one of another size with the same content. */
 static bool make_table(welding *w, size_t size)
 {
     uint32_t *table = malloc(size * sizeof *table);
@@ -146,7 +146,7 @@ static bool find_vertex(welding *w, const vertex_key *key, uint32_t *out)
     return true;
 }
 
-/* Of the part that ends: vertices in one place, by the table, which nothing needs any more. */
+/* Finds the vertices with equal positions in the finished part, by reusing the table. */
 static bool find_twins(welding *w)
 {
     if (!w->wants_twins)
@@ -168,8 +168,8 @@ static bool find_twins(welding *w)
     return true;
 }
 
-/* Nothing before a part is found from there on. A table that the last one left nearly empty is made
- * anew, so that many small parts do not clear a large one each. */
+/* Later parts do not find vertices of earlier ones. A table that the last part left nearly empty is
+ * replaced, so that many small parts do not each clear a large table. */
 static bool begin_part(welding *w)
 {
     bool sparse = 8 * w->n_in_table < w->table_size;
@@ -210,7 +210,7 @@ static bool says_materials(const lf_soup *soup)
     return false;
 }
 
-/* Where the file has no material, or one that says nothing. */
+/* Whether the file has no material, or one without values. */
 static bool colours_count(const lf_soup *soup)
 {
     return !says_materials(soup) && soup->colours.n > 0 && soup->colours.n == soup->n_points;
@@ -276,8 +276,8 @@ static lf_status fill_looks(const welding *w, lf_mesh_data *out, lf_error *err)
     return LF_OK;
 }
 
-/* Coordinates of such files grow upwards, those of the scene's materials downwards, as glTF's; the
- * file's own pictures stay where they are. */
+/* Texture coordinates of these files point up, those of the scene's materials down, as in glTF; the
+ * mapping of the file's own images does not change. */
 static void turn_uvs(lf_mesh_data *out)
 {
     for (size_t v = 0; v < (size_t)out->n_vertices; v++)
@@ -332,11 +332,11 @@ static void warn_of_rest(const lf_soup *soup, bool coloured, const lf_mesh_desc 
                       "point or line is left out", "points and lines are left out");
 }
 
-/* Which vertices are to be kept apart, by materials that are there. */
+/* Vertices that must stay separate, according to the materials. */
 static welding begin_welding(const lf_soup *soup, const lf_mesh_desc *desc, bool colours,
                              const lf_mesh_data *out)
 {
-    /* a normal map on flat faces stands on their own normals */
+    /* a normal map on flat faces uses the face normals */
     bool smooth = desc->normals == LF_NORMALS_SMOOTH,
          file = desc->normals == LF_NORMALS_FILE && soup->n_normals > 0,
          faces = !smooth && !file && (desc->wants.tangents || lf_mesh_wants_tangents(out));

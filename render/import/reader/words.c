@@ -43,8 +43,8 @@ bool lf_line_ends(const char *at)
     return *at == '\0' || *at == '#';
 }
 
-/* What printf writes for what is no number: nan, -nan(ind), inf, infinity, 1.#QNAN, -1.#INF; whole
- * words, as a picture may be called Nancy.png. */
+/* printf's words for NaN and infinity: nan, -nan(ind), inf, infinity, 1.#QNAN, -1.#INF. Only whole
+ * words, because an image may be called Nancy.png. */
 static bool read_unusual(const char *word, size_t n, double *out)
 {
     bool minus = *word == '-';

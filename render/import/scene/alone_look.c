@@ -3,7 +3,7 @@
 /* So much of the studio's light that white paint keeps its shapes. */
 #define WHITE_KEPT 0.82
 
-/* Its boxes stand about a camera at +z, and turn with it. */
+/* Its soft boxes are placed for a camera at +z, and turn with it. */
 static json_t *light_studio(double yaw)
 {
     return json_pack("{s:{s:s, s:f, s:f, s:b}}", "studio", "type", "studio", "rotate", yaw, "scale",
@@ -27,15 +27,15 @@ static json_t *light_night(double yaw)
                      0.12, 0.17, "visible", 0);
 }
 
-/* From far away, as wide as a lamp of a studio. */
+/* Far away, with the angular size of a studio light. */
 static json_t *make_lamp(double x, double y, double z, double irradiance, double angle)
 {
     return json_pack("{s:s, s:[f,f,f], s:f, s:f}", "type", "distant", "direction", x, y, z,
                      "irradiance", irradiance, "angle", angle);
 }
 
-/* A large lamp before it at the left, one behind it at the right, and a room that is bright above.
- */
+/* A large light on the left in front of it, one on the right behind it, and a room that is bright
+ * above. */
 static json_t *light_bare(double yaw)
 {
     (void)yaw;

@@ -90,7 +90,7 @@ static int find_camera(lf_reader *reader, const lf_node *from, const lf_framing 
     return -1;
 }
 
-/* --------------------------------------------------------------------------- where it stands -- */
+/* ---------------------------------------------------------------------------------- position -- */
 
 /* The middle of what of the scene's box lies before the camera, along its axis. */
 static double middle_depth(const lf_scene *scene, const lf_file_camera *camera)
@@ -110,7 +110,7 @@ static double middle_depth(const lf_scene *scene, const lf_file_camera *camera)
     return middle > 0 && isfinite(middle) ? middle : 1;
 }
 
-/* Fills in what the document does not say. */
+/* Fills in values that the document does not give. */
 static void stand(const lf_framing *framing, const lf_file_camera *from, const lf_scene *scene,
                   lf_camera *camera)
 {
@@ -132,7 +132,7 @@ static double between(double a, double b, double t)
     return a + t * (b - a);
 }
 
-/* What it is in the frame's own moment, for both ends. */
+/* The camera at the frame's own time, from both ends. */
 static lf_file_camera moment_of(const lf_file_camera *open, const lf_file_camera *close,
                                 const lf_camera *camera)
 {
@@ -156,7 +156,7 @@ static lf_file_camera moment_of(const lf_file_camera *open, const lf_file_camera
     return t > 0 && look > 1e-3 && across > 1e-3 ? now : *open;
 }
 
-/* What is listed becomes the scene's own. */
+/* Copies the list to the scene. */
 static bool take_views(const lf_scene_desc *desc, lf_scene *scene)
 {
     const size_t bytes = (size_t)desc->camera.n_views * sizeof *desc->views;

@@ -61,7 +61,7 @@ static void read_one(lf_reader *reader, const lf_node *node, const lf_camera *ca
         lf_read_fail(reader, &at, "%s", fault);
 }
 
-/* An array of cameras; how many, 0 where something is wrong. */
+/* Reads an array of cameras; returns their number, 0 on errors. */
 static int read_cameras(lf_reader *reader, const lf_node *node, int least, const lf_camera *camera,
                         lf_view_camera **out)
 {
@@ -79,7 +79,7 @@ static int read_cameras(lf_reader *reader, const lf_node *node, int least, const
     return reader->status == LF_OK ? (int)n : 0;
 }
 
-/* What asks for one camera has the middle one. */
+/* Code that needs one camera uses the middle one. */
 static void adopt(lf_scene_desc *desc, int n)
 {
     const lf_view_camera *middle = &desc->views[n / 2];
@@ -101,14 +101,13 @@ void lf_camera_list_parse(lf_reader *reader, const lf_node *node, lf_scene_desc 
 
 /* ------------------------------------------------------------------------------------- paths -- */
 
-/* Between b and c, whose neighbours are a and d: a cubic that leaves b along c - a. */
+/* A cubic between b and c, with neighbours a and d; its direction at b is c - a. */
 static double along(double a, double b, double c, double d, double t)
 {
     return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
 
-/* The numbers of the camera t of the way behind key i; an open path goes on straight at its ends.
- */
+/* The camera at t after key i; an open path continues straight at its ends. */
 static lf_view_camera between(const lf_view_camera *keys, int n, bool closed, int i, double t)
 {
     enum { NUMBERS = sizeof(lf_view_camera) / sizeof(double) };
@@ -194,7 +193,7 @@ void lf_camera_circle_parse(lf_reader *reader, const lf_node *node, lf_scene_des
     double away[3];
     if (reader->status != LF_OK || lf_camera_fault(c->position, c->target, c->up, &key) ||
         !make_room(reader, n, &out->views))
-        return; /* what is wrong with the camera itself is told of it */
+        return; /* errors of the camera itself are reported there */
     lf_sub_double(c->position, c->target, away);
     for (int k = 0; k < n; k++) {
         out->views[k] = own_of(c);

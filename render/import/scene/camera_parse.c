@@ -67,7 +67,7 @@ static int parts_of(int n)
     return n / parts >= LEAST_PART ? parts : 0;
 }
 
-/* So many in parts of as many, each a rig. */
+/* Divides the views into equal parts, each a rig. */
 static void part_track(lf_reader *reader, const lf_node *count, int n, lf_camera *camera)
 {
     int good = n;
@@ -151,8 +151,8 @@ static void parse_placed_views(lf_reader *reader, const lf_node *views, lf_scene
                      "{\"list\": […]}, {\"path\": {…}} or {\"circle\": {…}}");
 }
 
-/* A camera that is fitted later (placing.h): without a position it looks from the front, the right
- * and a little above. */
+/* A camera that is fitted later (placing.h); without a position it looks from the front right and a
+ * little above. */
 static void parse_fit(lf_reader *reader, const lf_node *node, const lf_node *fit, lf_camera *camera)
 {
     static const double three_quarters[3] = {0.5, 0.1, 1.0};

@@ -12,8 +12,8 @@ static uint64_t hash_of(lf_vec3 p)
     return lf_hash64(lf_hash64(bits[0], bits[1]), bits[2]);
 }
 
-/* Each edge counts one way and against the other: the sum is 0 where every one has both, and else
- * not but by one chance in 2^64. */
+/* Each edge adds a number in one direction and subtracts it in the other: the sum is 0 if all are
+ * paired, and otherwise with a probability of 2^-64. */
 static uint64_t open_edges(const lf_mesh *mesh, const bool *of_material)
 {
     uint64_t sum = 0;

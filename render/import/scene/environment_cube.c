@@ -16,8 +16,8 @@ void lf_cube_unfolded(int side, int *out_width, int *out_height)
     *out_width = 2 * *out_height;
 }
 
-/* Where a direction meets the cube: the face, and the place on it from -1 to 1, rightwards and
- * downwards as the pixels lie. */
+/* The cube face in a direction, and the position on it from -1 to 1, rightwards and downwards in
+ * the order of pixels. */
 static int place_on_cube(const double d[3], double *right, double *down)
 {
     int axis = 0;
@@ -70,7 +70,7 @@ static double *turns_of(int width, int n)
     return turn;
 }
 
-/* Adds the directions at one height. */
+/* Adds the directions at one polar angle. */
 static void add_line(const float *faces, int side, double theta, const double *turn, int n,
                      double sum[3])
 {

@@ -27,7 +27,7 @@ static lf_environment *find_in(const lf_scene *scene, const char *key)
     return NULL;
 }
 
-/* In this scene or the one before. */
+/* In this scene or the previous one. */
 static lf_environment *find_shared(const lf_scene *scene, const lf_scene *previous, const char *key)
 {
     lf_environment *found = find_in(scene, key);
@@ -69,7 +69,7 @@ static void take_warnings(const lf_image_notes *notes, const char *path, lf_warn
         lf_warnings_add(warnings, path, "%s", line);
 }
 
-/* Of the picture's pixels, or of what it shows where it is a cube. */
+/* From the image's pixels, or from the converted image of a cube. */
 static lf_environment *fill(const lf_raster *picture, const char *path)
 {
     const bool cube = picture->meta.layout == LF_IMAGE_CUBE;

@@ -19,23 +19,23 @@
 /* Degrees: from a little to the right of the front, and from above. */
 #define YAW 22.0
 #define PITCH 13.0
-/* What is thinner than this share of its other extents is shown from its broad side: turned by a
- * quarter where its edge is in front, from high above where it lies. */
+/* An object thinner than this share of its other extents is shown from its broad side: turned by a
+ * quarter if its edge faces the camera, from high above if it is lying. */
 #define EDGE_ON 0.35
 #define LYING 0.08
 #define PITCH_LYING 45.0
 #define CONE 35.0
 #define FILL 0.96
-/* Of the window that a camera of the file is measured by: a Portrait's. */
+/* Assumed aspect of the window for a camera of the file: a Portrait panel. */
 #define ASPECT 0.75
 
-/* A camera of the file is used where the object takes at least this share of its window. */
+/* A camera of the file is used if the object fills at least this share of its window. */
 #define FILE_CAMERA_SHARE 0.75
 
-/* Optical thickness of the densest part, if all of the volume's box were as dense: smoke and clouds
- * are that in little of it. */
+/* Optical thickness of the densest part, as if the whole box were that dense; smoke and clouds are
+ * as dense only in small parts. */
 #define THICKNESS 40.0
-/* Grids whose largest value is above this are in kelvin; others get HOT there. */
+/* Grids with a larger maximum are in kelvin; others are scaled to HOT there. */
 #define KELVIN 500.0
 #define HOT 2300.0
 
@@ -96,8 +96,8 @@ static const char *const burning[] = {"flames",      "flame", "fire", "heat",
                                       "temperature", "burn",  NULL};
 static const char *const smoking[] = {"density", "smoke", "fog", "cloud", "soot", NULL};
 
-/* The first of the names that is a line of grids, as that line has it; out[512] is "" where none
- * is. */
+/* The first of the names that matches a line of grids, as written in that line; out[512] is "" if
+ * there is none. */
 static void find_grid(const char *grids, const char *const *names, char out[512])
 {
     out[0] = '\0';
@@ -110,7 +110,7 @@ static void find_grid(const char *grids, const char *const *names, char out[512]
         }
 }
 
-/* The only grid, whatever its name. */
+/* The only grid, with any name. */
 static void find_only(const char *grids, char out[512])
 {
     const size_t n = strcspn(grids, "\n");
@@ -118,7 +118,7 @@ static void find_only(const char *grids, char out[512])
         snprintf(out, 512, "%.*s", (int)n, grids);
 }
 
-/* Smoke of its grid, and fire of another; fire alone has no smoke. */
+/* Smoke from one grid, and fire from another; fire alone has no smoke. */
 static json_t *make_volume(const char *name, const char *grids)
 {
     char smoke[512], fire[512];
@@ -183,14 +183,14 @@ static bool find_size(const lf_scene *scene, double bounds[2][3], double size[3]
     return true;
 }
 
-/* Whether the front shows nothing but the edge of something flat. */
+/* Whether the front view shows only the edge of a flat object. */
 static bool is_flat_across(const lf_scene *scene)
 {
     double bounds[2][3], size[3];
     return find_size(scene, bounds, size) && size[0] < 1e-3 * fmin(size[1], size[2]);
 }
 
-/* Where the eye is about the object: degrees. */
+/* Direction of the camera around the object, in degrees. */
 static void choose_angles(const lf_scene *scene, const lf_alone *how, double *yaw, double *pitch)
 {
     double bounds[2][3], size[3];
@@ -225,7 +225,7 @@ static json_t *stand(const lf_scene *scene, const double from[3], double fill)
                      at[0], at[1], at[2], "cone", CONE);
 }
 
-/* From the front and a little above; what is flat from its right. */
+/* From the front and a little above; flat objects from the right. */
 static json_t *make_bare_camera(const lf_scene *scene)
 {
     const bool flat = is_flat_across(scene);
@@ -240,8 +240,8 @@ static json_t *make_turned_camera(const lf_scene *scene, double yaw, double pitc
     return stand(scene, from, FILL);
 }
 
-/* The part of the window's height or width that a box takes, the larger; 0: some of it is outside,
- * or behind the camera. *depth: of the box's middle along the axis. */
+/* The larger of the shares of the window's height and width that a box fills; 0: part of it is
+ * outside, or behind the camera. *depth: of the box's middle along the axis. */
 static double share_of_window(const lf_file_camera *camera, const double bounds[2][3],
                               double *depth)
 {
@@ -268,8 +268,8 @@ static double share_of_window(const lf_file_camera *camera, const double bounds[
     return 0.5 * fmax(across[1] - across[0], up[1] - up[0]);
 }
 
-/* The file's first camera, where it has the whole object in its window, and large enough; else
- * NULL: there is none, or out of memory. *yaw: degrees by which it is to the right of +z. */
+/* The file's first camera, if the whole object is in its window, and large enough; else NULL, also
+ * without memory. *yaw: degrees from +z to the right. */
 static json_t *make_file_camera(const lf_scene *scene, double *yaw)
 {
     const lf_geometry *geometry = scene->geometry;
@@ -296,7 +296,7 @@ static void scale_density(json_t *volume, const lf_volume *grid, double across)
         json_object_set_new(volume, "scale", json_real(fmin(THICKNESS / thickness, 1e9)));
 }
 
-/* As bright as what a lamp lights, seen through a fifth of its box. */
+/* As bright as a lit surface, seen through a fifth of its box. */
 static void scale_heat(json_t *emission, const lf_volume *grid, double across)
 {
     const double most = (double)grid->sigma_max;
@@ -345,7 +345,7 @@ bool lf_alone_furnish(json_t *document, const lf_alone *how, const lf_scene *sce
         camera = make_file_camera(scene, &yaw);
     if (!camera)
         camera = make_turned_camera(scene, yaw, pitch);
-    if (!how->bare) /* placed already: in every frame the same */
+    if (!how->bare) /* placed already: the same in every frame */
         json_object_set(json_object_get(document, "meshes"), "ground",
                         json_object_get(json_object_get(lf_scene_json(scene), "meshes"), "ground"));
     return camera && json_object_set_new(document, "camera", camera) == 0 &&

@@ -13,7 +13,7 @@
 #include "base/sandbox/import_group.h"
 #include "base/thread.h"
 
-/* Fits the processor's caches, so that what is hashed was just copied there. */
+/* Fits in the processor's caches, so that hashing reads cached data. */
 #define CHUNK_BYTES ((size_t)256 << 10)
 
 char *lf_file_key(int fd, const char *path, const char *suffix)

@@ -9,7 +9,7 @@ static bool has_own(const lf_scene_desc *desc)
     return found;
 }
 
-/* How much those of a mesh shine. */
+/* Scale factor of a mesh's lights. */
 static double share_of(const lf_scene_desc *desc, int mesh)
 {
     double said = desc->meshes[mesh].lights;
@@ -30,7 +30,7 @@ int lf_file_lights_count(const lf_scene_desc *desc, const lf_geometry *geometry)
     return n < LF_MAX_LIGHTS ? n : LF_MAX_LIGHTS;
 }
 
-/* What a scene would say of it. */
+/* The light as key values of a scene. */
 static const lf_light_kind *say(const lf_punctual *light, double share, double unit_mm,
                                 lf_value out[])
 {

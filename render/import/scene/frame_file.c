@@ -9,7 +9,7 @@
 /* 0.29 * 100 is less than 29. */
 #define ROUNDING 1e-6
 
-/* Of numbers, to either side of a hole. */
+/* Maximum number of missing files on either side of a gap. */
 #define MOST_MISSING 1000
 
 char *lf_frame_file(lf_reader *reader, const lf_node *node, const char *file, int frame,
@@ -49,7 +49,7 @@ static bool is_there(const char *file, const char *folder, const lf_roots *roots
     return opened;
 }
 
-/* The nearest file that is there, so many numbers apart; NULL: none is. */
+/* The nearest existing file in steps of `step`; NULL: none. */
 static char *nearest(const lf_frame_of *of, int step, const char *folder, const lf_roots *roots)
 {
     for (int i = 1, number = of->number; i <= MOST_MISSING; i++) {

@@ -40,7 +40,7 @@ json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char
         json_t *copy = json_copy(mesh);
         json_t *clip = json_object_get(json_object_get(mesh, "animation"), "clip");
         const lf_mesh_desc *said = &desc->meshes[number++];
-        /* which decides about copies, of what may stand in many places */
+        /* decides about copies of meshes that may have instances */
         bool emits = said->emits && (lf_instances_are_given(&said->places) || is_gltf(said->file));
         if (json_object_get(mesh, "material"))
             json_object_set_new(copy, "material", json_true());
@@ -92,7 +92,7 @@ static bool file_is_unchanged(const lf_mesh_file *file, const lf_roots *roots)
     return same;
 }
 
-/* Of mesh i. */
+/* The motion of mesh i. */
 static lf_mesh_motion motion_of(lf_ends ends, int i, double span)
 {
     return (lf_mesh_motion){span, lf_clip_moment(&ends[0]->meshes[i].clip, span),
@@ -117,7 +117,7 @@ bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, lf_ends
 
 /* ---------------------------------------------------------------------------------- building -- */
 
-/* vertices NULL: nothing. */
+/* vertices NULL: no effect. */
 static void grow_box(lf_box *box, const float *vertices, const lf_mesh_data *data)
 {
     lf_vec3 min = box->min, max = box->max;
@@ -129,8 +129,8 @@ static void grow_box(lf_box *box, const float *vertices, const lf_mesh_data *dat
     *box = (lf_box){min, max};
 }
 
-/* Seen from the origin. One float of padding: Embree reads 16 bytes at the last vertex. NULL = out
- * of memory. */
+/* Relative to the origin. One float of padding: Embree reads 16 bytes at the last vertex. NULL =
+ * out of memory. */
 static float *local_vertices(const double origin[3], const double *positions, int n)
 {
     float *vertices = lf_calloc(3 * (size_t)n + 1, sizeof *vertices);
@@ -153,7 +153,7 @@ static lf_status take_close(const lf_geometry *geometry, lf_mesh_data *data, lf_
     return LF_OK;
 }
 
-/* Where a part is seen from: the middle of its box. */
+/* The origin of a part: the middle of its box. */
 static void middle_of(const lf_mesh_data *data, int part, double out[3])
 {
     const lf_mesh_part whole = lf_mesh_data_part(data, part);
@@ -163,7 +163,7 @@ static void middle_of(const lf_mesh_data *data, int part, double out[3])
         out[i] = 0.5 * (own[0][i] + own[1][i]);
 }
 
-/* The mesh stands in many places: its parts are seen from their middles. NULL = out of memory. */
+/* For an instanced mesh: its parts relative to their middles. NULL = out of memory. */
 static float *own_vertices(const lf_mesh_data *data)
 {
     const double world[3] = {0};
@@ -304,8 +304,8 @@ static lf_status take_lists(lf_geometry *geometry, lf_mesh_data *data, int n)
     return status;
 }
 
-/* The mesh's triangles for Embree: without the large ones, a copy of its own in which those are
- * points; true: it is there. */
+/* The mesh's triangles for Embree. If there are large ones, a copy in which those are degenerate;
+ * true: success. */
 static bool share_triangles(const lf_mesh *mesh, const lf_large *large, RTCGeometry shape)
 {
     const size_t size = 3 * sizeof(uint32_t), n = (size_t)mesh->n_triangles;
@@ -350,7 +350,7 @@ static bool attach_mesh(lf_geometry *geometry, const lf_mesh *mesh)
     return rtcGetDeviceError(geometry->device) == RTC_ERROR_NONE;
 }
 
-/* Where a vertex is at a moment Embree and we round each for itself: what that may come to. */
+/* Embree and our code round the position of a moving vertex separately: bound of the difference. */
 static float moving_error(const lf_geometry *geometry)
 {
     float most = 0.0f;
@@ -364,7 +364,7 @@ static float moving_error(const lf_geometry *geometry)
     return 2.4e-7f * most;
 }
 
-/* Rays are rounded once more where they come to a place. */
+/* Rays are rounded once more in the space of an instance. */
 static float instances_error(const lf_geometry *geometry)
 {
     float most = 0.0f;
@@ -393,7 +393,7 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
     return lf_embree_commit(geometry->embree, geometry->device, err);
 }
 
-/* Everything of the meshes but Embree's hierarchy. */
+/* Moves all mesh data except Embree's BVH. */
 static lf_status take_meshes(lf_geometry *geometry, lf_mesh_data *data, lf_ends ends)
 {
     const int n = ends[0]->n_meshes;

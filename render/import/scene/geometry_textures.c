@@ -48,7 +48,7 @@ lf_texels_use lf_slot_use(const lf_material *m, int slot, float *out_threshold)
     return use;
 }
 
-/* One that another material has already, or a new one. */
+/* Reuses the image of another material, or adds a new one. */
 static lf_status give_slot(lf_geometry *geometry, int picture, const lf_material *m, int slot,
                            const lf_pyramid **out)
 {

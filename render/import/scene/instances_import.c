@@ -72,7 +72,7 @@ lf_status lf_instances_check(const lf_mesh_data *data, const char *where, lf_err
 
 /* ----------------------------------------------------------------------------------- placing -- */
 
-/* Each of n places, behind those that the mesh's file has: all of a part together. */
+/* Appends n instances after those of the mesh's file, grouped by part. */
 static lf_status put(lf_mesh_data *data, const lf_affine *place, size_t n, const char *where,
                      lf_error *err)
 {
@@ -119,7 +119,7 @@ lf_status lf_instances_take(const lf_parcel *parcel, const char *path, lf_mesh_d
     return put(data, (const lf_affine *)(const void *)numbers, n / 12, path, err);
 }
 
-/* Reads a file of places, noting it in data. */
+/* Reads a file of instances and records it in data. */
 static lf_status read_file(const char *path, const lf_roots *roots, lf_instances_file *file,
                            lf_mesh_data *data, lf_error *err)
 {

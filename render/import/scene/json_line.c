@@ -1,4 +1,4 @@
-/* Finds the line of a JSON pointer by walking the text beside it: the parser keeps no positions. */
+/* Finds the line of a JSON pointer by walking the text, because the parser keeps no positions. */
 #include <string.h>
 
 #include "base/number.h"
@@ -22,7 +22,7 @@ static void skip_space(cursor *c)
         step(c);
 }
 
-/* Over a string; the cursor stands on its opening quote. */
+/* Skips a string; the cursor is at its opening quote. */
 static void skip_string(cursor *c)
 {
     step(c);
@@ -58,7 +58,7 @@ static void skip_value(cursor *c)
     } while (depth > 0);
 }
 
-/* One token of a pointer without its escapes; returns what follows it. */
+/* One token of a pointer with its escapes decoded; returns the remainder. */
 static const char *next_token(const char *pointer, char *out, size_t size)
 {
     size_t n = 0;

@@ -1,4 +1,4 @@
-/* JSON Merge Patch, RFC 7396 section 2. What a patch leaves alone is shared with what there was. */
+/* JSON Merge Patch, RFC 7396 section 2. Unpatched values are shared with the original. */
 #include <stdint.h>
 
 #include "render/import/scene/former_keys.h"
@@ -9,8 +9,8 @@ static json_t *shared(const json_t *value)
     return json_incref((json_t *)(uintptr_t)value);
 }
 
-/* A new reference to an object that is nobody else's: member itself, which only its owner holds, or
- * a copy of its first level; an empty one where it is no object. */
+/* A new reference to an object without other owners: member itself, if only its parent holds it, or
+ * a copy of its first level; an empty object if it is not an object. */
 static json_t *own_object(json_t *member)
 {
     if (!json_is_object(member))

@@ -17,7 +17,7 @@ lf_node lf_node_item(const lf_node *parent, size_t index)
     return (lf_node){parent, NULL, index, json_array_get(parent->value, index)};
 }
 
-/* Appends one reference token, escaped as RFC 6901 wants it; cut when the buffer is full. */
+/* Appends one reference token, escaped by RFC 6901; cut when the buffer is full. */
 static void append_token(char *out, size_t size, const lf_node *node)
 {
     size_t at = strlen(out);
@@ -48,7 +48,7 @@ static void build_pointer(const lf_node *node, char *out, size_t size)
     append_token(out, size, node);
 }
 
-/* What stands at the place of node in another document; *depth: how many steps of the way to it are
+/* The value at node's path in another document; *depth: number of steps of the path that exist
  * there. */
 static const json_t *same_in(const json_t *doc, const lf_node *node, int *depth)
 {
@@ -61,7 +61,7 @@ static const json_t *same_in(const json_t *doc, const lf_node *node, int *depth)
     return found;
 }
 
-/* Whose value it is. */
+/* The source document of a value. */
 static lf_json_source source_of(const lf_reader *reader, const lf_node *node)
 {
     lf_json_source best = {reader->where, reader->text, reader->size, NULL};

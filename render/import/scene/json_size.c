@@ -13,7 +13,7 @@ static size_t digits_of(json_int_t value)
     return n;
 }
 
-/* Commas and brackets about so many members. */
+/* Commas and brackets for this number of members. */
 static size_t frame_of(size_t members)
 {
     return members > 0 ? members + 1 : 2;

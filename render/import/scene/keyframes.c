@@ -11,10 +11,10 @@ enum { MOST_NUMBERS = 16 }; /* of a value: a matrix has them */
 typedef struct walker {
     lf_reader *reader;
     double frame;
-    bool keyed; /* something was */
+    bool keyed; /* a value had keys */
 } walker;
 
-/* A value of the document: n 0 = a number alone. */
+/* A value of the document: n 0 = a single number. */
 typedef struct numbers {
     size_t n;
     double x[MOST_NUMBERS];
@@ -28,7 +28,7 @@ static json_t *no_memory(const walker *w)
     return NULL;
 }
 
-/* Things may be called so, too; they are objects. */
+/* Objects may have this name, too; their value is an object, not an array. */
 static bool has_keys(const json_t *value)
 {
     return json_is_array(json_object_get(value, "keys"));
@@ -50,7 +50,7 @@ static void read_numbers(lf_reader *reader, const lf_node *node, numbers *out)
         lf_read_fail(reader, node, "expected a number, or an array of up to %d", MOST_NUMBERS);
 }
 
-/* One key: in which frame, and what is then. */
+/* One key: its frame and value. */
 static double read_key(lf_reader *reader, const lf_node *keys, size_t i, numbers *out)
 {
     const lf_node key = lf_node_item(keys, i);
@@ -66,8 +66,8 @@ static double read_key(lf_reader *reader, const lf_node *keys, size_t i, numbers
     return frame;
 }
 
-/* The keys on both sides of a frame, and how far it is from the first to the second, 0 to 1; all
- * are looked at, so that a wrong one is told in every frame. */
+/* The keys on both sides of a frame, and the position between them, 0 to 1. All keys are checked,
+ * so that an error is reported in every frame. */
 static double find_keys(const walker *w, const lf_node *keys, numbers *before, numbers *behind)
 {
     double frame = 0, from = 0, to = INFINITY;
@@ -104,7 +104,7 @@ static json_t *json_of(const walker *w, const numbers *value)
     return array;
 }
 
-/* What stands at node in the walker's frame. */
+/* The value at node in the walker's frame. */
 static json_t *value_at(const walker *w, const lf_node *node)
 {
     static const char *const members[] = {"keys", "interpolation", NULL};
@@ -124,7 +124,7 @@ static json_t *value_at(const walker *w, const lf_node *node)
     return json_of(w, &a);
 }
 
-/* Where nothing may have keys. */
+/* Members that cannot have keys. */
 static bool is_fixed(const char *member)
 {
     static const char *const fixed[] = {"views",     "aspect",  "sequence",
@@ -136,7 +136,7 @@ static bool is_fixed(const char *member)
     return false;
 }
 
-/* Puts now (a new reference) under key into a copy of doc, which is made for the first of them and
+/* Stores now (a new reference) under key in a copy of doc, which is made for the first change and
  * shares all other values. */
 static void put(const walker *w, const json_t *doc, json_t **copy, const char *key, json_t *now)
 {
@@ -146,8 +146,8 @@ static void put(const walker *w, const json_t *doc, json_t **copy, const char *k
         no_memory(w);
 }
 
-/* What stands at node (names: its members are things by their names), in the walker's frame: a new
- * reference, to the value itself where nothing has keys. */
+/* The value at node in the walker's frame: a new reference, to the value itself if it has no keys.
+ * names: its members are objects by name. */
 static json_t *in_frame(walker *w, const lf_node *node, bool names)
 {
     json_t *copy = NULL, *value;
@@ -167,8 +167,8 @@ static json_t *in_frame(walker *w, const lf_node *node, bool names)
     return copy ? copy : json_incref(node->value);
 }
 
-/* The document in the walker's frame: a new reference, to the same document where nothing has keys;
- * NULL: reader->status says why. */
+/* The document in the walker's frame: a new reference, to the same document if it has no keys.
+ * NULL: see reader->status. */
 static json_t *scene_in_frame(walker *w, const lf_node *root)
 {
     static const struct {
@@ -201,7 +201,7 @@ static json_t *scene_in_frame(walker *w, const lf_node *root)
     return NULL;
 }
 
-/* The frame that a document says. */
+/* The document's frame number. */
 static double frame_of(const lf_node *root)
 {
     const json_t *said = json_object_get(root->value, "frame");

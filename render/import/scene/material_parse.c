@@ -1,4 +1,4 @@
-/* Materials of a scene file, and which of them meshes have. */
+/* Materials of a scene file, and their assignment to meshes. */
 #include "render/import/scene/material_parse.h"
 
 #include <string.h>
@@ -11,9 +11,9 @@
 #include "render/transport/surface/surface.h"
 
 #define MOST_SCALE 100 /* of normals */
-#define MOST_MOVE 1e4  /* of a picture's place */
+#define MOST_MOVE 1e4  /* of a texture's offset */
 
-/* What all kinds of surfaces may say. */
+/* Keys of all kinds of surfaces. */
 static const lf_param normal_key = {
     .name = "normal", .type = LF_PARAM_NUMBER, .low = -MOST_SCALE, .high = MOST_SCALE};
 
@@ -27,9 +27,9 @@ const char *const lf_picture_keys[LF_OWN_SLOTS][2] = {
     [LF_SLOT_NORMAL] = {"normal", NULL},
     [LF_SLOT_EMISSION] = {"emission", NULL}};
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
-/* Where the picture of a key is described; NULL: it has none. */
+/* The description of a key's image; NULL: the key has none. */
 static lf_picture_desc *place_of(const char *key, lf_pictures_desc *pictures)
 {
     for (int i = 0; i < 2 * LF_OWN_SLOTS; i++) {
@@ -75,7 +75,7 @@ static void parse_picture(lf_reader *reader, const lf_node *node, lf_picture_des
     parse_lay(reader, node, out->texture.map);
 }
 
-/* A key's value, or a picture in its place with a "scale" that is such a value. */
+/* A key's value, or an image instead with a "scale" of the same type. */
 static void read_key(lf_reader *reader, const lf_node *node, const lf_param *key, lf_value *out,
                      lf_pictures_desc *pictures)
 {
@@ -104,7 +104,7 @@ static bool lies_alike(const lf_texture *a, const lf_texture *b)
            memcmp(a->map, b->map, sizeof a->map) == 0;
 }
 
-/* The two parts of a slot are looked up as one picture. */
+/* The two parts of a slot are looked up as one image. */
 static void check_parts(lf_reader *reader, const lf_node *node, const lf_pictures_desc *pictures)
 {
     for (int i = 0; i < LF_OWN_SLOTS; i++) {
@@ -160,7 +160,7 @@ static void check_material_keys(lf_reader *reader, const lf_node *node)
     lf_read_object(reader, node, names);
 }
 
-/* The kind of surfaces that alone has a key; NULL: several have. */
+/* The only kind of surfaces with this key; NULL: several have it. */
 static const lf_surface_kind *only_with(const char *key)
 {
     const lf_surface_kind *found = NULL;
@@ -173,7 +173,7 @@ static const lf_surface_kind *only_with(const char *key)
     return n == 1 ? found : NULL;
 }
 
-/* Keys of other kinds of surfaces. A patch of the type alone leaves such words behind: most are no
+/* Keys of other kinds of surfaces. Patching only the type leaves such keys behind, so most are not
  * errors. */
 static void check_others(lf_reader *reader, const lf_node *node, const lf_surface_kind *kind,
                          lf_warnings *warnings)
@@ -196,7 +196,7 @@ static void check_others(lf_reader *reader, const lf_node *node, const lf_surfac
         }
 }
 
-/* Values of keys, a list that NULL ends; those of scalars become the material's. */
+/* Reads the values of keys, a NULL-terminated list; scalars are stored in the material. */
 static void read_keys(lf_reader *reader, const lf_node *node, const lf_param *const keys[],
                       lf_value values[], lf_material *material, lf_pictures_desc *pictures)
 {
@@ -206,7 +206,7 @@ static void read_keys(lf_reader *reader, const lf_node *node, const lf_param *co
     }
 }
 
-/* What all kinds say alike. */
+/* Keys that all kinds share. */
 static void read_common(lf_reader *reader, const lf_node *node, lf_material *material,
                         lf_pictures_desc *pictures)
 {
@@ -222,7 +222,7 @@ static void read_common(lf_reader *reader, const lf_node *node, lf_material *mat
         material->cover = cutoff.value ? LF_COVER_MASK : LF_COVER_BLEND;
 }
 
-/* Refuses what the kind says is wrong, and takes what is its own. */
+/* Reports the kind's own errors, and reads its own keys. */
 static void read_own(lf_reader *reader, const lf_node *node, const lf_value values[],
                      lf_material *material)
 {
@@ -258,7 +258,7 @@ void lf_material_parse(lf_reader *reader, const lf_node *node, lf_scene_desc *de
         lf_material_make_pictured(material);
 }
 
-/* --------------------------------------------------------------------------- those of meshes -- */
+/* ------------------------------------------------------------------------------------ meshes -- */
 
 /* The number of a material that is named at a node of a mesh. */
 static int find_material(lf_reader *reader, const lf_node *root, const lf_node *at,
@@ -282,7 +282,7 @@ static int find_material(lf_reader *reader, const lf_node *root, const lf_node *
     return found;
 }
 
-/* What a mesh needs for a material that it has, in part or all over. */
+/* Adds the vertex data that a mesh needs for one of its materials. */
 static void take_needs(const lf_scene_desc *desc, int material, lf_mesh_desc *mesh)
 {
     if (material < 0)

@@ -167,8 +167,7 @@ static const char *first_of(const lf_param keys[], int form)
     return NULL;
 }
 
-/* Refuses keys that are not of this form; 0: of neither. also: one more that there may be, or NULL.
- */
+/* Refuses keys that do not have this form; 0: neither. also: an additional key, or NULL. */
 static void check_keys(lf_reader *reader, const lf_node *node, const char *also,
                        const lf_param keys[], int form)
 {

@@ -11,7 +11,7 @@ static void corner(int patch, int i, int j, double out[3])
     out[v] = 2 * j - 1;
 }
 
-/* Upright on all sides; the top as seen by who looks down, -z above, the bottom as its mirror. */
+/* Upright on all sides; the top as seen from above with -z up, the bottom as its mirror image. */
 static void place(int patch, const double p[3], double out[2])
 {
     const double sign = patch % 2 ? 1 : -1;

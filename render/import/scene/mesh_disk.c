@@ -14,7 +14,7 @@ static void corner(int patch, int i, int j, double out[3])
     out[2] = -ring * sin(phi);
 }
 
-/* The circle in the picture's square, -z above. */
+/* The circle in the image's square, with -z up. */
 static void place(int patch, const double p[3], double out[2])
 {
     (void)patch;

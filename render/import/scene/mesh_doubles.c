@@ -51,8 +51,8 @@ static void swap_if_above(double a[3], double b[3])
     memcpy(b, swap, sizeof swap);
 }
 
-/* Of a triangle's corner; of what moves at a moment like any other, so that those that are together
- * then are so all the time. */
+/* Coordinate of a triangle's corner; for moving meshes at an arbitrary fixed time, so that corners
+ * that coincide then coincide always. */
 static double place_of(const lf_mesh_data *data, size_t number)
 {
     const double moment = 0.3819660113;
@@ -88,16 +88,16 @@ static uint64_t hash(const corners *c, uint64_t seed)
     return lf_hash64(h, 0);
 }
 
-/* What stands in many places is beside nothing but its own: 0 for all meshes that are beside each
- * other. */
+/* Group of meshes that may coincide: 0 for all except instanced ones, which are compared only with
+ * themselves. */
 static uint64_t company_of(const search *s, int mesh)
 {
     return s->data[mesh].n_instances > 0 ? (uint64_t)mesh + 1 : 0;
 }
 
-/* The triangle that stands in this one's place, or UINT32_MAX: from now on this one does. No two
- * that are kept have the same corners and company, so that a search does not grow with what is in
- * one place. */
+/* The kept triangle with the same corners, or UINT32_MAX: then this one is kept. No two kept
+ * triangles have the same corners and group, so that a search does not grow with the number of
+ * duplicates. */
 static uint32_t find_or_keep(search *s, uint32_t triangle)
 {
     uint64_t company = company_of(s, mesh_of(s, triangle));
@@ -116,12 +116,12 @@ static uint32_t find_or_keep(search *s, uint32_t triangle)
     return UINT32_MAX;
 }
 
-/* Marks what is doubled, with a warning a mesh. */
+/* Marks duplicates, with one warning per mesh. */
 static void mark(search *s, const char *where)
 {
     for (int i = 0; i < s->n; i++) {
         uint32_t count = 0, other = UINT32_MAX;
-        /* Parts, each in a space of its own, are not asked. */
+        /* Parts have separate spaces, so they are skipped. */
         for (uint32_t t = s->first[i]; t < s->first[i + 1] && s->data[i].n_parts == 0; t++) {
             uint32_t found = find_or_keep(s, t);
             s->doubled[t] = found != UINT32_MAX;
@@ -154,8 +154,8 @@ static void compact(lf_mesh_data *data, const bool *doubled)
     data->n_triangles = kept;
 }
 
-/* A grid 2^40 times finer than the scene is large: far above the rounding of transforms, far below
- * anything that is there. */
+/* A grid 2^40 times finer than the scene's size: far above the rounding of transforms, far below
+ * any detail. */
 static double steps_per_unit(const lf_mesh_data *data, int n, const double origin[3])
 {
     double largest = 0.0;

@@ -11,11 +11,11 @@
 #include "render/import/scene/file_identity.h"
 #include "render/import/scene/mesh_take.h"
 
-/* -------------------------------------------------------------------- files the reader wants -- */
+/* --------------------------------------------------------------------------- requested files -- */
 
 typedef struct asked {
     const lf_roots *roots;
-    lf_mesh_data *data; /* where opened files are noted */
+    lf_mesh_data *data; /* opened files are recorded here */
     /* the first path outside of roots, or what else ends the reading; status LF_OK = none */
     lf_error refused;
     lf_error failed; /* the first file that could not be opened */
@@ -103,7 +103,7 @@ static void take_warnings(const lf_parcel *parcel, const char *path, lf_warnings
     }
 }
 
-/* --------------------------------------------------------------------------------- all of it -- */
+/* ------------------------------------------------------------------------------ a whole mesh -- */
 
 static void put_clip(const lf_clip *clip, lf_import_request *request)
 {
@@ -116,7 +116,7 @@ static void put_clip(const lf_clip *clip, lf_import_request *request)
     request->seconds_in = clip->seconds;
 }
 
-/* The words of a request that descriptions of meshes have a say in. */
+/* Compares all fields that affect a request. */
 bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
 {
     const lf_clip *c = &a->clip, *d = &b->clip;
@@ -129,12 +129,11 @@ bool lf_mesh_reads_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
            c->chosen == d->chosen && c->once == d->once && c->seconds == d->seconds;
 }
 
-/* Why nothing came of reading where files are to blame that the reader asked for; NULL: they are
- * not. */
+/* The error of a requested file, if it is the reason why reading failed; NULL: it is not. */
 static const lf_error *problem_of_files(const asked *state, const char *path, lf_status status,
                                         bool opened)
 {
-    /* a mesh is read without its libraries, but for want of a buffer it may be refused */
+    /* a mesh is read without its libraries, but without a buffer it may be refused */
     bool missed = (status == LF_E_FORMAT || status == LF_E_IO) && !lf_path_has_ending(path, ".obj");
     missed = missed || !opened;
     if (state->refused.status != LF_OK)
@@ -142,7 +141,7 @@ static const lf_error *problem_of_files(const asked *state, const char *path, lf
     return missed && state->failed.status != LF_OK ? &state->failed : NULL;
 }
 
-/* Has a file read: its parcel, and in state what became of the files that were asked for. */
+/* Runs a reader on a file: returns its parcel, and in state the results of requested files. */
 static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *state, lf_parcel *out,
                            lf_error *err)
 {
@@ -174,7 +173,7 @@ static lf_status read_mesh(const lf_mesh_desc *desc, const char *path, asked *st
     return problem->status;
 }
 
-/* One mesh of what was read; the first of all has its files noted already. */
+/* Takes one mesh of the result; the first one has its files recorded already. */
 static lf_status take_mesh(const lf_mesh_desc *desc, const char *path, const lf_parcel *parcel,
                            const asked *state, lf_mesh_data *out, lf_error *err)
 {

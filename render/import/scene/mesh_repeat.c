@@ -40,7 +40,7 @@ static void release(copies *c)
     lf_free(c->choices);
 }
 
-/* Of unit length; zero stays so. */
+/* Unit length; zero stays zero. */
 static void turn(double by[3][3], const float *from, float *out)
 {
     double v[3], length = 0.0;

@@ -4,7 +4,7 @@
 
 #include "render/import/scene/mesh_shape.h"
 
-/* A catcher of shadows, or of what it reflects as well. */
+/* A shadow catcher, or also a reflection catcher. */
 static void parse_catcher(lf_reader *reader, const lf_node *node, lf_mesh_desc *mesh)
 {
     const lf_node catcher = lf_node_child(node, "catcher");

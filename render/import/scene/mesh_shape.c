@@ -32,7 +32,7 @@ static void append_triangle(lf_mesh_data *out, int a, int b, int c)
     const double *p = out->positions + 3 * (size_t)a, *q = out->positions + 3 * (size_t)b,
                  *r = out->positions + 3 * (size_t)c;
     if (same_point(p, q) || same_point(q, r) || same_point(r, p))
-        return; /* where a side of a patch is one point */
+        return; /* a side of a patch is a single point */
     uint32_t t[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
     memcpy(out->triangles + 3 * (size_t)out->n_triangles++, t, sizeof t);
 }
@@ -128,7 +128,7 @@ static double area_of(const lf_mesh_data *data)
     return sum;
 }
 
-/* Scales a placed shape about its middle. */
+/* Scales a transformed shape about its middle. */
 static void scale_to_area(lf_mesh_data *out, const lf_affine *transform, double area)
 {
     double by = sqrt(area / area_of(out));

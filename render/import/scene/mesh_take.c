@@ -28,7 +28,7 @@ static bool within(float x, double low, double high)
 
 /* ---------------------------------------------------------------------------------- sections -- */
 
-/* A copy of a section, each of n elements `each` long; *out stays NULL where there is none. */
+/* Copies a section of n elements of `each` bytes; *out stays NULL if there is none. */
 static lf_status copy(const lf_parcel *parcel, lf_parcel_tag tag, size_t n, size_t each, void *out,
                       lf_error *err)
 {
@@ -51,7 +51,7 @@ static size_t count_of(const lf_parcel *parcel, lf_parcel_tag tag)
     return n;
 }
 
-/* What lies at vertices for materials to look at. */
+/* Checks vertex data for materials. */
 static bool looks_fit(const lf_parcel *parcel, size_t n_vertices, lf_mesh_asked asked)
 {
     size_t uvs = count_of(parcel, LF_PARCEL_UVS), colours = count_of(parcel, LF_PARCEL_COLOURS),
@@ -92,7 +92,7 @@ static const lf_surface_kind *kind_at(uint32_t place)
     return *kind;
 }
 
-/* What scene files alone say is as usual: media inside of solids, and which of two is there. */
+/* Values that only scene files can set have their defaults: interior media, and priority. */
 static bool says_what_files_say(const lf_principled *p)
 {
     static const lf_param *const rows[] = {
@@ -151,7 +151,7 @@ static bool has_texture(const lf_parcel_material *from, size_t n)
     return false;
 }
 
-/* Pictures are there already. */
+/* Images are taken already. */
 static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_error *err)
 {
     _Static_assert(sizeof((lf_parcel_material *)0)->name == LF_MATERIAL_NAME, "names fit");
@@ -187,9 +187,9 @@ static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_e
     return LF_OK;
 }
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
-/* Whether the pictures' sizes are possible, and the texels theirs and no more. */
+/* Whether the images' sizes are valid, and the number of texels matches. */
 static bool sizes_fit(const lf_parcel_picture *sizes, size_t n, size_t n_texels)
 {
     uint64_t sum = 0;
@@ -259,7 +259,7 @@ static bool is_unit(const float *v)
     return fabsf(dot(v, v) - 1.0f) <= UNIT_SLACK; /* false for NaN */
 }
 
-/* Those that are asked for: at corners of triangles. */
+/* Checks the tangents that are used: at corners of triangles. */
 static bool frames_fit(const lf_mesh_data *data)
 {
     for (size_t i = 0; i < 3 * (size_t)data->n_triangles; i++) {
@@ -318,7 +318,7 @@ static lf_status take_span(const lf_parcel *parcel, lf_mesh_data *out, lf_error 
 
 /* ------------------------------------------------------------------------------------ lights -- */
 
-/* false: some of what counts of its kind is out of range. */
+/* false: a field that its kind uses is out of range. */
 static bool take_light(const lf_parcel_light *from, lf_punctual *out)
 {
     double length2 = 0;
@@ -440,7 +440,7 @@ static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error
         return status;
     out->n_parts = (int)(n / 4);
     bool fit = parts_fit(out);
-    for (size_t i = 0; i < n_instances && fit; i++) /* those of a part follow each other */
+    for (size_t i = 0; i < n_instances && fit; i++) /* instances of a part are consecutive */
         fit = out->part_of[i] < (uint32_t)out->n_parts &&
               (i == 0 || out->part_of[i - 1] <= out->part_of[i]);
     return fit && lf_instances_check(out, "", NULL) == LF_OK

@@ -9,14 +9,14 @@
 #include "render/import/scene/instances_import.h"
 #include "render/import/scene/scene_tangents.h"
 
-enum { MOST_READERS = 4 }; /* at once: together they have the memory that --import-memory says */
+enum { MOST_READERS = 4 }; /* at once; together they may use the memory of --import-memory */
 
-/* Meshes that are read together: importing.order[first] and those behind it. */
+/* Meshes that are read together: importing.order[first] and the following ones. */
 typedef struct reading {
     int first, n;
 } reading;
 
-/* What one reading after the other comes to, each on whatever thread is free. */
+/* All readings, each done by any free thread. */
 typedef struct importing {
     const lf_scene_desc *desc;
     const char *folder;
@@ -27,15 +27,15 @@ typedef struct importing {
     lf_mesh_data *data;
     lf_status *status;
     lf_error *err;
-    /* what is read: first the meshes, then where they stand */
+    /* readings: first the meshes, then their instances */
     reading *readings;
-    int n_readings, n_files; /* all, and those that ask a reader */
+    int n_readings, n_files; /* all, and those that use a reader */
     int *order;              /* indices of meshes, rising in each reading */
     lf_mesh_data **out;      /* their data */
     bool *ordered;
 } importing;
 
-/* ------------------------------------------------------------------------- what is read once -- */
+/* ------------------------------------------------------------------------ groups of readings -- */
 
 static bool meshes_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
 {
@@ -47,7 +47,8 @@ static bool instances_alike(const lf_mesh_desc *a, const lf_mesh_desc *b)
     return a->places.file && b->places.file && strcmp(a->places.file, b->places.file) == 0;
 }
 
-/* Which meshes are read together. One that is not alike to itself asks no reader. */
+/* Finds the groups of meshes that are read together. A mesh that is not like itself uses no reader.
+ */
 static void find_readings(importing *all,
                           bool (*alike)(const lf_mesh_desc *a, const lf_mesh_desc *b))
 {
@@ -74,7 +75,7 @@ static void find_readings(importing *all,
     }
 }
 
-/* Whether a mesh is a light, as far as the words of its materials say. */
+/* Whether a mesh emits, judged by its materials. */
 static bool emits(const lf_mesh_desc *desc, const lf_mesh_data *data)
 {
     bool found = desc->emits;
@@ -113,7 +114,7 @@ static lf_status read_instances(importing *all, const reading *r, int *out_wrong
     return status;
 }
 
-/* ------------------------------------------------------------------------------- all of them -- */
+/* -------------------------------------------------------------------------------- all meshes -- */
 
 static void run_reading(importing *all, int item,
                         lf_status (*read)(importing *all, const reading *r, int *out_wrong,
@@ -191,7 +192,7 @@ static lf_status import_all(importing *all, int *out_wrong, lf_error *err)
     return status;
 }
 
-/* One end of the shutter, of the meshes that are wanted. */
+/* One end of the shutter, for the selected meshes. */
 static lf_status import_end(const lf_scene_desc *desc, const char *folder, const lf_roots *roots,
                             const bool *wanted, lf_mesh_data *data, int *out_wrong, lf_error *err)
 {
@@ -236,7 +237,7 @@ static bool moves(const lf_mesh_desc *open, const lf_mesh_desc *close, double sp
     return !lf_instances_are_given(&open->places) && would_move(open, close, span);
 }
 
-/* What instances do is told. */
+/* Warns that animated instances are ignored. */
 static void warn_of_instances(lf_ends ends, const char *where, lf_mesh_data *data)
 {
     for (int i = 0; i < ends[0]->n_meshes; i++) {
@@ -261,7 +262,7 @@ static bool same_triangles(const lf_mesh_data *a, const lf_mesh_data *b)
                0;
 }
 
-/* Of what files say. */
+/* Compares the materials of files. */
 static bool same_material(const lf_material *a, const lf_material *b)
 {
     return memcmp(&a->p, &b->p, sizeof a->p) == 0 && a->is_solid == b->is_solid;
@@ -285,7 +286,7 @@ static bool same_looks(const lf_mesh_data *a, const lf_mesh_data *b)
     return same;
 }
 
-/* What a file animates and no shutter blurs. */
+/* Warns of animated properties that the shutter does not blur. */
 static void warn_of_looks(lf_mesh_data *data, const lf_mesh_data *at, const char *where)
 {
     const struct {
@@ -330,7 +331,7 @@ static void take_close(lf_mesh_data *data, lf_mesh_data *at, const char *where)
     at->normals = at->tangents = NULL;
 }
 
-/* Where what moves goes until the shutter closes; moving: room for [n_meshes]. */
+/* Imports the vertex data at shutter close; moving: room for [n_meshes]. */
 static lf_status import_close(lf_ends ends, const lf_scene_file *file, const lf_roots *roots,
                               bool *moving, lf_mesh_data *data, int *out_wrong, lf_error *err)
 {

@@ -10,7 +10,7 @@
 #include "render/scene/vec_double.h"
 #include "render/transport/path/track.h"
 
-/* The triangles of a mesh that share a material, or several (first of them). */
+/* The triangles of a mesh with the same material, or with several (first is one of them). */
 typedef struct part {
     int mesh, material, joined; /* joined: to this part; -1: to none */
     lf_box box;
@@ -86,7 +86,7 @@ static part part_of(const lf_scene *scene, int number, int material)
                 .priority = scene->materials[material].priority,
                 .number = -1};
     out.size = volume_of(&out.box);
-    if (mesh->instances) { /* one of its places */
+    if (mesh->instances) { /* first instance */
         const lf_affine map = lf_instance_map(mesh->instances, 0);
         const lf_box own = box_of(mesh, material);
         out.size = volume_of(&own) * fabs(lf_affine_determinant(&map));
@@ -109,7 +109,7 @@ static bool add_mesh(const lf_scene *scene, int number, parts *all)
     return fine;
 }
 
-/* Or touch, but for rounding. */
+/* Or touch, except for rounding. */
 static bool overlap(const lf_box *a, const lf_box *b)
 {
     const float low[2][3] = {{a->min.x, a->min.y, a->min.z}, {b->min.x, b->min.y, b->min.z}},
@@ -138,8 +138,7 @@ static bool overlaps_others(const parts *all, int which)
 
 /* ------------------------------------------------------------------------------------ solids -- */
 
-/* Parts from first on that are of the same mesh: the open ones of them may enclose something
- * together. */
+/* Parts of one mesh from `first` on: the open ones may enclose a solid together. */
 static int close_mesh(const lf_scene *scene, parts *all, int first)
 {
     const lf_mesh *mesh = &scene->meshes[all->item[first].mesh];
@@ -188,7 +187,7 @@ static void join_hollow(parts *all, part *hollow)
     hollow->is_open = hollow->joined < 0;
 }
 
-/* The one that is there, where both are, last. */
+/* Sorts so that the solid that counts in an overlap comes last. */
 static int compare(const void *of_a, const void *of_b)
 {
     const part *a = *(const part *const *)of_a, *b = *(const part *const *)of_b;
@@ -216,7 +215,7 @@ static bool number(parts *all)
     return fine;
 }
 
-/* What the part is numbered as: by the one that it is joined to, and that to another. */
+/* The solid's number of a part: that of the part it is joined to, recursively. */
 static int16_t number_of(const parts *all, const part *p)
 {
     while (p->joined >= 0 && !p->is_open)
@@ -238,7 +237,7 @@ static bool fill(lf_scene *scene, const parts *all)
     return true;
 }
 
-/* A ray that leaves a solid more often than it enters it began in it. */
+/* Whether eye is inside: a ray from there leaves the solid more often than it enters it. */
 static bool is_about(const lf_scene *scene, const part *p, lf_vec3 eye)
 {
     lf_tracer tracer = {.scene = scene};
@@ -255,7 +254,7 @@ static bool is_about(const lf_scene *scene, const part *p, lf_vec3 eye)
     return left > 0;
 }
 
-/* Of a camera that stands still. */
+/* Only for a camera that does not move. */
 static void warn_of_camera(const lf_scene *scene, const lf_scene_desc *desc, const parts *all,
                            lf_warnings *warnings)
 {

@@ -6,8 +6,8 @@
 #include "render/render.h"
 #include "render/scene/vec_double.h"
 
-/* A ground's half side, in half diagonals of what stands on it: a camera that has these in its view
- * sees the edge within a tenth of a degree of the horizon. */
+/* A ground's half side, in half diagonals of the objects on it. If a camera has these in its view,
+ * the ground's edge is within a tenth of a degree of the horizon. */
 #define GROUND_REACH 500.0
 
 /* ----------------------------------------------------------------------------------- grounds -- */
@@ -17,7 +17,7 @@ static bool is_there(const double bounds[2][3])
     return bounds[0][0] <= bounds[1][0];
 }
 
-/* Half the side, and where the middle is. */
+/* Half the side, and the middle. */
 static double measure(const double bounds[2][3], double middle[3])
 {
     double across[3];
@@ -36,7 +36,7 @@ static void move(lf_mesh_data *data, double scale, const double middle[3])
         data->positions[i] = scale * data->positions[i] + middle[i % 3];
 }
 
-/* The key is a list of pairs of a name and what is said of it. */
+/* The key is a list of pairs of a name and a description. */
 static bool put_key(json_t *key, int mesh, json_t *transform)
 {
     json_t *said = json_array_get(json_array_get(json_object_get(key, "meshes"), (size_t)mesh), 1);
@@ -94,7 +94,7 @@ bool lf_scene_is_unplaced(const lf_scene *scene)
     return scene->file.placing || has_fit(scene);
 }
 
-/* Where the camera stands, on the side that it looks from. */
+/* The camera position, in the direction from which it looks. */
 static json_t *fit_camera(lf_reader *reader, const lf_scene *scene)
 {
     const lf_node root = {NULL, NULL, 0, scene->json}, node = lf_node_child(&root, "camera"),

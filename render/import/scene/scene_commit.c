@@ -30,21 +30,21 @@
 #include "render/transport/path/phase.h"
 #include "render/transport/surface/surface.h"
 
-/* Of extinction: squares of it are finite. */
+/* Limit of extinction: its square must be finite. */
 #define MOST_SIGMA 1e18f
 
 typedef struct commit {
     lf_reader *reader;
     const lf_node *root;
     const lf_scene_desc *desc;
-    const lf_shutter *shutter; /* for meshes in place of desc */
+    const lf_shutter *shutter; /* used for meshes instead of desc */
     const lf_roots *roots;
     const lf_scene *previous; /* may be NULL */
     lf_scene *scene;
     lf_grid_source grids;
 } commit;
 
-/* Reports err at /section/name/member ("" = the thing itself). */
+/* Reports err at /section/name/member ("" = the object itself). */
 static void fail_at(const commit *c, const char *section, const char *name, const char *member,
                     const lf_error *err)
 {
@@ -70,8 +70,8 @@ static void out_of_memory(const commit *c)
 
 /* ----------------------------------------------------------------------------------- volumes -- */
 
-/* One grid of a volume's file; lacks: what it means when it is empty; key: of the file where it is
- * named. */
+/* Loads one grid of a volume's file. lacks: text for an empty grid; key: of the file in the scene.
+ */
 static void load_grid(commit *c, const lf_volume_desc *desc, const char *name, const char *lacks,
                       const char *key, lf_volume *out)
 {
@@ -92,10 +92,9 @@ static void load_grid(commit *c, const lf_volume_desc *desc, const char *name, c
     lf_free(path);
 }
 
-/* Values that velocities carry lie between voxels and are interpolated once more. What that takes
- * from the density's contrast makes pictures brighter: white noise by 0.09 % where it takes 0.1
- * mean free paths a voxel, by 1 % at 0.4 and 3 % at 1.6 (docs/developer/estimators/motion.md,
- * "Velocities"). */
+/* Advected values lie between voxels and are interpolated once more. The loss of the density's
+ * contrast makes images brighter: white noise by 0.09 % if it is 0.1 mean free paths per voxel, by
+ * 1 % at 0.4 and 3 % at 1.6 (docs/developer/estimators/motion.md, "Velocities"). */
 static void check_roughness(const commit *c, int i)
 {
     const double most = 0.14;
@@ -125,7 +124,7 @@ static void fail_too_much(const commit *c, const lf_volume_desc *desc, const cha
     fail_at(c, "volumes", desc->name, key, &err);
 }
 
-/* What volume number i emits, if it does. */
+/* Loads the emission of volume i, if it has one. */
 static void load_emissive(commit *c, int i)
 {
     lf_scene *scene = c->scene;
@@ -149,7 +148,7 @@ static void load_emissive(commit *c, int i)
         emissive->sigma_max = 0.0f;
 }
 
-/* What scatters of a volume where grids say it. */
+/* Loads the albedo of a volume from grids. */
 static void load_albedo(commit *c, const lf_volume_desc *desc, lf_volume *volume)
 {
     if (!desc->albedo_grid[0][0])
@@ -194,7 +193,7 @@ static void load_volumes(commit *c)
         const lf_volume_desc *desc = &c->desc->volumes[i];
         lf_volume *volume = &scene->volumes[scene->n_volumes++];
         *volume = (lf_volume){.kind = desc->kind, .nearest = desc->nearest, .g = (float)desc->g};
-        if (desc->absent) { /* a shape of nothing */
+        if (desc->absent) { /* an empty shape */
             volume->kind = LF_VOLUME_BOX;
             continue;
         }
@@ -224,7 +223,7 @@ static void check_volume(const commit *c, const lf_volume *volume, int i)
         fail_at(c, "volumes", c->desc->volumes[i].name, "", &err);
 }
 
-/* Before anything is placed by where they are. */
+/* Checks volumes before other positions depend on them. */
 static void check_volumes(const commit *c)
 {
     for (int i = 0; i < c->scene->n_volumes; i++) {
@@ -237,7 +236,7 @@ static void check_volumes(const commit *c)
         check_volume(c, &c->scene->emissive.field[i], c->scene->emissive.light[i].volume);
 }
 
-/* Of number i of the descs. */
+/* Sets the position of volume i of the descs. */
 static void place_volume(const commit *c, lf_volume *volume, int i)
 {
     lf_error err = {0};
@@ -245,7 +244,7 @@ static void place_volume(const commit *c, lf_volume *volume, int i)
         fail_at(c, "volumes", c->desc->volumes[i].name, "", &err);
 }
 
-/* Values are no depths: voxels are all that there is to resolve. */
+/* Emission is not an optical depth, so voxels are the finest detail. */
 static void place_emissive(const commit *c, int i)
 {
     lf_volume *emissive = &c->scene->emissive.field[i];
@@ -255,7 +254,8 @@ static void place_emissive(const commit *c, int i)
 
 /* ------------------------------------------------------------------------------------ meshes -- */
 
-/* What a mesh chose that its file does not have: lf_gltf_find_variant begins so. */
+/* The key whose value the mesh's file does not have; lf_gltf_find_variant's message begins with it.
+ */
 static const char *choice_of(const lf_error *err)
 {
     static const char variant[] = "no variant";
@@ -299,8 +299,7 @@ static void choose_origin(const double bounds[2][3], double origin[3])
     }
 }
 
-/* The bounding box of what is in the scene; geometry (may be NULL) stands for the meshes, else
- * data. */
+/* The bounding box of the scene; geometry (may be NULL) represents the meshes, else data. */
 static void world_bounds(const commit *c, const lf_geometry *geometry, const lf_mesh_data *data,
                          double bounds[2][3])
 {
@@ -337,7 +336,7 @@ static void build_geometry(const commit *c, lf_mesh_data *data, json_t *key)
     }
 }
 
-/* Grounds that the scene leaves to be placed, by imported data. */
+/* Places automatic grounds, from imported data. */
 static void place_grounds(const commit *c, lf_mesh_data *data, json_t *key)
 {
     double beside[2][3];
@@ -349,8 +348,8 @@ static void place_grounds(const commit *c, lf_mesh_data *data, json_t *key)
         out_of_memory(c);
 }
 
-/* Sets scene->origin and scene->geometry, sharing the geometry of the scene before when nothing of
- * it changed. */
+/* Sets scene->origin and scene->geometry, and shares the previous scene's geometry if it is
+ * unchanged. */
 static void load_meshes(commit *c)
 {
     lf_scene *scene = c->scene;
@@ -423,7 +422,7 @@ static void place_meshes(commit *c)
 
 /* ------------------------------------------------------------------------------------ lights -- */
 
-/* The picture of the sky that a light's file key names or its kind paints, if there is one. */
+/* The sky image that a light's file key names or its kind computes, if any. */
 static void load_environment(const commit *c, const lf_light_desc *desc, lf_light *light)
 {
     if (desc->kind->paint && !(light->environment = lf_environment_paint(desc->kind, desc->values,
@@ -480,7 +479,7 @@ static void set_bounds(const commit *c)
     scene->bounds.max = lf_to_vec3(bounds[1]);
 }
 
-/* Meshes that glow are lights too, since lf_lights_commit. */
+/* Emissive meshes are lights, too, after lf_lights_commit. */
 static bool is_unlit(const lf_scene *scene)
 {
     for (int i = 0; i < scene->n_lights; i++) {
@@ -512,7 +511,7 @@ static void find_overlaps(const commit *c)
         if (other < 0)
             continue;
         scene->traits |= LF_TRAIT_OVERLAPS;
-        /* Two lamps find each other: one line, whose words are the same for both. */
+        /* Two coincident lights find each other: one warning, with the same text for both. */
         bool second = other < mesh && is_area_light(scene, other);
         const lf_mesh_desc *of = &c->desc->meshes[second ? other : mesh],
                            *with = &c->desc->meshes[second ? mesh : other];
@@ -525,7 +524,7 @@ static void find_overlaps(const commit *c)
     }
 }
 
-/* Steps of a ray that are shorter than half of a unit in the last place of its t get it nowhere
+/* Steps of a ray shorter than half of a unit in the last place of its t do not advance it
  * (LF_MOST_STILL). */
 static void warn_of_dense_grids(const commit *c)
 {
@@ -545,7 +544,7 @@ static void warn_of_dense_grids(const commit *c)
     }
 }
 
-/* Of every grid that the volume is made of. */
+/* Warns of every grid of the volume. */
 static void warn_of_odd_voxels(const commit *c, int i)
 {
     const lf_volume *volume = &c->scene->volumes[i];
@@ -559,7 +558,7 @@ static void warn_of_odd_voxels(const commit *c, int i)
                                   desc->file);
 }
 
-/* What parts that may be shared with other scenes know, and what only the whole does. */
+/* Warnings of parts that may be shared with other scenes, and of the whole scene. */
 static void collect_warnings(const commit *c)
 {
     lf_scene *scene = c->scene;

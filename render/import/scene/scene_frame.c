@@ -1,4 +1,4 @@
-/* What a scene is in another frame, without loading it. */
+/* Checks another frame of a scene, without loading it. */
 #include <errno.h>
 #include <unistd.h>
 

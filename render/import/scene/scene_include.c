@@ -15,7 +15,7 @@
 
 /* ------------------------------------------------------------------------------------ a file -- */
 
-/* text is no JSON; one that does not even begin like an object was never meant to be a scene. */
+/* text is not JSON; a file that does not even begin like an object is not a scene. */
 static lf_status refuse_text(const char *path, const char *text, const json_error_t *problem,
                              lf_error *err)
 {
@@ -66,13 +66,14 @@ void lf_scene_text_finish(lf_scene_text *text)
     lf_free(text->text);
     lf_free(text->path);
     *text = (lf_scene_text){0};
-    if (large) /* a document that was refused is gone with it */
+    if (large) /* the refused document is freed with it */
         lf_trim();
 }
 
-/* ----------------------------------------------------------------------------- what it names -- */
+/* -------------------------------------------------------------------------------- file names -- */
 
-/* `name` as seen from where the folder of `from` is seen. NULL = out of memory. */
+/* `name`, relative to the folder of `from`, as a path relative to the document. NULL = out of
+ * memory. */
 static char *beside(const char *from, const char *name)
 {
     char *folder = from && strchr(from, '/') ? lf_path_folder(from) : lf_strdup("");
@@ -99,14 +100,14 @@ static bool move_textures(json_t *materials, const char *from)
     bool done = true;
     json_object_foreach(materials, key, material)
     {
-        json_object_foreach(material, slot, texture)
-            done = done && move_name(texture, "file", from);
+        json_object_foreach(material, slot, texture) done =
+            done && move_name(texture, "file", from);
     }
     return done;
 }
 
-/* Names of files in a document that was included as `from` are relative to it, those of the merged
- * one to the folder of the first. */
+/* File names in a document included as `from` are relative to it; in the merged one they are
+ * relative to the folder of the first. */
 static bool move_names(json_t *doc, const char *from)
 {
     static const char *const sections[] = {"volumes", "meshes", "lights"};
@@ -127,7 +128,7 @@ static bool move_names(json_t *doc, const char *from)
 
 /* Who includes whom, up to the document. */
 typedef struct chain {
-    const char *path; /* canonical; NULL where the document is none of a file's */
+    const char *path; /* canonical; NULL if the document is not from a file */
     const struct chain *above;
 } chain;
 
@@ -162,8 +163,8 @@ static uint64_t bytes_of(const lf_includes *includes)
     return sum;
 }
 
-/* Reads the file at path, which is called `from` as seen from the document, and all it includes.
- * at: who says so. */
+/* Reads the file at path, called `from` relative to the document, and its includes. at: the
+ * including node. */
 static void include_file(const including *all, lf_reader *reader, const lf_node *at,
                          const char *path, const char *from, const chain *above)
 {
@@ -213,7 +214,7 @@ static void include_name(const including *all, lf_reader *reader, const lf_node 
     lf_free(path);
 }
 
-/* What a source includes, the last name first: it wins. */
+/* The includes of a source, the last name first: it wins. */
 static void include_all(const including *all, const lf_json_source *source, const char *from,
                         const chain *above)
 {

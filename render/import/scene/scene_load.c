@@ -18,7 +18,7 @@
 #include "render/import/scene/scene_include.h"
 #include "render/import/scene/vdb_import.h"
 
-/* Those that are all there are. */
+/* Copies closed roots. */
 static lf_status copy_roots(const lf_roots *roots, lf_roots *out, lf_error *err)
 {
     out->closed = true;
@@ -48,7 +48,7 @@ static lf_status extend_roots(const lf_roots *roots, const char *folder, lf_root
     return status;
 }
 
-/* A scene that holds the document and nothing else yet. */
+/* A scene with only its document. */
 static lf_scene *create_empty(json_t *doc, const char *folder, const char *where)
 {
     lf_scene *scene = lf_calloc(1, sizeof *scene);
@@ -76,7 +76,7 @@ static bool note_included(lf_scene *scene, const lf_includes *includes)
     return done;
 }
 
-/* Whether a volume's file is another one in every frame. */
+/* Whether a volume's file depends on the frame. */
 static bool has_sequences(const json_t *doc)
 {
     const char *name;
@@ -90,7 +90,7 @@ static bool has_sequences(const json_t *doc)
     return false;
 }
 
-/* Files are no larger; patches and what is included may add up to more. */
+/* Single files have the same limit, but patches and includes may add up to more. */
 static lf_status refuse_size(const lf_reader *reader, size_t bytes)
 {
     return lf_error_set(reader->err, LF_E_NOMEM, reader->where,
@@ -167,7 +167,7 @@ static lf_status build_from(const lf_scene *base, json_t *patch, const lf_roots 
     return status;
 }
 
-/* What the document leaves to be placed is placed. */
+/* Replaces automatic positions in the document. */
 static lf_status build(const lf_json_source *source, const char *folder, const lf_roots *roots,
                        const lf_scene *previous, lf_scene **out_scene, lf_error *err)
 {
@@ -187,7 +187,7 @@ static lf_status build(const lf_json_source *source, const char *folder, const l
     return status;
 }
 
-/* Lays patch (may be NULL) over doc; what is no object is the parser's to refuse. */
+/* Applies patch (may be NULL) to doc; the parser refuses values that are not objects. */
 static lf_status patch_document(json_t *doc, const json_t *patch, const char *path, lf_error *err)
 {
     return !patch || !json_is_object(doc) || lf_json_merge_into(doc, patch)
@@ -210,8 +210,8 @@ static lf_status build_made(json_t *doc, const json_t *patch, const char *path, 
     return status;
 }
 
-/* The names of the grids of a volume's file, of a sequence in the frame that a document has; ""
- * where the file is none. */
+/* The names of the grids of a volume's file, or of a sequence's file at the document's frame; ""
+ * for other files. */
 static lf_status list_grids(const char *path, int frame, const lf_roots *roots, char **out_names,
                             lf_error *err)
 {
@@ -239,7 +239,7 @@ static json_t *make_alone(const char *path, int frame, const lf_alone *how, cons
     return NULL;
 }
 
-/* The file alone, to see how large it is, and then with what shows it. */
+/* Loads the file alone to measure it, and then with camera and lights. */
 static lf_status load_alone(const char *path, const lf_alone *how, const json_t *patch,
                             const lf_roots *roots, const lf_scene *previous, lf_scene **out_scene,
                             lf_error *err)
@@ -266,8 +266,8 @@ static lf_status load_alone(const char *path, const lf_alone *how, const json_t 
     return status;
 }
 
-/* A document that was read, with a patch (may be NULL) on it. What it leaves to be placed is placed
- * in its own frame, whatever the patch says of frames: so it is the same in all. */
+/* A document that was read, with a patch (may be NULL). Automatic positions use the document's own
+ * frame, independent of frames in the patch, so that they are the same in all frames. */
 static lf_status build_patched(const lf_json_source *source, const json_t *patch,
                                const char *folder, const lf_roots *roots, const lf_scene *previous,
                                lf_scene **out_scene, lf_error *err)
@@ -307,8 +307,7 @@ static lf_status load_text(const char *path, const json_t *patch, const lf_roots
     return status;
 }
 
-/* Who shows a file alone knows no document: the file is named once, without a pointer to its name.
- */
+/* For a file without a scene, errors name the file once, without a JSON pointer. */
 static void name_once(const char *path, lf_error *err)
 {
     static const char key[] = "/file";

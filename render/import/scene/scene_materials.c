@@ -27,9 +27,9 @@ static void out_of_memory(const making *m)
             lf_error_set(m->reader->err, LF_E_NOMEM, m->reader->where, "out of memory");
 }
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
-/* Of the scene's material number i, which is called name. */
+/* Loads the images of the scene's material i, called name. */
 static void load_pictures(const making *m, int i, const char *name)
 {
     lf_own_textures *own = &m->scene->own_textures[i];
@@ -88,7 +88,7 @@ static void list_names(const char *const names[], int n, char *out, size_t size)
         snprintf(out + at, size - at, " and %d more", n - TOLD);
 }
 
-/* Each name of a mesh's materials once, NULL behind the last; how many. */
+/* Each name of a mesh's materials once, NULL after the last; returns their number. */
 static int names_of(const lf_geometry *geometry, int mesh, const char **out)
 {
     int n = 0;
@@ -126,7 +126,7 @@ static void refuse_name(const making *m, int mesh, const char *name)
         lf_read_fail(m->reader, &at, "no material \"%s\" in the file; it has %s", name, list);
 }
 
-/* Puts the scene's material in the place of each of the file's of that name. */
+/* Replaces each of the file's materials with that name by the scene's material. */
 static void override(const making *m, int mesh, const lf_override *o)
 {
     const lf_geometry *geometry = m->scene->geometry;
@@ -144,7 +144,7 @@ static void override(const making *m, int mesh, const lf_override *o)
 
 /* --------------------------------------------------------------------------------------- all -- */
 
-/* A mesh that has pictures of the scene's has coordinates for them. */
+/* A mesh with images of the scene must have texture coordinates. */
 static void check_uvs(const making *m, int mesh)
 {
     const lf_mesh_desc *desc = &m->desc->meshes[mesh];

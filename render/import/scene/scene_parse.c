@@ -19,7 +19,7 @@ const char *const lf_volume_endings[] = {"vdb", NULL};
 
 /* ------------------------------------------------------------------------------------- units -- */
 
-/* What one unit of node's lengths is, in millimetres; fallback where it says nothing. */
+/* Millimetres per length unit of node; fallback if not given. */
 static double parse_units(lf_reader *reader, const lf_node *node, double fallback)
 {
     static const char *const names[] = {"mm", "cm", "m", "km", "in", "ft", NULL};
@@ -28,7 +28,7 @@ static double parse_units(lf_reader *reader, const lf_node *node, double fallbac
     return unit < 0 ? fallback : mm[unit];
 }
 
-/* A transform of what a file holds, whose lengths are first brought to those of the scene. */
+/* A transform of a file's content, including the conversion of units. */
 static lf_affine parse_instances(lf_reader *reader, const lf_node *node, double scene_mm)
 {
     lf_affine a = lf_read_transform(reader, node);
@@ -81,7 +81,7 @@ static int parse_render(lf_reader *reader, const lf_node *root)
     return lf_read_int(reader, &node, "max_depth", 0, 1, 65536);
 }
 
-/* ----------------------------------------------------------------------- things kept by name -- */
+/* ----------------------------------------------------------------------------- named objects -- */
 
 /* Reads one member of a section into the slot with this number. */
 typedef void (*parse_member_fn)(lf_reader *reader, const lf_node *node, lf_scene_desc *desc,
@@ -104,7 +104,7 @@ static int count_members(lf_reader *reader, const lf_node *section, int max)
     return (int)json_object_size(section->value);
 }
 
-/* Zeroed room for the members of a section and some more; NULL and reader->status when there is no
+/* Zeroed memory for the members of a section and some more; NULL with reader->status without
  * memory. */
 static void *allocate_section(lf_reader *reader, const lf_node *root, const char *name, int max,
                               int more, size_t item_size, int *out_n)
@@ -142,7 +142,7 @@ static void parse_members(lf_reader *reader, const lf_node *root, const char *na
 #define STEPS 8 /* of velocities */
 #define MAX_GRID_NAME 256
 
-/* What a grid emits: "emission" is an object. */
+/* Emission of a grid: "emission" is an object. */
 static void parse_emissive(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
     static const char *const keys[] = {"grid", "scale", "colour", "temperature_scale", NULL};
@@ -160,7 +160,8 @@ static void parse_emissive(lf_reader *reader, const lf_node *node, lf_volume_des
         volume->emissive[i] = scale * colour[i];
 }
 
-/* "albedo" of a grid may be an object that names grids of its file: one of vectors, or three. */
+/* "albedo" of a grid volume may be an object that names grids of its file: one vector grid, or
+ * three. */
 static bool parse_albedo_grids(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
     static const char *const keys[] = {"grid", "red", "green", "blue", NULL};
@@ -185,7 +186,7 @@ static bool parse_albedo_grids(lf_reader *reader, const lf_node *node, lf_volume
     return true;
 }
 
-/* The grids of a velocity: one of vectors, or three. */
+/* The grids of a velocity: one vector grid, or three. */
 static void parse_velocity_grids(lf_reader *reader, const lf_node *node, lf_velocity_desc *velocity)
 {
     static const char *const keys[] = {"x", "y", "z"};
@@ -272,7 +273,7 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
     parse_velocity(reader, node, &volume->velocity);
 }
 
-/* Refuses what a volume says of a file, and has none. */
+/* Refuses keys that need a file, for a volume without one. */
 static void refuse_of_file(lf_reader *reader, const lf_node *node)
 {
     static const char *const keys[] = {"grid",      "sequence", "scale",   "interpolation",
@@ -300,7 +301,7 @@ static void parse_shape(lf_reader *reader, const lf_node *node, lf_volume_desc *
         lf_read_colour(reader, node, "emission", volume->emissive, 0, LF_MAX_RADIANCE);
 }
 
-/* What volumes emit is known light of one transmittance. */
+/* Volume emission is known light with one transmittance. */
 static void refuse_coloured_emission(lf_reader *reader, const lf_node *root,
                                      const lf_scene_desc *desc)
 {
@@ -366,7 +367,7 @@ static bool is_gltf(const lf_node *mesh)
     return file && (lf_path_has_ending(file, ".gltf") || lf_path_has_ending(file, ".glb"));
 }
 
-/* How much the lights of a file shine; below 0: nothing is said. */
+/* Scale factor of a file's lights; below 0: not given. */
 static double parse_lights_of(lf_reader *reader, const lf_node *node)
 {
     const lf_node lights = lf_node_child(node, "lights");
@@ -379,7 +380,7 @@ static double parse_lights_of(lf_reader *reader, const lf_node *node)
     return lf_read_bool(reader, node, "lights", true) ? 1 : 0;
 }
 
-/* Which animation of a file, and where it is in this frame. */
+/* The animation of a file, and its time in this frame. */
 static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, lf_clip *clip)
 {
     static const char *const keys[] = {"clip", "speed", "offset", "loop", NULL};
@@ -402,7 +403,7 @@ static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, l
         speed * seconds;
 }
 
-/* Which look of a file (KHR_materials_variants). */
+/* The material variant of a file (KHR_materials_variants). */
 static const char *parse_variant(lf_reader *reader, const lf_node *node)
 {
     const lf_node variant = lf_node_child(node, "variant");
@@ -468,8 +469,8 @@ static void add_area_light(lf_reader *reader, const lf_node *node, const lf_ligh
         .kind = &lf_surface_diffuse, .emission = lf_to_vec3(lamp.radiance), .one_sided = true};
 }
 
-/* What is said in watts, or watts a steradian, arrives on square metres: of a scene in other units
- * that is so many times more on the square of one. */
+/* Values in watts or watts per steradian refer to square metres; in a scene with other units the
+ * numbers are scaled to its square unit. */
 static void convert_watts(lf_light_desc *light, double scene_mm)
 {
     double metre = 1e3 / scene_mm;

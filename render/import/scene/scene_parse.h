@@ -48,7 +48,7 @@ typedef struct lf_volume_desc {
     /* or grids of the file, one per channel: "" = none */
     char albedo_grid[3][LF_GRID_NAME_BYTES];
     /* Emission, radiance per scene unit; only if is_emissive. For grids per unit of the value of
-     * emission_grid or, if kelvin > 0, as a black body of kelvin degrees per unit. */
+     * emission_grid or, if temperature_scale > 0, as a black body of that many kelvin per unit. */
     bool is_emissive;
     const char *emission_grid;
     double emissive[3], temperature_scale;

@@ -11,7 +11,7 @@
 #include "render/import/scene/geometry_textures.h"
 #include "render/import/scene/mesh_take.h"
 
-/* A file of a picture, open. */
+/* An opened image file. */
 typedef struct part {
     char *path; /* NULL: there is none */
     int fd;
@@ -58,7 +58,7 @@ static lf_scene_picture *find_in(const lf_scene *scene, const char *key)
     return NULL;
 }
 
-/* Of both files and what is made of them. NULL = out of memory. */
+/* Key of both files and their processing. NULL = out of memory. */
 static char *key_of(const part parts[2], lf_slot slot, lf_texels_use use, float threshold)
 {
     const char *first = parts[0].key ? parts[0].key : "",
@@ -98,7 +98,8 @@ static lf_status read_part(part *p, lf_digest *digest, lf_error *err)
     if (!p->path)
         return LF_OK;
     lf_status status = lf_file_digest(p->fd, p->path, digest, err);
-    snprintf(request.path, sizeof request.path, "%s", p->path); /* in words: it is open already */
+    /* only for messages: the file is open already */
+    snprintf(request.path, sizeof request.path, "%s", p->path);
     if (status == LF_OK)
         status = lf_import_run(&request, p->fd, p->path, NULL, NULL, &parcel, err);
     if (status == LF_OK)
@@ -109,7 +110,7 @@ static lf_status read_part(part *p, lf_digest *digest, lf_error *err)
 
 /* ------------------------------------------------------------------------------ put together -- */
 
-/* Where a picture says how much is there: in its alpha, else by how bright it is. */
+/* Whether an image contains coverage: its alpha, else its brightness. */
 static bool has_holes(const lf_texels *p)
 {
     const size_t n = (size_t)p->width * (size_t)p->height;
@@ -119,7 +120,7 @@ static bool has_holes(const lf_texels *p)
     return false;
 }
 
-/* The texel of p that lies where (x, y) of a picture of another size does. */
+/* The texel of p at the position of (x, y) in an image of another size. */
 static const uint8_t *texel_at(const lf_texels *p, const lf_texels *of, int x, int y)
 {
     const size_t column = (size_t)((int64_t)x * p->width / of->width),
@@ -132,7 +133,7 @@ static void put_cover(const uint8_t *from, bool by_alpha, uint8_t *to)
     to[3] = by_alpha ? from[3] : (uint8_t)((from[0] + from[1] + from[2] + 1) / 3);
 }
 
-/* The second part into the first, which is white where it is none: coverage, or the share of metal.
+/* Combines the second part with the first, which is white if there is none: coverage, or metallic.
  */
 static void combine(lf_slot slot, const part parts[2], lf_texels *out)
 {

@@ -12,7 +12,7 @@ static json_t *member(json_t *doc, const char *section, const char *name)
     return json_object_get(json_object_get(doc, section), name);
 }
 
-/* A copy of an object and of the objects in it, so many levels deep; what is below is shared. */
+/* A copy of an object and its nested objects, `levels` deep; deeper values are shared. */
 static json_t *copy_levels(json_t *object, int levels)
 {
     json_t *copy = json_copy(object), *value;
@@ -30,7 +30,7 @@ static json_t *copy_levels(json_t *object, int levels)
     return copy;
 }
 
-/* Velocities are of a time; without one they are no word worth. */
+/* Velocities apply to a time range; without one they are omitted. */
 static bool put_flow(json_t *said, const lf_scene_desc *desc, const lf_volume_desc *volume)
 {
     double times[2];
@@ -53,7 +53,7 @@ static bool put_volume(json_t *doc, const lf_scene_desc *scene, const lf_volume 
            json_object_set_new(said, "file", json_string(volume->grid->digest.text)) == 0;
 }
 
-/* What does not move yet, in the first of its file's animations, is no word worth. */
+/* An animation at its start, in the first clip, is omitted. */
 static bool put_motion(json_t *said, const lf_mesh_motion *motion, const lf_clip *clip)
 {
     bool still = motion->moment == motion->close;
@@ -91,7 +91,7 @@ static bool put_light(json_t *doc, const lf_light *light, const lf_light_desc *d
     return done;
 }
 
-/* Pictures by what they hold. */
+/* Images by their content. */
 static bool put_pictures(json_t *doc, const lf_scene *scene, const lf_scene_desc *desc)
 {
     json_t *said;
@@ -123,7 +123,7 @@ static json_t *numbers_of(const lf_affine *map)
     return list;
 }
 
-/* Where a thing goes while the shutter is open. */
+/* The motion of an object while the shutter is open. */
 static bool put_shutter(json_t *said, const lf_affine *open, const lf_affine *close)
 {
     if (memcmp(open, close, sizeof *open) == 0)
@@ -147,7 +147,7 @@ static bool put_ways(json_t *doc, const lf_shutter *shutter)
     return done;
 }
 
-/* What a light without faces says at one end of the shutter, but for its file. */
+/* The values of a light without faces at one end of the shutter, without its file. */
 static json_t *said_of(json_t *doc, const char *name)
 {
     json_t *said = json_copy(member(doc, "lights", name));
@@ -168,7 +168,7 @@ static bool put_light_motion(json_t *doc, const lf_shutter *shutter, const char 
 json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
                          const lf_shutter *shutter)
 {
-    json_t *doc = copy_levels(scene->file.still, 3); /* things are the third */
+    json_t *doc = copy_levels(scene->file.still, 3); /* objects are the third level */
     bool done = doc;
     for (int i = 0; i < desc->n_volumes && done; i++)
         done = put_volume(doc, desc, &scene->volumes[i], &desc->volumes[i]);

@@ -6,7 +6,7 @@
 #include "render/import/scene/material_parse.h"
 #include "render/import/scene/tangents.h"
 
-/* The mesh as tangents see it: materials of the scene stand in for those of its file. */
+/* The mesh with the scene's materials in place of the file's. */
 typedef struct stand_in {
     lf_mesh_data data;
     int *of_scene; /* [data.n_materials]; -1: the file's */
@@ -61,7 +61,7 @@ static void put_materials(const lf_scene_desc *scene, const lf_mesh_desc *mesh,
     }
 }
 
-/* So that they are made anew. */
+/* So that they are recomputed. */
 static void forget_tangents(stand_in *s)
 {
     for (size_t c = 0; s->data.tangents && c < 3 * (size_t)s->data.n_triangles; c++)

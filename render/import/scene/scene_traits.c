@@ -15,7 +15,8 @@ static void mark_used(const lf_mesh *mesh, bool *used)
         used[mesh->triangle_material[t]] = true;
 }
 
-/* Colours along a mesh tint what its panes let through: such glass is no veil. */
+/* Vertex colours tint the transmittance of thin glass: such glass is not treated as an alpha
+ * surface. */
 static void colour_thin_glass(lf_scene *scene)
 {
     for (int i = 0; i < scene->n_meshes; i++) {

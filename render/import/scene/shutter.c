@@ -6,7 +6,7 @@
 #include "base/alloc.h"
 #include "render/import/scene/keyframes.h"
 
-/* One end, so many frames from the frame; root.value becomes its document. */
+/* One end, `frames` frames from the frame; root.value becomes its document. */
 static void read_end(lf_reader *reader, const lf_node *root, double frames, int end,
                      lf_shutter *out)
 {
@@ -87,7 +87,7 @@ bool lf_shutter_light(const lf_value open[], const lf_value close[], const doubl
 
 /* ---------------------------------------------------------------------------------- warnings -- */
 
-/* Adds a name to the list of what stands still. */
+/* Adds a name to the list of static objects. */
 static void add(char *list, size_t size, const char *section, const char *name)
 {
     size_t at = strlen(list);
@@ -127,7 +127,7 @@ static bool is_sky(const json_t *light)
     return type && strcmp(type, lf_light_sky.name) == 0;
 }
 
-/* What moves of a light, NULL: all of it. */
+/* Moving keys of a light, NULL: all. */
 static const char *const *moving_of_light(const lf_scene_desc *desc, const char *name,
                                           const json_t *light)
 {
@@ -137,7 +137,7 @@ static const char *const *moving_of_light(const lf_scene_desc *desc, const char 
     return is_area_light(desc, name) ? lamps : is_sky(light) ? skies : NULL;
 }
 
-/* What moves of a section's things, and of the camera. */
+/* Moving keys of a section's objects, and of the camera. */
 static const char *const *moving_of(const char *section)
 {
     static const char *const camera[] = {"position", "target", "focus_distance", NULL},

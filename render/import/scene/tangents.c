@@ -8,8 +8,8 @@
 
 /* Sums at a vertex. */
 typedef struct frame {
-    double normal[3];            /* of its faces, where the mesh has none */
-    double tangent[3], above[3]; /* where the picture goes right, and up */
+    double normal[3];            /* of its faces, if the mesh has none */
+    double tangent[3], above[3]; /* directions right and up in the image */
 } frame;
 
 bool lf_mesh_wants_tangents(const lf_mesh_data *data)
@@ -22,8 +22,8 @@ bool lf_mesh_wants_tangents(const lf_mesh_data *data)
     return false;
 }
 
-/* Along what the tangents of a triangle go: its normal map, its coat's, the picture of its grooves,
- * the first coordinates where it has grooves alone; NULL: it has none of them. */
+/* The texture that defines the tangents of a triangle: its normal map, its coat's, its anisotropy
+ * texture, or for anisotropy alone the first coordinates; NULL: none. */
 static const lf_texture *map_of(const lf_mesh_data *data, int triangle)
 {
     static const lf_texture plain = {.map = {{1, 0, 0}, {0, 1, 0}}};
@@ -40,7 +40,7 @@ static const lf_texture *map_of(const lf_mesh_data *data, int triangle)
     return map && map->set < data->n_uv_sets ? map : NULL;
 }
 
-/* Where a vertex lies in the picture: to the right, and up. */
+/* A vertex's position in the image: to the right, and up. */
 static void place_in_picture(const lf_mesh_data *data, const lf_texture *map, uint32_t vertex,
                              double out[2])
 {
@@ -50,8 +50,8 @@ static void place_in_picture(const lf_mesh_data *data, const lf_texture *map, ui
     out[1] = -out[1];
 }
 
-/* How a position changes to the right and upwards in the picture, as unit vectors. false: a
- * triangle that is a line there. */
+/* Derivatives of the position to the right and upwards in the image, as unit vectors. false: the
+ * triangle is degenerate in the image. */
 static bool gradients_of(const lf_mesh_data *data, const lf_texture *map, const uint32_t t[3],
                          double right[3], double up[3])
 {
@@ -104,7 +104,7 @@ static void add_triangle(const lf_mesh_data *data, int triangle, frame *frames)
     }
 }
 
-/* Makes v unit and across n. false: nothing of it is. */
+/* Makes v unit and perpendicular to n. false: v is parallel to n. */
 static bool put_across(const double n[3], double v[3])
 {
     double length = lf_length_double(v);
@@ -127,7 +127,7 @@ static void normal_at(const lf_mesh_data *data, size_t vertex, const frame *f, d
         out[i] = length > 0 ? out[i] / length : i == 1;
 }
 
-/* Of what the file says, the sums, and any direction: the first that can be used. */
+/* Uses the file's tangent, the sum, or any direction: the first that is valid. */
 static void finish_frame(const double n[3], const frame *f, float tangent[4])
 {
     double across[3], told[3] = {(double)tangent[0], (double)tangent[1], (double)tangent[2]},

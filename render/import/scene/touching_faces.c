@@ -6,7 +6,7 @@
 #include "base/alloc.h"
 #include "render/scene/vec_double.h"
 
-/* Scenes are loaded while somebody waits: half a second, and 400 MB for so long. */
+/* Limits, because users wait for scenes to load: half a second, and 400 MB during that time. */
 enum { MOST_TRIANGLES = 1 << 21, MOST_COMPARED = 1 << 28, MOST_PAIRS = 1 << 22 };
 
 typedef struct flat {

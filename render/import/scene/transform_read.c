@@ -83,7 +83,7 @@ static lf_affine parse_matrix(lf_reader *reader, const lf_node *node)
     return a;
 }
 
-/* What an object says. */
+/* Reads a transform object. */
 static lf_affine parse_map(lf_reader *reader, const lf_node *node)
 {
     static const char *const keys[] = {"scale", "rotate", "translate", "matrix", NULL};
@@ -111,7 +111,7 @@ lf_affine lf_read_transform(lf_reader *reader, const lf_node *node)
     return a;
 }
 
-/* ------------------------------------------------------------------------------------ places -- */
+/* --------------------------------------------------------------------------------- instances -- */
 
 /* 12 or 16 numbers, row by row. */
 static lf_affine parse_rows(lf_reader *reader, const lf_node *node)

@@ -13,7 +13,7 @@ static bool is_named(const char *grid, const char *name, size_t length)
     return (n == length || first) && strncmp(grid, name, n) == 0;
 }
 
-/* One of several names, each on its line. */
+/* Whether a name is one of several, one per line. */
 static bool is_added(const char *names, const char *name, size_t length)
 {
     for (const char *one = names; *one;) {
@@ -27,7 +27,7 @@ static bool is_added(const char *names, const char *name, size_t length)
     return false;
 }
 
-/* Of a grid of vectors the name goes on with the component: "Cd.x". */
+/* For a vector grid the name continues with the component: "Cd.x". */
 static bool is_component(const char *component, const char *name, size_t length)
 {
     char grid[LF_GRID_NAME_BYTES];
@@ -57,7 +57,7 @@ static bool is_used(const lf_scene_desc *desc, const char *file, const char *nam
     return false;
 }
 
-/* What programs call velocities: the name, or that and a component. */
+/* Common names of velocities: the name, or the name and a component. */
 static bool is_velocity(const char *name, size_t length)
 {
     static const char *const names[] = {"velocity", "vel", "v"};
@@ -69,7 +69,7 @@ static bool is_velocity(const char *name, size_t length)
     return false;
 }
 
-/* Whether the shutter is open and none of a file's volumes says what it moves by. */
+/* Whether the shutter is open and none of a file's volumes has a velocity. */
 static bool stands_still(const lf_scene_desc *desc, const char *file)
 {
     bool flows = false;

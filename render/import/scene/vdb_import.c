@@ -9,7 +9,7 @@
 #include "base/sandbox/import.h"
 #include "render/scene/scene.h"
 
-/* The section's elements if there are as many as they have to be. */
+/* The section's elements if it has the expected number. */
 static const void *exactly(const lf_parcel *parcel, lf_parcel_tag tag, size_t count)
 {
     size_t n;
@@ -24,7 +24,7 @@ static lf_status take_others(const lf_parcel *parcel, lf_grid *grid)
     return lf_grid_set_others(grid, others && others[n - 1] == '\0' ? others : "");
 }
 
-/* Numbers of words alone: whatever they are, no voxel depends on them. */
+/* Numbers for messages only: no voxel depends on them. */
 static void take_odd(const lf_parcel *parcel, lf_grid *grid)
 {
     const double *odd = exactly(parcel, LF_PARCEL_ODD, 4);
@@ -68,7 +68,8 @@ static lf_status import(int fd, const char *path, const char *name, bool is_velo
         return lf_error_set(err, LF_E_FORMAT, path, "the name of a grid has at most %zu bytes",
                             sizeof request.grid - 1);
     memcpy(request.grid, name, strlen(name) + 1);
-    snprintf(request.path, sizeof request.path, "%s", path); /* in words: it is open already */
+    /* only for messages: the file is open already */
+    snprintf(request.path, sizeof request.path, "%s", path);
     lf_status status = lf_import_run(&request, fd, path, NULL, NULL, &parcel, err);
     if (status != LF_OK)
         return status;

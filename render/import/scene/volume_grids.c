@@ -10,7 +10,7 @@
 #include "render/scene/grid.h"
 #include "render/scene/grid_flow.h"
 
-/* A file that is open, and what is wanted of it. */
+/* An open file, and the requested grids. */
 typedef struct request {
     int fd;
     bool rounds;
@@ -22,9 +22,9 @@ static lf_status no_memory(const request *r, lf_error *err)
     return lf_error_set(err, LF_E_NOMEM, r->path, "out of memory");
 }
 
-/* ----------------------------------------------------------------------------- what there is -- */
+/* ---------------------------------------------------------------------------- existing grids -- */
 
-/* A field whose grid is as a key says, among so many. */
+/* A field whose grid has a key, among n fields. */
 static const lf_volume *find_among(const lf_volume *fields, int n, const char *key, bool flows)
 {
     for (int i = 0; fields && i < n; i++)
@@ -44,14 +44,14 @@ static const lf_volume *find_in(const lf_scene *scene, const char *key, bool flo
     return found ? found : find_among(scene->emissive.field, scene->emissive.n, key, flows);
 }
 
-/* In this scene or the one before. */
+/* In this scene or the previous one. */
 static const lf_volume *find(const lf_grid_source *source, const char *key, bool flows)
 {
     const lf_volume *found = find_in(source->scene, key, flows);
     return found ? found : find_in(source->previous, key, flows);
 }
 
-/* ---------------------------------------------------------------------------------- as it is -- */
+/* ------------------------------------------------------------------------ without velocities -- */
 
 static lf_status import_grid(const request *r, const char *key, lf_grid **out, lf_error *err)
 {
@@ -144,7 +144,7 @@ static lf_status need_velocities(lf_grid_source *source, const lf_volume_desc *v
     return status;
 }
 
-/* The grid's name, and all that says how it flows. */
+/* The grid's name, and everything that determines its advection. */
 static char *flow_key(const lf_grid_source *source, const lf_volume_desc *volume, const request *r)
 {
     char what[(LF_MAX_SUMMED + 3) * LF_GRID_NAME_BYTES + 256];
@@ -181,7 +181,7 @@ static lf_status make_steps(const lf_grid_source *source, const lf_volume_desc *
                                           (int)strcspn(r->names, "\n"), r->names, problem.what);
 }
 
-/* Puts a key in place of the grid's own. */
+/* Replaces the grid's own key. */
 static lf_status name_steps(lf_grid_steps *steps, const char *key)
 {
     lf_status status = LF_OK;
@@ -190,7 +190,7 @@ static lf_status name_steps(lf_grid_steps *steps, const char *key)
     return status;
 }
 
-/* Grids without values and velocities without any leave it as it is. */
+/* Grids without values, and velocities without values, leave it unchanged. */
 static lf_status let_flow(lf_grid_source *source, const lf_volume_desc *volume, const request *r,
                           const char *key, lf_volume *out, const char **out_key, lf_error *err)
 {

@@ -16,7 +16,7 @@ static lf_affine volume_to_world(const lf_volume *volume, const lf_volume_desc *
     return lf_affine_compose(&desc->transform, &local);
 }
 
-/* The box in volume space outside of which there is nothing, the filter's footprint included. */
+/* The box in volume space outside of which the volume is 0, including the filter's footprint. */
 static void volume_support(const lf_volume *volume, double lo[3], double hi[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -53,9 +53,9 @@ static double shortest_edge(const lf_affine *map)
     return edge;
 }
 
-/* What slices resolve of a grid: the shortest edge of a voxel, down to a quarter of it where that
- * is optically thick. (Between planes the density is linear along the ray, so that a voxel's own
- * gradient is kept; what is rounded off are its kinks.) */
+/* The cell size that slices resolve: the shortest edge of a voxel, down to a quarter of it if that
+ * is optically thick. (Between planes the density is linear along the ray, so a voxel's own
+ * gradient is kept; only its kinks are rounded off.) */
 static float slice_cell(const lf_volume *volume)
 {
     double edge = (double)volume->voxel;
@@ -83,7 +83,7 @@ static void set_box(lf_volume *volume, const lf_volume_motion *motion)
     extend_by_volume(volume, &motion->close, bounds);
     for (int i = 0; i < 3; i++)
         largest = fmax(largest, fmax(fabs(bounds[0][i]), fabs(bounds[1][i])));
-    /* Rounding of a point on its way into volume space must not leave the box. */
+    /* Rounding during the transform to volume space must not leave the box. */
     for (int i = 0; i < 3; i++) {
         bounds[0][i] -= 1e-6 * largest;
         bounds[1][i] += 1e-6 * largest;

@@ -5,7 +5,7 @@
 #include "render/transport/light/light_kind.h"
 #include "render/transport/path/track.h"
 
-/* Scenes are loaded while somebody waits: a million triangles took 0.17 s. */
+/* A limit, because users wait for scenes to load: a million triangles took 0.17 s. */
 enum { MOST_TRIANGLES = 1 << 18 };
 
 static bool contains(const lf_box *box, lf_vec3 p)
@@ -31,7 +31,7 @@ static bool is_opaque(const lf_scene *scene, const lf_mesh *mesh)
     return opaque;
 }
 
-/* Whether something may shine in the box; lights at a distance do not. */
+/* Whether anything in the box may emit; lights at a distance do not. */
 static bool may_shine_in(const lf_scene *scene, const lf_box *box)
 {
     bool found = false;
@@ -65,7 +65,7 @@ static double solid_angle(const lf_mesh *mesh, const uint32_t *triangle, const d
     return 2 * atan2(lf_dot_double(to[0], normal), below);
 }
 
-/* How often a closed mesh goes around p: an odd number where each way out leads through it. */
+/* How often a closed mesh winds around p: odd if every way out passes through it. */
 static bool surrounds(const lf_mesh *mesh, const double p[3])
 {
     double sum = 0;
@@ -75,7 +75,7 @@ static bool surrounds(const lf_mesh *mesh, const double p[3])
     return fabs(times - round(times)) < 1e-3 && fmod(fabs(round(times)), 2) == 1;
 }
 
-/* A few rays, which tell of most cameras that they stand in the open. */
+/* A few rays, which show for most cameras that they are not enclosed. */
 static bool sees_out(const lf_scene *scene, lf_vec3 p)
 {
     lf_tracer tracer = {.scene = scene};

@@ -2,7 +2,7 @@
 
 #include "render/scene/look_up.h"
 
-/* A ray in a volume's own space, and what of it lies inside of the volume's box. */
+/* A ray in a volume's own space, with its part inside the volume's box. */
 typedef struct local_ray {
     double o[3], d[3], from, to;
 } local_ray;
@@ -36,10 +36,10 @@ static bool clip(const lf_grid *grid, local_ray *r)
     return r->to > r->from;
 }
 
-/* Steps along a ray between planes that lie `side` apart in every axis, one of them at `first`. */
+/* Steps along a ray between planes at distance `side` along every axis, one of them at `first`. */
 typedef struct steps {
-    double next[3], delta[3]; /* the distance of the next plane, and from there to the one behind */
-    double from, to, end;     /* the step in hand, and where all of them end */
+    double next[3], delta[3]; /* distance of the next plane, and from there to the following one */
+    double from, to, end;     /* the current step, and the end of all steps */
 } steps;
 
 static void step_on(steps *s)
@@ -73,8 +73,8 @@ static bool steps_next(steps *s)
     return true;
 }
 
-/* lf_grid_value and lf_grid_voxel of a place in double: far from a large grid's first voxel a float
- * is coarse. */
+/* lf_grid_value and lf_grid_voxel for a position in double: far from a large grid's first voxel,
+ * float is too coarse. */
 static double value_at(const lf_volume *volume, const local_ray *r, double t)
 {
     const lf_grid *grid = volume->grid;
@@ -95,7 +95,7 @@ static double value_at(const lf_volume *volume, const local_ray *r, double t)
                                  : lf_cell_linear_short(grid->shorts + cell, grid->short_scale, f));
 }
 
-/* Of the values between two distances, in one brick. */
+/* The integral of the values between two distances, in one brick. */
 static double cells(lf_tracer *tracer, const lf_volume *volume, const local_ray *r, double from,
                     double to)
 {
@@ -172,7 +172,7 @@ static double between(double x, double lo, double hi)
     return x > lo ? (x < hi ? x : hi) : lo;
 }
 
-/* clip, of voxels' edges where the volume has some; without calls. */
+/* clip, for voxels with edges, if the volume has them; without calls. */
 static bool part_inside(const lf_volume *volume, local_ray *r)
 {
     const double lo = volume->nearest ? -0.5 : -1.0, hi = volume->nearest ? 0.5 : 0.0;

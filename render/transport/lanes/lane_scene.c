@@ -8,20 +8,20 @@
 #include "render/transport/path/sunlight_media.h"
 #include "render/transport/path/track.h"
 
-/* Nodes of the control along the longest side: one for two voxels, within bounds. */
+/* Nodes of the control along the longest side: one per two voxels, within bounds. */
 enum { LEAST_NODES = 16, MOST_NODES = 160 };
 
-/* 1 GiB, beside the grid itself where that is of floats. */
+/* 1 GiB, in addition to the grid itself if that is in float. */
 #define MOST_VALUES (UINT64_C(1) << 29)
 
-/* Of a picture of the sky: indices are 32 bits. */
+/* For a sky image: indices have 32 bits. */
 #define MOST_TEXELS (UINT64_C(1) << 29)
 
 /* --------------------------------------------------------------------------------- the scene -- */
 
-/* Mean free paths along the longest edge of a voxel: where there are more, what 16 bits round off
- * in a brick could take more than 1/256 of the light on its way through (grids that are in 16 bits
- * already are held to the same). */
+/* Maximum number of mean free paths along the longest edge of a voxel. Above, the rounding to 16
+ * bits in a brick could absorb more than 1/256 of the light (the same limit applies to grids that
+ * are in 16 bits already). */
 #define MOST_DEPTH 64.0f
 
 static float deepest_voxel(const lf_volume *v)
@@ -33,7 +33,7 @@ static float deepest_voxel(const lf_volume *v)
     return longest * v->sigma_max;
 }
 
-/* Of one grid. */
+/* For one grid. */
 static bool serves_volume(const lf_volume *v)
 {
     uint64_t framed = 1;
@@ -48,8 +48,7 @@ static bool has_picture(const lf_light *light)
     return light->environment;
 }
 
-/* The picture, drawn or as even as never to be, or the light beside it that is drawn; NULL: there
- * is none. */
+/* The image, whether it is sampled or constant, or the sampled light besides it; NULL: none. */
 static bool counts(const lf_light *light, bool picture)
 {
     return has_picture(light) == picture && (picture || light->select > 0.0f);
@@ -68,7 +67,7 @@ static bool serves_picture(const lf_environment *picture)
     return (uint64_t)picture->width * (uint64_t)picture->height < MOST_TEXELS;
 }
 
-/* Of lights at infinity. */
+/* For lights at infinity. */
 static bool serves_lights(const lf_scene *scene)
 {
     int drawn[2] = {0, 0};
@@ -122,7 +121,7 @@ static lf_lane_disk disk_of(const lf_light *light)
     return disk;
 }
 
-/* What the skies without a picture send from everywhere. */
+/* Constant radiance of the skies without an image. */
 static lf_vec3 even_sky(const lf_scene *scene)
 {
     lf_vec3 sum = lf_v3(0.0f, 0.0f, 0.0f);
@@ -140,8 +139,7 @@ static bool is_empty(const lf_box *box)
     return !(box->min.x <= box->max.x);
 }
 
-/* Makes the box that holds what is inside of min and max hold a mesh as well, and what it may be
- * off by in rounded coordinates. */
+/* Extends the box min, max to a mesh, plus the error of rounded coordinates. */
 static void grow(const lf_volume *volume, const lf_box *mesh, float min[3], float max[3])
 {
     const float x[2] = {mesh->min.x, mesh->max.x}, y[2] = {mesh->min.y, mesh->max.y},
@@ -288,7 +286,7 @@ typedef struct shades {
     float toward[3]; /* volume space */
 } shades;
 
-/* What meshes let through from p to the light. */
+/* Transmittance of meshes from p to the light. */
 static float passed(const shades *job, lf_tracer *tracer, lf_vec3 p)
 {
     const lf_volume *volume = &job->field->scene->volumes[0];

@@ -5,9 +5,9 @@
 #include "render/transport/lanes/lane_surfaces.h"
 #include "render/transport/path/phase.h"
 
-/* Look-ups between two questions whether a visit is cancelled, about: some hundredths of a second;
- * and for how many a ray to surfaces counts. Pivots that keep lanes busy; and those of a batch that
- * does not know yet how long paths are. */
+/* Look-ups between two checks for cancellation: some hundredths of a second. A_RAY: look-ups that a
+ * ray to surfaces costs. LEAST_PIVOTS: pivots that keep lanes busy. FIRST_PIVOTS: pivots of a first
+ * batch, when the length of paths is unknown. */
 enum { MOST_LOOKUPS = 1 << 20, A_RAY = 8, LEAST_PIVOTS = 16, FIRST_PIVOTS = 64 };
 
 void lf_suffix_batch_init(lf_suffix_batch *batch, const lf_lane_scene *lanes,
@@ -35,7 +35,7 @@ static void prepare_light(lf_suffix_batch *batch, const lf_scene *scene, int at,
     u[0] = lf_sampler_1d(sampler);
     lf_sampler_2d(sampler, u + 1);
     pivot->has_light = lf_light_draw(scene, p, u, &pivot->light);
-    /* anywhere, where there is none */
+    /* arbitrary, if there is none */
     lf_vec3 toward = pivot->has_light ? pivot->light.wi : lf_v3(0.0f, 1.0f, 0.0f);
     batch->toward[0][at] = toward.x;
     batch->toward[1][at] = toward.y;
@@ -47,7 +47,7 @@ static void prepare_light(lf_suffix_batch *batch, const lf_scene *scene, int at,
     set_key(&batch->random[0][at], &batch->random[1][at], lf_hash64(pivot->rng, 0));
 }
 
-/* Directions of its suffixes: the sampler's, and from it a lattice around the sphere. */
+/* Directions of its suffixes: the sampler's, and a lattice around the sphere that starts there. */
 static void prepare_paths(lf_suffix_batch *batch, const lf_scene *scene, int at,
                           lf_sampler *sampler)
 {
@@ -87,7 +87,7 @@ static int64_t work_of(const lf_tracer *tracer)
     return tracer->lookups + A_RAY * tracer->rays;
 }
 
-/* Twice as many as it was, or as many as take MOST_LOOKUPS by what n took. */
+/* Doubles the number, or sets it to what takes MOST_LOOKUPS, judged by the cost of n. */
 static void set_most(lf_suffix_batch *batch, int n, int64_t work)
 {
     const int64_t fit = work > 0 ? n * (int64_t)MOST_LOOKUPS / work : LF_BATCH_PIVOTS;

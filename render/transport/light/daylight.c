@@ -79,9 +79,9 @@ void lf_daylight_radiance(const lf_daylight *sky, double cos_zenith, double cos_
 
 enum { FIRST = 380, STEP = 10, N_BANDS = 38 };
 
-/* What the air lets through of light of this wavelength, appendix A.1; mass: its way through the
- * air over that from the zenith. The tables are those of the paper's table 2: ozone from 450 nm on,
- * water vapour from 690 nm on, both per centimetre; mixed gases begin at 760 nm, behind the last
+/* Transmittance of the atmosphere at this wavelength, appendix A.1; mass: path length through the
+ * atmosphere over that from the zenith. The tables are the paper's table 2: ozone from 450 nm on,
+ * water vapour from 690 nm on, both per centimetre; mixed gases begin at 760 nm, after the last
  * band. */
 static double transmittance(int nm, double turbidity, double mass)
 {
@@ -127,7 +127,7 @@ void lf_daylight_sun(double turbidity, double elevation, double out_rgb[3])
         out_rgb[j] = fmax(out_rgb[j], 0.0);
 }
 
-/* ---------------------------------------------------------------------------------- pictures -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 /* A row above the horizon, both halves the same; adds what the row gives a horizontal plane. */
 static void paint_row(const lf_daylight *sky, int row, int width, int height, float *rgb,
@@ -138,7 +138,7 @@ static void paint_row(const lf_daylight *sky, int row, int width, int height, fl
            projected = M_PI * (pow(sin(lower), 2.0) - pow(sin(upper), 2.0)) / width;
     for (int x = 0; x < (width + 1) / 2; x++) {
         double phi = 2.0 * M_PI * (x + 0.5) / width, c[3];
-        /* The sun stands where phi is pi. */
+        /* The sun is at phi = pi. */
         double cos_sun =
             cos(theta) * sin(sky->elevation) - sin(theta) * cos(sky->elevation) * cos(phi);
         lf_daylight_radiance(sky, cos(theta), cos_sun, c);

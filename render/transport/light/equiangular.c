@@ -49,7 +49,7 @@ static void set_media_bounds(lf_scene *scene)
     scene->equiangular.media.max = max;
 }
 
-/* The strongest light in media that has no glow yet, or NULL. */
+/* The strongest light in media that is not an equiangular light yet, or NULL. */
 static lf_light *strongest(lf_scene *scene)
 {
     lf_light *best = NULL;

@@ -4,8 +4,8 @@
 #include "render/transport/sampler.h"
 #include "render/transport/surface/surface_texture.h"
 
-/* Share of the picks that goes to all lights evenly: the power estimate knows nothing of distances
- * and shadows. */
+/* Share of the picks that is uniform over all lights: the power estimate ignores distances and
+ * shadows. */
 #define EVEN_SHARE 0.2
 
 #define LIST(name) &lf_light_##name,
@@ -37,16 +37,16 @@ lf_vec3 lf_light_seen(const lf_scene *scene, lf_vec3 w)
     return radiance;
 }
 
-/* u[0] with more digits: it ends at 2^-24, and picking a light uses some of that up, while the
- * light may have millions of triangles. A hash of the other two numbers goes on where it ends. */
+/* u[0] with more digits. It has 24 bits, and picking a light uses some of them, but the light may
+ * have millions of triangles. A hash of the other two numbers appends further bits. */
 static double refine(const float u[3])
 {
     uint64_t others = (uint64_t)(u[1] * 0x1p24f) << 32 | (uint64_t)(u[2] * 0x1p24f);
     return (double)u[0] + (double)(lf_hash64(others, 0) >> 40) * 0x1p-48;
 }
 
-/* Picks the first light whose cumulative probability lies above *u, which becomes the place of u in
- * its share. */
+/* Picks the first light whose cumulative probability is above *u, which becomes the position of u
+ * in the light's interval. */
 static const lf_light *pick(const lf_scene *scene, double *u)
 {
     int first = 0, count = scene->n_lights;
@@ -151,7 +151,8 @@ static int rank(const lf_light *light)
     return i;
 }
 
-/* Stable, and in place: scenes have few lights, and the mesh lights behind them come ordered. */
+/* A stable sort in place: scenes have few lights, and the mesh lights after them are sorted
+ * already. */
 static void order_by_kind(lf_scene *scene)
 {
     for (int i = 1; i < scene->n_lights; i++) {

@@ -1,4 +1,4 @@
-/* A disk that shines to one side. */
+/* A disk that emits to one side. */
 #include "render/transport/light/light_types.h"
 
 enum { POSITION, DIRECTION, RADIUS, RADIANCE, POWER, VISIBLE };

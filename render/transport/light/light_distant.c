@@ -1,13 +1,12 @@
 /* A light at infinity: a direction, or a disk of constant radiance. Angles are measured by the
- * versine, 1 - cos, which keeps its digits where the cosine has none left: half of the squared
- * chord from w to the middle of the disk.
+ * versine, 1 - cos, which keeps its digits for small angles: it is half of the squared chord from w
+ * to the middle of the disk.
  *
- * Directions in single precision stand on a lattice of 6e-8, 1/15 of the radius of the smallest
- * disk. Whether such a direction is inside says nothing within that distance of the rim, and
- * counting lattice points would make the area of a small disk a matter of luck. The rim is
- * therefore a ramp, linear in the versine and as wide as directions are blurred: the mean over it
- * is the disk's, so that area and energy are kept, and a sum of something smooth over a lattice is
- * as good as the integral. */
+ * Directions in single precision lie on a lattice of 6e-8, 1/15 of the radius of the smallest disk.
+ * Within that distance of the rim it is undefined whether a direction is inside, and counting
+ * lattice points would make the area of a small disk random. So the rim is a ramp, linear in the
+ * versine and as wide as the rounding of directions. Its mean is the disk's, so that area and
+ * energy are kept, and the sum of a smooth function over a lattice is as good as the integral. */
 #include "render/scene/vec_double.h"
 #include "render/transport/light/light_types.h"
 
@@ -36,8 +35,8 @@ float lf_disk_ramp(const lf_light *light)
     return BLUR * sqrtf(2.0f * light->versine);
 }
 
-/* Share of the disk's radiance that w sees. The difference from the middle is exact; of it only
- * what stands across the middle counts, for neither vector has length 1 to the last digit. */
+/* Fraction of the disk's radiance along w. The difference from the middle is exact; only its part
+ * perpendicular to the middle is used, because neither vector has length 1 to the last digit. */
 static float coverage(const lf_light *light, lf_vec3 w)
 {
     lf_vec3 d = lf_add(w, light->direction), across = lf_cross(d, light->direction);

@@ -1,7 +1,7 @@
-/* A picture of the sky, looked up bilinearly, sampled by a table that is constant over each texel.
- * A texel's weight is what the mean of the bilinear picture over it (weights 1 6 1 each way) has
- * above the mean of the whole picture: directions that scattering draws find the rest, evenly, and
- * the balance of both is right whatever is drawn (Karlik, Sik, Vevoda, Skrivan and Krivanek, "MIS
+/* A sky image, looked up bilinearly and sampled by a table that is constant over each texel. A
+ * texel's weight is the mean of the bilinear image over it (weights 1 6 1 each way) minus the mean
+ * of the whole image. Directions from scattering find the remaining light, and the balance
+ * heuristic of both is right for any weights (Karlik, Sik, Vevoda, Skrivan and Krivanek, "MIS
  * Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling", 2019). */
 #include <string.h>
 
@@ -10,8 +10,9 @@
 #include "render/scene/vec_double.h"
 #include "render/transport/light/light_types.h"
 
-/* Share of the rows, and of the texels of a row, that is drawn evenly: keeps every cumulative step
- * above the grid of the random numbers next to a sun, for pictures of up to 65536 texels a side. */
+/* Share of the rows, and of the texels of a row, that is drawn uniformly. It keeps every cumulative
+ * step above the resolution of the random numbers next to a sun, for images of up to 65536 texels a
+ * side. */
 #define EVEN_SHARE (1.0 / 64.0)
 
 static float texel_mean(const lf_environment *e, int x, int y)
@@ -99,7 +100,7 @@ static double picture_mean(const lf_environment *e)
     return mean;
 }
 
-/* An even picture has nothing above its mean but what its sum was rounded by. */
+/* In a constant image only rounding exceeds the mean. */
 #define ROUNDING 1e-6
 
 lf_status lf_environment_commit(lf_environment *e)
@@ -132,7 +133,7 @@ lf_status lf_environment_commit(lf_environment *e)
     return ok ? LF_OK : LF_E_NOMEM;
 }
 
-/* Row and column of a direction in the picture's frame, in texels. atan2 keeps its digits at the
+/* Row and column of a direction in the image's frame, in texels. atan2 keeps its digits at the
  * poles, acos does not. */
 static void direction_to_texel(const lf_environment *e, lf_vec3 w, float *x, float *y)
 {

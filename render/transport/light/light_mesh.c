@@ -1,5 +1,5 @@
-/* The triangles of one mesh that carry one emissive material. One of them is drawn by its area, a
- * point of it even over its solid angle or, where it looks small, over its area (spherical.h). */
+/* The triangles of one mesh with one emissive material. One of them is drawn by its area. The point
+ * is uniform over its solid angle or, if it appears small, over its area (spherical.h). */
 #include <string.h>
 
 #include "base/alloc.h"
@@ -8,7 +8,7 @@
 #include "render/transport/light/spherical.h"
 #include "render/transport/surface/surface_texture.h"
 
-/* Triangles of a lamp that a tree is made for: those of a ball, not of a disk. */
+/* Minimum number of triangles of an area light for a tree: a sphere has them, a disk does not. */
 #define LEAST_FOR_TREE 512
 
 static lf_vec3 vertex(const lf_mesh *mesh, uint32_t triangle, int corner)
@@ -36,7 +36,7 @@ static bool see(const lf_mesh *mesh, uint32_t triangle, lf_vec3 from, lf_spheric
                              vertex(mesh, triangle, 2));
 }
 
-/* With what probability a triangle of the light is chosen. */
+/* The probability of choosing a triangle of the light. */
 static float share_of(const lf_light *light, uint32_t triangle)
 {
     int first = 0, count = light->n_triangles;
@@ -49,9 +49,8 @@ static float share_of(const lf_light *light, uint32_t triangle)
     return (float)(light->area_cdf[first + 1] - light->area_cdf[first]);
 }
 
-/* Where triangles are not chosen by their area alone, or by what it was when the shutter opened. A
- * light with a tree has all triangles of its
- * mesh. */
+/* pdf if triangles are not chosen only by their current area: by emission, by a tree, or by their
+ * area at shutter open. A light with a tree has all triangles of its mesh. */
 static float chosen_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
 {
     lf_spherical seen;
@@ -71,7 +70,7 @@ static float hit_pdf(const lf_light *light, lf_vec3 from, const lf_hit *hit)
     if (see(hit->mesh, hit->triangle, from, &seen))
         return 0.5f * lf_length(twice_area(hit->mesh, hit->triangle)) /
                (light->area * (float)seen.solid_angle);
-    /* A triangle is chosen as its share of the area says: the point is even over all of it. */
+    /* A triangle is chosen in proportion to its area: the point is uniform over the whole light. */
     return pdf_of(lf_sub(hit->p, from), hit->ng, light->area);
 }
 
@@ -89,8 +88,8 @@ uint32_t lf_mesh_light_choose(const lf_light *light, double place, float *out_pr
     return light->triangle[first];
 }
 
-/* Barycentric coordinates of the point where the direction w from p meets a triangle that lies
- * there. */
+/* Barycentric coordinates of the point where the direction w from p meets a triangle that it hits.
+ */
 static void meet(const lf_mesh *mesh, uint32_t triangle, lf_vec3 p, const double w[3], float *b1,
                  float *b2)
 {
@@ -217,9 +216,8 @@ static lf_status mesh_light_init(lf_light *light, const lf_mesh *mesh, int n_tri
     return light->tree ? LF_OK : LF_E_NOMEM;
 }
 
-/* Triangles are chosen by what they send out in all, in place of their area alone; dark ones
- * seldom.
- */
+/* Weights triangles by their total emission instead of only their area; dark ones are rarely
+ * chosen. */
 static void weigh_by_picture(lf_light *light, const lf_scene *scene)
 {
     const lf_mesh *mesh = &scene->meshes[light->mesh];

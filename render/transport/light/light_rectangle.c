@@ -1,12 +1,12 @@
-/* A rectangle that shines to one side. */
+/* A rectangle that emits to one side. */
 #include "render/scene/vec_double.h"
 #include "render/transport/light/light_types.h"
 
-/* Of the length of a direction: as near as that to +y or -y it is vertical. */
+/* Relative to a direction's length: within this distance of +y or -y it counts as vertical. */
 #define VERTICAL 1e-6
 
-/* Where the height of a face of this direction lies before it is turned: +y as far as it is across
- * the direction, or -z. */
+/* The height direction of a face before rotation: the part of +y perpendicular to the face's
+ * direction, or -z. */
 static void upright(const double direction[3], double out[3])
 {
     double across = hypot(direction[0], direction[2]);

@@ -1,5 +1,6 @@
-/* The sky of a day (daylight.h), painted as an environment when the scene is loaded, and its sun, a
- * distant light besides. The picture has the sun in its middle and is turned to where it stands. */
+/* A daylight sky (daylight.h), computed as an environment when the scene is loaded, and its sun, an
+ * additional distant light. The image has the sun in its middle and is rotated to the sun's
+ * direction. */
 #include "render/transport/light/daylight.h"
 #include "render/transport/light/light_types.h"
 
@@ -23,7 +24,7 @@ static const lf_param keys[] = {
     {0},
 };
 
-/* 0 where there is none. */
+/* 0 if there is none. */
 static void sun_of(const lf_value values[], double out[3])
 {
     lf_daylight_sun(values[TURBIDITY].number[0], values[ELEVATION].number[0], out);

@@ -1,4 +1,4 @@
-/* A ball that shines outwards. */
+/* A sphere that emits outwards. */
 #include "render/transport/light/light_types.h"
 
 enum { POSITION, RADIUS, RADIANCE, POWER, VISIBLE };

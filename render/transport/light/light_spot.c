@@ -1,11 +1,9 @@
-/* A point that shines into a cone: full intensity about the axis, and a smooth fall to 0 at the
- * rim, by 3 t^2 - 2 t^3 of the versine (light_distant.c) from where it begins to the cone's. Half
- * of the rim's solid angle is then full intensity: the power is pi intensity (inner + outer
- * versine).
- */
+/* A point that emits into a cone: full intensity around the axis, and a smooth falloff to 0 at the
+ * rim, by 3 t^2 - 2 t^3 of the versine (light_distant.c) between the two. Half of the rim's solid
+ * angle counts as full intensity, so the power is pi intensity (inner + outer versine). */
 #include "render/transport/light/light_types.h"
 
-/* Share of the intensity that goes along the unit vector w. */
+/* Fraction of the intensity along the unit vector w. */
 static float falloff(const lf_light *light, lf_vec3 w)
 {
     lf_vec3 off_axis = lf_sub(w, light->direction);

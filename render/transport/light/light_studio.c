@@ -1,5 +1,5 @@
-/* A photographer's studio: an even room, dark below and bright above, with soft boxes. Painted as
- * an environment when the scene is loaded. The camera is taken to stand at +z. */
+/* A photo studio: a uniform room, dark below and bright above, with soft boxes. Computed as an
+ * environment when the scene is loaded. The camera is assumed to be at +z. */
 #include "render/transport/light/light_types.h"
 
 enum { SCALE, ROTATE, VISIBLE };
@@ -14,21 +14,21 @@ static const lf_param keys[] = {
     {0},
 };
 
-/* A rectangle at distance 1 across the direction of its middle. */
+/* A rectangle at distance 1, perpendicular to the direction of its middle. */
 typedef struct soft_box {
     double azimuth, elevation; /* degrees; 0 is towards -z, 90 towards +x */
     double width, height;      /* halves */
     double radiance;
 } soft_box;
 
-/* The key at the left, a strip at the right, two behind, one above. */
+/* The key light on the left, a strip on the right, two at the back, one above. */
 static const soft_box boxes[] = {{-122, 42, 0.36, 0.34, 6.6},
                                  {112, 20, 0.14, 0.62, 1.2},
                                  {-50, 24, 0.14, 0.60, 2.2},
                                  {28, 42, 0.55, 0.20, 2.8},
                                  {150, 72, 0.30, 0.30, 1.2}};
 
-/* Of the room's height: floor, horizon and ceiling. */
+/* Radiance of the room at the floor, horizon and ceiling. */
 #define FLOOR 0.10
 #define HORIZON 0.17
 #define CEILING 0.36
@@ -41,7 +41,7 @@ static double smooth(double x)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* What a box sends along the unit vector to w, from where w leads. */
+/* Radiance of a box along the unit vector to w, from the direction w. */
 static double from_box(const soft_box *box, const double w[3])
 {
     const double a = LF_RADIANS(box->azimuth), e = LF_RADIANS(box->elevation);

@@ -2,11 +2,11 @@
 
 #include "base/alloc.h"
 
-/* Triangles of a leaf, which are chosen by their area: few enough to look the same way, and so many
- * that the tree of a fine ball stays within the caches. */
+/* Triangles of a leaf, which are chosen by their area: few enough to face the same way, and enough
+ * that the tree of a fine sphere fits in the caches. */
 enum { MOST = 16 };
 
-/* Of an area, in projection: what faces p flatly is drawn now and then, whatever is estimated. */
+/* Minimum projected area: a triangle that faces p is drawn occasionally, whatever the estimate. */
 #define LEAST 0.02f
 #define ROUNDING 1e-3f
 
@@ -95,8 +95,8 @@ lf_light_node *lf_light_tree_make(const lf_light *light, const lf_mesh *mesh)
 
 /* ---------------------------------------------------------------------------------- choosing -- */
 
-/* Whether no triangle of the node faces what lies along the unit vector w, so far away: the angle
- * from the axis is a right one and more beyond the cone and what the ball takes up. */
+/* Whether no triangle of the node faces a point in direction w at this distance: the angle from the
+ * axis is at least a right angle plus the cone and the ball's extent. */
 static bool looks_away(const lf_light_node *node, lf_vec3 w, float inverse)
 {
     float ball_sine = node->radius * inverse;
@@ -132,7 +132,7 @@ static float first_half(const lf_light_node *tree, size_t node, lf_vec3 p)
     return a + b > 0.0f ? a / (a + b) : -1.0f;
 }
 
-/* Of a leaf, by area. */
+/* Chooses in a leaf, by area. */
 static int choose_in_leaf(const double *cdf, int first, int count, double place, float *probability)
 {
     double from = cdf[first], all = cdf[first + count] - from, at = from + place * all;

@@ -3,8 +3,8 @@
 #include "render/transport/light/light_kind.h"
 #include "render/transport/sampler.h"
 
-/* Directions that each light draws, and as many that are drawn evenly: a picture of the sky draws
- * none where it is below its mean (light_environment.c). */
+/* Directions drawn from each light, and as many uniform ones: a sky image draws none where it is
+ * below its mean (light_environment.c). */
 enum { DIRECTIONS = 2048 };
 
 /* The real spherical harmonics of order 0, of order 1, and of order 2 for products, for z and for
@@ -39,7 +39,7 @@ static void add(projection *p, lf_vec3 w, double light)
         p->sum[i] += light * (double)y[i];
 }
 
-/* What a direction finds, weighed by the balance of both ways to draw it. */
+/* Adds the light of a direction, with the balance heuristic of both strategies. */
 static void add_found(projection *p, const lf_light *light, lf_vec3 w)
 {
     const double even = 0.25 / (double)LF_PI;

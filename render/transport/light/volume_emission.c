@@ -17,7 +17,7 @@ void lf_black_body(double kelvin, double out_rgb[3])
 {
     static const double luminance[3] = {0.2126, 0.7152, 0.0722};
     const double coldest =
-        700.0; /* of colder ones the eye sees what the fit's tails are made up of */
+        700.0; /* for colder bodies the visible part is only the tails of the fit */
     double sum[3] = {0.0}, rgb[3], bright = 0.0;
     kelvin = fmax(kelvin, coldest);
     for (int nm = 380; nm <= 780; nm += 2) {

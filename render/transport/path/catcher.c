@@ -23,7 +23,7 @@ void lf_trace_caught(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, lf_hit *hit, float
     }
 }
 
-/* Neither what is of the plate itself nor what lights it. */
+/* Excludes catchers (the backdrop plate) and the scene's area lights that light it. */
 static bool is_thing(const lf_mesh *mesh)
 {
     return !mesh->catcher && !mesh->lamp;
@@ -67,7 +67,7 @@ void lf_catcher_light(lf_tracer *tracer, const lf_hit *hit, const float u[5], do
 
 /* -------------------------------------------------------------------------------- reflection -- */
 
-/* What comes along wi, drawn with this pdf; 0: a delta lobe. */
+/* The light along wi, drawn with this pdf; 0: a delta lobe. */
 static lf_vec3 arriving(lf_tracer *tracer, const lf_event *event, lf_vec3 wi, float pdf,
                         int max_depth)
 {
@@ -83,7 +83,7 @@ static lf_vec3 arriving(lf_tracer *tracer, const lf_event *event, lf_vec3 wi, fl
                    suffix.found);
 }
 
-/* A light sample, of things that shine. */
+/* A light sample of emissive objects. */
 static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
 {
     const lf_vec3 nothing = lf_v3(0.0f, 0.0f, 0.0f);

@@ -36,7 +36,7 @@ lf_vec3 lf_dimming_at(const lf_dimming *dimming, float t)
                              : lf_coloured_transmittance(dimming->sigma_t, t);
 }
 
-/* int exp(-sigma t) dt from 0 to way. */
+/* int exp(-sigma t) dt from 0 to `way`. */
 static float let_out(float sigma, float way)
 {
     float depth = sigma * way;

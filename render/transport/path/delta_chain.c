@@ -1,16 +1,16 @@
 #include "render/transport/path/delta_chain.h"
 
-/* Branches that bring less than this go on by chance, at the end of which they have it. */
+/* Branches with less than this share continue at random, and survivors have this share. */
 #define LEAST_BRANCH 0.02f
-/* Of what is scattered at the end of a branch that brings less than a quarter, a path is drawn by
- * chance: it costs much more than the branch does. */
+/* At the end of a branch with less than a quarter of the light, a path is drawn with some
+ * probability, because it costs much more than the branch. */
 #define PATHS_A_SHARE 4.0f
-/* Vertices behind the first that branch; what lies farther is followed along one branch. */
+/* Depth limit of branching after the first vertex; deeper vertices follow one branch. */
 #define DEEPEST_SPLIT 8
 static void arrive(lf_delta_chain *c, const lf_event *from, lf_vec3 wi, lf_vec3 beta, float way,
                    int depth);
 
-/* Whether a path of this share goes on, and with what. */
+/* Whether a path with this share continues, and with which throughput. */
 static bool survives(lf_tracer *tracer, float probability, lf_vec3 *beta)
 {
     if (probability >= 1.0f)
@@ -31,13 +31,13 @@ static void branch(lf_delta_chain *c, const lf_event *event, const lf_delta *lob
     c->tracer->spread = spread;
 }
 
-/* Whether anything scatters at an event, so that what is known of it can be told. */
+/* Whether an event scatters, so that it has features. */
 static bool scatters(const lf_event *event)
 {
     return event->kind == LF_EVENT_MEDIUM || lf_hit_material(&event->hit)->has_lobe;
 }
 
-/* Roughly what is sent on there, through it as well. */
+/* Approximate albedo there, including transmission. */
 static void albedo_at(const lf_scene *scene, const lf_event *end, float out[LF_ALBEDO_NUMBERS])
 {
     lf_vec3 a = lf_v3(1.0f, 1.0f, 1.0f);
@@ -54,7 +54,7 @@ static void albedo_at(const lf_scene *scene, const lf_event *end, float out[LF_A
     out[LF_ALBEDO_METAL] = 0.0f;
 }
 
-/* What is known of the end of a branch. */
+/* Adds the features of the end of a branch. */
 static void note_end(lf_delta_chain *c, const lf_event *end, lf_vec3 beta, float way)
 {
     const bool surface = end->kind == LF_EVENT_SURFACE;
@@ -77,7 +77,7 @@ static void note_end(lf_delta_chain *c, const lf_event *end, lf_vec3 beta, float
     }
 }
 
-/* What is scattered at the end of a branch. */
+/* Adds the light scattered at the end of a branch. */
 static void scatter(lf_delta_chain *c, const lf_event *end, lf_vec3 beta, float way, int depth)
 {
     const bool apart = c->apart && scatters(end);

@@ -19,7 +19,7 @@ void lf_material_albedo(const lf_material *m, lf_vec3 colour, float metal,
     out[LF_ALBEDO_METAL] = metal;
 }
 
-/* How much of it is metal, but for a texture. */
+/* Its metallic share, without a texture. */
 static float metal_of(const lf_material *m)
 {
     if (m->kind == &lf_surface_conductor)
@@ -74,7 +74,7 @@ void lf_face_albedo_init(lf_face_albedo *albedo, const lf_face *face)
         lay_texture(&albedo->metals, face, LF_SLOT_METAL_ROUGH);
 }
 
-/* A barycentric coordinate of a place that may be beside the triangle. */
+/* Clamps a barycentric coordinate of a point that may lie outside the triangle. */
 static float beside(float x)
 {
     const float most = 1000.0f;

@@ -7,7 +7,7 @@
 typedef struct search {
     const lf_scene *scene;
     int mesh;
-    uint32_t triangle; /* whose point it is */
+    uint32_t triangle; /* of the tested point */
     lf_vec3 p;
     float reach;
     int64_t faces; /* of this query */
@@ -35,7 +35,7 @@ static bool contains(const lf_mesh *mesh, uint32_t triangle, lf_vec3 p, float re
 static bool is_met(search *s, int mesh, uint32_t triangle)
 {
     bool own = mesh == s->mesh && triangle == s->triangle;
-    /* A placed mesh does not shine, and its places are no triangles. */
+    /* An instanced mesh does not emit, and its instances are not triangles. */
     return !own && !s->scene->meshes[mesh].instances &&
            contains(&s->scene->meshes[mesh], triangle, s->p, s->reach);
 }
@@ -82,18 +82,21 @@ static lf_vec3 normal_of(const lf_mesh *mesh, uint32_t triangle, float *out_radi
     return lf_normalize(n);
 }
 
-/* Within it a shadow ray of this length that ends beside the lamp passes what stands before it. */
+/* A shadow ray of this length that ends near the light passes surfaces within this distance in
+ * front of it. */
 static float reach_of(const search *s, lf_vec3 n, float length)
 {
     return 2.0f * lf_length(lf_sub(lf_offset(s->scene, s->p, n, n, length), s->p));
 }
 
-/* What the longest shadow ray in the scene passes, and what the longest one passes that still tells
- * the triangle from those about it. Where the scene is so large that the first reach is as wide as
- * the lamp's own triangles, no face of their size contains p by as much: it finds such as a ceiling
- * alone, and may have a whole lamp about it, of which only some faces are looked at. Rays of that
- * length do not tell lamps apart; those of all who stand near do, for whom two lamps in one place
- * are two. They are found with the second. */
+/* Searches with two distances: the one that the longest shadow ray in the scene passes, and the
+ * largest one that still separates the triangle from its neighbours.
+ *
+ * In a very large scene, the first distance may be as wide as the light's own triangles. Then only
+ * much larger faces, such as a ceiling, contain p by as much, and the search may return a whole
+ * light around p, of which only some faces are tested. Rays of that length do not separate such
+ * lights, but rays of all nearby observers do: they see two coincident lights. The second distance
+ * finds those. */
 static void look_about(search *s, float longest)
 {
     float radius;
@@ -114,7 +117,7 @@ lf_light_overlap lf_mesh_light_overlap(const lf_scene *scene, const lf_light *li
     search s = {.scene = scene, .mesh = light->mesh, .found = {.mesh = -1}};
     for (int i = 0; i < n && s.found.mesh < 0 && s.found.faces < most; i++) {
         /* A lattice of the two golden numbers of the plane, folded into the triangle; never a
-         * corner, which may stand on another face. */
+         * corner, which may lie on another face. */
         float place = (float)i + 0.5f, ignored, b1 = fmodf(place * 0.7548777f, 1.0f),
               b2 = fmodf(place * 0.5698403f, 1.0f);
         bool beyond = b1 + b2 > 1.0f;

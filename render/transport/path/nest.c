@@ -4,14 +4,14 @@
 #include "render/transport/path/path.h"
 #include "render/transport/surface/surface_glass.h"
 
-/* -1: of none, or of one whose faces are met as if in air. */
+/* -1: no solid, or one whose faces are met as if in air. */
 static int solid_of(const lf_scene *scene, const lf_hit *hit)
 {
     return scene->nested.solids[(hit->mesh - scene->meshes) * scene->n_materials +
                                 (hit->material - scene->materials)];
 }
 
-/* Where it is in the list, n: nowhere. */
+/* Index in the list, n: not in it. */
 static int find(const lf_nest *nest, const lf_nested *of)
 {
     int i = 0;
@@ -45,7 +45,7 @@ static const lf_material *medium(const lf_scene *scene, const lf_nest *nest)
     return nest->n > 0 ? &scene->materials[nest->in[top].material] : NULL;
 }
 
-/* Whether p lies in the triangle, but for rounding, whose plane it is in; *out_along: its unit
+/* Whether p, in the plane of the triangle, lies in it, except for rounding; *out_along: its unit
  * normal times n. */
 static bool is_in(const lf_mesh *mesh, uint32_t triangle, lf_vec3 p, lf_vec3 n, float *out_along)
 {
@@ -63,7 +63,7 @@ static bool is_in(const lf_mesh *mesh, uint32_t triangle, lf_vec3 p, lf_vec3 n, 
     return in;
 }
 
-/* Where the pairs of a triangle begin. */
+/* Index of a triangle's first pair. */
 static int first_touching(const lf_nesting *nested, int mesh, uint32_t triangle)
 {
     int low = 0, high = nested->n_touching;
@@ -78,7 +78,7 @@ static int first_touching(const lf_nesting *nested, int mesh, uint32_t triangle)
     return low;
 }
 
-/* A face and those of other solids in the same place. */
+/* A face and coincident faces of other solids. */
 enum { MOST_FACES = LF_MOST_NESTED };
 typedef struct faces {
     int n;
@@ -110,7 +110,7 @@ static void add_touching(const lf_scene *scene, const lf_hit *hit, faces *out)
     }
 }
 
-/* None where the hit is no face of a solid. */
+/* Empty if the hit is not a face of a solid. */
 static faces faces_at(const lf_scene *scene, const lf_hit *hit)
 {
     faces out = {0};
@@ -127,7 +127,7 @@ static faces faces_at(const lf_scene *scene, const lf_hit *hit)
     return out;
 }
 
-/* To their other side, or, not across, to where they are met from. */
+/* Updates the list to the far side of the faces or, if not `across`, to the near side. */
 static void cross(lf_nest *nest, const faces *at, bool across)
 {
     for (int i = 0; i < at->n; i++)
@@ -184,8 +184,9 @@ static void part(lf_hit *hit, float eta)
     lf_glass_part(&hit->own, eta);
 }
 
-/* Of a face that a path meets: what was about it; *out_beyond: what is behind it; *out_eta: the
- * index there over that here, 0: the face is as in air, or of no glass. false: it is not there. */
+/* For a face that a path meets: the solids around it; *out_beyond: the medium behind it; *out_eta:
+ * the index there over the index here, 0: the face is as in air, or not glass. false: the face is
+ * ignored. */
 static bool is_there(const lf_scene *scene, const lf_hit *hit, lf_nest *nest, lf_nest *out_beyond,
                      float *out_eta)
 {
@@ -202,7 +203,7 @@ static bool is_there(const lf_scene *scene, const lf_hit *hit, lf_nest *nest, lf
     return here != there || !here;
 }
 
-/* Where a ray goes on behind faces in one place. */
+/* Where a ray continues after coincident faces. */
 static float behind(const lf_scene *scene, const lf_hit *hit, lf_vec3 w)
 {
     const lf_vec3 off = lf_sub(lf_offset(scene, hit->p, hit->ng, w, 0.0f), hit->p);

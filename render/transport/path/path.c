@@ -4,7 +4,7 @@
 #include "render/transport/path/interior.h"
 #include "render/transport/path/subsurface.h"
 
-/* Whether the path came here through flesh, from where no light sample was drawn. */
+/* Whether the path came here through subsurface, where no light sample was drawn. */
 static bool is_in_subsurface(const lf_scene *scene, const lf_event *event)
 {
     return lf_has(scene, LF_TRAIT_SUBSURFACE) && event->subsurface.of;
@@ -81,14 +81,14 @@ lf_vec3 lf_path_absorbed_light(const lf_scene *scene, const lf_event *event,
     return in ? lf_interior_left(in, light->distance) : lf_v3(1.0f, 1.0f, 1.0f);
 }
 
-/* Of the medium of a collision. */
+/* For the medium of a collision. */
 static float phase_of(const lf_scene *scene, const lf_event *event, lf_vec3 w, lf_vec3 wi)
 {
     return event->volume == LF_INTERIOR ? lf_phase_between(event->interior->g, w, wi)
                                         : lf_volume_phase(&scene->volumes[event->volume], w, wi);
 }
 
-/* What is scattered inside of glass, lf_event.left has weighed already. */
+/* Light scattered inside of glass is already weighted in lf_event.left. */
 static lf_vec3 albedo_of(const lf_scene *scene, const lf_event *event)
 {
     return event->volume == LF_INTERIOR
@@ -161,11 +161,13 @@ float lf_scatter_sample(const lf_scene *scene, const lf_event *event, lf_vec3 wo
     return phase;
 }
 
-/* Whether the face that was drawn is the first that a ray from o meets: where faces share a place,
- * rays find one of them and so may next event. So the ray goes to the lamp itself, not to a point
- * beside it; a face that stands nearer before the lamp than rays resolve hides it from both ways
- * alike. A point within rounding of its triangle's edge may be met as the neighbour's and is lost:
- * of lamps cut into triangles n times as wide as coordinates are rounded a share of a few times 1/n
+/* Whether the drawn face is the first that a ray from o meets. If faces coincide, rays find one of
+ * them, and so must light sampling. So the ray goes to the light itself, not to an offset point. A
+ * face in front of the light that is nearer than the precision of rays hides it for both strategies
+ * alike.
+ *
+ * A point within rounding of its triangle's edge may be met on the neighbour, and is lost. The loss
+ * is a few times 1/n, for lights cut into triangles n times as wide as the rounding of coordinates
  * (a ball of radius 0.05, 1000 from the middle of the scene: 2.8 %). */
 static bool meets_area_light(lf_tracer *tracer, const lf_event *event, lf_vec3 o,
                              const lf_light_sample *light)
@@ -179,7 +181,7 @@ static bool meets_area_light(lf_tracer *tracer, const lf_event *event, lf_vec3 o
     return met && hit.mesh == light->mesh && hit.triangle == light->triangle;
 }
 
-/* What comes from there to the event: faces of glass that are not there hide nothing. */
+/* Transmittance from there to the event; ignored glass faces do not occlude. */
 static float passed_from(lf_tracer *tracer, const lf_event *event, lf_vec3 o, lf_vec3 d,
                          float t_max)
 {
@@ -203,8 +205,8 @@ float lf_path_visible(lf_tracer *tracer, const lf_event *event, lf_light_sample 
         o = lf_offset(tracer->scene, event->p, event->hit.ng, light->wi, 0.0f);
     }
     if (light->distance < INFINITY) {
-        /* Neither end may move without the other: the ray would pass the light and meet what lies
-         * behind or beside it. */
+        /* Both ends must be offset together: otherwise the ray would pass the light and meet a
+         * surface behind it. */
         d = lf_sub(lf_offset(tracer->scene, light->point, light->normal, lf_scale(light->wi, -1.0f),
                              light->distance),
                    o);
@@ -244,7 +246,7 @@ lf_vec3 lf_path_light_found(const lf_scene *scene, const lf_event *from, const l
         *out_light_pdf = 0.0f;
         if (event->kind == LF_EVENT_SURFACE &&
             event->hit.material ==
-                event->subsurface.of) /* what its own face emits leaves it outwards */
+                event->subsurface.of) /* emission of its own face leaves outwards */
             return lf_v3(0.0f, 0.0f, 0.0f);
     }
     return lf_has(scene, LF_TRAIT_CHROMATIC_MEDIA) ? lf_mul(found, event->channels) : found;
@@ -288,7 +290,7 @@ lf_vec3 lf_path_equiangular(lf_tracer *tracer, const lf_event *next)
     const lf_scene *scene = tracer->scene;
     if (scene->equiangular.n == 0 || (lf_has(scene, LF_TRAITS_FILLED) && next->interior) ||
         is_in_subsurface(scene, next))
-        return nothing; /* what fills glass is not looked up there */
+        return nothing; /* interior media are not looked up there */
     const lf_equiangular_light *equiangular = pick_equiangular(scene, lf_rng(tracer));
     lf_equiangular_segment segment;
     if (!lf_equiangular_segment_init(&segment, scene, equiangular, next->from, next->w) ||
@@ -320,7 +322,8 @@ lf_vec3 lf_path_equiangular(lf_tracer *tracer, const lf_event *next)
     return lf_scale(scattered, weight);
 }
 
-/* What is left to the collision at `event` of a light's next event there. */
+/* The weight that remains for the collision at `event` in the light sampling of an equiangular
+ * light. */
 static float near_equiangular(const lf_scene *scene, const lf_event *event, const lf_light *light)
 {
     lf_equiangular_segment segment;
@@ -353,9 +356,8 @@ static lf_vec3 direct(lf_tracer *tracer, const lf_event *event, lf_vec3 wo)
     return lf_scale(lf_mul(f, light.radiance), weight);
 }
 
-/* What volumes emit along the segment that ends at `next`, which a path came along that carried
- * beta, what glass takes of it included. No light sample finds it: a direction alone does, with
- * weight 1. */
+/* Volume emission along the segment that ends at `next`, for a path with throughput beta,
+ * attenuated by glass. No light sample finds it: only directions do, with weight 1. */
 static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next, lf_vec3 beta)
 {
     if (is_in_subsurface(tracer->scene, next))
@@ -369,8 +371,8 @@ static lf_vec3 emitted(lf_tracer *tracer, const lf_event *next, lf_vec3 beta)
                   lf_track_emission(tracer, next->from, next->w, t, is_dimmed ? &dimming : NULL));
 }
 
-/* Chooses between a surface's delta lobes and the rest; returns true when the path goes on along
- * *wi, the direction of one of them. */
+/* Chooses between a surface's delta lobes and its other lobes; true: the path continues along *wi,
+ * the direction of a delta lobe. */
 static bool follows_delta(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_vec3 *wi,
                           lf_vec3 *beta)
 {

@@ -9,9 +9,9 @@ static lf_vec3 about(lf_vec3 axis, float m, float u)
     return lf_from_frame(t, bt, axis, lf_v3(sine * cosf(phi), sine * sinf(phi), 1.0f - m));
 }
 
-/* Inversion of the cumulative distribution for |g| about sign(g) w, solved for m = 1 - cos: every
- * term is positive, so that nothing cancels at |g| = 0.9999 (where m is 1e-8) and g = 0 is no
- * special case. */
+/* Inversion of the cumulative distribution for |g| about sign(g) w, solved for m = 1 - cos. Every
+ * term is positive, so there is no cancellation at |g| = 0.9999 (where m is 1e-8), and g = 0 is not
+ * a special case. */
 lf_vec3 lf_phase_sample(float g, lf_vec3 w, const float u[2])
 {
     float a = fabsf(g), sign = copysignf(1.0f, g), b = 1.0f - a;
@@ -22,7 +22,7 @@ lf_vec3 lf_phase_sample(float g, lf_vec3 w, const float u[2])
 }
 
 /* With s^2 = 1 + g^2 - 2 g cos the density of s is 1 + k (A - s^2)^2 over s^2, A = 1 + g^2 and k =
- * alpha / 4g^2: the integral is elementary, and rises from the forward end on. Newton's method,
+ * alpha / 4g^2. The integral is elementary, and increases from the forward end. Newton's method,
  * between bounds. */
 static float draine_from_forward(float g_, float alpha, float u)
 {

@@ -2,8 +2,8 @@
 
 #include "render/transport/path/coloured.h"
 
-/* A guard against meshes in which a walk finds no end: a white ball of a thousand mean free paths
- * ends one in 10^6 steps. */
+/* Limit for meshes in which a walk does not end: a white ball of a thousand mean free paths ends
+ * one in 10^6 steps. */
 enum { LONGEST_WALK = 1 << 22 };
 
 float lf_subsurface_albedo(float albedo, float g)
@@ -45,8 +45,7 @@ static bool is_inside(const lf_box *box, lf_vec3 p)
            p.z >= box->min.z && p.z <= box->max.z;
 }
 
-/* One way of the walk from o along w, whose light is weighed in *left; true: it ends at a surface.
- */
+/* One step of the walk from o along w, whose throughput is in *left; true: it ends at a surface. */
 static bool step(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, lf_vec3 beta, lf_vec3 *left,
                  lf_event *out)
 {
@@ -70,7 +69,7 @@ void lf_subsurface_walk(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_v
     const lf_vec3 one = lf_v3(1.0f, 1.0f, 1.0f), nothing = lf_v3(0.0f, 0.0f, 0.0f);
     lf_vec3 left = one, o = lf_offset(tracer->scene, from->p, from->hit.ng, w, 0.0f);
     out->kind = LF_EVENT_ESCAPE;
-    out->interior = from->interior; /* of glass about the mesh, in which the path goes on */
+    out->interior = from->interior; /* of glass around the mesh, in which the path continues */
     out->channels = one;
     out->left = nothing;
     tracer->width = from->hit.varies ? from->hit.width : 0.0f;

@@ -41,7 +41,7 @@ void lf_suffix_redraw(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_s
     suffix->found_pdf = 0.0f;
     suffix->found_light = NULL;
     float pdf = lf_scatter_sample(tracer->scene, event, wo, u, &suffix->wi, &f);
-    /* A direction counts in W' whether or not anything is reflected along it. */
+    /* A direction counts in W' even if no light is reflected along it. */
     suffix->has_direction = pdf > 0.0f;
     if (!suffix->has_direction || !(lf_max3(f) > 0.0f || lf_path_serves_others(event, suffix->wi)))
         return;

@@ -15,7 +15,7 @@ enum { TEXELS = 2048, NODES = 160 };
 typedef struct star {
     const lf_light *light;
     lf_vec3 toward;
-    lf_sunlight_map near, whole; /* near: about what is small; looked at first */
+    lf_sunlight_map near, whole; /* near: around small objects; searched first */
     lf_sunlight_media media;
 } star;
 
@@ -33,7 +33,7 @@ static bool is_sun(const lf_light *light)
     return light->kind == &lf_light_distant && lf_max3(light->irradiance) > 0.0f;
 }
 
-/* Whether maps can say what suns do. */
+/* Whether maps can represent the suns. */
 static bool has_suns(const lf_scene *scene)
 {
     bool found = false;
@@ -69,7 +69,7 @@ bool lf_sunlight_needed(const lf_scene *scene)
     return scene->n_meshes > 0 && (has_suns(scene) || sky_tells(scene));
 }
 
-/* The strongest, in the scene's order where they are equal; how many. */
+/* The strongest ones, in the scene's order if equal; returns their number. */
 static int choose(const lf_scene *scene, star stars[LF_SUNLIGHT_LIGHTS])
 {
     int n = 0;
@@ -186,7 +186,7 @@ void lf_sunlight_face_init(lf_sunlight_face *face, const lf_sunlight *sunlight, 
     }
 }
 
-/* On a surface that looks to the light. */
+/* For a surface that faces the light. */
 static float share_of(const star *sun, const lf_sunlight_slope slope[2], lf_vec3 p)
 {
     float share = sun->near.texels ? lf_sunlight_map_share(&sun->near, p, &slope[0]) : -1.0f;

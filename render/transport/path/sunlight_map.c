@@ -1,8 +1,8 @@
-/* A z-buffer: orders of magnitude quicker than a ray a texel, and as exact at the texels' centres.
+/* A z-buffer: orders of magnitude faster than a ray per texel, and as exact at the texels' centres.
  *
- * Half-shadows are found as in Fernando's percentage-closer soft shadows (2005): the mean height of
- * what hides the point, among the texels that could, says how wide the light's disk is there; the
- * share of texels within it that hide nothing is the answer. Exact under one straight edge. */
+ * Penumbras are computed as in Fernando's percentage-closer soft shadows (2005): the mean height of
+ * occluders, among the texels that could occlude, gives the width of the light's disk there. The
+ * result is the share of texels within it that do not occlude. Exact for a single straight edge. */
 #include "render/transport/path/sunlight_map.h"
 
 #include <string.h>
@@ -117,13 +117,13 @@ static void raise_texel(lf_sunlight_texel *texel, float height)
     }
 }
 
-/* The first of so many texels whose centre is not below x: any x, also beyond what an int holds. */
+/* The first of `size` texels whose centre is not below x; x may exceed an int. */
 static int first_from(double x, int size)
 {
     return (int)ceil(fmin(fmax(x, 0.0), (double)size) - 0.5);
 }
 
-/* Texels of row y whose centres lie between two x. */
+/* Texels of row y with centres between two x. */
 static void put_span(const lf_sunlight_map *map, int y, double from, double to, double height,
                      double slope)
 {
@@ -134,8 +134,8 @@ static void put_span(const lf_sunlight_map *map, int y, double from, double to, 
         raise_texel(&row[x], lf_max((float)(base + slope * x), 0.0f));
 }
 
-/* Where an edge crosses the line y, the same number for both triangles that share it; false: it
- * does not. */
+/* Where an edge crosses the line y, the same number for both triangles that share it; false: no
+ * crossing. */
 static bool crossing(const double a[3], const double b[3], double y, double *out)
 {
     const double *low = a[1] < b[1] || (a[1] == b[1] && a[0] < b[0]) ? a : b,
@@ -371,8 +371,8 @@ static float along(const float row[4], lf_vec3 v)
     return row[0] * v.x + row[1] * v.y + row[2] * v.z;
 }
 
-/* What stands lower than the bias over the plane casts no shadow: neighbours of the triangle lean
- * against it, the more texels high the flatter the light falls. */
+/* Surfaces lower than the bias above the plane cast no shadow. Neighbouring triangles deviate from
+ * the plane, by more texels at a flatter angle of the light. */
 lf_sunlight_slope lf_sunlight_map_slope(const lf_sunlight_map *map, lf_vec3 n)
 {
     const float steepest = 1.0f / 64.0f; /* squared */
@@ -402,14 +402,14 @@ static float sharp(const lf_sunlight_map *map, const place_on_map *at,
     return lf_lerp(upper, lower, fy);
 }
 
-/* Of a disk of texels: the weights of all and of those that hide the point, and how far above it
- * these are. */
+/* A disk of texels: the total weight, the weight of occluders, and their mean height above the
+ * point. */
 typedef struct disk {
     float all, hidden, above;
 } disk;
 
-/* Every so many texels, at places that do not move with the point: what it gets changes smoothly
- * where it moves. */
+/* Samples every few texels, at positions that do not move with the point, so that the result
+ * changes smoothly with the point. */
 static disk sum_disk(const lf_sunlight_map *map, const place_on_map *at,
                      const lf_sunlight_slope *slope, float radius)
 {

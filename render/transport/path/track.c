@@ -30,7 +30,7 @@ static lf_vec3 shading_normal(const lf_mesh *mesh, const uint32_t *tri, float u,
     return lf_dot(ns, ng) < 0.0f ? lf_scale(ns, -1.0f) : ns;
 }
 
-/* Everything about a hit but where it is. */
+/* Everything of a hit except its position. */
 static void describe(const lf_scene *scene, unsigned mesh_number, unsigned triangle, float u,
                      float v, lf_vec3 w, lf_hit *hit)
 {
@@ -53,8 +53,8 @@ static void describe(const lf_scene *scene, unsigned mesh_number, unsigned trian
     hit->material = &scene->materials[lf_mesh_material(mesh, triangle)];
 }
 
-/* Barycentric coordinates are good to 1e-7 of a triangle's size; on the large ones that is too
- * much, and the point is the ray's. */
+/* Barycentric coordinates have an error of 1e-7 of a triangle's size; for large ones this is too
+ * much, and the ray gives the point. */
 static lf_vec3 point_of(const lf_large_triangle *large, lf_vec3 o, lf_vec3 w)
 {
     const double from[3] = {(double)o.x, (double)o.y, (double)o.z},
@@ -91,7 +91,7 @@ static float averaged_at(const lf_tracer *tracer, float t)
     return tracer->width + tracer->spread * t;
 }
 
-/* Whether the ray meets a veil, by chance; else it goes on behind. */
+/* Decides at random whether the ray meets an alpha surface; otherwise it continues. */
 static bool is_there(lf_tracer *tracer, const lf_hit *hit, lf_vec3 w, struct RTCRay *ray,
                      float t_max)
 {
@@ -105,7 +105,7 @@ static bool is_there(lf_tracer *tracer, const lf_hit *hit, lf_vec3 w, struct RTC
     return false;
 }
 
-/* A solid whose faces are rough bends light otherwise from within; flesh sends it out. */
+/* Rough solid glass refracts differently from inside; subsurface is left there. */
 static void tell_side(lf_hit *hit)
 {
     if (hit->front || !lf_is_sided(hit->material))
@@ -132,7 +132,7 @@ static struct RTCRay ray_of(const lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float
                            .mask = ~0u};
 }
 
-/* Whether a ray meets something, which its hit then is. */
+/* Whether a ray meets a surface, and its hit. */
 static bool meets(lf_tracer *tracer, struct RTCRayHit *rh)
 {
     tracer->rays++;
@@ -241,7 +241,7 @@ bool lf_trace_occluded(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max)
 
 lf_vec3 lf_offset(const lf_scene *scene, lf_vec3 p, lf_vec3 n, lf_vec3 w, float length)
 {
-    /* Twice half a unit in the last place of every coordinate, and a quarter more. */
+    /* Twice half a unit in the last place of every coordinate, plus a quarter. */
     float eps =
         scene->offset + 1.5e-7f * (fabsf(n.x * p.x) + fabsf(n.y * p.y) + fabsf(n.z * p.z) + length);
     return lf_madd(p, lf_dot(n, w) >= 0.0f ? eps : -eps, n);
@@ -301,7 +301,7 @@ typedef struct lf_walk {
     const lf_grid *grid;
     filter by;
     int b[3], step[3];
-    size_t brick, stride[3]; /* of the present brick's number, where a step goes (modulo 2^64) */
+    size_t brick, stride[3]; /* of the current brick, per step (modulo 2^64) */
     float next[3], delta[3];
     float t0, t1; /* the present brick's part of the ray */
     float end;
@@ -329,7 +329,7 @@ static void walk_begin(lf_walk *k, const lf_volume *volume, const lf_local_ray *
     k->left = LF_MOST_STILL;
     size_t stride = 1;
     for (int i = 0; i < 3; i++) {
-        /* below 0 by rounding alone */
+        /* below 0 only by rounding */
         int b = (int)((r->o[i] + r->t0 * r->d[i] + 1.0f) * (1.0f / LF_BRICK));
         b = b < 0 ? 0 : b < grid->bricks[i] ? b : grid->bricks[i] - 1;
         bool up = r->d[i] > 0.0f;
@@ -385,9 +385,9 @@ static float look_up(const lf_walk *k, const lf_local_ray *r, float t)
                            : lf_cell_linear_short(grid->shorts + cell, grid->short_scale, at);
 }
 
-/* Steps to the next tentative collision at the bricks' majorants: depth is what is left of the
- * optical distance to it, carried from brick to brick (the exponential has no memory). On success
- * *t is where and the walk stands in its brick. */
+/* Steps to the next tentative collision at the bricks' majorants. depth is the remaining optical
+ * distance to it, carried from brick to brick (the exponential has no memory). On success *t is the
+ * position, and the walk is in its brick. */
 static inline bool tentative(lf_walk *k, float sigma_scale, float *depth, float *t)
 {
     for (;;) {
@@ -446,7 +446,7 @@ float lf_track_collision(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t_max, i
 
 /* Densities of channels, up to a common factor. */
 typedef struct channels {
-    int drawn;      /* the one that is tracked */
+    int drawn;      /* the channel that is tracked */
     float share[3]; /* with what probability each is */
     float density[3];
 } channels;
@@ -615,8 +615,8 @@ lf_vec3 lf_track_transmittances(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, float t
     return left;
 }
 
-/* The integral of a flame's grid, from one of its bricks by what the brightest value there makes of
- * the way through it, at a point of that way. */
+/* The integral over an emission grid. It chooses one of its bricks, by the brightest value there
+ * times the length inside, and a point of that part. */
 static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *emissive,
                          const lf_volume_emission *light, const lf_local_ray *r,
                          const lf_dimming *dimming)
@@ -629,8 +629,8 @@ static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *emissive,
     while (walk_next(&k));
     if (!(sum > 0.0f))
         return lf_v3(0.0f, 0.0f, 0.0f);
-    /* The same sums in the same order: they reach any share of the whole, at a brick that adds to
-     * them. */
+    /* The sums are repeated in the same order, so they reach any share of the total, at a brick
+     * that adds to them. */
     float wanted = lf_rng_fine(tracer) * sum;
     walk_begin(&k, emissive, r);
     do {
@@ -643,7 +643,7 @@ static lf_vec3 emit_grid(lf_tracer *tracer, const lf_volume *emissive,
     return dimming ? lf_mul(radiance, lf_dimming_at(dimming, t)) : radiance;
 }
 
-/* A flame's shape between t0 and t1. */
+/* An emissive shape between t0 and t1. */
 static lf_vec3 emit_shape(lf_tracer *tracer, const lf_volume_emission *light, float t0, float t1,
                           const lf_dimming *dimming)
 {

@@ -3,7 +3,7 @@
 #include "render/scene/instances.h"
 #include "render/scene/vec_double.h"
 
-/* A triangle where a map puts it: its first corner, and the ways to the others. */
+/* A triangle transformed by a map: its first corner, and the edges to the others. */
 typedef struct corners {
     double a[3], ab[3], ac[3];
     double n[3];  /* unit, on the side where its corners run counter-clockwise in its own space */
@@ -33,7 +33,7 @@ static corners corners_of(const lf_affine *map, const lf_mesh *mesh, uint32_t tr
     return out;
 }
 
-/* A corner's normal where a map puts it: unit, as that of a copy would be. */
+/* A corner's normal transformed by a map: unit, like that of a copy. */
 static lf_vec3 mapped_normal(double to[3][3], const lf_mesh *mesh, uint32_t vertex)
 {
     const float *n = mesh->normals + 3 * (size_t)vertex;

@@ -1,12 +1,11 @@
-/* GGX microfacets of metal, brightened by what comes back after several of them (surface_energy.c).
- */
+/* GGX microfacets of metal with multiple-scattering compensation (surface_energy.c). */
 #include <string.h>
 
 #include "render/scene/vec_double.h"
 #include "render/transport/surface/metal.h"
 #include "render/transport/surface/surface_lobes.h"
 
-/* 1 / E(cos_o) - 1: how much more than once reflected light there is, were nothing absorbed. */
+/* 1 / E(cos_o) - 1: multiply scattered over singly scattered light, without absorption. */
 static inline float several(const lf_material *m, float cos_o)
 {
     float loss = lf_loss(m, 0.0f, cos_o);
@@ -34,7 +33,7 @@ static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_v
     return eval_local(m, lf_to_frame(t, b, ns, wo), lf_to_frame(t, b, ns, wi), f);
 }
 
-/* The lobes without Fresnel: of one reflection, and wo.h. */
+/* The lobes without Fresnel: of single scattering, and wo.h. */
 static void fan_once(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
                      const float *z, float *restrict pdf, float *restrict once,
                      float *restrict cos_oh)
@@ -49,7 +48,7 @@ static void fan_once(const lf_material *m, lf_vec3 wi, int n, const float *x, co
     }
 }
 
-/* How much more there is of several reflections. */
+/* Adds the multiple-scattering compensation. */
 static void fan_several(const lf_material *m, int n, const float *z, float *restrict more)
 {
     const lf_material own = *m;
@@ -57,7 +56,7 @@ static void fan_several(const lf_material *m, int n, const float *z, float *rest
         more[i] = several(&own, lf_max(z[i], LF_MIN_COS));
 }
 
-/* One term a channel. */
+/* One term per channel. */
 static void eval_fan(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
                      const float *z, lf_fan_lobes *out)
 {
@@ -105,9 +104,9 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
     return lf_max3(out[0].f) > 0.0f;
 }
 
-/* Light that was not reflected at once is by f on the average, and at each further reflection the
- * share `loss` stays behind: f^2 (1 - loss) / (1 - f loss) in all; the lobe that it brightens holds
- * one f. */
+/* Light that was not reflected at once has been multiplied by f on average. At each further
+ * reflection the share `loss` remains: f^2 (1 - loss) / (1 - f loss) in all. The compensated lobe
+ * already contains one f. */
 static float rest_of(double f, double loss)
 {
     return (float)(f * (1.0 - loss) / (1.0 - f * loss));
@@ -152,7 +151,7 @@ static const lf_param *const keys[] = {[ALBEDO] = &lf_principled_albedo,
                                        [ROUGHNESS] = &lf_principled_roughness,
                                        NULL};
 
-/* The colour is that of a metal by name, or eta's and k's; albedo is for those that have none. */
+/* The colour comes from a metal's name, or from eta and k; albedo is for metals without these. */
 static const char *check(const lf_value values[], const lf_material *m, const lf_param **out_key)
 {
     (void)m;

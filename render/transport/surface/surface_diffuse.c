@@ -4,7 +4,7 @@
 static float eval(const lf_material *m, lf_vec3 ns, lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
 {
     float cos_i = lf_dot(ns, wi);
-    /* wo is on the side of the geometric normal; where the shading normal turns away from it f must
+    /* wo is on the side of the geometric normal. If the shading normal faces away from it, f must
      * still not depend on the view. */
     (void)wo;
     float pdf = cos_i > LF_MIN_COS ? cos_i * LF_INV_PI : 0.0f;

@@ -1,17 +1,18 @@
-/* What GGX microfacets do not reflect at once. A rough lobe (lf_ggx_eval) counts light that leaves
- * after one reflection; the rest, loss(cos) = 1 - E(cos) with E the lobe's directional albedo,
- * meets further microfacets or enters the base:
+/* Multiple-scattering compensation of GGX microfacets. A rough lobe (lf_ggx_eval) counts light that
+ * leaves after one reflection. The remainder, loss(cos) = 1 - E(cos) with E the lobe's directional
+ * albedo, meets further microfacets or enters the base:
  *
  *   metal     f = once (1 + rest loss(cos_o) / E(cos_o))
  *   plastic   f = once + rest loss(cos_o) loss(cos_i) |cos_i|
  *
- * with `rest` such that white materials give back all they get at any angle. Metals are Turquin's
- * (2019, Practical multiple scattering compensation for microfacet models): the lobe keeps its
- * shape, which its own directions sample well (the even lobe of Kulla and Conty 2017, of smooth
- * metals next to nothing and far from their peak, does not), but is not reciprocal; the colour is
- * Hill's sum over the reflections (2018). Plastics: surface_plastic.c. The dielectric of a layered
- * surface is a plastic's up to an index of 3, and becomes a metal's from there to infinity, where
- * it reflects all (lf_loss_rest). E is integrated once a material, and fitted by a polynomial. */
+ * `rest` is such that white materials return all light at any angle. Metals follow Turquin (2019,
+ * Practical multiple scattering compensation for microfacet models): the lobe keeps its shape,
+ * which its own directions sample well, but it is not reciprocal. (The uniform lobe of Kulla and
+ * Conty 2017, which is almost 0 for smooth metals and far from their peak, is sampled badly.) The
+ * colour is Hill's sum over the reflections (2018). Plastics: surface_plastic.c. The dielectric of
+ * a layered surface is a plastic's up to an index of 3. From there to infinity it becomes a
+ * metal's, which reflects all (lf_loss_rest). E is integrated once per material, and fitted by a
+ * polynomial. */
 #include <pthread.h>
 #include <string.h>
 
@@ -20,11 +21,11 @@
 /* Above it the dielectric of a layered surface becomes a metal. */
 #define HIGH_INDEX 3.0f
 
-/* A lobe seen along one direction; double throughout. */
+/* A lobe seen along one direction; all in double. */
 typedef struct view {
-    double alpha, eta; /* eta of a coat, 0: everything is reflected */
+    double alpha, eta; /* eta of a coat, 0: total reflection */
     double cos_o, sin_o;
-    double vx, vz; /* the direction in the space where microfacets are a hemisphere */
+    double vx, vz; /* the direction in the space where visible normals are a hemisphere */
     double root_o;
 } view;
 
@@ -50,7 +51,7 @@ static double reflect(const view *v, double z, double phi, double *out_cos_oh)
     return 2.0 * *out_cos_oh * up * inverse - v->cos_o;
 }
 
-/* Where along the cap's meridian phi directions begin to lie above the horizon. */
+/* Position on the cap's meridian phi at which directions reach the horizon. */
 static double horizon(const view *v, double phi)
 {
     double low = -v->vz, high = 1.0, cos_oh;
@@ -64,8 +65,8 @@ static double horizon(const view *v, double phi)
     return high;
 }
 
-/* E(cos_o): the mean of F G2/G1 over visible normals. Even steps in phi; from the horizon up steps
- * that begin and end gently, so that the midpoint rule converges as fast as in the middle of smooth
+/* E(cos_o): the mean of F G2/G1 over visible normals. Uniform steps in phi. From the horizon up,
+ * steps are small at both ends, so that the midpoint rule converges as fast as for periodic smooth
  * functions. */
 static double albedo_along(double alpha, double eta, double cos_o)
 {
@@ -111,9 +112,9 @@ static void fit(const double y[LF_LOSS_TERMS], float out[LF_LOSS_TERMS])
         out[k] = (float)sum[k];
 }
 
-/* What a polynomial is fitted beside. */
+/* The part of the loss that the polynomial does not fit. */
 typedef struct smooth_part {
-    float ior, scale; /* ior 0: nothing, of a metal */
+    float ior, scale; /* ior 0: 0, for a metal */
 } smooth_part;
 
 static double smooth(const smooth_part *part, double cosine)
@@ -123,7 +124,8 @@ static double smooth(const smooth_part *part, double cosine)
                : 0.0;
 }
 
-/* rest: of what a metal of that roughness loses, so much comes back all the same (lf_loss_rest). */
+/* rest: the fraction of a metal's loss at that roughness that is finally reflected (lf_loss_rest).
+ */
 static void fit_loss(lf_material *m, float ior, const smooth_part *part, double rest)
 {
     double alpha = (double)lf_material_alpha(m), a = (double)LF_LOSS_SCALE * alpha,
@@ -178,8 +180,8 @@ float lf_loss_smooth(float ior, float alpha, float *out_scale)
 
 /* --------------------------------------------------------------------------------- the table -- */
 
-/* Nodes: roughness from that of LF_ALPHA_MIN to 1 in even steps; metal first, then index 1 to 3,
- * and beyond even steps of its logarithm. */
+/* Nodes: roughness from that of LF_ALPHA_MIN to 1 in uniform steps; first metal, then index 1 to 3,
+ * and above uniform steps of its logarithm. */
 enum { ROUGH_NODES = 33, INDEX_NODES = 21, HIGH_STEPS = 64, FIRST_HIGH = 1 + INDEX_NODES };
 enum { ROWS = FIRST_HIGH + HIGH_STEPS + 1 };
 #define LEAST_ROUGHNESS 0.0316228f
@@ -217,7 +219,7 @@ static void make_row(int row)
 
 static const loss_row *row_of(int row)
 {
-    if (row >= FIRST_HIGH) /* that of metals goes into it */
+    if (row >= FIRST_HIGH) /* the row uses the metal's */
         (void)row_of(0);
     if (!atomic_load_explicit(&is_made[row], memory_order_acquire)) {
         pthread_mutex_lock(&making);
@@ -252,8 +254,8 @@ static float look_up_high(float ior, float roughness, float *out)
            add_row(row_of(FIRST_HIGH + i + 1), roughness, f, out);
 }
 
-/* That the share of the surface that is like a metal's grows from 0 at an index of 3 on keeps what
- * is below as it was: there it is the base that gets what is not reflected at once. */
+/* The metal-like share of the surface grows from 0 at an index of 3. Up to 3 nothing changes: there
+ * the base receives the light that is not reflected at once. */
 float lf_loss_rest(float ior, double metal_loss)
 {
     if (!(ior > HIGH_INDEX))
@@ -263,7 +265,7 @@ float lf_loss_rest(float ior, double metal_loss)
     return (float)(like_metal * mean * (1.0 - metal_loss) / (1.0 - mean * metal_loss));
 }
 
-/* Below what reflects nearly all lies next to nothing, which is not to be divided by. */
+/* Below a nearly total reflector almost no light remains; this avoids a division by 0. */
 #define LEAST_LOSS 1e-3f
 
 void lf_loss_of_dielectric(lf_material *m, double metal_loss)

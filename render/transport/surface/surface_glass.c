@@ -30,7 +30,7 @@ static float eta_of(const lf_material *m)
 static float kept(const lf_material *m, float cos_o)
 {
     const float *at = m->glass.kept[m->glass.is_inside];
-    if (!m->is_solid) /* whatever goes through would have been reflected by a metal */
+    if (!m->is_solid) /* all transmitted light would have been reflected by a metal */
         return 1.0f -
                lf_loss_by(m->energy.metal_loss, LF_LOSS_SCALE * lf_material_alpha(m), 0.0f, cos_o);
     float x = cbrtf(cos_o) * (LF_GLASS_NODES - 1);
@@ -38,7 +38,7 @@ static float kept(const lf_material *m, float cos_o)
     return lf_lerp(at[k], at[k + 1], x - (float)k);
 }
 
-/* What a microfacet does with light that meets it at this cosine. */
+/* Reflection and refraction at a microfacet for this cosine. */
 typedef struct facet {
     lf_vec3 mirrored, through;
     float by_mirror; /* probability */

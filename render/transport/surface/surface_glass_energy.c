@@ -1,19 +1,19 @@
-/* What rough glass gives back of light along one direction after one reflection or refraction:
- * integrated over visible normals, kept in a table over index, side, roughness and cosine. Fitted
- * polynomials (surface_energy.c) would blur what happens at the critical angle. */
+/* The albedo of rough glass along one direction after one reflection or refraction: integrated over
+ * visible normals, stored in a table over index, side, roughness and cosine. Fitted polynomials
+ * (surface_energy.c) would blur the critical angle. */
 #include <pthread.h>
 
 #include "render/transport/surface/surface_glass.h"
 
-/* Steps in roughness from that of LF_ALPHA_MIN to 1, wider and wider, even ones in the index from 1
- * to 3, and in the third root of the cosine, which resolves grazing ones. */
+/* Steps in roughness from that of LF_ALPHA_MIN to 1, increasing; uniform steps in the index from 1
+ * to 3, and in the cube root of the cosine, which resolves grazing angles. */
 enum { ROUGH_NODES = 24, INDEX_NODES = 21 };
 #define LEAST_ROUGHNESS 0.0316228f
 
 /* A direction, and a face of relative index eta = beyond / here; double throughout. */
 typedef struct view {
     double alpha, eta, cos_o, sin_o;
-    double vx, vz; /* the direction in the space where microfacets are a hemisphere */
+    double vx, vz; /* the direction in the space where visible normals are a hemisphere */
     double root_o;
 } view;
 
@@ -22,8 +22,8 @@ static double root_of(double alpha, double cosine)
     return sqrt(alpha * alpha * (1.0 - cosine * cosine) + cosine * cosine);
 }
 
-/* Of the visible normal at (z, phi) of the spherical cap (lf_ggx_normal): F G2/G1 if it reflects
- * above the horizon, and (1 - F) G2/G1 if it refracts below. */
+/* For the visible normal at (z, phi) of the spherical cap (lf_ggx_normal): F G2/G1 if it reflects
+ * above the horizon, plus (1 - F) G2/G1 if it refracts below. */
 static double kept_by(const view *v, double z, double cos_phi, double sin_phi)
 {
     double r = sqrt(fmax((1.0 - z) * (1.0 + z), 0.0));
@@ -46,8 +46,9 @@ static double kept_by(const view *v, double z, double cos_phi, double sin_phi)
     return sum;
 }
 
-/* A Fibonacci lattice over the cap: phi in 0..pi, and z folded (a tent), so that nothing jumps
- * where the lattice repeats and the kink at the critical angle is met everywhere. */
+/* A Fibonacci lattice over the cap: phi in 0..pi, and z folded (a tent), so that the function is
+ * continuous where the lattice repeats, and the kink at the critical angle is sampled everywhere.
+ */
 enum { POINTS = 987, POINTS_BEFORE = 610 };
 typedef struct point {
     double z, cos_phi, sin_phi;

@@ -1,14 +1,14 @@
-/* A diffuse base under a dielectric coat with GGX roughness. With eta = ior, loss(cos) what the
- * coat lets through (1 - F(cos) where it is smooth, 1 - E(cos) where it is rough:
- * surface_energy.c), Te its mean over a hemisphere of even light and Ti = Te / eta^2 the same from
- * inside, light that has entered bounces between base and coat:
+/* A diffuse base under a dielectric coat with GGX roughness. eta = ior. loss(cos) is the
+ * transmittance of the coat (1 - F(cos) if it is smooth, 1 - E(cos) if it is rough:
+ * surface_energy.c). Te is its mean over a hemisphere of uniform light, and Ti = Te / eta^2 the
+ * same from inside. Light that has entered bounces between base and coat:
  *
  *   base = albedo / pi  loss(cos_o) loss(cos_i) / (eta^2 (1 - albedo (1 - Ti)))
  *        = albedo loss loss / (pi (eta^2 (1 - albedo) + albedo Te))  =  rest loss loss
  *
  * (the sum of the geometric series over inner reflections; Mitsuba's "plastic" with nonlinear =
- * true, after Wolff 1994). With albedo 1 the base reflects loss(cos_o), so that nothing is lost or
- * won; light that a rough coat would reflect at a second microfacet goes to the base. */
+ * true, after Wolff 1994). With albedo 1 the base reflects loss(cos_o), so that energy is
+ * conserved. Light that a rough coat would reflect at a second microfacet goes to the base. */
 #include "render/scene/vec_double.h"
 #include "render/transport/surface/surface_lobes.h"
 
@@ -37,7 +37,7 @@ static plastic plastic_init(const lf_material *m, float cos_o)
     return p;
 }
 
-/* The base towards wi, but for loss(cos_o). */
+/* The base towards wi, without loss(cos_o). */
 static lf_vec3 base_colour(const lf_material *m, float cos_i)
 {
     return lf_scale(m->rest, lf_loss(m, lf_coat_transmittance(m->ior, cos_i), cos_i) * cos_i);
@@ -76,8 +76,8 @@ static float cosine_of(lf_vec3 wi)
     return wi.z > LF_MIN_COS ? wi.z * LF_INV_PI : 0.0f;
 }
 
-/* A rough coat over all directions of a fan; entering is what a smooth one lets through, and then
- * what this one does. */
+/* A rough coat over all directions of a fan; entering: transmittance of a smooth coat on input, of
+ * this coat on output. */
 static void fan_coat(const lf_material *m, lf_vec3 wi, int n, const float *x, const float *y,
                      const float *z, float *restrict pdf, float *restrict entering,
                      float *restrict reflected)
@@ -146,7 +146,7 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
     return f > 0.0f;
 }
 
-/* The series over reflections between base and coat, but for loss(cos_o) loss(cos_i). */
+/* The series over reflections between base and coat, without loss(cos_o) loss(cos_i). */
 static float rest_of(double albedo, double eta, double loss)
 {
     return (float)(albedo / ((double)LF_PI * (eta * eta * (1.0 - albedo) + albedo * loss)));

@@ -1,27 +1,29 @@
 /* glTF's layered model (2.0, appendix B; KHR_materials_clearcoat, _specular, _transmission,
- * _volume), with energy kept where glTF's own formulas lose or win it. From the top, each layer
- * letting through what it does not reflect:
+ * _volume), with energy conserved where glTF's own formulas lose or add it. From the top, each
+ * layer transmitting the light that it does not reflect:
  *
- *   coat        GGX, index 1.5, about a normal of its own where the base's is bent; what is below
- *               gets 1 - coat E_coat(cos_o)
- *   sheen       fibres (surface_sheen.h); what is below gets 1 - max(sheen) E_sheen(cos_o)
- *   metal       the share `metallic`: a conductor of colour albedo (surface_conductor.c)
- *   dielectric  the rest: GGX of index ior times specular, and below it either
+ *   coat          GGX, index 1.5, about its own normal if the base's is bent; the layers below
+ *                 receive 1 - coat E_coat(cos_o)
+ *   sheen         fibres (surface_sheen.h); the layers below receive 1 - max(sheen) E_sheen(cos_o)
+ *   metal         the share `metallic`: a conductor of colour albedo (surface_conductor.c)
+ *   dielectric    the remaining share: GGX of index ior times specular, and below it one of
  *     diffuse     albedo / pi  loss(cos_o) loss(cos_i) / mean loss
- *     or glass    the share `transmission`: what is not reflected goes on, refracted or, through a
+ *     glass       the share `transmission`: unreflected light continues, refracted or, through a
  *                 sheet, straight, tinted by albedo
- *     or flesh    the share `subsurface` of diffuse light: loss(cos_o) cos_i / pi inwards, and from
- *                 within loss(cos_i) cos_i / (pi mean loss) outwards, with no lobe but that
+ *     subsurface  the share `subsurface` of diffuse light: loss(cos_o) cos_i / pi inwards, and from
+ *                 inside loss(cos_i) cos_i / (pi mean loss) outwards, with no other lobe
  *
- * loss(cos) = 1 - specular E(cos), E of the GGX lobe (surface_energy.c), with what more than one
- * microfacet reflects where the index is above 3. Diffuse light is coupled
- * as Ashikhmin and Shirley (2000) and Kelemen do, so that albedo is what is seen: white gives back
- * loss(cos_o) and all together is 1 at every angle. Plastic, whose albedo is the pigment's, darkens
- * by what is reflected inside; both meet where albedo is 0 or 1. Grooves (KHR_materials_anisotropy)
- * make the lobe of metal and dielectric one of two alphas (surface_anisotropy.h); E is then that of
- * the round lobe of the root of their mean square: a white metal gives back 1 within 0.02 at alphas
- * of 0.3 and 0.1, 0.04 at 0.5 and 0.25, 0.1 at 1 and 0.1, where it is 1.07 from above. What goes
- * through rough glass is a lobe as well, surface_glass.c. */
+ * loss(cos) = 1 - specular E(cos), E of the GGX lobe (surface_energy.c), including multiple
+ * scattering if the index is above 3. Diffuse light is coupled as in Ashikhmin and Shirley (2000)
+ * and Kelemen, so that albedo is the visible colour: white returns loss(cos_o), and the sum is 1 at
+ * every angle. Plastic, whose albedo is the pigment's, is darker by its internal reflection; both
+ * agree if albedo is 0 or 1.
+ *
+ * Anisotropy (KHR_materials_anisotropy) gives the lobe of metal and dielectric two alphas
+ * (surface_anisotropy.h). E is then that of the isotropic lobe with the root of their mean square.
+ * So a white metal returns 1 within 0.02 at alphas of 0.3 and 0.1, 0.04 at 0.5 and 0.25, 0.1 at 1
+ * and 0.1, where it is 1.07 from above. Transmission through rough glass is a lobe as well,
+ * surface_glass.c. */
 #include <string.h>
 
 #include "render/scene/vec_double.h"
@@ -29,24 +31,24 @@
 #include "render/transport/surface/surface_glass.h"
 #include "render/transport/surface/surface_sheen.h"
 
-/* What all directions share of a material. */
+/* Data of a material that all directions share. */
 typedef struct layers {
     const lf_material *m; /* loss: of the dielectric */
     float alpha, coat_alpha;
-    /* shares: of what is not metal, by its own lobes and as rough glass; of metal, what is below,
-     * and what enters flesh */
+    /* shares: of the dielectric, by its own lobes and as rough glass; of metal; of the layer below;
+     * and of light that enters subsurface */
     float dielectric, glass, metal, below, subsurface;
     bool rough, coated, rough_coat, sheened, apart;
     lf_vec3 coat_axis[3]; /* apart: of the coat's frame, in the base's */
 } layers;
 
-/* The shares that one direction wo sees, and the probabilities of drawing by each lobe. */
+/* The shares for one direction wo, and the probabilities of drawing from each lobe. */
 typedef struct shares {
     float under;   /* the coat: what the rest gets */
     float beneath; /* the sheen, likewise */
     float enters;  /* loss(cos_o) */
     float several;
-    float by_far;                      /* rough glass or flesh; else … */
+    float by_far;                      /* rough glass or subsurface; else … */
     float by_coat, by_gloss, by_sheen; /* … the rest is diffuse */
 } shares;
 
@@ -91,7 +93,7 @@ static inline float clear_loss(const lf_material *m, float cosine)
     return lf_loss_by(m->energy.coat_loss, a, lf_coat_transmittance(LF_COAT_INDEX, cosine), cosine);
 }
 
-/* What the fibres reflect, in the channel of which they reflect most. */
+/* Albedo of the fibres, in their strongest channel. */
 static inline float sheen_share(const lf_material *m, float cosine)
 {
     return lf_max3(m->sheen) * lf_sheen_albedo(m->sheen_roughness, cosine);
@@ -104,7 +106,7 @@ static inline float metal_several(const lf_material *m, float cosine)
     return loss / (1.0f - loss);
 }
 
-/* What has a lobe that is not about the base's normal, or not round. */
+/* Whether a lobe is not about the base's normal, or not isotropic. */
 static inline bool is_special(const lf_material *m)
 {
     return lf_is_anisotropic(m) || m->coat_normal.z > 0.0f;
@@ -115,7 +117,7 @@ static inline lf_vec3 to_coat(const layers *l, lf_vec3 w)
     return lf_to_frame(l->coat_axis[0], l->coat_axis[1], l->coat_axis[2], w);
 }
 
-/* Of what is seen along wo, at cos_o to the base, by the coat: 0, where it is seen from behind. */
+/* The coat's share along wo, with cos_o to the base: 0 if it is seen from behind. */
 static inline float coat_share(const layers *l, bool special, lf_vec3 wo, float cos_o)
 {
     float cosine = special && l->apart ? lf_min(lf_dot(l->coat_axis[2], wo), 1.0f) : cos_o;
@@ -153,7 +155,7 @@ static inline __attribute__((always_inline)) shares shares_of(const layers *l, b
     return s;
 }
 
-/* The layers below the coat, but for its `under`. */
+/* The layers below the coat, without its `under`. */
 static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_oh)
 {
     const lf_material *m = l->m;
@@ -168,7 +170,7 @@ static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_o
         dielectric * m->specular_tint.z + l->metal * metal.z * (1.0f + s->several * m->rest.z));
 }
 
-/* Diffuse light towards wi, but for what the layers above let through along wo. */
+/* Diffuse light towards wi, without the transmittance of the layers above along wo. */
 static lf_vec3 base_colour(const layers *l, float cos_i)
 {
     if (!(cos_i > LF_MIN_COS))
@@ -193,8 +195,8 @@ static inline lf_ggx_lobe gloss_lobe(const layers *l, lf_vec3 wo, lf_vec3 wi)
                                    : lf_ggx_eval(l->alpha, wo, wi);
 }
 
-/* Towards wi from wo.z > LF_MIN_COS; base: base_colour of wi. Inline, so that who is not special
- * has no branch for it. */
+/* Towards wi from wo.z > LF_MIN_COS; base: base_colour of wi. Inline, so that common materials have
+ * no branch for special ones. */
 static inline __attribute__((always_inline)) float eval_lobes(const layers *l, const shares *s,
                                                               bool special, lf_vec3 base,
                                                               lf_vec3 wo, lf_vec3 wi, lf_vec3 *f)
@@ -230,7 +232,7 @@ static float eval_local(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi
                             : eval_lobes(l, s, false, base, wo, wi, f);
 }
 
-/* Adds rough glass, or what enters flesh, to what the other lobes have; returns the pdf of all. */
+/* Adds rough glass, or light that enters subsurface, to the other lobes; returns the pdf of all. */
 static float add_far(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, float pdf,
                      lf_vec3 *f)
 {
@@ -242,7 +244,7 @@ static float add_far(const layers *l, const shares *s, lf_vec3 wo, lf_vec3 wi, f
     return lf_lerp(pdf, own, s->by_far);
 }
 
-/* What leaves flesh, towards wi from any wo within. */
+/* Light that leaves subsurface, towards wi from any wo inside. */
 static float leave(const lf_material *m, lf_vec3 wi, lf_vec3 *f)
 {
     float pdf = wi.z < -LF_MIN_COS ? -wi.z * LF_INV_PI : 0.0f,
@@ -285,8 +287,8 @@ static void add_far_fan(const layers *l, lf_vec3 wi, int n, const float *const o
     }
 }
 
-/* eval_local for all directions of a fan: one term a channel. Inline, with layers whose flags the
- * caller knows: what is left has no branches, for the compiler's vectors. */
+/* eval_local for all directions of a fan: one term per channel. Inline, with layers whose flags the
+ * caller knows, so that no branches remain and the compiler vectorises it. */
 static inline __attribute__((always_inline)) void fan_of(layers l, bool special, lf_vec3 wi, int n,
                                                          const float *x, const float *y,
                                                          const float *z, lf_fan_lobes *out)
@@ -294,7 +296,7 @@ static inline __attribute__((always_inline)) void fan_of(layers l, bool special,
     float *restrict pdf = out->pdf, *restrict red = out->weight[0],
                     *restrict green = out->weight[1], *restrict blue = out->weight[2];
     const lf_vec3 base = base_colour(&l, wi.z);
-#pragma GCC ivdep /* what restrict says is forgotten where a function is inlined */
+#pragma GCC ivdep /* GCC forgets restrict when a function is inlined */
     for (int k = 0; k < n; k++) {
         float cos_o = lf_min(lf_max(z[k], LF_MIN_COS), 1.0f),
               above = z[k] > LF_MIN_COS ? 1.0f : 0.0f;
@@ -307,12 +309,12 @@ static inline __attribute__((always_inline)) void fan_of(layers l, bool special,
     }
 }
 
-/* The same of what most surfaces are: a rough base, a rough coat or none. */
+/* fan_of for the most common surfaces: a rough base, a rough coat or none. */
 static void fan_of_gloss(const layers *of, lf_vec3 wi, int n, const float *x, const float *y,
                          const float *z, lf_fan_lobes *out)
 {
     layers l = *of;
-    l.glass = l.subsurface = 0.0f; /* lobes of their own, added later */
+    l.glass = l.subsurface = 0.0f; /* separate lobes, added later */
     l.rough = true;
     l.sheened = l.apart = l.coated = l.rough_coat = false;
     if (of->coated) {
@@ -392,7 +394,7 @@ static float sample(const lf_material *m, lf_vec3 ns, lf_vec3 wo, const float u[
 
 /* ------------------------------------------------------------------------------------ deltas -- */
 
-/* What a smooth dielectric reflects, glass and what is not. */
+/* Reflection of a smooth dielectric, glass or not. */
 static lf_vec3 mirrored_by_dielectric(const lf_material *m, bool front, float cos_o)
 {
     float f = lf_lerp(lf_fresnel_dielectric(cos_o, m->ior), lf_glass_reflectance(m, !front, cos_o),
@@ -400,7 +402,7 @@ static lf_vec3 mirrored_by_dielectric(const lf_material *m, bool front, float co
     return lf_scale(m->specular_tint, (1.0f - m->metallic) * m->specular * f);
 }
 
-/* What goes through glass, which is what its face does not reflect: along *out_wi. */
+/* Transmission through glass, the light that its face does not reflect: along *out_wi. */
 static lf_vec3 transmitted(const layers *l, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool front,
                            lf_vec3 *out_wi)
 {
@@ -424,7 +426,8 @@ static int deltas(const lf_material *m, lf_vec3 ng, lf_vec3 ns, lf_vec3 wo, bool
         return 0;
     front = m->glass.is_parting ? !m->glass.is_inside : front;
     layers l = layers_of(m);
-    lf_vec3 shiny = ns; /* of a coat's own normal the base below, or it itself, is no mirror */
+    /* with a coat normal of its own, the base or the coat itself is not a mirror */
+    lf_vec3 shiny = ns;
     float cos_coat = cos_o;
     if (l.apart) {
         lf_vec3 t, b, own;
@@ -487,7 +490,7 @@ static void vary(lf_material *m)
 
 static void prepare(lf_material *m)
 {
-    /* what a texture makes of a smooth lobe is a rough one */
+    /* a texture turns a smooth lobe into a rough one */
     if (has_texture(m, LF_SLOT_METAL_ROUGH) || has_texture(m, LF_SLOT_NORMAL) ||
         has_texture(m, LF_SLOT_SPECULAR) || m->anisotropy > 0.0f)
         m->roughness = lf_max(m->roughness, LF_LEAST_ROUGHNESS);

@@ -2,7 +2,7 @@
 
 #include <pthread.h>
 
-/* The lobe has no limit where this goes to 0. */
+/* The lobe has no limit as this goes to 0. */
 #define LEAST_ALPHA 0.01f
 
 static float alpha_of(float roughness)
@@ -27,7 +27,7 @@ static float lambda(float cosine, float alpha)
                          : expf(2.0f * fitted(0.5f, alpha) - fitted(1.0f - cosine, alpha));
 }
 
-/* Density of normals, of the one between two directions. */
+/* Density of normals, at the half vector of two directions. */
 static float normals(float alpha, lf_vec3 wo, lf_vec3 wi)
 {
     lf_vec3 h = lf_normalize(lf_add(wo, wi));
@@ -46,7 +46,7 @@ float lf_sheen_eval(float roughness, lf_vec3 wo, lf_vec3 wi)
 
 /* ------------------------------------------------------------------------------------ albedo -- */
 
-/* Over roughness and the root of the cosine, which is where the table bends. */
+/* Over roughness and the root of the cosine, where the table is most curved. */
 enum { SIDE = 24, STEPS = 32 };
 static float table[SIDE][SIDE];
 static pthread_once_t once = PTHREAD_ONCE_INIT;

@@ -2,7 +2,7 @@
 
 #include "render/transport/surface/instance_hit.h"
 
-/* The triangle's corners and where the point lies between them. */
+/* The triangle's corners and the point's position between them. */
 typedef struct place {
     const lf_hit *hit;
     const lf_mesh *mesh;
@@ -18,7 +18,7 @@ static place place_of(const lf_hit *hit)
                    .weight = {1.0f - hit->u - hit->v, hit->u, hit->v}};
 }
 
-/* Of arrays [n_vertices][n]. */
+/* For arrays [n_vertices][n]. */
 static void interpolate(const place *at, const float *values, int n, float *out)
 {
     for (int i = 0; i < n; i++) {
@@ -48,7 +48,7 @@ static float density2(const place *at, const float *uvs, const lf_texture *t, co
     return area > 0.0f ? uv * turned * (float)p->width[0] * (float)p->height[0] / area : 0.0f;
 }
 
-/* False where the material has no such texture. */
+/* false: the material has no such texture. */
 static bool look_up(const place *at, const lf_textures *textures, lf_slot slot, float width,
                     float out[4])
 {
@@ -63,7 +63,7 @@ static bool look_up(const place *at, const lf_textures *textures, lf_slot slot, 
     return true;
 }
 
-/* What vertices say beside a material's colour. */
+/* The vertex colour that multiplies a material's colour. */
 static lf_vec3 colour_of(const place *at)
 {
     float colour[4];
@@ -82,8 +82,8 @@ lf_vec3 lf_hit_emission(const lf_hit *hit, float width)
     return m->tint == LF_TINT_ALL && at.mesh->colours ? lf_mul(out, colour_of(&at)) : out;
 }
 
-/* A picture that is cut off says itself where it is (LF_TEXELS_CUTS), with the material's alpha in
- * its threshold; what vertices say beside it is cut off by itself. */
+/* An image with a cutoff contains the result (LF_TEXELS_CUTS), with the material's alpha in its
+ * threshold; vertex alpha is cut off separately. */
 float lf_hit_cover(const lf_hit *hit, float width)
 {
     const lf_material *m = hit->material;
@@ -101,12 +101,12 @@ float lf_hit_cover(const lf_hit *hit, float width)
            (m->cover == LF_COVER_MASK ? (float)(alpha >= m->alpha_cutoff) : lf_min(alpha, 1.0f));
 }
 
-/* Normals that spread about their mean, which has the length r, widen the lobe: alpha^2 grows by
- * twice the variance of slopes along one direction, (1 - r) / r (Toksvig 2005). */
+/* Normals that vary around their mean, of length r, widen the lobe: alpha^2 grows by twice the
+ * variance of slopes along one direction, (1 - r) / r (Toksvig 2005). */
 static void widen(float scale, float lost, float *roughness)
 {
     float r = *roughness, alpha2 = r * r * r * r,
-          more = lf_max(lost - 2.0f / 65535.0f, 0.0f), /* but for rounding */
+          more = lf_max(lost - 2.0f / 65535.0f, 0.0f), /* except for rounding */
         spread = scale * scale * more / lf_max(1.0f - lost, 1e-3f);
     if (spread > 0.0f)
         *roughness = sqrtf(sqrtf(lf_min(alpha2 + 2.0f * spread, 1.0f)));
@@ -119,7 +119,7 @@ float lf_hit_stops(const lf_hit *hit, lf_vec3 w, float width)
     return 1.0f - lf_thin_passes(hit->material, -lf_dot(hit->ns, w) / lf_length(w));
 }
 
-/* What the file says, where the hit is; hand: on which side the bitangent lies, 1 or -1. */
+/* The file's tangent at the hit; hand: side of the bitangent, 1 or -1. */
 static lf_vec3 file_tangent(const place *at, const lf_hit *hit, float *hand)
 {
     float tangent[4];
@@ -132,8 +132,8 @@ static lf_vec3 file_tangent(const place *at, const lf_hit *hit, float *hand)
     return lf_instance_tangent(hit, along);
 }
 
-/* The shading normal ns as a normal map turns it; of the surface's other side it is the same dent
- * seen from behind. */
+/* The shading normal ns modified by a normal map; the other side of the surface sees the same dent
+ * from behind. */
 static lf_vec3 bent(const place *at, const lf_texture *t, const float texel[4], lf_vec3 ns,
                     const lf_hit *hit)
 {
@@ -150,8 +150,8 @@ static lf_vec3 bent(const place *at, const lf_texture *t, const float texel[4], 
     return lf_dot(out, hit->ng) > 0.0f ? out : ns;
 }
 
-/* A coat follows its own normal map, or none, whatever the base below it does; smooth: the normal
- * without any. */
+/* A coat uses its own normal map, or none, independent of the base below; smooth: the normal
+ * without any map. */
 static void lay_coat(const place *at, const lf_textures *textures, float width, lf_vec3 smooth,
                      lf_hit *hit)
 {
@@ -167,8 +167,8 @@ static void lay_coat(const place *at, const lf_textures *textures, float width, 
     m->coat_normal = lf_to_frame(x, y, hit->ns, n);
 }
 
-/* Where a mesh's tangent points and where its bitangent does; about the scene's vertical, where it
- * has none. false: straight up, where that says nothing. */
+/* Directions of a mesh's tangent and bitangent; around the scene's vertical, if it has none. false:
+ * undefined, because the normal is vertical. */
 static bool tangents_of(const place *at, const lf_hit *hit, lf_vec3 n, lf_vec3 *along,
                         lf_vec3 *across)
 {
@@ -184,7 +184,7 @@ static bool tangents_of(const place *at, const lf_hit *hit, lf_vec3 n, lf_vec3 *
 }
 
 /* Two alphas and a direction for the lobe (glTF's KHR_materials_anisotropy); the roughness becomes
- * that of the round lobe that reflects as much. */
+ * that of the isotropic lobe with the same albedo. */
 static void anisotropic(const place *at, float width, lf_hit *hit)
 {
     lf_material *m = &hit->own;
@@ -220,7 +220,7 @@ static lf_vec3 tinted(lf_vec3 colour, const float texel[4])
     return lf_mul(colour, lf_v3(texel[0], texel[1], texel[2]));
 }
 
-/* What a layered surface has beside its base. */
+/* Updates the other layers of a layered surface. */
 static void vary_layers(const place *at, const lf_textures *textures, float width, lf_material *m)
 {
     float texel[4];
