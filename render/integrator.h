@@ -109,7 +109,7 @@ LF_NODISCARD lf_status lf_integrator_find(const lf_render_settings *settings,
                                           lf_error *err);
 
 /* What refusals call an integrator of cameras listed one by one, behind its name. */
-#define LF_OF_LISTED_CAMERAS " of cameras listed one by one"
+#define LF_OF_LISTED_CAMERAS " with cameras listed one by one"
 /* All of them, each with what it supports, those of cameras listed one by one last; NULL behind
  * them. */
 const lf_integrator_entry *lf_support_at(int index, bool *out_listed);

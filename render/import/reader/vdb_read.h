@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 #define LF_VDB_NAMES_BYTES 4096 /* of all grids of a file that are listed */
-#define LF_READER_NOMEM "takes more memory than a reader may have (--import-memory)"
+#define LF_READER_NOMEM "needs more memory than file readers may use; raise --import-memory"
 
 /* As lf_vdb_import (vdb_import.h) says, or of velocities as lf_vdb_import_velocity does of each,
  * from fd, which stays the caller's; the grid is filled but not finished. Before lf_confine the
