@@ -151,7 +151,8 @@ static const lf_format_row rows[] = {
     KEY("no JSON", "refused", .whole = "pitch=50", .words = "not JSON"),
     KEY("a byte order mark", "ignored", .whole = "\xef\xbb\xbf" PLAIN),
     KEY("NUL bytes behind", "ignored", .whole = PLAIN "\0\0\0", .n = sizeof PLAIN + 2),
-    KEY("UTF-16", "refused", .whole = "\xff\xfe{", .words = "the file is UTF-16 text; save it as UTF-8"),
+    KEY("UTF-16", "refused", .whole = "\xff\xfe{",
+        .words = "the file is UTF-16 text; save it as UTF-8"),
 };
 /* clang-format on */
 

@@ -585,7 +585,7 @@ static void cameras_in_a_list_are_views(void **state)
         {"x.exr --aov depth", "--aov: does not go"},
         {"x.exr --reconstruct on", "--reconstruct on: does not go"},
         {"x_%04d.png --turntable 3", "--turntable: does not go"},
-        {"x.png --fit", "no rig"},
+        {"x.png --fit", "do not form a rig"},
         {"x.png --rgbd right", "no rig"}};
     const qr_files *f = *state;
     char list[PATH_MAX];

@@ -190,7 +190,8 @@ static void pictures_of_other_sizes_are_laid_onto_the_first_s(void **state)
         assert_row(&q, view, 0, 40, red);
         assert_row(&q, view, 40, 80, blue);
     }
-    assert_told(&q, "2 of 4 images do not have the 80x40 pixels of a1.png: a2.png (40x40), a3.png (240x120)");
+    assert_told(&q, "2 of 4 images do not have the 80x40 pixels of a1.png: a2.png (40x40), a3.png "
+                    "(240x120)");
     assert_told(&q, "1 of them are scaled down by more than 2, a3.png most, by 3");
     assert_null(strstr(q.notes.text, "of them are cropped"));
     lf_quilt_finish(&q);

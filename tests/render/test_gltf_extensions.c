@@ -339,13 +339,11 @@ static const lf_format_row rows[] = {
     TOLD("MSFT_packing_normalRoughnessMetallic",
          MATERIAL(",'extensions':{'MSFT_packing_normalRoughnessMetallic':{}}")
              MORE(",'extensionsUsed':['MSFT_packing_normalRoughnessMetallic']"),
-         "the extension MSFT_packing_normalRoughnessMetallic of 1 material is not supported and "
-         "left out"),
+         "the extension MSFT_packing_normalRoughnessMetallic of 1 material is not supported"),
     TOLD("MSFT_packing_occlusionRoughnessMetallic",
          MATERIAL(",'extensions':{'MSFT_packing_occlusionRoughnessMetallic':{}}")
              MORE(",'extensionsUsed':['MSFT_packing_occlusionRoughnessMetallic']"),
-         "the extension MSFT_packing_occlusionRoughnessMetallic of 1 material is not supported and "
-         "left out"),
+         "the extension MSFT_packing_occlusionRoughnessMetallic of 1 material is not supported"),
     TOLD("NV_materials_mdl",
          MATERIAL(",'extensions':{'NV_materials_mdl':{}}")
              MORE(",'extensionsUsed':['NV_materials_mdl']"),
@@ -353,8 +351,7 @@ static const lf_format_row rows[] = {
     TOLD("ADOBE_materials_clearcoat_specular",
          MATERIAL(",'extensions':{'ADOBE_materials_clearcoat_specular':{}}")
              MORE(",'extensionsUsed':['ADOBE_materials_clearcoat_specular']"),
-         "the extension ADOBE_materials_clearcoat_specular of 1 material is not supported and left "
-         "out"),
+         "the extension ADOBE_materials_clearcoat_specular of 1 material is not supported"),
     TOLD("KHR_materials_subsurface",
          MATERIAL(",'extensions':{'KHR_materials_subsurface':{}}")
              MORE(",'extensionsUsed':['KHR_materials_subsurface']"),
