@@ -8,28 +8,30 @@
 static const struct {
     const char *line, *words; /* %S = the scene, %Q = the quilt, %D = the folder */
 } wrong_usage[] = {
-    {"", "SCENE: missing"},
-    {"%S", "-o: missing"},
-    {"%S other.json -o %D/x.png", "other.json: one SCENE"},
+    {"", "SCENE: is missing"},
+    {"%S", "-o: is missing"},
+    {"%S other.json -o %D/x.png", "other.json: unexpected argument; give only one SCENE"},
     {"%S -o %D/x.webp", ".png or .exr"},
-    {"%S -o %D/x.gif", ".gif is a loop of views: --wiggle"},
-    {"%S -o %D/x.gif --wiggle --crf 20", "--crf: only goes with OUT.mp4"},
-    {"%S -o %D/x.gif --wiggle --views 1", "--wiggle: needs two views or more"},
-    {"%S -o %D/x.gif --wiggle --still", "one job writes one of them"},
-    {"%S -o %D/x.png --wiggle", "a loop of views ends in .gif or .mp4"},
-    {"%S -o %D/x.png --still --views 3", "--still: is one view: no --views 3"},
-    {"%S -o %D/x_qs3x2.png --still", "the name says 3x2 tiles, but it is one view alone"},
-    {"%S -o %D/x.png --quality 80", "--quality: only goes with OUT.jpg"},
+    {"%S -o %D/x.gif", ".gif holds a loop of views; add --wiggle"},
+    {"%S -o %D/x.gif --wiggle --crf 20", "--crf: applies only to OUT.mp4"},
+    {"%S -o %D/x.gif --wiggle --views 1", "--wiggle: needs at least two views"},
+    {"%S -o %D/x.gif --wiggle --still", "run one job for each output"},
+    {"%S -o %D/x.png --wiggle", "the name of a loop of views must end in .gif or .mp4"},
+    {"%S -o %D/x.png --still --views 3",
+     "--still: is one view and cannot be combined with --views 3"},
+    {"%S -o %D/x_qs3x2.png --still", "the name says 3x2 tiles, but the image is one view"},
+    {"%S -o %D/x.png --quality 80", "--quality: applies only to OUT.jpg"},
     {"%S -o %D/x.jpg --quality 0", "--quality: expects"},
-    {"%S -o %D/x.png --state %S", "what is being rendered"},
-    {"%S -o %D/x.png --views 1 --state %D/./x.png", "--state: is where something else is written"},
+    {"%S -o %D/x.png --state %S", "is the input; choose another output name"},
+    {"%S -o %D/x.png --views 1 --state %D/./x.png",
+     "--state: names the same file as another output"},
     {"%S -o %D/x.png --state %D/x.state --stats %D/x.state",
-     "--state: is where something else is written"},
+     "--state: names the same file as another output"},
     {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --state %D/x.json",
-     "--state: is where something else is written"},
-    {"%Q -o %D/x.png --state %D/s", "--state: does not go with a finished quilt"},
+     "--state: names the same file as another output"},
+    {"%Q -o %D/x.png --state %D/s", "--state: cannot be combined with a finished quilt"},
     {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60 --state s",
-     "--state: does not go with --chart"},
+     "--state: cannot be combined with --chart"},
     {"%S --state-info %D/s", "--state-info: renders nothing"},
     {"%S -o %D/.png", "expected a file name before the ending .png"},
     {"%S -o %D/.exr --reconstruct off", "expected a file name before the ending .exr"},
@@ -41,22 +43,23 @@ static const struct {
     {"%S -o %D/x.png --shiny", "--shiny: unknown option"},
     {"%S -o %D/x.png --views many", "--views: expects a whole number"},
     {"%S -o %D/x.png --preset phone", "--preset: "},
-    {"%S -o %D/x.png --quilt 2x2", "--quilt: 2x2 holds 4 tiles"},
+    {"%S -o %D/x.png --quilt 2x2", "--quilt: 2x2 has 4 tiles"},
     {"%S -o %D/x_qs5x9a0.75.png", "the name says 5x9"},
-    {"%S -o %D/x.png --passes 4 --spp 4", "only one of them"},
-    {"%S -o %D/x.png --time 1 --target-error 0.1", "only one of them"},
-    {"%S -o %D/x.png --target-shown-error 0.1 --target-error 0.1", "only one of them"},
-    {"%S -o %D/x.exr --target-shown-error 0.1", "only goes with a reconstructed picture"},
-    {"%S -o %D/x.png --target-shown-error 0.1 --denoise off", "only goes with a reconstructed"},
-    {"%S -o %D/x.png --reconstruct on --estimator cv", "on only goes with --estimator mwis"},
+    {"%S -o %D/x.png --passes 4 --spp 4", "cannot be combined; give only one of them"},
+    {"%S -o %D/x.png --time 1 --target-error 0.1", "cannot be combined; give only one of them"},
+    {"%S -o %D/x.png --target-shown-error 0.1 --target-error 0.1",
+     "cannot be combined; give only one of them"},
+    {"%S -o %D/x.exr --target-shown-error 0.1", "needs a denoised image"},
+    {"%S -o %D/x.png --target-shown-error 0.1 --denoise off", "needs a denoised image"},
+    {"%S -o %D/x.png --reconstruct on --estimator cv", "on needs --estimator mwis"},
     {"%S -o %D/x.png --denoise much", "--denoise: expects"},
     {"%S -o %D/x.png --integrator mismvpt --selection tv",
-     "--selection: mismvpt knows no selections"},
-    {"%S -o %D/x.png --shift raw-copy", "--shift: mvpt knows no shifts"},
-    {"%S -o %D/x.png --reuse both", "--reuse: mvpt knows no reuse of reservoirs"},
+     "--selection: is not supported by the integrator mismvpt"},
+    {"%S -o %D/x.png --shift raw-copy", "--shift: is not supported by the integrator mvpt"},
+    {"%S -o %D/x.png --reuse both", "--reuse: is not supported by the integrator mvpt"},
     {"%S -o %D/x.png --time 0", "--time: expects"},
-    {"%S -o %D/x.png --filter linear", "--filter: only goes with --panel"},
-    {"%S -o %D/x.png --bleed 3", "--bleed: only goes with --print"},
+    {"%S -o %D/x.png --filter linear", "--filter: needs --panel"},
+    {"%S -o %D/x.png --bleed 3", "--bleed: needs --print"},
     {"%S -o %D/x.tif --print 60@600", "needs --print-size"},
     {"%S -o %D/x.tif --print 60 --print-size 20x20", "--print: expects"},
     {"%S -o %D/x.tif --print 60@600,5 --print-size 20x20",
@@ -66,39 +69,41 @@ static const struct {
      "--compress: expects none, lzw or deflate"},
     {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --orientation up", "--orientation: "},
     {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --views 12", "12"},
-    {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --preset go", "no --preset"},
+    {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --preset go",
+     "cannot be combined with --preset"},
     {"%S -o %D/x.tif --print 600@50 --print-size 20x20",
      "--print: a lens of 600 lpi has 0.0833 pixels at 50 dpi, too few for 2 views"},
-    {"%S -o %D/x.png --print 60@600 --print-size 20x20", "ends in .tif"},
-    {"%S -o %D/x.png --panel p.json --print 60@600 --print-size 20x20", "one job"},
-    {"%S -o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60", "nothing is rendered"},
+    {"%S -o %D/x.png --print 60@600 --print-size 20x20", "must end in .tif"},
+    {"%S -o %D/x.png --panel p.json --print 60@600 --print-size 20x20", "run one job"},
+    {"%S -o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60", "renders nothing"},
     {"-o %D/x.tif --chart 60+-0.5@600 --print-size 60x60", "--chart: expects LPI+-RANGE/STEP@DPI"},
     {"-o %D/x.tif --chart 60+-0.5/0.1@600", "needs --print-size"},
     {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60 --marks", "marks"},
     {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60 --spp 4",
-     "--spp: does not go with --chart"},
+     "--spp: cannot be combined with --chart"},
     {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x20", "11 bands"},
-    {"-o %D/x.png --chart 60+-0.5/0.1@600 --print-size 60x60", "ends in .tif"},
+    {"-o %D/x.png --chart 60+-0.5/0.1@600 --print-size 60x60", "must end in .tif"},
     {"%S -o %D/fog.tif --print 60@600 --print-size 2x2 --views 2 --spp 1",
-     "what is being rendered"},
-    {"%S -o %D/x.png --stats %S", "what is being rendered"},
+     "is the input; choose another output name"},
+    {"%S -o %D/x.png --stats %S", "is the input; choose another output name"},
     {"%S -o %D/panel.tif --print 60@600 --print-size 2x2 --views 2 --spp 1",
-     "no manifest of a print"},
-    {"%S -o %D/x.png --aov depth", "--aov: only goes with OUT.exr"},
+     "is not a print manifest"},
+    {"%S -o %D/x.png --aov depth", "--aov: applies only to OUT.exr"},
     {"%S -o %D/x.exr --aov width", "all, none or some of"},
-    {"%S -o %D/x.exr --guides", "--guides: only goes with OUT.png"},
-    {"%Q -o %D/x.png --guides", "--guides: does not go with a finished quilt"},
-    {"%Q -o %D/x.exr --aov depth", "--aov: does not go with a finished quilt"},
-    {"%S -o %D/x.png --near 2", "--near: only goes with --rgbd"},
-    {"%S -o %D/x.exr --rgbd right", "a picture with depth ends in .png"},
+    {"%S -o %D/x.exr --guides", "--guides: applies only to OUT.png"},
+    {"%Q -o %D/x.png --guides", "--guides: cannot be combined with a finished quilt"},
+    {"%Q -o %D/x.exr --aov depth", "--aov: cannot be combined with a finished quilt"},
+    {"%S -o %D/x.png --near 2", "--near: needs --rgbd"},
+    {"%S -o %D/x.exr --rgbd right", "the name of an image with depth must end in .png"},
     {"%S -o %D/x.png --rgbd right --near 3 --far 2", "--near: near (3) must be less"},
-    {"%Q -o %D/x.png --rgbd right", "has no depth"},
+    {"%Q -o %D/x.png --rgbd right", "is a finished image without depth"},
     {"%S -o %D/x.png --skip all,none", "all, none or some of"},
-    {"%Q -o %D/x.png --view-size 4x4", "--view-size: does not go with a finished quilt"},
-    {"%Q -o %D/x.png --spp 64", "--spp: does not go with a finished quilt"},
-    {"%Q -o %D/x.png --reconstruct on", "--reconstruct: does not go with a finished quilt"},
-    {"%Q -o %D/x.png --threads 1 --estimator cv", "--estimator: does not go with a finished quilt"},
-    {"%Q -o %D/x.png --views 7", "--views: 7 views asked for, but the quilt has 6"},
+    {"%Q -o %D/x.png --view-size 4x4", "--view-size: cannot be combined with a finished quilt"},
+    {"%Q -o %D/x.png --spp 64", "--spp: cannot be combined with a finished quilt"},
+    {"%Q -o %D/x.png --reconstruct on", "--reconstruct: cannot be combined with a finished quilt"},
+    {"%Q -o %D/x.png --threads 1 --estimator cv",
+     "--estimator: cannot be combined with a finished quilt"},
+    {"%Q -o %D/x.png --views 7", "--views: asks for 7 views, but the quilt has 6"},
     {"%S -o %D/x.png --estimator best", "--estimator: "},
 };
 
@@ -158,7 +163,7 @@ static void help_and_version_answer_on_stdout(void **state)
     qr_run(&o, "--help");
     assert_int_equal(o.code, 0);
     assert_non_null(strstr(o.out, "Usage: quiltrender SCENE -o OUT"));
-    assert_non_null(strstr(o.out, "mvrestir: the same")); /* the longest help's end */
+    assert_non_null(strstr(o.out, "restir; mvrestir")); /* the longest help's end */
     assert_string_equal(o.err, "");
     qr_run(&o, "--version");
     assert_int_equal(o.code, 0);
@@ -508,7 +513,7 @@ static void a_camera_fits_one_thing(void **state)
     qr_succeed("--fit fog %s -o %s/fit_a.png " SMALL " --views 2", f->scene, f->folder);
     qr_run(&o, "--fit %s -o %s/fit_b.png " SMALL " --views 2", f->scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "--fit: the ground \"ground\" is left out"));
+    assert_non_null(strstr(o.err, "--fit: the ground \"ground\" is not framed"));
     qr_succeed("%s --fit=ground -o %s/fit_c.png " SMALL " --views 2", f->scene, f->folder);
     lf_quilt_file fits[3];
     for (int i = 0; i < 3; i++) {
@@ -556,12 +561,12 @@ static void a_picture_in_which_nothing_is_seen_is_told(void **state)
     assert_told(*state, "\"position\": [0, 0, 9]", sky, NULL);
     assert_told(*state, "\"position\": [0, 0, 9]", dusk, NULL);
     assert_told(*state, "\"position\": [0, 0, 9]", dim,
-                "told.json: the picture is black in all views");
+                "told.json: the image is black in all views");
     assert_told(*state, "\"target\": [50, 0, 0], \"position\": [50, 0, 9]", sky,
-                "told.json: the camera sees no mesh and no volume of the scene; --fit");
+                "told.json: the camera sees no mesh and no volume of the scene; use --fit");
     assert_told(*state, "\"position\": [0, 0, 0.1], \"cone\": 1",
                 "\"type\": \"point\", \"position\": [9, 9, 9], \"intensity\": 1e9",
-                "told.json: the picture is black in all views");
+                "told.json: the image is black in all views");
 }
 
 /* The camera of the fog, turned or not, with its views placed so. */
@@ -580,13 +585,13 @@ static const char *placed(const char *folder, const char *name, double height, c
 static void cameras_in_a_list_are_views(void **state)
 {
     static const char *const refused[][2] = {
-        {"x.png --views 3", "--views: does not go with cameras listed one by one"},
-        {"x.png --preset portrait", "--preset: does not go"},
-        {"x.exr --aov depth", "--aov: does not go"},
-        {"x.exr --reconstruct on", "--reconstruct on: does not go"},
-        {"x_%04d.png --turntable 3", "--turntable: does not go"},
+        {"x.png --views 3", "--views: is not supported with a list, path or circle of cameras"},
+        {"x.png --preset portrait", "--preset: is not supported"},
+        {"x.exr --aov depth", "--aov: is not supported"},
+        {"x.exr --reconstruct on", "--denoise on: is not supported"},
+        {"x_%04d.png --turntable 3", "--turntable: is not supported"},
         {"x.png --fit", "do not form a rig"},
-        {"x.png --rgbd right", "no rig"}};
+        {"x.png --rgbd right", "need an arc, a track or a grid"}};
     const qr_files *f = *state;
     char list[PATH_MAX];
     lf_quilt_file quilts[2];
@@ -640,16 +645,16 @@ static void rows_of_a_grid_are_tracks(void **state)
     assert_int_equal(whole.views32.n_views, 9);
     qr_outcome o;
     qr_run(&o, "%s -o %s/grid.exr --stats %s/s.json", grid, f->folder, f->folder);
-    qr_assert_fails(&o, 2, "--stats: is of one row of cameras");
+    qr_assert_fails(&o, 2, "--stats: supports one row of cameras");
     qr_run(&o, "%s -o %s/grid.exr --views 3", grid, f->folder);
-    qr_assert_fails(&o, 2, "--views: the scene has a grid of 3 x 3 cameras");
+    qr_assert_fails(&o, 2, "the scene has a grid of 3 x 3 cameras");
     snprintf(track, sizeof track, "%s",
              placed(f->folder, "plate.json", 0,
                     "{\"grid\": {\"columns\": 100, \"rows\": 50, \"width\": 1, \"height\": 1}}"));
     qr_run(&o, "%s -o %s/plate.png", track, f->folder);
-    qr_assert_fails(&o, 2, "5000 views are more than the 64x64 tiles of a quilt");
+    qr_assert_fails(&o, 2, "5000 views do not fit into the 64x64 tiles of a quilt");
     qr_run(&o, "%s -o %s/grid.mp4", grid, f->folder);
-    qr_assert_fails(&o, 2, "the scene has a grid of rows");
+    qr_assert_fails(&o, 2, "a camera grid cannot become a video of views");
     for (uint64_t row = 0; row < 3; row++) {
         snprintf(track, sizeof track, "%s",
                  placed(f->folder, "track.json", 0.5 * (double)row - 0.5,
