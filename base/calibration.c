@@ -230,8 +230,8 @@ static lf_status check_area(const parser *p)
     if (pixels <= LF_MAX_PANEL_PIXELS)
         return LF_OK;
     return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, "screenW"), "/screenW",
-                           "%dx%d pixels (no panel has more than %d)", p->c.screen_width_px,
-                           p->c.screen_height_px, LF_MAX_PANEL_PIXELS);
+                           "%dx%d pixels are too many for a panel; expected at most %d in all",
+                           p->c.screen_width_px, p->c.screen_height_px, LF_MAX_PANEL_PIXELS);
 }
 
 /* An object, or one parsed from a string; NULL: neither. Release with json_decref. */
@@ -274,11 +274,10 @@ static void take_quilt(parser *p, const json_t *value)
         p->c.quilt_width = width;
         p->c.quilt_height = height;
     } else {
-        lf_log(
-            LF_LOG_WARNING,
-            "%s: its defaultQuilt is not used: expected tileX and tileY of at most %d views, and "
-            "quiltX and quiltY of at most %d pixels",
-            p->where, LF_CALIBRATION_MAX_VIEWS, LF_MAX_PANEL_PIXELS);
+        lf_log(LF_LOG_WARNING,
+               "%s: ignored its defaultQuilt; expected at most %d tiles (tileX, tileY) and at most "
+               "%d pixels (quiltX, quiltY)",
+               p->where, LF_CALIBRATION_MAX_VIEWS, LF_MAX_PANEL_PIXELS);
     }
 }
 
@@ -318,7 +317,7 @@ static void tell_unused(const parser *p)
     }
     remove_controls(names);
     if (names[0])
-        lf_log(LF_LOG_WARNING, "%s: what it says of %s has no effect", p->where, names);
+        lf_log(LF_LOG_WARNING, "%s: these keys have no effect: %s", p->where, names);
 }
 
 static lf_status take_all(parser *p)
@@ -345,9 +344,9 @@ static lf_status parse_text(const char *text, size_t n, const char *where, lf_ca
     json_error_t json;
     json_t *whole = json_loadb(text, n, JSON_REJECT_DUPLICATES, &json), *root = whole;
     if (!root && json_error_code(&json) == json_error_end_of_input_expected)
-        return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
-                               "something stands behind the JSON object; end the file with its "
-                               "last brace");
+        return lf_error_set_at(
+            err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
+            "text follows the JSON object; delete everything after its last brace");
     if (!root)
         return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
                                "not JSON: %s", json.text);
@@ -371,7 +370,8 @@ lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf
                                lf_error *err)
 {
     if (n > LF_CALIBRATION_MAX_BYTES)
-        return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n,
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "%zu bytes are too many for a calibration; expected at most %d", n,
                             LF_CALIBRATION_MAX_BYTES);
     char *own = lf_calloc(n + 1, 1);
     if (!own)

@@ -54,11 +54,13 @@ lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_byt
     else if (!S_ISREG(st.st_mode))
         status = lf_error_set(err, LF_E_FORMAT, path, "not a regular file");
     else if ((uint64_t)st.st_size > max_bytes)
-        status = lf_error_set(err, LF_E_FORMAT, path, "%ju bytes, expected at most %ju",
-                              (uintmax_t)st.st_size, (uintmax_t)max_bytes);
+        status =
+            lf_error_set(err, LF_E_FORMAT, path, "the file has %ju bytes; expected at most %ju",
+                         (uintmax_t)st.st_size, (uintmax_t)max_bytes);
     else if (is_web_page(fd))
-        status = lf_error_set(err, LF_E_FORMAT, path,
-                              "this is a web page, saved in place of the file that was meant");
+        status =
+            lf_error_set(err, LF_E_FORMAT, path,
+                         "this is a web page, not the expected file; download the file itself");
     if (status != LF_OK) {
         close(fd);
         return status;

@@ -155,7 +155,7 @@ static void clamp(const lf_image_source *source, lf_image32 *image)
     }
     if (pixels > 0 && source->meta)
         lf_image_note(&source->meta->notes,
-                      "%zu %s not finite: +Inf is taken as %g, NaN and -Inf as 0", pixels,
+                      "%zu %s not finite; +Inf is read as %g, NaN and -Inf as 0", pixels,
                       pixels == 1 ? "pixel is" : "pixels are", (double)largest);
 }
 

@@ -200,7 +200,7 @@ static lf_status read_by_core(const lf_exr_input *in, lf_image32 *out)
     float *block = lf_calloc((size_t)width * (size_t)height * 3, sizeof *block);
     if (!block)
         return lf_error_set(in->session->err, LF_E_NOMEM, in->session->source->where,
-                            "no memory for the picture");
+                            "not enough memory for the image");
     exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
     rv = in->tiled ? read_tiles(in, &decode, block, width, height, out)
                    : read_scan_lines(in, &decode, block, height, out);
@@ -248,7 +248,7 @@ static lf_status read_by_rgba_library(const lf_exr_input *in, lf_image32 *out)
         lf_free(half);
         lf_free(block);
         return lf_error_set(in->session->err, LF_E_NOMEM, source->where,
-                            "no memory for the picture");
+                            "not enough memory for the image");
     }
     char name[32];
     snprintf(name, sizeof name, "/proc/self/fd/%d", source->fd);
@@ -287,14 +287,14 @@ static lf_status read_part(lf_exr_input *in, lf_image32 *out)
         return status;
     if (is_beyond_core(in) && !in->named)
         return lf_error_set(in->session->err, LF_E_FORMAT, in->session->source->where,
-                            "layers and later parts are not read in DWA, B44 and luminance-chroma "
-                            "coding; save the EXR with ZIP compression");
+                            "layers and later parts cannot be read with DWA, B44 or "
+                            "luminance-chroma coding; save the EXR with ZIP compression");
     int width = in->display.max.x - in->display.min.x + 1,
         height = in->display.max.y - in->display.min.y + 1;
     status = lf_image32_init(out, width, height, 3);
     if (status != LF_OK)
         return lf_error_set(in->session->err, status, in->session->source->where,
-                            "no memory for the picture");
+                            "not enough memory for the image");
     status = is_beyond_core(in) ? read_by_rgba_library(in, out) : read_by_core(in, out);
     if (status == LF_OK)
         lf_image_settle(in->session->source, &in->colours, out);
@@ -482,7 +482,8 @@ lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
 {
     if (width < 1 || width > 65536 || height < 1 || height > 65536 || channels->n < 1 ||
         channels->n > LF_EXR_MAX_CHANNELS)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels cannot be an EXR",
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file),
+                            "cannot write an EXR of %dx%d pixels; expected 1 to 65536 per side",
                             width, height);
     lf_exr_session session = {.file = file, .err = err};
     exr_job job = {.width = width,
@@ -528,7 +529,7 @@ lf_status lf_exr_write(lf_outfile *file, const lf_image32 *image, const lf_attri
                        int n, lf_error *err)
 {
     if (image->channels != 3)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels (expected 3)",
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels; expected 3",
                             image->channels);
     lf_image32 borrowed = *image;
     return lf_exr_write_rows(file, image->width, image->height, copy_row, &borrowed, attributes, n,

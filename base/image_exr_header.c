@@ -173,11 +173,11 @@ static lf_status refuse(const parts *p)
     }
     if (deep)
         return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
-                            "a deep EXR (expected scan lines or tiles of flat pixels)");
-    return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
-                        "an EXR without the channels R, G, B or Y; it has %s. Save the one picture "
-                        "that is wanted with these names",
-                        list[0] ? list : "none");
+                            "deep EXR files are not supported; save flat scan lines or tiles");
+    return lf_error_set(
+        s->err, LF_E_FORMAT, s->source->where,
+        "the EXR has none of the channels R, G, B and Y; found %s; save the image as R, G, B",
+        list[0] ? list : "none");
 }
 
 /* The layer of a part's first view, if even that one is a layer (OpenEXR's ImfMultiView.h). */
@@ -228,7 +228,7 @@ static void note_others(const parts *p)
         }
     }
     if (list[0])
-        lf_image_note(&in->session->source->meta->notes, "channels that are not read: %s", list);
+        lf_image_note(&in->session->source->meta->notes, "ignored channels: %s", list);
 }
 
 static lf_status check_sampling(lf_exr_input *in)
@@ -239,8 +239,9 @@ static lf_status check_sampling(lf_exr_input *in)
         const exr_attr_chlist_entry_t *channel = &channels->entries[i];
         in->half = in->half || channel->pixel_type == EXR_PIXEL_HALF;
         if (!in->chroma && (channel->x_sampling != 1 || channel->y_sampling != 1))
-            return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
-                                "an EXR with subsampled channels that are not Y, RY, BY");
+            return lf_error_set(
+                s->err, LF_E_FORMAT, s->source->where,
+                "only Y, RY and BY may be subsampled in an EXR; save it without subsampling");
     }
     return LF_OK;
 }

@@ -62,7 +62,8 @@ static const exr_attribute_t *find(const lf_exr_input *in, const char *name,
         return NULL;
     if (attribute->type == type)
         return attribute;
-    lf_image_note(notes_of(in), "%s is of the type %s: not used", name, attribute->type_name);
+    lf_image_note(notes_of(in), "ignored %s, which has the unexpected type %s", name,
+                  attribute->type_name);
     return NULL;
 }
 
@@ -83,7 +84,7 @@ static const lf_chromaticities *space_of(const lf_exr_input *in, const char *att
         if (strcmp(spaces[i].name, name) == 0)
             return spaces[i].space;
     if (name)
-        lf_image_note(notes_of(in), "%s is \"%.60s\": the numbers are taken as linear light",
+        lf_image_note(notes_of(in), "unknown %s \"%.60s\"; the values are read as linear light",
                       attribute, name);
     return NULL;
 }
@@ -135,10 +136,10 @@ static void read_colours(lf_exr_input *in)
         return;
     }
     if (attribute && lf_colours_from(c, NULL, &in->colours) == LF_OK)
-        lf_image_note(notes_of(in), "adoptedNeutral (%g, %g) is no colour: not used", adopted[0],
-                      adopted[1]);
+        lf_image_note(notes_of(in), "ignored adoptedNeutral (%g, %g), which is not a valid colour",
+                      adopted[0], adopted[1]);
     else
-        lf_image_note(notes_of(in), "chromaticities span no colours: taken as Rec. 709");
+        lf_image_note(notes_of(in), "the chromaticities are degenerate; Rec. 709 is used");
 }
 
 /* ------------------------------------------------------------------------------------ layout -- */
@@ -153,12 +154,13 @@ static void read_layout(lf_exr_input *in)
             height = (int64_t)in->data.max.y - in->data.min.y + 1;
     in->display = in->data;
     if (envmap->uc > EXR_ENVMAP_CUBE)
-        lf_image_note(notes_of(in), "envmap is %u, which is unknown: taken as latitude-longitude",
+        lf_image_note(notes_of(in),
+                      "unknown envmap type %u; the image is read as latitude-longitude",
                       envmap->uc);
     else if (envmap->uc == EXR_ENVMAP_CUBE && 6 * width != height)
         lf_image_note(notes_of(in),
-                      "envmap is a cube, but %lldx%lld pixels are not six squares: taken as "
-                      "latitude-longitude",
+                      "envmap is a cube, but %lldx%lld pixels are not six squares; the image is "
+                      "read as latitude-longitude",
                       (long long)width, (long long)height);
     else if (envmap->uc == EXR_ENVMAP_CUBE && in->session->source->meta)
         in->session->source->meta->layout = LF_IMAGE_CUBE;
@@ -169,7 +171,7 @@ static void note_windows(const lf_exr_input *in)
     if (in->data.min.x > in->display.max.x || in->data.max.x < in->display.min.x ||
         in->data.min.y > in->display.max.y || in->data.max.y < in->display.min.y)
         lf_image_note(notes_of(in),
-                      "the data window lies beside the display window: the picture is black");
+                      "the data window is outside the display window; the image is black");
 }
 
 /* -------------------------------------------------------------------------- what is not used -- */
@@ -183,11 +185,10 @@ static void note_numbers(const lf_exr_input *in)
         exr_get_pixel_aspect_ratio(in->exr, in->part, &aspect) == EXR_ERR_SUCCESS)
         lf_image_metadata_aspect(in->session->source->meta, "pixelAspectRatio", (double)aspect);
     if (luminance)
-        lf_image_note(notes_of(in), "whiteLuminance %g is not used: 1 stays 1",
+        lf_image_note(notes_of(in), "ignored whiteLuminance %g; the value 1 stays 1",
                       (double)luminance->f);
     if (turn && turn->i != 1)
-        lf_image_note(notes_of(in), "Orientation %d is not used: the picture is not turned",
-                      turn->i);
+        lf_image_note(notes_of(in), "ignored Orientation %d; the image is not rotated", turn->i);
 }
 
 static void note_texts(const lf_exr_input *in)
@@ -203,7 +204,7 @@ static void note_texts(const lf_exr_input *in)
     for (int i = 1; views && i < views->stringvector->n_strings; i++)
         lf_exr_list(list, sizeof list, views->stringvector->strings[i].str);
     if (list[0])
-        lf_image_note(notes_of(in), "views that are not read: %s", list);
+        lf_image_note(notes_of(in), "ignored views: %s", list);
 }
 
 void lf_exr_read_attributes(lf_exr_input *in)

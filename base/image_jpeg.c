@@ -64,10 +64,10 @@ static void note_marker(const struct jpeg_decompress_struct *jpeg,
     /* the first part of a profile, after its number and the number of parts */
     if (begins(marker, JPEG_APP0 + 2, "ICC_PROFILE", 12) && n > 14 && data[12] == 1 &&
         !lf_icc_is_srgb(data + 14, n - 14))
-        lf_image_note(notes, "the ICC profile is not applied: colours are taken as %s",
+        lf_image_note(notes, "the ICC profile is not applied; colours are read as %s",
                       jpeg->num_components == 4 ? "plain CMYK" : "sRGB");
     if (begins(marker, JPEG_APP0 + 2, "MPF", 4))
-        lf_image_note(notes, "further pictures behind the first (MPF) are not read");
+        lf_image_note(notes, "only the first image is read; further images (MPF) are ignored");
 }
 
 static void note_markers(const struct jpeg_decompress_struct *jpeg, const lf_image_source *source)
@@ -144,7 +144,7 @@ static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FI
         return status;
     if (jpeg->num_components != 1 && jpeg->num_components != 3 && jpeg->num_components != 4)
         return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
-                            "a JPEG of %d components (expected grey, RGB or CMYK)",
+                            "the JPEG has %d components; expected grey, RGB or CMYK",
                             jpeg->num_components);
     jpeg->out_color_space = jpeg->num_components == 4 ? JCS_CMYK
                             : channels == 4           ? JCS_EXT_RGBA
@@ -153,12 +153,13 @@ static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FI
     jpeg_start_decompress(jpeg);
     status = lf_image8_init(out, (int)jpeg->output_width, (int)jpeg->output_height, channels);
     if (status != LF_OK)
-        return lf_error_set(s->err, status, s->source->where, "no memory for the picture");
+        return lf_error_set(s->err, status, s->source->where, "not enough memory for the image");
     read_rows(jpeg, out);
     note_markers(jpeg, s->source); /* markers are freed at the end */
     jpeg_finish_decompress(jpeg);
     if (s->damaged)
-        return lf_error_set(s->err, LF_E_FORMAT, s->source->where, "JPEG: damaged or cut off");
+        return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
+                            "JPEG: the file is damaged or cut off");
     return LF_OK;
 }
 
@@ -300,15 +301,16 @@ lf_status lf_jpeg_write_rows(lf_outfile *file, int width, int height, lf_rows8_f
     if (width < 1 || width > JPEG_MAX_DIMENSION || height < 1 || height > JPEG_MAX_DIMENSION ||
         quality < 1 || quality > 100)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file),
-                            "%dx%d pixels at quality %d cannot be a JPEG (%ld pixels a side at "
-                            "most): write .png or .exr",
+                            "cannot write a JPEG of %dx%d pixels with quality %d (at most %ld "
+                            "pixels per side); write .png or .exr",
                             width, height, quality, JPEG_MAX_DIMENSION);
     struct jpeg_compress_struct jpeg = {0};
     jpeg_writing *w = lf_calloc(1, sizeof *w);
     uint8_t *row = w ? lf_calloc((size_t)width, 3) : NULL;
     lf_status status = LF_OK;
     if (!row) {
-        status = lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file), "no memory for libjpeg");
+        status =
+            lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file), "not enough memory for libjpeg");
     } else {
         w->file = file;
         w->err = err;

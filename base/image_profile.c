@@ -110,20 +110,20 @@ void lf_exif_read(const uint8_t *data, size_t size, lf_image_metadata *meta)
     enum { ORIENTATION = 0x0112, EXIF_FOLDER = 0x8769, COLOUR_SPACE = 0xa001 };
     tiff t = {data, size, size >= 2 && data[0] == 'M', false};
     if (size < 8 || (memcmp(data, "II*\0", 4) != 0 && memcmp(data, "MM\0*", 4) != 0)) {
-        lf_image_note(&meta->notes, "the EXIF is broken: it is not used");
+        lf_image_note(&meta->notes, "the EXIF data is damaged; it is ignored");
         return;
     }
     uint32_t folder = number(&t, 4, 4), turn = find_number(&t, folder, ORIENTATION);
     uint32_t more = find_number(&t, folder, EXIF_FOLDER);
     uint32_t space = more ? find_number(&t, more, COLOUR_SPACE) : 0;
     if (t.is_broken)
-        lf_image_note(&meta->notes, "the EXIF is broken: what is left of it is used");
+        lf_image_note(&meta->notes, "the EXIF data is damaged; its readable part is used");
     if (turn > 8)
-        lf_image_note(&meta->notes, "EXIF orientation %u is unknown: the picture is not turned",
-                      turn);
+        lf_image_note(&meta->notes, "unknown EXIF orientation %u; the image is not rotated", turn);
     else if (turn > 0 && meta->orientation == 0)
         meta->orientation = (int)turn;
     if (space > 1 && space != 0xffff) /* neither of the two values of EXIF: a profile's */
-        lf_image_note(&meta->notes, "EXIF colour space %u%s is not used: colours are taken as sRGB",
-                      space, space == 2 ? " (Adobe RGB)" : "");
+        lf_image_note(&meta->notes,
+                      "EXIF colour space %u%s is not applied; colours are read as sRGB", space,
+                      space == 2 ? " (Adobe RGB)" : "");
 }

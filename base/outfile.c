@@ -29,7 +29,7 @@ static lf_status fail_errno(lf_error *err, const char *path, const char *what)
 static lf_status fail_exists(lf_error *err, const char *path)
 {
     return lf_error_set(err, LF_E_EXISTS, path,
-                        "is there already, and overwriting was not asked for");
+                        "the file exists already and overwriting is off; use another name");
 }
 
 /* The part of a temporary name before the random characters; long names are cut so that the whole
@@ -128,9 +128,9 @@ static lf_status open_named(lf_outfile *file, lf_error *err)
         if (fd >= 0)
             close(fd);
         else if (errno != EEXIST)
-            return fail_errno(err, file->path, "cannot write in this folder");
+            return fail_errno(err, file->path, "cannot write into this folder");
     }
-    return lf_error_set(err, LF_E_IO, file->path, "no free temporary name");
+    return lf_error_set(err, LF_E_IO, file->path, "no name is free for a temporary file");
 }
 
 /* Unnamed if the file system supports it; publishing then uses /proc. */
@@ -155,7 +155,8 @@ static lf_status check_target(const char *path, bool overwrite, lf_error *err)
     if (lstat(path, &st) != 0)
         return errno == ENOENT ? LF_OK : fail_errno(err, path, "cannot write");
     if (!S_ISREG(st.st_mode) && !S_ISLNK(st.st_mode))
-        return lf_error_set(err, LF_E_IO, path, "is there already and not a regular file");
+        return lf_error_set(err, LF_E_IO, path,
+                            "exists already and is not a regular file; use another name");
     return overwrite ? LF_OK : fail_exists(err, path);
 }
 
@@ -164,7 +165,8 @@ lf_status lf_outfile_open(lf_outfile *file, const char *path, bool overwrite, lf
     *file = (lf_outfile){.fd = -1};
     size_t n = strlen(path);
     if (n == 0 || path[n - 1] == '/')
-        return lf_error_set(err, LF_E_ARG, path, "not the name of a file");
+        return lf_error_set(err, LF_E_ARG, path,
+                            "not a file name; expected one that does not end in \"/\"");
     lf_status status = check_target(path, overwrite, err);
     if (status != LF_OK)
         return status;
@@ -190,7 +192,8 @@ lf_status lf_outfile_adopt(lf_outfile *file, int fd, lf_error *err)
     if (flags < 0 || fstat(fd, &st) != 0)
         return fail_errno(err, "descriptor", "cannot use it");
     if (!S_ISREG(st.st_mode) || (flags & O_ACCMODE) == O_RDONLY || (flags & O_PATH) != 0)
-        return lf_error_set(err, LF_E_ARG, "descriptor", "not a regular file open for writing");
+        return lf_error_set(err, LF_E_ARG, "descriptor",
+                            "expected a regular file that is open for writing");
     if (ftruncate(fd, 0) != 0 || lseek(fd, 0, SEEK_SET) != 0 || fcntl(fd, F_SETFD, FD_CLOEXEC) != 0)
         return fail_errno(err, "descriptor", "cannot be emptied");
     file->fd = fd;
@@ -249,7 +252,7 @@ static lf_status name_temporarily(lf_outfile *file, lf_error *err)
         if (errno != EEXIST)
             return fail_errno(err, file->path, "cannot be named");
     }
-    return lf_error_set(err, LF_E_IO, file->path, "no free temporary name");
+    return lf_error_set(err, LF_E_IO, file->path, "no name is free for a temporary file");
 }
 
 /* rename without replacing; with a hard link if the file system does not support that */

@@ -294,7 +294,7 @@ static char *describe(const lf_param *row, char *buf, size_t size)
         snprintf(buf, size, "a%s number from %.10g to %.10g%s%s%s",
                  row->type == LF_PARAM_WHOLE ? " whole" : "", row->low, row->high,
                  row->unit ? " " : "", row->unit ? row->unit : "",
-                 row->type == LF_PARAM_RASTER ? ", or XxY of two" : "");
+                 row->type == LF_PARAM_RASTER ? ", or two as XxY" : "");
     else if (list)
         snprintf(buf, size, "all, none or some of ");
     if (is_mixed(row))

@@ -162,15 +162,17 @@ static lf_status check_path(const lf_passed *passed, const char *path, lf_error 
 {
     char name[PATH_MAX];
     if (path[0] != '/' || !lf_passed_name(path, name) || strcmp(path, name) != 0)
-        return lf_error_set(err, LF_E_ARG, path,
-                            "a passed file is named by its absolute path, without \".\", \"..\" "
-                            "and \"//\"");
+        return lf_error_set(
+            err, LF_E_ARG, path,
+            "a passed file needs an absolute path without \".\", \"..\" and \"//\"");
     if (lf_frame_name_varies(path))
-        return lf_error_set(err, LF_E_ARG, path, "a passed file is one file, not one per frame");
+        return lf_error_set(err, LF_E_ARG, path,
+                            "a name with a frame number cannot be passed; pass one file");
     if (find(passed, path) >= 0)
-        return lf_error_set(err, LF_E_ARG, path, "was passed twice");
+        return lf_error_set(err, LF_E_ARG, path, "the file was passed twice");
     if (passed->n == LF_MAX_PASSED)
-        return lf_error_set(err, LF_E_ARG, path, "more than %d files were passed", LF_MAX_PASSED);
+        return lf_error_set(err, LF_E_ARG, path, "more than %d files were passed; pass fewer",
+                            LF_MAX_PASSED);
     return LF_OK;
 }
 
@@ -182,11 +184,10 @@ static lf_status check_descriptor(const char *path, int fd, lf_error *err)
     struct statx st;
     const int flags = fcntl(fd, F_GETFL);
     if (flags < 0 || (flags & O_PATH) != 0 || (flags & O_ACCMODE) != O_RDONLY)
-        return lf_error_set(err, LF_E_ARG, path,
-                            "its descriptor must be open for reading, and for that alone");
+        return lf_error_set(err, LF_E_ARG, path, "its descriptor must be open for reading only");
     if (statx(fd, "", AT_EMPTY_PATH | AT_STATX_DONT_SYNC, STATX_TYPE, &st) != 0 ||
         !S_ISREG(st.stx_mode))
-        return lf_error_set(err, LF_E_ARG, path, "its descriptor is not of a regular file");
+        return lf_error_set(err, LF_E_ARG, path, "its descriptor must be a regular file");
     return LF_OK;
 }
 
@@ -199,7 +200,8 @@ lf_status lf_passed_add(lf_passed *passed, const char *path, int fd, lf_error *e
         return status;
     if (atomic_fetch_add(&n_held, 1) >= LF_MAX_PASSED_ALL) {
         atomic_fetch_sub(&n_held, 1);
-        return lf_error_set(err, LF_E_BUSY, path, "%d passed files are held already",
+        return lf_error_set(err, LF_E_BUSY, path,
+                            "quiltd already holds %d passed files; try again later",
                             LF_MAX_PASSED_ALL);
     }
     passed_file *file = lf_calloc(1, sizeof *file);
@@ -235,8 +237,8 @@ lf_status lf_passed_join(const lf_passed *older, const lf_passed *newer, lf_pass
     const bool crowded = n + count(older, newer, false) > LF_MAX_PASSED;
     if (n + count(older, newer, crowded) > LF_MAX_PASSED)
         return lf_error_set(err, LF_E_ARG, newer ? newer->file[0]->path : "",
-                            "more than %d files were passed to this scene; load a scene anew "
-                            "(scene.load), or start quiltd with --allow-path DIR",
+                            "more than %d files were passed to this scene; reload it (scene.load) "
+                            "or start quiltd with --allow-path DIR",
                             LF_MAX_PASSED);
     lf_passed *joined = lf_passed_create();
     if (!joined)
@@ -309,8 +311,8 @@ static lf_status copy_bytes(passed_file *file, int to, char *chunk, lf_error *er
         file->copied += (uint64_t)got;
         if (atomic_fetch_add(&n_copied, (uint64_t)got) + (uint64_t)got > LF_MAX_PASSED_COPY)
             return lf_error_set(err, LF_E_FORMAT, file->path,
-                                "quiltd's user may not open it again, and copies of such files "
-                                "take more than %d MiB (chmod o+r lets everybody read it)",
+                                "quiltd's user may not read the file, and copies of such files "
+                                "exceed %d MiB; make it readable with chmod o+r",
                                 (int)(LF_MAX_PASSED_COPY >> 20));
         if (!write_all(to, chunk, (size_t)got))
             return fail_errno(err, file->path, "cannot be copied into memory");

@@ -25,7 +25,7 @@ const char *lf_hidden_home(const char *path)
         beneath = beneath || strncmp(path, homes[i], strlen(homes[i])) == 0;
     /* /home of a sandbox is empty and inaccessible; any other can be entered */
     return beneath && access("/home", X_OK) != 0 && errno == EACCES
-               ? " (the service does not see home folders: put it beneath /srv, or see PATHS in "
+               ? " (the service cannot see home folders; put the file below /srv, or see PATHS in "
                  "quiltd(1))"
                : "";
 }
@@ -174,7 +174,8 @@ lf_status lf_roots_add(lf_roots *roots, const char *folder, lf_error *err)
         if (strcmp(roots->root[i], real) == 0)
             return LF_OK;
     if (roots->n_roots == LF_MAX_ROOTS)
-        return lf_error_set(err, LF_E_ARG, folder, "more than %d folders", LF_MAX_ROOTS);
+        return lf_error_set(err, LF_E_ARG, folder, "too many folders; expected at most %d",
+                            LF_MAX_ROOTS);
     char *copy = lf_strdup(real);
     if (!copy)
         return no_memory(err, folder);
@@ -295,12 +296,12 @@ static lf_status find(const lf_roots *roots, const char *path, char real[static 
 static lf_status outside(const lf_roots *roots, lf_error *err, const char *path)
 {
     if (!roots->closed)
-        return lf_error_set(err, LF_E_PATH, path,
-                            "lies outside the folders that may be read; --allow-path DIR adds one");
+        return lf_error_set(
+            err, LF_E_PATH, path,
+            "outside the folders that may be read; allow one more with --allow-path DIR");
     return lf_error_set(err, LF_E_PATH, path,
-                        "lies outside the folders that quiltd may read; start quiltd with "
-                        "--allow-path DIR, or load the scene with quiltctl (again, if the file was "
-                        "passed by a client that is gone)");
+                        "outside the folders that quiltd may read; load the scene with quiltctl, "
+                        "again if needed, or start quiltd with --allow-path DIR");
 }
 
 static lf_status resolve(const lf_roots *roots, const char *path, char real[static PATH_MAX],
@@ -442,8 +443,9 @@ lf_status lf_check_name(const char *path, lf_error *err)
 {
     for (const unsigned char *c = (const unsigned char *)path; *c; c++)
         if (is_control(c))
-            return lf_error_set(err, LF_E_ARG, path,
-                                "a name to be written holds no control characters or line ends");
+            return lf_error_set(
+                err, LF_E_ARG, path,
+                "the name of an output must not contain control characters or line breaks");
     return LF_OK;
 }
 
@@ -452,7 +454,8 @@ lf_status lf_check_stem(const char *path, const char *ending, lf_error *err)
     const char *slash = strrchr(path, '/'), *last = slash ? slash + 1 : path;
     const size_t n = strlen(last), m = strlen(ending);
     if (n <= m || strspn(last, ".") >= n - m)
-        return lf_error_set(err, LF_E_ARG, path, "there is no name before the ending %s", ending);
+        return lf_error_set(err, LF_E_ARG, path, "expected a file name before the ending %s",
+                            ending);
     return lf_check_name(path, err);
 }
 
@@ -493,9 +496,10 @@ lf_status lf_held_name_open(const char *root, const char *option, const char *pa
         status = lf_error_set(err, LF_E_PATH, path, "its folder cannot be opened: %s",
                               lf_errno_text(errno));
     else if (status != LF_OK)
-        status = lf_error_set(err, LF_E_PATH, path, "does not lie beneath the %s %s", option, root);
+        status = lf_error_set(err, LF_E_PATH, path, "outside the %s %s", option, root);
     else if (is_link(held.folder_fd, last))
-        status = lf_error_set(err, LF_E_PATH, path, "is a symbolic link");
+        status = lf_error_set(err, LF_E_PATH, path,
+                              "symbolic links are not overwritten; use another name");
     if (status == LF_OK)
         held.path = join(real, last, slash);
     if (status == LF_OK && !held.path)

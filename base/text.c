@@ -31,7 +31,7 @@ lf_status lf_text_begin(const char *bytes, size_t n, const char *where, size_t *
         if (n >= others[i].n && memcmp(bytes, others[i].mark, others[i].n) == 0)
             name = others[i].name;
     if (name)
-        return lf_error_set(err, LF_E_FORMAT, where, "is %s text; save it as UTF-8", name);
+        return lf_error_set(err, LF_E_FORMAT, where, "the file is %s text; save it as UTF-8", name);
     *out_mark = n >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     return LF_OK;
 }

@@ -40,12 +40,13 @@ static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *e
     size_t row = (size_t)l->view_width * 3, n_rows = (size_t)l->view_height * (size_t)l->n_views;
     size_t view = row * (size_t)l->view_height;
     if (n_rows > MAX_SAMPLES / row)
-        return lf_error_set(err, LF_E_FORMAT, where,
-                            "%d views of %dx%d pixels (at most 2^31 samples)", l->n_views,
-                            l->view_width, l->view_height);
+        return lf_error_set(
+            err, LF_E_FORMAT, where,
+            "%d views of %dx%d pixels have more than 2^31 samples; use fewer or smaller views",
+            l->n_views, l->view_width, l->view_height);
     void *data = lf_calloc(n_rows * row, q->is_float ? sizeof(float) : 1);
     if (!data)
-        return lf_error_set(err, LF_E_NOMEM, where, "no memory for %d views", l->n_views);
+        return lf_error_set(err, LF_E_NOMEM, where, "not enough memory for %d views", l->n_views);
     if (q->is_float) {
         q->image32 = (lf_image32){
             .width = l->view_width, .height = (int)n_rows, .channels = 3, .data = data};
@@ -139,12 +140,12 @@ static lf_status refuse_name(const char *path, lf_error *err)
     const char *slash = strrchr(path, '/'), *part = strstr(slash ? slash : path, "_qs");
     if (part && part[3] >= '0' && part[3] <= '9')
         return lf_error_set(err, LF_E_ARG, path,
-                            "\"%.40s\" in the name is no quilt suffix, such as _qs8x6a0.75 (rename "
-                            "the file, or give its tiles with --quilt COLUMNSxROWS)",
+                            "\"%.40s\" in the file name is not a quilt suffix such as _qs8x6a0.75; "
+                            "rename the file or pass --quilt COLUMNSxROWS (scene.load: quilt)",
                             part);
     return lf_error_set(err, LF_E_ARG, path,
-                        "the name says no tiles, such as _qs8x6a0.75 (give them with "
-                        "--quilt COLUMNSxROWS; 1x1 is a picture that is one view)");
+                        "the file name has no quilt suffix such as _qs8x6a0.75; rename it or pass "
+                        "--quilt COLUMNSxROWS (scene.load: quilt), 1x1 for one view");
 }
 
 static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows,
@@ -218,8 +219,8 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
         if (entry->d_name[0] == '.' || !lf_image_ending(entry->d_name))
             continue;
         if (list->n == MAX_FOLDER_VIEWS)
-            status =
-                lf_error_set(err, LF_E_FORMAT, folder, "more than %d pictures", MAX_FOLDER_VIEWS);
+            status = lf_error_set(err, LF_E_FORMAT, folder, "the folder has more than %d images",
+                                  MAX_FOLDER_VIEWS);
         else if (!(list->names[list->n] = lf_path_join(folder, entry->d_name)))
             status = lf_error_set(err, LF_E_NOMEM, folder, "no memory");
         else
@@ -228,7 +229,7 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
     closedir(dir);
     if (status == LF_OK && list->n == 0)
         return lf_error_set(err, LF_E_FORMAT, folder,
-                            "no pictures in this folder (expected one a view)");
+                            "the folder has no images; expected one per view");
     if (status == LF_OK)
         qsort(list->names, (size_t)list->n, sizeof *list->names, by_name);
     return status;
@@ -318,21 +319,21 @@ static void note_folder(const folder *f)
     if (f->n_odd == 0)
         return;
     notes->length = 0;
-    lf_image_note(notes, "%d of %d pictures are not %dx%d as %.60s is: %s%s; they are scaled %s",
-                  f->n_odd, f->list.n, f->width, f->height, base_name(f->list.names[0]), f->odd,
-                  f->odd_is_full ? " ..." : "",
-                  f->photo.mode == LF_PHOTO_FIT
-                      ? "whole, with borders (photo fill cuts them instead)"
-                      : "and cut (photo fit shows them whole)");
+    lf_image_note(
+        notes, "%d of %d images do not have the %dx%d pixels of %.60s: %s%s; they are scaled %s",
+        f->n_odd, f->list.n, f->width, f->height, base_name(f->list.names[0]), f->odd,
+        f->odd_is_full ? " ..." : "",
+        f->photo.mode == LF_PHOTO_FIT ? "to fit, with borders (photo fill crops them instead)"
+                                      : "and cropped (photo fit shows them whole)");
     if (f->cut.n > 0)
-        lf_image_note(notes, "%d of them cut, %s most: %.0f %% of it", f->cut.n, f->cut.name,
+        lf_image_note(notes, "%d of them are cropped, %s most, by %.0f %%", f->cut.n, f->cut.name,
                       100 * f->cut.by);
     if (f->up.n > 0)
-        lf_image_note(notes, "%d of them scaled up by more than 2, %s most: by %.3g", f->up.n,
+        lf_image_note(notes, "%d of them are scaled up by more than 2, %s most, by %.3g", f->up.n,
                       f->up.name, f->up.by);
     if (f->down.n > 0)
-        lf_image_note(notes, "%d of them scaled down by more than 2, %s most: by %.3g", f->down.n,
-                      f->down.name, f->down.by);
+        lf_image_note(notes, "%d of them are scaled down by more than 2, %s most, by %.3g",
+                      f->down.n, f->down.name, f->down.by);
     lf_image_note_lines(notes, meta.text, meta.length);
 }
 
@@ -347,7 +348,7 @@ static lf_status scale_picture(folder *f, int view, const lf_raster *p, const lf
     const void *in = p->data32 ? (const void *)p->data32 : p->data8;
     void *turned = lf_calloc((size_t)p->width * (size_t)p->height, pixel);
     if (!turned)
-        return lf_error_set(err, LF_E_NOMEM, name, "no memory for the picture");
+        return lf_error_set(err, LF_E_NOMEM, name, "not enough memory for the image");
     lf_orient(orientation, in, (size_t)p->width * pixel, p->width, p->height, pixel, turned);
     const lf_photo_picture picture = {.width = shape->view_width,
                                       .height = shape->view_height,
@@ -361,7 +362,8 @@ static lf_status scale_picture(folder *f, int view, const lf_raster *p, const lf
                                      f->q->is_float ? NULL : f->q->image8.data + to,
                                      f->q->is_float ? f->q->image32.data + to : NULL);
     lf_free(turned);
-    return status == LF_OK ? status : lf_error_set(err, status, name, "no memory for the picture");
+    return status == LF_OK ? status
+                           : lf_error_set(err, status, name, "not enough memory for the image");
 }
 
 static lf_status take_raster(folder *f, int view, const lf_raster *p, lf_error *err)
@@ -370,7 +372,7 @@ static lf_status take_raster(folder *f, int view, const lf_raster *p, lf_error *
     lf_status status = view == 0 ? begin_folder(f, p, aspect, err) : LF_OK;
     if (status == LF_OK && !p->data32 == f->q->is_float)
         return lf_error_set(err, LF_E_FORMAT, f->list.names[view],
-                            "pictures of 8 bits and of floats in one folder");
+                            "the folder mixes 8-bit and floating-point images; use one kind");
     if (status != LF_OK)
         return status;
     const int orientation = lf_photo_orientation(&f->photo, aspect);
@@ -512,16 +514,18 @@ static void row32(void *context, int y, float *out)
 static lf_status check_layout(const lf_layout *l, int n_views, int width, int height, lf_error *err)
 {
     if (l->n_views != n_views || l->view_width != width || l->view_height != height)
-        return lf_error_set(err, LF_E_ARG, "quilt",
-                            "%d views of %dx%d pixels in a layout for %d of %dx%d", n_views, width,
-                            height, l->n_views, l->view_width, l->view_height);
+        return lf_error_set(
+            err, LF_E_ARG, "quilt",
+            "%d views of %dx%d pixels do not match the layout for %d views of %dx%d pixels",
+            n_views, width, height, l->n_views, l->view_width, l->view_height);
     if (l->columns < 1 || l->rows < 1 || l->columns * l->rows < n_views)
         return lf_error_set(err, LF_E_ARG, "quilt", "%dx%d tiles are too few for %d views",
                             l->columns, l->rows, n_views);
     if (l->columns > 65536 / width || l->rows > 65536 / height)
-        return lf_error_set(err, LF_E_ARG, "quilt",
-                            "%dx%d tiles of %dx%d pixels are too many for a picture (65536 a side)",
-                            l->columns, l->rows, width, height);
+        return lf_error_set(
+            err, LF_E_ARG, "quilt",
+            "%dx%d tiles of %dx%d pixels exceed 65536 pixels per side; use fewer or smaller views",
+            l->columns, l->rows, width, height);
     return LF_OK;
 }
 

@@ -53,7 +53,7 @@ lf_status lf_preset_find(const char *name, const lf_preset **out, lf_error *err)
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",
                                  presets[i].name);
     }
-    return lf_error_set(err, LF_E_ARG, "preset", "\"%s\" is not known (expected %s)", name, known);
+    return lf_error_set(err, LF_E_ARG, "preset", "unknown name \"%s\"; expected %s", name, known);
 }
 
 /* ------------------------------------------------------------------------------------- tiles -- */

@@ -60,7 +60,7 @@ lf_status lf_parse_tiles(const char *text, int *out_columns, int *out_rows, lf_e
     int columns, rows;
     if (!take_tiles(&at, &columns, &rows) || *at)
         return lf_error_set(err, LF_E_ARG, "quilt",
-                            "\"%s\" (expected COLUMNSxROWS, 1 to %d each, e.g. 8x6)", text,
+                            "\"%s\" is not COLUMNSxROWS, 1 to %d each, such as 8x6", text,
                             LF_MAX_TILES);
     *out_columns = columns;
     *out_rows = rows;

@@ -226,10 +226,9 @@ lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf
         map = strcmp(tonemap, curves[i].name) == 0 ? &curves[i] : NULL;
     if (!map)
         return lf_error_set(err, LF_E_ARG, "tonemap",
-                            "\"%s\" is not known (expected srgb, filmic, aces or neutral)",
-                            tonemap);
+                            "unknown name \"%s\"; expected srgb, filmic, aces or neutral", tonemap);
     if (!(fabs(exposure) <= MAX_STOPS))
-        return lf_error_set(err, LF_E_ARG, "exposure", "%g stops (expected -%g to %g)", exposure,
+        return lf_error_set(err, LF_E_ARG, "exposure", "%g stops; expected -%g to %g", exposure,
                             MAX_STOPS, MAX_STOPS);
     lf_tone *tone = lf_calloc(1, sizeof *tone);
     if (!tone)

@@ -254,7 +254,7 @@ lf_status lf_confine(uint64_t memory, unsigned seconds, lf_landlock *out_landloc
 {
     limit_all(memory, seconds);
     if (!drop_capabilities())
-        return lf_error_set(err, LF_E_IO, LF_HERE, "the reader cannot give up its capabilities");
+        return lf_error_set(err, LF_E_IO, LF_HERE, "the file reader cannot drop its capabilities");
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
         return lf_error_set(err, LF_E_IO, LF_HERE, "no_new_privs: %s", strerror(errno));
     (void)signal(SIGXFSZ, SIG_IGN); /* a file at its limit is an error like a full disk */
@@ -267,7 +267,7 @@ lf_status lf_confine(uint64_t memory, unsigned seconds, lf_landlock *out_landloc
     if (filter)
         seccomp_release(filter);
     if (failed)
-        return lf_error_set(err, LF_E_IO, LF_HERE, "the reader cannot be confined (seccomp): %s",
-                            strerror(-failed));
+        return lf_error_set(err, LF_E_IO, LF_HERE,
+                            "the file reader cannot be confined (seccomp): %s", strerror(-failed));
     return LF_OK;
 }

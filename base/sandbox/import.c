@@ -71,7 +71,7 @@ static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error 
             access(path, X_OK) == 0)
             return LF_OK;
     return lf_error_set(err, LF_E_IO, programs[kind],
-                        "the program that reads such files is not in %s nor in %s", places[0],
+                        "the program is missing in %s and %s; install quiltd again", places[0],
                         places[1]);
 }
 
@@ -183,8 +183,8 @@ static void note_landlock(uint32_t meta)
         return;
     atomic_store(&landlock, (int)meta);
     if (meta == LF_LANDLOCK_REFUSED && !atomic_flag_test_and_set(&told))
-        lf_log(LF_LOG_WARNING, "readers of files go without Landlock: the kernel has it, but it is "
-                               "refused here (a filter of system calls?); seccomp holds them");
+        lf_log(LF_LOG_WARNING, "file readers run without Landlock, which is blocked here, perhaps "
+                               "by a system call filter; seccomp still confines them");
 }
 
 /* Converts the reader's failure to an error. Its text and status are untrusted. */
@@ -197,7 +197,8 @@ static lf_status failure(const lf_import_reply *reply, const char *where, lf_err
     case LF_E_ARG:
         return lf_error_set(err, (lf_status)reply->status, where, "%s", reply->text);
     default:
-        return lf_error_set(err, LF_E_FORMAT, where, "the reader failed without a reason");
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "the file reader failed without giving a reason");
     }
 }
 
@@ -241,12 +242,12 @@ static lf_status say_how_it_ended(const child *reader, int how, const char *wher
         return lf_import_say_late(where, err);
     if (signal != 0 && signal != SIGKILL)
         return lf_error_set(err, LF_E_FORMAT, where,
-                            "the reader ended by signal %d; the file is damaged or not what it "
-                            "claims",
+                            "the file reader was ended by signal %d; the file is damaged or in "
+                            "another format than its name says",
                             signal);
-    return lf_error_set(
-        err, LF_E_FORMAT, where,
-        "the reader ended without a word; the file is damaged or not what it claims");
+    return lf_error_set(err, LF_E_FORMAT, where,
+                        "the file reader ended without a message; the file is damaged or in "
+                        "another format than its name says");
 }
 
 /* True if more memory may help: it ran out of memory, or a library crashed without it. */

@@ -98,7 +98,7 @@ void lf_import_end_reading(void)
 lf_status lf_import_say_late(const char *where, lf_error *err)
 {
     return lf_error_set(err, LF_E_TIMEOUT, where,
-                        "reading takes longer than %u s (--import-time, all files together); a "
-                        "file is damaged or very large",
+                        "reading all files takes longer than %u s; raise --import-time, or look "
+                        "for a damaged or very large file",
                         lf_import_seconds());
 }

@@ -49,7 +49,8 @@ static lf_status serve(const lf_import_reader *reader, const lf_import_request *
                        lf_parcel_writer *parcel, lf_landlock *out_landlock, lf_error *err)
 {
     if (request->version != LF_IMPORT_VERSION)
-        return lf_error_set(err, LF_E_IO, LF_HERE, "quiltimport is of another version");
+        return lf_error_set(err, LF_E_IO, LF_HERE,
+                            "quiltimport has another version; install quiltd again");
     if (reader->begin)
         reader->begin();
     go_first();
@@ -70,7 +71,8 @@ int lf_reader_main(const lf_import_reader *reader)
     int fd = -1, sealed = -1;
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK || fd < 0) {
-        fprintf(stderr, "quiltd and quiltrender start this program, to read files for them\n");
+        fprintf(stderr,
+                "quiltd and quiltrender start this program to read files; it has no use by hand\n");
         return 2;
     }
     if (request.asker != getppid()) /* the asker ended before PR_SET_PDEATHSIG was set */

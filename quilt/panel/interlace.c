@@ -269,18 +269,18 @@ static lf_status check(const lf_calibration *c, int n_views, int view_width, int
 {
     if (c->screen_width_px < 1 || c->screen_width_px > LF_MAX_SIDE || c->screen_height_px < 1 ||
         c->screen_height_px > LF_MAX_SIDE)
-        return lf_error_set(err, LF_E_ARG, "panel", "%dx%d pixels (expected 1 to %d a side)",
+        return lf_error_set(err, LF_E_ARG, "panel", "%dx%d pixels; expected 1 to %d per side",
                             c->screen_width_px, c->screen_height_px, LF_MAX_SIDE);
     if (!(c->pitch > 0) || !(c->dpi > 0) || !(fabs(c->slope) > 0) || !isfinite(c->center) ||
         c->n_cells > LF_MAX_CELLS)
         return lf_error_set(err, LF_E_ARG, "panel",
-                            "pitch, slope, center or DPI of the calibration make no lens");
+                            "the calibration has an invalid pitch, slope, center or DPI");
     if (n_views < 1 || n_views > MAX_VIEWS || view_width < 1 || view_height < 1)
-        return lf_error_set(err, LF_E_ARG, "panel", "%d views of %dx%d pixels (expected 1 to %d)",
-                            n_views, view_width, view_height, MAX_VIEWS);
+        return lf_error_set(err, LF_E_ARG, "panel",
+                            "%d views of %dx%d pixels; expected 1 to %d views", n_views, view_width,
+                            view_height, MAX_VIEWS);
     if (!(aspect >= 0) || isinf(aspect))
-        return lf_error_set(err, LF_E_ARG, "panel", "aspect %g (expected a number above 0)",
-                            aspect);
+        return lf_error_set(err, LF_E_ARG, "panel", "aspect %g; expected a number above 0", aspect);
     return LF_OK;
 }
 
@@ -303,8 +303,8 @@ static lf_status allocate(lf_interlacer *it, lf_error *err)
         whole = it->views;
     }
     return whole ? LF_OK
-                 : lf_error_set(err, LF_E_NOMEM, "panel", "no memory for a panel of %zux%zu pixels",
-                                width, height);
+                 : lf_error_set(err, LF_E_NOMEM, "panel",
+                                "not enough memory for a panel of %zux%zu pixels", width, height);
 }
 
 lf_status lf_interlacer_create(const lf_calibration *calibration, int n_views, int view_width,

@@ -55,12 +55,12 @@ lf_status lf_response_codes(const lf_response *response, lf_codes *out, lf_error
 {
     double white[3];
     if (response->white > 0.0 && (response->white_x > 0.0 || response->white_y > 0.0))
-        return lf_error_set(err, LF_E_ARG, "white", "a temperature or x and y, not both");
+        return lf_error_set(err, LF_E_ARG, "white", "give a temperature or x and y, not both");
     if ((response->white_x > 0.0) != (response->white_y > 0.0))
-        return lf_error_set(err, LF_E_ARG, "white", "x and y belong together");
+        return lf_error_set(err, LF_E_ARG, "white", "x and y must be given together");
     if (!white_of(response, white))
         return lf_error_set(err, LF_E_ARG, "white",
-                            "x %g, y %g: no panel's red, green and blue add up to that",
+                            "x %g, y %g is not a colour that red, green and blue can mix",
                             response->white_x, response->white_y);
     double least = fmin(white[0], fmin(white[1], white[2]));
     lf_codes codes = {.same = true};

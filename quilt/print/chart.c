@@ -25,19 +25,22 @@ static lf_status check(const lf_print *print, lf_error *err)
     if (print->chart_range == 0.0 || print->chart_step == 0.0)
         return lf_error_set(err, LF_E_ARG, "chart", "a chart needs range and step (lpi)");
     if (!(print->chart_step > 0.0 && print->chart_step <= print->chart_range))
-        return lf_error_set(err, LF_E_ARG, "chart", "step %g: expected one above 0 and up to %g",
+        return lf_error_set(err, LF_E_ARG, "chart",
+                            "step %g; expected above 0 and at most the range, %g",
                             print->chart_step, print->chart_range);
     if (print->lpi - print->chart_range < 5.0)
-        return lf_error_set(err, LF_E_ARG, "chart", "range %g: expected pitches of at least 5 lpi",
+        return lf_error_set(err, LF_E_ARG, "chart",
+                            "range %g is too large; expected pitches of at least 5 lpi",
                             print->chart_range);
     if (lf_print_dpi_across(print) < 2.0 * (print->lpi + print->chart_range))
         return lf_error_set(err, LF_E_ARG, "chart",
-                            "%g lpi at %.10g dpi: expected at least 2 pixels a line",
+                            "%g lpi at %.10g dpi has too few pixels; expected at least 2 per line",
                             print->lpi + print->chart_range, lf_print_dpi_across(print));
     if (print->n_views > 0 || print->bleed_mm != 0.0 || print->phase_mm != 0.0 || print->reverse ||
         print->marks || print->stripes != LF_STRIPES_FRACTIONAL)
-        return lf_error_set(err, LF_E_ARG, "chart",
-                            "takes no views, bleed, phase, stripes, reverse and marks");
+        return lf_error_set(
+            err, LF_E_ARG, "chart",
+            "a chart cannot be combined with views, bleed, phase, stripes, reverse or marks");
     return LF_OK;
 }
 
@@ -71,11 +74,10 @@ lf_status lf_chart_layout(const lf_print *print, lf_chart *out, lf_error *err)
     chart.top = HEADER_MM;
     chart.band_height = (chart.height - HEADER_MM - FOOTER_MM) / (2.0 * steps + 1.0);
     if (chart.band_height < LEAST_BAND_MM)
-        return lf_error_set(
-            err, LF_E_ARG, "chart",
-            "%g bands over %g mm: expected at least %g mm a band, with %g mm beside "
-            "them; a larger print, a smaller range or a larger step",
-            2.0 * steps + 1.0, chart.height, LEAST_BAND_MM, HEADER_MM + FOOTER_MM);
+        return lf_error_set(err, LF_E_ARG, "chart",
+                            "%g bands do not fit into %g mm (%g mm each, plus %g mm); use a larger "
+                            "print or step, or a smaller range",
+                            2.0 * steps + 1.0, chart.height, LEAST_BAND_MM, HEADER_MM + FOOTER_MM);
     chart.n_bands = 2 * (int)steps + 1;
     chart.decimals = decimals_of(print);
     chart.label_height = fmin(TEXT_MM, 0.7 * chart.band_height);
@@ -85,8 +87,8 @@ lf_status lf_chart_layout(const lf_print *print, lf_chart *out, lf_error *err)
     chart.half_ruler = 5.0 * floor(fmin(chart.width - 2.0 * MARGIN_MM, 100.0) / 10.0);
     if (2.0 * chart.half_width < LEAST_GRATING_MM)
         return lf_error_set(err, LF_E_ARG, "chart",
-                            "%g mm along the bands: expected at least %.3g mm", chart.width,
-                            chart.width - 2.0 * chart.half_width + LEAST_GRATING_MM);
+                            "the print has %g mm along the bands; expected at least %.3g mm",
+                            chart.width, chart.width - 2.0 * chart.half_width + LEAST_GRATING_MM);
     *out = chart;
     return LF_OK;
 }

@@ -196,7 +196,7 @@ static lf_status check_profile(lf_print_colour *colour, cmsHPROFILE profile, con
     const cmsProfileClassSignature kind = cmsGetDeviceClass(profile);
     if (space != cmsSigRgbData && space != cmsSigCmykData)
         return lf_error_set(err, LF_E_FORMAT, path,
-                            "a profile for colours other than RGB or CMYK: expected one of these");
+                            "unsupported colour space of the profile; expected RGB or CMYK");
     if (kind != cmsSigDisplayClass && kind != cmsSigOutputClass && kind != cmsSigColorSpaceClass)
         return lf_error_set(err, LF_E_FORMAT, path,
                             "expected the profile of a display, a printer or a colour space");

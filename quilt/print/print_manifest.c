@@ -166,7 +166,7 @@ static json_t *source_part(const lf_print_facts *facts)
         "{s:i, s:[i,i], s:b, s:s, s:o, s:o?, s:f, s:s}", "views", views->n_views, "view_px",
         views->width, views->height, "resampled", facts->source->resampled, "sampling",
         facts->source->resampled ? "area average where smaller, linear where larger"
-                                 : "one sample a lens, the printer's rows",
+                                 : "one sample per lens, the printer's rows",
         "shown", shown, "photo", photo_part(facts->source), "exposure", facts->run->exposure,
         "tonemap", facts->run->tonemap ? facts->run->tonemap : "srgb");
 }
@@ -202,10 +202,10 @@ static json_t *warning_part(const lf_print_facts *facts)
     if (warnings && facts->warning)
         json_array_append_new(warnings, json_string(facts->warning));
     if (warnings && facts->print->parallax_lenses > 1.0) {
-        snprintf(
-            text, sizeof text,
-            "points shift by up to %.2f lenses from view to view: depth beyond 1 lens breaks up",
-            facts->print->parallax_lenses);
+        snprintf(text, sizeof text,
+                 "points shift by up to %.2f lenses between views; objects that shift by more than "
+                 "1 look broken",
+                 facts->print->parallax_lenses);
         json_array_append_new(warnings, json_string(text));
     }
     const lf_image_notes *notes = facts->run->notes;
@@ -224,9 +224,9 @@ static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
 lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile *tiff,
                                   lf_outfile *manifest, lf_error *err)
 {
-    static const char advice[] = "Print at 100 %: no scaling, no fit to page, no borderless "
-                                 "enlargement, no sharpening and no colour "
-                                 "adjustment by the driver; the raster is the printer's own.";
+    static const char advice[] =
+        "Print at 100 %, without scaling, fit to page, borderless enlargement, sharpening or "
+        "colour adjustment by the driver. The raster is the printer's own.";
     const char *where = manifest->path ? manifest->path : "print manifest";
     json_t *options = lf_param_json(lf_print_params, facts->print);
     json_t *settings = facts->run->settings ? json_deep_copy(facts->run->settings) : NULL;
@@ -247,7 +247,7 @@ lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile 
     json_decref(root);
     json_decref(options);
     if (!text)
-        return lf_error_set(err, LF_E_NOMEM, where, "out of memory, or a name that is not UTF-8");
+        return lf_error_set(err, LF_E_NOMEM, where, "out of memory, or a name is not UTF-8");
     status = lf_outfile_write(manifest, text, strlen(text), err);
     if (status == LF_OK)
         status = lf_outfile_write(manifest, "\n", 1, err);

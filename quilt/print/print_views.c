@@ -135,18 +135,17 @@ void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image
     const lf_photo_place place = lay(print, &shape);
     const double scale = scale_along(print, views, &place);
     if (place.cut > 0)
-        lf_image_note(
-            notes,
-            "%.0f %% of the picture, whose aspect is %.4g, are cut for a print of %g x %g "
-            "mm (photo fit shows it whole)",
-            100 * place.cut, print->view_aspect, print->width_mm, print->height_mm);
+        lf_image_note(notes,
+                      "%.0f %% of the image (aspect %.4g) is cropped for a print of %g x %g mm "
+                      "(photo fit shows it whole)",
+                      100 * place.cut, print->view_aspect, print->width_mm, print->height_mm);
     if (place.beside > 0 || place.above > 0)
         lf_image_note(notes,
-                      "the picture, whose aspect is %.4g, is whole on a print of %g x %g mm: white "
-                      "borders of %.1f mm %s (photo fill cuts it instead)",
+                      "the image (aspect %.4g) is whole on a print of %g x %g mm, with white "
+                      "borders of %.1f mm %s (photo fill crops it)",
                       print->view_aspect, print->width_mm, print->height_mm,
                       place.beside + place.above,
-                      place.beside > 0 ? "beside it" : "above and below");
+                      place.beside > 0 ? "left and right" : "above and below");
     if (scale > 2 || scale < 0.5)
         lf_image_note(notes, "views of %dx%d pixels are scaled by %.3g along the lenses",
                       views->width, views->height, scale);
