@@ -19,8 +19,8 @@ static const char *const bits[] = {"8", "16", NULL};
 /* clang-format off */
 const lf_param lf_print_params[] = {
     {.name = "lpi", .option = "print", .joined = "@", LPI, .required = true,
-     .help = "lenticular print, OUT.tif, such as 60.13@600; LPI: measured visual pitch; DPI: one "
-             "number, or XxY across and down",
+     .help = "lenticular print, OUT.tif: visual pitch @ resolution, such as 60.13@600 or "
+             "60.13@720x1440",
      .about = "measured visual pitch of the lens sheet; middle pitch of a chart"},
     {.name = "dpi", .option = "print", DPI, .initial = 600,
      .about = "resolution of the printer; \"XxY\": across and down the page"},
