@@ -7,7 +7,7 @@
 #include <sys/mman.h>
 
 #define ALIGNMENT 64
-/* Below, too little is gained. */
+/* Smaller blocks gain too little from huge pages. */
 #define HUGE_FROM ((size_t)4 << 20)
 
 static atomic_uint_fast64_t n_allocations;

@@ -23,7 +23,7 @@ typedef struct parser {
     lf_error *err;
 } parser;
 
-/* A number that the formulas take, where it goes, and what is sane for it. */
+/* A number that the formulas use: its member and its plausible range. */
 typedef struct number_rule {
     const char *key;
     size_t offset;
@@ -53,13 +53,13 @@ static const struct flag_rule {
     size_t offset;
     int absent;
 } flag_rules[] = {
-    {"invView", TO(inv_view), 1}, /* every first-generation sample that has it says 1 */
+    {"invView", TO(inv_view), 1}, /* 1 in every first-generation sample that has the key */
     {"flipImageX", TO(flip_image_x), 0},
     {"flipSubp", TO(flip_subp), 0},
 };
 
-/* Line of the first `"key"` in the text. Jansson keeps no positions; keys of this format stand
- * once. */
+/* The line of the first `"key"` in the text. Jansson keeps no positions; each key of this format
+ * occurs once. */
 static int line_of(const parser *p, const char *key)
 {
     char quoted[64];
@@ -81,7 +81,7 @@ static lf_status bad_key(const parser *p, const char *key, const char *expected)
                            expected);
 }
 
-/* The bare value of {"value": x} or x. */
+/* The plain value of {"value": x} or x. */
 static const json_t *unwrap(const json_t *value)
 {
     return json_is_object(value) ? json_object_get(value, "value") : value;
@@ -143,7 +143,7 @@ static lf_status take_flag(parser *p, const struct flag_rule *rule)
     return LF_OK;
 }
 
-/* Some readers of the vendor's write the key without its capital. */
+/* Some of the vendor's programs write the key without its capital. */
 static lf_status take_numbers(parser *p)
 {
     lf_status status = LF_OK;
@@ -157,13 +157,13 @@ static lf_status take_numbers(parser *p)
     }
     for (size_t i = 0; i < sizeof flag_rules / sizeof flag_rules[0] && status == LF_OK; i++)
         status = take_flag(p, &flag_rules[i]);
-    /* The formulas divide by slope; a lens flatter than this would not be a lens. */
+    /* The formulas divide by slope; a flatter lens is impossible. */
     if (status == LF_OK && fabs(p->c.slope) < 1e-3)
         status = bad_key(p, "slope", "a number that is not 0");
     return status;
 }
 
-/* Texts end up in listings and terminals; controls (C0, DEL, and C1 in UTF-8) do not. */
+/* Strings are shown in lists and terminals, so controls (C0, DEL, and C1 in UTF-8) are removed. */
 static void remove_controls(char *text)
 {
     for (unsigned char *c = (unsigned char *)text; *c != 0; c++)
@@ -223,18 +223,18 @@ static lf_status take_cells(parser *p)
     return status;
 }
 
-/* A panel of the longest sides would take gigabytes; a device that says so is not believed. */
+/* A panel with both sides at the limit would take gigabytes; such sizes are refused. */
 static lf_status check_area(const parser *p)
 {
     int64_t pixels = (int64_t)p->c.screen_width_px * p->c.screen_height_px;
     if (pixels <= LF_MAX_PANEL_PIXELS)
         return LF_OK;
     return lf_error_set_at(p->err, LF_E_FORMAT, p->where, line_of(p, "screenW"), "/screenW",
-                           "%dx%d pixels (no panel has more than %d)", p->c.screen_width_px,
-                           p->c.screen_height_px, LF_MAX_PANEL_PIXELS);
+                           "%dx%d pixels are too many for a panel; expected at most %d in all",
+                           p->c.screen_width_px, p->c.screen_height_px, LF_MAX_PANEL_PIXELS);
 }
 
-/* An object, or what a text of one says; NULL: neither. Released with json_decref. */
+/* An object, or one parsed from a string; NULL: neither. Release with json_decref. */
 static json_t *object_of(const json_t *value)
 {
     json_t *parsed = json_is_string(value)
@@ -247,7 +247,7 @@ static json_t *object_of(const json_t *value)
     return NULL;
 }
 
-/* A member of a default quilt by its older name or its newer one, "quiltX" or "quiltWidth". */
+/* A member of a default quilt by its older or newer name, "quiltX" or "quiltWidth". */
 static int quilt_member(const json_t *quilt, const char *older, const char *newer, int most)
 {
     double number = 0.0;
@@ -274,11 +274,10 @@ static void take_quilt(parser *p, const json_t *value)
         p->c.quilt_width = width;
         p->c.quilt_height = height;
     } else {
-        lf_log(
-            LF_LOG_WARNING,
-            "%s: its defaultQuilt is not used: expected tileX and tileY of at most %d views, and "
-            "quiltX and quiltY of at most %d pixels",
-            p->where, LF_CALIBRATION_MAX_VIEWS, LF_MAX_PANEL_PIXELS);
+        lf_log(LF_LOG_WARNING,
+               "%s: ignored its defaultQuilt; expected at most %d tiles (tileX, tileY) and at most "
+               "%d pixels (quiltX, quiltY)",
+               p->where, LF_CALIBRATION_MAX_VIEWS, LF_MAX_PANEL_PIXELS);
     }
 }
 
@@ -298,8 +297,7 @@ static bool is_known(const char *key)
     return known;
 }
 
-/* Of keys that no formula takes: those of every calibration where they say more than 0, others
- * whatever they say. */
+/* Warns of unused keys: known ones if they are not 0, unknown ones always. */
 static void tell_unused(const parser *p)
 {
     static const char *const idle[] = {"fringe", "verticalAngle", "flipImageY", NULL};
@@ -319,7 +317,7 @@ static void tell_unused(const parser *p)
     }
     remove_controls(names);
     if (names[0])
-        lf_log(LF_LOG_WARNING, "%s: what it says of %s has no effect", p->where, names);
+        lf_log(LF_LOG_WARNING, "%s: these keys have no effect: %s", p->where, names);
 }
 
 static lf_status take_all(parser *p)
@@ -339,16 +337,16 @@ static lf_status take_all(parser *p)
     return status == LF_OK ? take_cells(p) : status;
 }
 
-/* Of a text that lf_text_take has been at. */
+/* Parses a text after lf_text_take. */
 static lf_status parse_text(const char *text, size_t n, const char *where, lf_calibration *out,
                             lf_error *err)
 {
     json_error_t json;
     json_t *whole = json_loadb(text, n, JSON_REJECT_DUPLICATES, &json), *root = whole;
     if (!root && json_error_code(&json) == json_error_end_of_input_expected)
-        return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
-                               "something stands behind the JSON object; end the file with its "
-                               "last brace");
+        return lf_error_set_at(
+            err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
+            "text follows the JSON object; delete everything after its last brace");
     if (!root)
         return lf_error_set_at(err, LF_E_FORMAT, where, json.line > 0 ? json.line : 0, NULL,
                                "not JSON: %s", json.text);
@@ -372,7 +370,8 @@ lf_status lf_calibration_parse(const char *text, size_t n, const char *where, lf
                                lf_error *err)
 {
     if (n > LF_CALIBRATION_MAX_BYTES)
-        return lf_error_set(err, LF_E_FORMAT, where, "%zu bytes (a calibration has at most %d)", n,
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "%zu bytes are too many for a calibration; expected at most %d", n,
                             LF_CALIBRATION_MAX_BYTES);
     char *own = lf_calloc(n + 1, 1);
     if (!own)

@@ -12,7 +12,7 @@
 #define LF_MAX_PANEL_PIXELS (8192 * 8192) /* twice the largest known panel */
 #define LF_MAX_CELLS 16
 #define LF_CALIBRATION_MAX_BYTES 65536
-/* limit of views in a default quilt; its pixels are limited like those of a panel */
+/* limit of views in a default quilt; its size is limited like the size of a panel */
 #define LF_CALIBRATION_MAX_VIEWS 256
 
 typedef struct lf_calibration {

@@ -20,7 +20,7 @@ static lf_status fail_errno(lf_error *err, const char *path, const char *what)
 
 /* ----------------------------------------------------------------------------------- reading -- */
 
-/* What a server says in place of a file that it does not have. */
+/* True for an HTML page, which servers send instead of a missing file. */
 static bool is_web_page(int fd)
 {
     static const char *const beginnings[] = {"<!doctype html", "<html"};
@@ -54,11 +54,13 @@ lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_byt
     else if (!S_ISREG(st.st_mode))
         status = lf_error_set(err, LF_E_FORMAT, path, "not a regular file");
     else if ((uint64_t)st.st_size > max_bytes)
-        status = lf_error_set(err, LF_E_FORMAT, path, "%ju bytes, expected at most %ju",
-                              (uintmax_t)st.st_size, (uintmax_t)max_bytes);
+        status =
+            lf_error_set(err, LF_E_FORMAT, path, "the file has %ju bytes; expected at most %ju",
+                         (uintmax_t)st.st_size, (uintmax_t)max_bytes);
     else if (is_web_page(fd))
-        status = lf_error_set(err, LF_E_FORMAT, path,
-                              "this is a web page, saved in place of the file that was meant");
+        status =
+            lf_error_set(err, LF_E_FORMAT, path,
+                         "this is a web page, not the expected file; download the file itself");
     if (status != LF_OK) {
         close(fd);
         return status;
@@ -69,7 +71,7 @@ lf_status lf_file_open(const char *path, const lf_roots *roots, uint64_t max_byt
     return LF_OK;
 }
 
-/* Up to n bytes; *out_n is less when the file has shrunk meanwhile. */
+/* Reads up to n bytes; *out_n is less if the file has shrunk meanwhile. */
 static lf_status read_all(int fd, char *data, size_t n, size_t *out_n, const char *path,
                           lf_error *err)
 {

@@ -7,8 +7,7 @@
 
 enum { MOST_DIGITS = 16 };
 
-/* The length of a number's place at c, 0: there is none. *out_digits is the least number of them.
- */
+/* The length of a number field at c; 0: none. *out_digits: its minimum number of digits. */
 static size_t place_at(const char *c, int *out_digits)
 {
     *out_digits = 1;

@@ -27,10 +27,10 @@ LF_NODISCARD lf_status lf_image32_init(lf_image32 *image, int width, int height,
 void lf_image8_finish(lf_image8 *image);
 void lf_image32_finish(lf_image32 *image);
 
-/* Copies a picture into the upright position for an EXIF orientation (1..8). 3 is half a turn, 6 a
- * quarter turn clockwise, 8 a quarter turn anticlockwise. width and height are those of `in`, whose
- * rows are in_stride bytes apart. out is packed, [width][height] pixels if lf_orientation_swaps.
- * Values outside 2..8 copy only. */
+/* Copies a picture into the upright position for an EXIF orientation (1..8). An orientation of 3 is
+ * half a turn, 6 a quarter turn clockwise, 8 a quarter turn anticlockwise. The size is that before
+ * the rotation; rows of `in` are in_stride bytes apart. The output is packed, [width][height]
+ * pixels if lf_orientation_swaps. Values outside 2..8 copy only. */
 void lf_orient(int orientation, const void *in, size_t in_stride, int width, int height,
                size_t pixel_bytes, void *out);
 /* True if width and height are swapped. */

@@ -58,7 +58,7 @@ static lf_matrix3 invert(const lf_matrix3 *a)
     return out;
 }
 
-/* X, Y, Z of a chromaticity with Y = 1; false: it has none. */
+/* X, Y, Z of a chromaticity with Y = 1; false: none exists. */
 static bool white_of(const double xy[2], double out[3])
 {
     out[0] = xy[0] / xy[1];
@@ -67,8 +67,8 @@ static bool white_of(const double xy[2], double out[3])
     return xy[1] > 1e-3 && isfinite(out[0]) && isfinite(out[2]);
 }
 
-/* The sums of shares of the primaries that make white. Primaries with y = 0, as those of XYZ, are
- * as good as others: nothing is divided by y but for white. */
+/* Solves for the weights of the primaries that add up to white. Primaries with y = 0, as in XYZ,
+ * are valid: only white's y is a divisor. */
 static bool to_xyz(const lf_chromaticities *c, lf_matrix3 *out)
 {
     const double *const xy[3] = {c->red, c->green, c->blue};
@@ -92,7 +92,7 @@ static bool to_xyz(const lf_chromaticities *c, lf_matrix3 *out)
     return true;
 }
 
-/* From one white to D65. */
+/* Adaptation from a white to D65. */
 static bool adapt(const double white[2], lf_matrix3 *out)
 {
     double from[3], to[3], cones_from[3], cones_to[3];
@@ -155,7 +155,7 @@ static void clamp(const lf_image_source *source, lf_image32 *image)
     }
     if (pixels > 0 && source->meta)
         lf_image_note(&source->meta->notes,
-                      "%zu %s not finite: +Inf is taken as %g, NaN and -Inf as 0", pixels,
+                      "%zu %s not finite; +Inf is read as %g, NaN and -Inf as 0", pixels,
                       pixels == 1 ? "pixel is" : "pixels are", (double)largest);
 }
 

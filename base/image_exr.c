@@ -1,8 +1,8 @@
-/* OpenEXR by the C library OpenEXRCore. The Core of OpenEXR 3.1 (Debian 12) has no DWA decoder,
- * decodes B44 wrongly where a side is no multiple of 4, and does not rebuild luminance-chroma
- * pictures. Pixels of those kinds come through the C interface of the C++ library (ImfCRgbaFile.h),
- * whose half floats lose nothing there, as DWA, B44 and chroma coding go by way of halfs
- * themselves. Headers are always the Core's, so every check is made once. */
+/* OpenEXR through the C library OpenEXRCore. The Core of OpenEXR 3.1 (Debian 12) has no DWA
+ * decoder, decodes B44 wrongly if a side is not a multiple of 4, and does not rebuild
+ * luminance-chroma pictures. Pixels of these kinds are read through the C interface of the C++
+ * library (ImfCRgbaFile.h). Its half floats lose nothing there, because DWA, B44 and chroma coding
+ * use halfs themselves. Headers are always read by the Core, so every check exists once. */
 #include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -72,7 +72,7 @@ static int64_t file_size(exr_const_context_t exr, void *data)
     return (int64_t)s->source->size_bytes;
 }
 
-/* The part of a block that lies in the display window; (x, y) is its corner in the file's
+/* Copies the part of a block inside the display window; (x, y) is its corner in the file's
  * coordinates. */
 static void place_block(const lf_exr_input *in, const float *block, int x, int y, int width,
                         int height, lf_image32 *out)
@@ -99,7 +99,7 @@ static void spread_grey(float *block, size_t n)
         block[3 * i + 1] = block[3 * i + 2] = block[3 * i];
 }
 
-/* Points the channels that are wanted at the block; the library converts half and uint to float. */
+/* Directs the wanted channels to the block; the library converts half and uint to float. */
 static void aim_channels(const lf_exr_input *in, exr_decode_pipeline_t *decode, float *block,
                          int width)
 {
@@ -178,7 +178,7 @@ static exr_result_t read_tiles(const lf_exr_input *in, exr_decode_pipeline_t *de
     return EXR_ERR_SUCCESS;
 }
 
-/* Blocks of the file's own shape, never larger than the data window. */
+/* The shape of the file's blocks, at most the data window. */
 static exr_result_t block_shape(const lf_exr_input *in, int *out_width, int *out_height)
 {
     int32_t width = in->data_width, height = 1;
@@ -200,7 +200,7 @@ static lf_status read_by_core(const lf_exr_input *in, lf_image32 *out)
     float *block = lf_calloc((size_t)width * (size_t)height * 3, sizeof *block);
     if (!block)
         return lf_error_set(in->session->err, LF_E_NOMEM, in->session->source->where,
-                            "no memory for the picture");
+                            "not enough memory for the image");
     exr_decode_pipeline_t decode = EXR_DECODE_PIPELINE_INITIALIZER;
     rv = in->tiled ? read_tiles(in, &decode, block, width, height, out)
                    : read_scan_lines(in, &decode, block, height, out);
@@ -209,7 +209,7 @@ static lf_status read_by_core(const lf_exr_input *in, lf_image32 *out)
     return rv == EXR_ERR_SUCCESS ? LF_OK : lf_exr_fail(in->session, rv);
 }
 
-#define BAND_LINES 256 /* DWAB's block: each is unpacked once */
+#define BAND_LINES 256 /* the block height of DWAB, so that each is unpacked once */
 
 static lf_status read_bands(const lf_exr_input *in, ImfInputFile *file, ImfRgba *half, float *block,
                             lf_image32 *out)
@@ -218,8 +218,7 @@ static lf_status read_bands(const lf_exr_input *in, ImfInputFile *file, ImfRgba 
     for (int y = 0; y < in->data_height; y += BAND_LINES) {
         int n = in->data_height - y < BAND_LINES ? in->data_height - y : BAND_LINES;
         int from = in->data.min.y + y;
-        /* The library wants the address that pixel (0, 0) would have, which need not lie in the
-         * buffer. */
+        /* The library expects the address of pixel (0, 0), which need not be inside the buffer. */
         intptr_t origin =
             (intptr_t)half -
             ((intptr_t)in->data.min.x + (intptr_t)from * (intptr_t)width) * (intptr_t)sizeof *half;
@@ -249,7 +248,7 @@ static lf_status read_by_rgba_library(const lf_exr_input *in, lf_image32 *out)
         lf_free(half);
         lf_free(block);
         return lf_error_set(in->session->err, LF_E_NOMEM, source->where,
-                            "no memory for the picture");
+                            "not enough memory for the image");
     }
     char name[32];
     snprintf(name, sizeof name, "/proc/self/fd/%d", source->fd);
@@ -275,7 +274,7 @@ static bool is_beyond_core(const lf_exr_input *in)
         return true;
     case EXR_COMPRESSION_B44:
     case EXR_COMPRESSION_B44A:
-        return in->half || in->chroma; /* other types lie in it as they are */
+        return in->half || in->chroma; /* other types are stored unchanged */
     default:
         return in->chroma;
     }
@@ -288,14 +287,14 @@ static lf_status read_part(lf_exr_input *in, lf_image32 *out)
         return status;
     if (is_beyond_core(in) && !in->named)
         return lf_error_set(in->session->err, LF_E_FORMAT, in->session->source->where,
-                            "layers and later parts are not read in DWA, B44 and luminance-chroma "
-                            "coding; save the EXR with ZIP compression");
+                            "layers and later parts cannot be read with DWA, B44 or "
+                            "luminance-chroma coding; save the EXR with ZIP compression");
     int width = in->display.max.x - in->display.min.x + 1,
         height = in->display.max.y - in->display.min.y + 1;
     status = lf_image32_init(out, width, height, 3);
     if (status != LF_OK)
         return lf_error_set(in->session->err, status, in->session->source->where,
-                            "no memory for the picture");
+                            "not enough memory for the image");
     status = is_beyond_core(in) ? read_by_rgba_library(in, out) : read_by_core(in, out);
     if (status == LF_OK)
         lf_image_settle(in->session->source, &in->colours, out);
@@ -369,7 +368,7 @@ typedef struct exr_job {
     exr_result_t (*compress)(exr_encode_pipeline_t *encode); /* the library's choice */
 } exr_job;
 
-/* The channel whose name comes next behind this one (NULL: the first), as files have them. */
+/* The next channel name after `before` (NULL: the first), in file order. */
 static const char *channel_behind(const exr_job *job, const char *before)
 {
     const char *next = NULL;
@@ -418,8 +417,8 @@ static void aim_encoder(exr_encode_pipeline_t *encode, const exr_job *job)
     }
 }
 
-/* The Core's own; OpenEXR 3.1 keeps compressed bytes that are as many as the plain ones, which
- * readers then take for plain. */
+/* The Core's compression. OpenEXR 3.1 keeps compressed data of exactly the plain size, which
+ * readers then take for uncompressed; here it is stored plain. */
 static exr_result_t compress_or_copy(exr_encode_pipeline_t *encode)
 {
     const exr_job *job = encode->encoding_user_data;
@@ -483,7 +482,8 @@ lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
 {
     if (width < 1 || width > 65536 || height < 1 || height > 65536 || channels->n < 1 ||
         channels->n > LF_EXR_MAX_CHANNELS)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%dx%d pixels cannot be an EXR",
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file),
+                            "cannot write an EXR of %dx%d pixels; expected 1 to 65536 per side",
                             width, height);
     lf_exr_session session = {.file = file, .err = err};
     exr_job job = {.width = width,
@@ -503,7 +503,7 @@ lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
     exr_result_t rv = exr_start_write(&exr, lf_outfile_name(file), EXR_WRITE_FILE_DIRECTLY, &setup);
     if (rv == EXR_ERR_SUCCESS)
         rv = write_picture(exr, &job);
-    /* finishing writes the table of chunks, and may fail as well */
+    /* finishing writes the chunk table, and may also fail */
     exr_result_t end = exr ? exr_finish(&exr) : EXR_ERR_SUCCESS;
     if (rv == EXR_ERR_SUCCESS)
         rv = end;
@@ -529,7 +529,7 @@ lf_status lf_exr_write(lf_outfile *file, const lf_image32 *image, const lf_attri
                        int n, lf_error *err)
 {
     if (image->channels != 3)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels (expected 3)",
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels; expected 3",
                             image->channels);
     lf_image32 borrowed = *image;
     return lf_exr_write_rows(file, image->width, image->height, copy_row, &borrowed, attributes, n,

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A layer's name: what stands before the last point, "" for none. */
+/* A layer's name: the part before the last point, "" for none. */
 typedef struct layer {
     const char *name;
     int length;
@@ -25,7 +25,7 @@ void lf_exr_list(char *list, size_t size, const char *name)
         snprintf(list + used, size - used, ", ...");
 }
 
-/* The channels of a part of flat pixels; NULL: it is none. */
+/* The channels of a part with flat pixels; NULL: not flat. */
 static const exr_attr_chlist_t *channels_of(const lf_exr_input *in, int part)
 {
     const exr_attr_chlist_t *channels = NULL;
@@ -69,7 +69,7 @@ static bool take_colours(lf_exr_input *in, int part, layer l, bool grey)
     for (int c = 0; c < (grey ? 1 : 3); c++)
         if (!(found[c] = find(channels, l, names[c])))
             return false;
-    /* normals and positions have a Y as well */
+    /* normals and positions also have a Y */
     if (grey && l.length > 0 && (find(channels, l, "X") || find(channels, l, "Z")))
         return false;
     in->part = part;
@@ -98,7 +98,7 @@ static bool is_first_of_layer(const exr_attr_chlist_t *channels, int at)
     return true;
 }
 
-/* The layers with colours, of which the last is taken. */
+/* Counts the layers with colours; uses the last one. */
 static int find_layers(const parts *p, bool grey)
 {
     int n = 0;
@@ -121,7 +121,7 @@ static bool is_alpha(const char *channel)
     return false;
 }
 
-/* All channels, with or without alpha, of which the last is taken as grey. */
+/* Counts the channels, with or without alpha; uses the last one as grey. */
 static int find_channels(const parts *p, bool alpha)
 {
     int n = 0;
@@ -149,7 +149,7 @@ static bool is_taken(const lf_exr_input *in, const char *channel)
     return in->chroma && (strcmp(channel, "RY") == 0 || strcmp(channel, "BY") == 0);
 }
 
-/* Appends "DEPTH: Z", of files of several parts with their names. */
+/* Appends "DEPTH: Z", with part names if the file has several parts. */
 static void list_channel(const parts *p, int part, const char *channel, char list[LIST])
 {
     const char *name = NULL;
@@ -159,7 +159,7 @@ static void list_channel(const parts *p, int part, const char *channel, char lis
     lf_exr_list(list, LIST, text);
 }
 
-/* What a picture would have had to have; there are too many channels to choose from, or none. */
+/* Explains the refusal: there are no suitable channels, or too many to choose from. */
 static lf_status refuse(const parts *p)
 {
     const lf_exr_session *s = p->in->session;
@@ -173,14 +173,14 @@ static lf_status refuse(const parts *p)
     }
     if (deep)
         return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
-                            "a deep EXR (expected scan lines or tiles of flat pixels)");
-    return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
-                        "an EXR without the channels R, G, B or Y; it has %s. Save the one picture "
-                        "that is wanted with these names",
-                        list[0] ? list : "none");
+                            "deep EXR files are not supported; save flat scan lines or tiles");
+    return lf_error_set(
+        s->err, LF_E_FORMAT, s->source->where,
+        "the EXR has none of the channels R, G, B and Y; found %s; save the image as R, G, B",
+        list[0] ? list : "none");
 }
 
-/* The first of a part's views, where even that one is a layer (OpenEXR's ImfMultiView.h). */
+/* The layer of a part's first view, if even that one is a layer (OpenEXR's ImfMultiView.h). */
 static bool find_first_view(const parts *p)
 {
     for (int part = 0; part < p->n; part++) {
@@ -208,7 +208,8 @@ static lf_status choose(const parts *p)
     return find_channels(p, true) == 1 ? LF_OK : refuse(p);
 }
 
-/* Alpha is no loss: colours are multiplied by it, so that they are those before black. */
+/* Unused alpha is not noted: colours are premultiplied, so they are the colours in front of
+ * black. */
 static void note_others(const parts *p)
 {
     const lf_exr_input *in = p->in;
@@ -227,7 +228,7 @@ static void note_others(const parts *p)
         }
     }
     if (list[0])
-        lf_image_note(&in->session->source->meta->notes, "channels that are not read: %s", list);
+        lf_image_note(&in->session->source->meta->notes, "ignored channels: %s", list);
 }
 
 static lf_status check_sampling(lf_exr_input *in)
@@ -238,8 +239,9 @@ static lf_status check_sampling(lf_exr_input *in)
         const exr_attr_chlist_entry_t *channel = &channels->entries[i];
         in->half = in->half || channel->pixel_type == EXR_PIXEL_HALF;
         if (!in->chroma && (channel->x_sampling != 1 || channel->y_sampling != 1))
-            return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
-                                "an EXR with subsampled channels that are not Y, RY, BY");
+            return lf_error_set(
+                s->err, LF_E_FORMAT, s->source->where,
+                "only Y, RY and BY may be subsampled in an EXR; save it without subsampling");
     }
     return LF_OK;
 }
@@ -269,7 +271,7 @@ lf_status lf_exr_read_header(lf_exr_input *in)
     lf_status status = choose(&p);
     if (status != LF_OK)
         return status;
-    in->session->message[0] = 0; /* the library complains of attributes that are not there */
+    in->session->message[0] = 0; /* the library reports missing attributes as errors */
     rv = exr_get_storage(in->exr, in->part, &storage);
     if (rv == EXR_ERR_SUCCESS)
         rv = exr_get_compression(in->exr, in->part, &in->compression);

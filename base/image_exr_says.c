@@ -1,6 +1,6 @@
-/* Attributes are those of OpenEXR's ImfStandardAttributes.h, and the few of other programs that say
- * what pixels are: names of colour spaces (colorInteropID of the Color Interop Forum, OpenImageIO's
- * oiio:ColorSpace) and OpenImageIO's Orientation. */
+/* Reads attributes of OpenEXR's ImfStandardAttributes.h, and a few of other programs about the
+ * meaning of pixels: names of colour spaces (colorInteropID of the Color Interop Forum,
+ * OpenImageIO's oiio:ColorSpace) and OpenImageIO's Orientation. */
 #include <stdio.h>
 #include <string.h>
 
@@ -22,7 +22,7 @@ static const lf_chromaticities adobe = {{0.64, 0.33}, {0.21, 0.71}, {0.15, 0.06}
 
 static const struct {
     const char *name;
-    const lf_chromaticities *space; /* NULL: it says nothing */
+    const lf_chromaticities *space; /* NULL: no information */
 } spaces[] = {
     {"lin_rec709_scene", &lf_rec709},
     {"lin_ap1_scene", &ap1},
@@ -30,9 +30,9 @@ static const struct {
     {"lin_rec2020_scene", &rec2020},
     {"lin_p3d65_scene", &p3},
     {"lin_adobergb_scene", &adobe},
-    {"lin_ciexyzd65_scene", &lf_xyz}, /* of which D65 is the neutral */
+    {"lin_ciexyzd65_scene", &lf_xyz}, /* with D65 as neutral */
     {"unknown", NULL},
-    /* OpenImageIO's */
+    /* names of OpenImageIO */
     {"lin_rec709", &lf_rec709},
     {"lin_srgb", &lf_rec709},
     {"Linear", &lf_rec709},
@@ -52,7 +52,7 @@ static lf_image_notes *notes_of(const lf_exr_input *in)
     return in->session->source->meta ? &in->session->source->meta->notes : NULL;
 }
 
-/* NULL: there is none of this name and type. */
+/* NULL: no attribute of this name and type. */
 static const exr_attribute_t *find(const lf_exr_input *in, const char *name,
                                    exr_attribute_type_t type)
 {
@@ -62,7 +62,8 @@ static const exr_attribute_t *find(const lf_exr_input *in, const char *name,
         return NULL;
     if (attribute->type == type)
         return attribute;
-    lf_image_note(notes_of(in), "%s is of the type %s: not used", name, attribute->type_name);
+    lf_image_note(notes_of(in), "ignored %s, which has the unexpected type %s", name,
+                  attribute->type_name);
     return NULL;
 }
 
@@ -74,7 +75,8 @@ static const char *find_text(const lf_exr_input *in, const char *name)
 
 /* ----------------------------------------------------------------------------------- colours -- */
 
-/* A name that is no space of linear colours is noted. NULL: it says nothing of use. */
+/* The colour space of a name attribute. Names of other than linear spaces are noted. NULL: no
+ * usable information. */
 static const lf_chromaticities *space_of(const lf_exr_input *in, const char *attribute)
 {
     const char *name = find_text(in, attribute);
@@ -82,12 +84,12 @@ static const lf_chromaticities *space_of(const lf_exr_input *in, const char *att
         if (strcmp(spaces[i].name, name) == 0)
             return spaces[i].space;
     if (name)
-        lf_image_note(notes_of(in), "%s is \"%.60s\": the numbers are taken as linear light",
+        lf_image_note(notes_of(in), "unknown %s \"%.60s\"; the values are read as linear light",
                       attribute, name);
     return NULL;
 }
 
-/* What a name or flag says of files that state no chromaticities. */
+/* The space given by a name or flag, for files without chromaticities. */
 static const lf_chromaticities *named_space(const lf_exr_input *in)
 {
     const lf_chromaticities *id = space_of(in, "colorInteropID"),
@@ -134,15 +136,15 @@ static void read_colours(lf_exr_input *in)
         return;
     }
     if (attribute && lf_colours_from(c, NULL, &in->colours) == LF_OK)
-        lf_image_note(notes_of(in), "adoptedNeutral (%g, %g) is no colour: not used", adopted[0],
-                      adopted[1]);
+        lf_image_note(notes_of(in), "ignored adoptedNeutral (%g, %g), which is not a valid colour",
+                      adopted[0], adopted[1]);
     else
-        lf_image_note(notes_of(in), "chromaticities span no colours: taken as Rec. 709");
+        lf_image_note(notes_of(in), "the chromaticities are degenerate; Rec. 709 is used");
 }
 
 /* ------------------------------------------------------------------------------------ layout -- */
 
-/* By ImfEnvmap.h it is the data window that covers the sphere. */
+/* In ImfEnvmap.h the data window covers the sphere. */
 static void read_layout(lf_exr_input *in)
 {
     const exr_attribute_t *envmap = find(in, "envmap", EXR_ATTR_ENVMAP);
@@ -152,12 +154,13 @@ static void read_layout(lf_exr_input *in)
             height = (int64_t)in->data.max.y - in->data.min.y + 1;
     in->display = in->data;
     if (envmap->uc > EXR_ENVMAP_CUBE)
-        lf_image_note(notes_of(in), "envmap is %u, which is unknown: taken as latitude-longitude",
+        lf_image_note(notes_of(in),
+                      "unknown envmap type %u; the image is read as latitude-longitude",
                       envmap->uc);
     else if (envmap->uc == EXR_ENVMAP_CUBE && 6 * width != height)
         lf_image_note(notes_of(in),
-                      "envmap is a cube, but %lldx%lld pixels are not six squares: taken as "
-                      "latitude-longitude",
+                      "envmap is a cube, but %lldx%lld pixels are not six squares; the image is "
+                      "read as latitude-longitude",
                       (long long)width, (long long)height);
     else if (envmap->uc == EXR_ENVMAP_CUBE && in->session->source->meta)
         in->session->source->meta->layout = LF_IMAGE_CUBE;
@@ -168,7 +171,7 @@ static void note_windows(const lf_exr_input *in)
     if (in->data.min.x > in->display.max.x || in->data.max.x < in->display.min.x ||
         in->data.min.y > in->display.max.y || in->data.max.y < in->display.min.y)
         lf_image_note(notes_of(in),
-                      "the data window lies beside the display window: the picture is black");
+                      "the data window is outside the display window; the image is black");
 }
 
 /* -------------------------------------------------------------------------- what is not used -- */
@@ -182,11 +185,10 @@ static void note_numbers(const lf_exr_input *in)
         exr_get_pixel_aspect_ratio(in->exr, in->part, &aspect) == EXR_ERR_SUCCESS)
         lf_image_metadata_aspect(in->session->source->meta, "pixelAspectRatio", (double)aspect);
     if (luminance)
-        lf_image_note(notes_of(in), "whiteLuminance %g is not used: 1 stays 1",
+        lf_image_note(notes_of(in), "ignored whiteLuminance %g; the value 1 stays 1",
                       (double)luminance->f);
     if (turn && turn->i != 1)
-        lf_image_note(notes_of(in), "Orientation %d is not used: the picture is not turned",
-                      turn->i);
+        lf_image_note(notes_of(in), "ignored Orientation %d; the image is not rotated", turn->i);
 }
 
 static void note_texts(const lf_exr_input *in)
@@ -202,7 +204,7 @@ static void note_texts(const lf_exr_input *in)
     for (int i = 1; views && i < views->stringvector->n_strings; i++)
         lf_exr_list(list, sizeof list, views->stringvector->strings[i].str);
     if (list[0])
-        lf_image_note(notes_of(in), "views that are not read: %s", list);
+        lf_image_note(notes_of(in), "ignored views: %s", list);
 }
 
 void lf_exr_read_attributes(lf_exr_input *in)

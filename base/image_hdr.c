@@ -13,7 +13,7 @@
 
 #define MAX_HEADER_LINES 1000
 
-/* A buffered reader: run lengths are read byte by byte. */
+/* A buffered reader, because run lengths are read byte by byte. */
 typedef struct reader {
     const lf_image_source *source;
     lf_error *err;
@@ -23,10 +23,10 @@ typedef struct reader {
 } reader;
 
 typedef struct hdr_header {
-    int n_scans, n_along;   /* scan lines in the file, and pixels of one */
+    int n_scans, n_along;   /* scan lines in the file, and pixels per scan line */
     bool scans_are_columns; /* the first axis was X */
     bool flip_x, flip_y;    /* stored from the right, from the bottom */
-    double pixel_height;    /* in widths of a pixel: the product of all PIXASPECT */
+    double pixel_height;    /* in pixel widths: the product of all PIXASPECT */
     double gain[3];         /* to undo EXPOSURE and COLORCORR */
     bool xyz;               /* pixels are X, Y, Z */
     bool has_primaries;
@@ -44,7 +44,7 @@ static lf_status fail(const reader *r, const char *what)
     return lf_error_set(r->err, LF_E_FORMAT, r->source->where, "Radiance HDR: %s", what);
 }
 
-/* The next byte; -1 at the end or when it cannot be read. */
+/* The next byte; -1 at the end or on an error. */
 static int next(reader *r)
 {
     if (r->used == r->held) {
@@ -72,7 +72,7 @@ static bool next_bytes(reader *r, uint8_t *to, size_t n)
     return true;
 }
 
-/* A line without its end; false when the file ends or the line is too long. */
+/* A line without its end; false: the file ends or the line is too long. */
 static bool next_line(reader *r, char *line, size_t size)
 {
     size_t n = 0;
@@ -105,9 +105,9 @@ static lf_status take_format(const reader *r, const char *line, hdr_header *h)
 {
     h->xyz = strcmp(line + 7, "32-bit_rle_xyze") == 0;
     if (!h->xyz && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
-        return lf_error_set(r->err, LF_E_FORMAT, r->source->where,
-                            "Radiance HDR: %.60s (expected 32-bit_rle_rgbe or 32-bit_rle_xyze)",
-                            line);
+        return lf_error_set(
+            r->err, LF_E_FORMAT, r->source->where,
+            "Radiance HDR: unsupported %.60s; expected 32-bit_rle_rgbe or 32-bit_rle_xyze", line);
     return LF_OK;
 }
 
@@ -118,15 +118,14 @@ static void take_primaries(const reader *r, const char *line, hdr_header *h)
         sscanf(line + 10, "%lf %lf %lf %lf %lf %lf %lf %lf", &c->red[0], &c->red[1], &c->green[0],
                &c->green[1], &c->blue[0], &c->blue[1], &c->white[0], &c->white[1]) == 8;
     if (!h->has_primaries)
-        lf_image_note(notes_of(r), "PRIMARIES is not eight numbers: taken as Rec. 709");
+        lf_image_note(notes_of(r), "PRIMARIES does not have eight numbers; Rec. 709 is used");
 }
 
-/* Of pixels that are no light. */
+/* Notes variables of pixels that are not radiance. */
 static void note_variable(const reader *r, const char *line)
 {
     if (strncmp(line, "GAMMA=", 6) == 0 && fabs(strtod(line + 6, NULL) - 1) > 1e-3)
-        lf_image_note(notes_of(r), "%.60s is not used: the numbers are taken as linear light",
-                      line);
+        lf_image_note(notes_of(r), "ignored %.60s; the values are read as linear light", line);
 }
 
 static lf_status take_variable(const reader *r, const char *line, hdr_header *h)
@@ -143,19 +142,18 @@ static lf_status take_variable(const reader *r, const char *line, hdr_header *h)
         double exposure = strtod(line + 9, NULL);
         for (int i = 0; i < 3; i++)
             if (!divide_gain(&h->gain[i], exposure))
-                return fail(r, "EXPOSURE is not a number above 0");
+                return fail(r, "EXPOSURE must be a number above 0");
     } else if (strncmp(line, "COLORCORR=", 10) == 0) {
         if (sscanf(line + 10, "%lf %lf %lf", &c[0], &c[1], &c[2]) != 3)
-            return fail(r, "COLORCORR is not three numbers");
+            return fail(r, "COLORCORR must have three numbers");
         for (int i = 0; i < 3; i++)
             if (!divide_gain(&h->gain[i], c[i]))
-                return fail(r, "COLORCORR is not three numbers above 0");
+                return fail(r, "COLORCORR must have three numbers above 0");
     }
     return LF_OK;
 }
 
-/* "-Y 512 +X 1024": the first axis is the one from scan line to scan line; y runs upwards and x to
- * the right. */
+/* "-Y 512 +X 1024": the first axis runs from scan line to scan line; +y is up and +x is right. */
 static lf_status take_resolution(const reader *r, const char *line, hdr_header *h)
 {
     char sign[2], axis[2], rest;
@@ -196,7 +194,8 @@ static lf_status read_header(reader *r, hdr_header *h)
     return fail(r, "the header does not end");
 }
 
-/* One component of a scan line in the new run lengths: over 128 a run, else literals. */
+/* One component of a scan line in the new encoding: a count over 128 is a run, otherwise
+ * literals. */
 static lf_status read_component(reader *r, uint8_t *to, int n)
 {
     int i = 0;
@@ -253,11 +252,11 @@ static lf_status read_scan(reader *r, uint8_t *scan, int n)
     bool is_new = n >= 8 && n < 32768 && scan[0] == 2 && scan[1] == 2 && scan[2] < 128;
     if (!is_new) {
         if (scan[0] == 1 && scan[1] == 1 && scan[2] == 1)
-            return fail(r, "a run before the first pixel");
+            return fail(r, "a run precedes the first pixel");
         return read_old_scan(r, scan, n, 1);
     }
     if ((scan[2] << 8 | scan[3]) != n)
-        return fail(r, "a scan line of another length");
+        return fail(r, "a scan line has the wrong length");
     lf_status status = LF_OK;
     for (int c = 0; c < 4 && status == LF_OK; c++)
         status = read_component(r, scan + c, n);
@@ -292,7 +291,7 @@ static lf_status read_pixels(reader *r, const hdr_header *h, lf_image32 *out)
         status = h->scans_are_columns ? lf_image32_init(out, h->n_scans, h->n_along, 3)
                                       : lf_image32_init(out, h->n_along, h->n_scans, 3);
     if (status != LF_OK)
-        (void)lf_error_set(r->err, status, r->source->where, "no memory for the picture");
+        (void)lf_error_set(r->err, status, r->source->where, "not enough memory for the image");
     for (int s = 0; s < h->n_scans && status == LF_OK; s++) {
         status = read_scan(r, scan, h->n_along);
         if (status == LF_OK)
@@ -302,13 +301,13 @@ static lf_status read_pixels(reader *r, const hdr_header *h, lf_image32 *out)
     return status;
 }
 
-/* X, Y, Z have their primaries, whatever is said besides. */
+/* X, Y, Z have fixed primaries, whatever the header says. */
 static lf_image_colours colours_of(const reader *r, const hdr_header *h)
 {
     lf_image_colours colours = {0};
     const lf_chromaticities *c = h->xyz ? &lf_xyz : h->has_primaries ? &h->primaries : &lf_rec709;
     if (lf_colours_from(c, NULL, &colours) != LF_OK)
-        lf_image_note(notes_of(r), "PRIMARIES span no colours: taken as Rec. 709");
+        lf_image_note(notes_of(r), "PRIMARIES are degenerate; Rec. 709 is used");
     return colours;
 }
 
@@ -316,7 +315,7 @@ static lf_status read_hdr(const lf_image_source *source, lf_image32 *out, lf_err
 {
     reader *r = lf_calloc(1, sizeof *r);
     if (!r)
-        return lf_error_set(err, LF_E_NOMEM, source->where, "no memory for the picture");
+        return lf_error_set(err, LF_E_NOMEM, source->where, "not enough memory for the image");
     r->source = source;
     r->err = err;
     hdr_header header;

@@ -22,13 +22,14 @@ lf_status lf_image_check_shape(const lf_image_source *source, int64_t width, int
         width * height * 3 > MAX_SAMPLES)
         return lf_error_set(
             err, LF_E_FORMAT, source->where,
-            "a picture of %lldx%lld pixels (expected 1 to %d a side, and at most 2^31 samples)",
+            "the image has %lldx%lld pixels; expected 1 to %d per side and at most 2^31 samples",
             (long long)width, (long long)height, LF_IMAGE_MAX_SIDE);
     uint64_t bytes = (uint64_t)(width * height) * bytes_per_pixel;
     if (bytes > ((uint64_t)512 << 20) && bytes / 4096 > source->size_bytes)
-        return lf_error_set(err, LF_E_FORMAT, source->where,
-                            "%lldx%lld pixels cannot be in a file of %llu bytes", (long long)width,
-                            (long long)height, (unsigned long long)source->size_bytes);
+        return lf_error_set(
+            err, LF_E_FORMAT, source->where,
+            "%lldx%lld pixels do not fit into a file of %llu bytes; the file is damaged",
+            (long long)width, (long long)height, (unsigned long long)source->size_bytes);
     return LF_OK;
 }
 
@@ -55,7 +56,7 @@ const char *lf_image_float_ending(int index)
     return NULL;
 }
 
-/* "PNG or JPEG": the formats that there are, or those of a kind alone. */
+/* "PNG or JPEG": all formats, or only one kind. */
 static char *format_names(bool all, lf_image_kind kind, char *buf, size_t size)
 {
     const char *names[N_FORMATS];
@@ -89,11 +90,11 @@ static lf_status recognise(const lf_image_source *source, const lf_image_format 
             return LF_OK;
         }
     }
-    return lf_error_set(err, LF_E_FORMAT, source->where, "not a picture (expected %s)",
+    return lf_error_set(err, LF_E_FORMAT, source->where, "not an image; expected %s",
                         format_names(true, LF_IMAGE_8BIT, names, sizeof names));
 }
 
-/* Of a file that is open. said: what it will say of its meaning. */
+/* Examines an open file. meta: to be filled by the reader. */
 static lf_status look_at(int fd, const char *path, lf_image_metadata *meta, lf_image_source *source,
                          const lf_image_format **format, lf_error *err)
 {
@@ -102,7 +103,7 @@ static lf_status look_at(int fd, const char *path, lf_image_metadata *meta, lf_i
     if (fstat(fd, &info) != 0)
         return lf_error_set(err, LF_E_IO, path, "cannot read: %s", strerror(errno));
     if (!S_ISREG(info.st_mode) || (uint64_t)info.st_size > LF_IMAGE_MAX_BYTES)
-        return lf_error_set(err, LF_E_FORMAT, path, "no regular file of at most 4 GiB");
+        return lf_error_set(err, LF_E_FORMAT, path, "expected a regular file of at most 4 GiB");
     *source = (lf_image_source){
         .fd = fd, .size_bytes = (uint64_t)info.st_size, .where = path, .channels = 3, .meta = meta};
     return recognise(source, format, err);
@@ -147,7 +148,7 @@ lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind,
     return status;
 }
 
-/* The right way up. */
+/* Rotates the image upright. */
 static lf_status turn(const lf_image_source *source, lf_image8 *image, lf_error *err)
 {
     lf_image_metadata *meta = source->meta;
@@ -158,7 +159,7 @@ static lf_status turn(const lf_image_source *source, lf_image8 *image, lf_error 
     lf_status status = lf_image8_init(&turned, swaps ? image->height : image->width,
                                       swaps ? image->width : image->height, image->channels);
     if (status != LF_OK)
-        return lf_error_set(err, status, source->where, "no memory for the picture");
+        return lf_error_set(err, status, source->where, "not enough memory for the image");
     lf_orient(meta->orientation, image->data, image->stride, image->width, image->height,
               (size_t)image->channels, turned.data);
     lf_image8_finish(image);
@@ -188,8 +189,9 @@ static lf_status read8_from(const lf_image_source *source, const lf_image_format
     char names[128];
     if (format->read8)
         return read8_upright(source, format, out, err);
-    return lf_error_set(err, LF_E_FORMAT, source->where, "%s is a picture of floats (expected %s)",
-                        format->name, format_names(false, LF_IMAGE_8BIT, names, sizeof names));
+    return lf_error_set(err, LF_E_FORMAT, source->where,
+                        "%s images have floating-point pixels; expected %s", format->name,
+                        format_names(false, LF_IMAGE_8BIT, names, sizeof names));
 }
 
 lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out, lf_error *err)
@@ -226,7 +228,7 @@ static lf_status decode_srgb(const lf_image8 *in, const char *where, lf_image32 
     lf_srgb_light(linear);
     lf_status status = lf_image32_init(out, in->width, in->height, in->channels);
     if (status != LF_OK)
-        return lf_error_set(err, status, where, "no memory for %dx%d pixels", in->width,
+        return lf_error_set(err, status, where, "not enough memory for %dx%d pixels", in->width,
                             in->height);
     size_t n = (size_t)in->width * (size_t)in->channels;
     for (int y = 0; y < in->height; y++) {

@@ -27,7 +27,7 @@ LF_NODISCARD lf_status lf_image_probe(const char *path, const lf_roots *roots,
 LF_NODISCARD lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind,
                                            lf_error *err);
 
-/* The ending (".PNG") within path if it is that of a picture format, otherwise NULL. */
+/* The ending (".PNG") within path if it belongs to a picture format, otherwise NULL. */
 const char *lf_image_ending(const char *path);
 /* The index-th ending of float formats, without the dot; NULL after the last. */
 const char *lf_image_float_ending(int index);

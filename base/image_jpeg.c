@@ -13,7 +13,7 @@
 
 #define BUFFER_BYTES (1 << 16)
 
-/* libjpeg's error manager first, so that its callbacks find the rest. */
+/* libjpeg's error manager must be first, so that callbacks find the rest. */
 typedef struct jpeg_session {
     struct jpeg_error_mgr manager;
     jmp_buf escape;
@@ -36,7 +36,7 @@ static _Noreturn void on_error(j_common_ptr jpeg)
     longjmp(s->escape, 1);
 }
 
-/* libjpeg fills what is lost with grey and only warns; a picture with holes is refused. */
+/* libjpeg fills lost parts with grey and only warns; such a picture is refused. */
 static void on_message(j_common_ptr jpeg, int level)
 {
     jpeg_session *s = (jpeg_session *)(void *)jpeg->err;
@@ -61,13 +61,13 @@ static void note_marker(const struct jpeg_decompress_struct *jpeg,
     size_t n = marker->data_length;
     if (begins(marker, JPEG_APP0 + 1, "Exif\0", 6))
         lf_exif_read(data + 6, n - 6, meta);
-    /* the first part of a profile, behind its number and how many there are */
+    /* the first part of a profile, after its number and the number of parts */
     if (begins(marker, JPEG_APP0 + 2, "ICC_PROFILE", 12) && n > 14 && data[12] == 1 &&
         !lf_icc_is_srgb(data + 14, n - 14))
-        lf_image_note(notes, "the ICC profile is not applied: colours are taken as %s",
+        lf_image_note(notes, "the ICC profile is not applied; colours are read as %s",
                       jpeg->num_components == 4 ? "plain CMYK" : "sRGB");
     if (begins(marker, JPEG_APP0 + 2, "MPF", 4))
-        lf_image_note(notes, "further pictures behind the first (MPF) are not read");
+        lf_image_note(notes, "only the first image is read; further images (MPF) are ignored");
 }
 
 static void note_markers(const struct jpeg_decompress_struct *jpeg, const lf_image_source *source)
@@ -83,8 +83,8 @@ static void note_markers(const struct jpeg_decompress_struct *jpeg, const lf_ima
 
 /* ------------------------------------------------------------------------------------ pixels -- */
 
-/* In place. Each ink takes from the light what it covers. Adobe's programs store 255 for no ink,
- * and say that they wrote the file. */
+/* In place. Each ink absorbs light by its coverage. Adobe's programs store 255 for no ink, and mark
+ * the file as theirs. */
 static void row_from_cmyk(uint8_t *row, int width, int channels, bool inverted)
 {
     for (int x = 0; x < width; x++) {
@@ -100,7 +100,7 @@ static void row_from_cmyk(uint8_t *row, int width, int channels, bool inverted)
     }
 }
 
-/* CMYK has a row of its own: it is wider than RGB. */
+/* CMYK needs a separate row, because it is wider than RGB. */
 static void read_rows(struct jpeg_decompress_struct *jpeg, lf_image8 *out)
 {
     const bool cmyk = jpeg->out_color_space == JCS_CMYK;
@@ -130,7 +130,7 @@ static void open_jpeg(struct jpeg_decompress_struct *jpeg, const jpeg_session *s
     jpeg_read_header(jpeg, TRUE);
 }
 
-/* stream: NULL where the file is in memory. */
+/* stream: NULL if the file is in memory. */
 static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FILE *stream,
                         lf_image8 *out)
 {
@@ -144,7 +144,7 @@ static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FI
         return status;
     if (jpeg->num_components != 1 && jpeg->num_components != 3 && jpeg->num_components != 4)
         return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
-                            "a JPEG of %d components (expected grey, RGB or CMYK)",
+                            "the JPEG has %d components; expected grey, RGB or CMYK",
                             jpeg->num_components);
     jpeg->out_color_space = jpeg->num_components == 4 ? JCS_CMYK
                             : channels == 4           ? JCS_EXT_RGBA
@@ -153,12 +153,13 @@ static lf_status decode(struct jpeg_decompress_struct *jpeg, jpeg_session *s, FI
     jpeg_start_decompress(jpeg);
     status = lf_image8_init(out, (int)jpeg->output_width, (int)jpeg->output_height, channels);
     if (status != LF_OK)
-        return lf_error_set(s->err, status, s->source->where, "no memory for the picture");
+        return lf_error_set(s->err, status, s->source->where, "not enough memory for the image");
     read_rows(jpeg, out);
-    note_markers(jpeg, s->source); /* which do not outlive the end */
+    note_markers(jpeg, s->source); /* markers are freed at the end */
     jpeg_finish_decompress(jpeg);
     if (s->damaged)
-        return lf_error_set(s->err, LF_E_FORMAT, s->source->where, "JPEG: damaged or cut off");
+        return lf_error_set(s->err, LF_E_FORMAT, s->source->where,
+                            "JPEG: the file is damaged or cut off");
     return LF_OK;
 }
 
@@ -247,7 +248,8 @@ static void write_buffer(j_compress_ptr jpeg, size_t n)
 
 static boolean flush_buffer(j_compress_ptr jpeg)
 {
-    write_buffer(jpeg, BUFFER_BYTES); /* whole, whatever free_in_buffer says: libjpeg's rule */
+    write_buffer(jpeg, BUFFER_BYTES); /* the whole buffer, whatever free_in_buffer says: libjpeg's
+                                       * rule */
     return TRUE;
 }
 
@@ -257,7 +259,7 @@ static void end_buffer(j_compress_ptr jpeg)
     write_buffer(jpeg, BUFFER_BYTES - w->to.free_in_buffer);
 }
 
-/* Colours at full resolution: with 4:2:0 those of neighbouring tiles would run into each other. */
+/* Colours at full resolution, because with 4:2:0 the colours of neighbouring tiles would mix. */
 static void set_up_writing(struct jpeg_compress_struct *jpeg, int width, int height, int quality)
 {
     jpeg->image_width = (JDIMENSION)width;
@@ -299,15 +301,16 @@ lf_status lf_jpeg_write_rows(lf_outfile *file, int width, int height, lf_rows8_f
     if (width < 1 || width > JPEG_MAX_DIMENSION || height < 1 || height > JPEG_MAX_DIMENSION ||
         quality < 1 || quality > 100)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file),
-                            "%dx%d pixels at quality %d cannot be a JPEG (%ld pixels a side at "
-                            "most): write .png or .exr",
+                            "cannot write a JPEG of %dx%d pixels with quality %d (at most %ld "
+                            "pixels per side); write .png or .exr",
                             width, height, quality, JPEG_MAX_DIMENSION);
     struct jpeg_compress_struct jpeg = {0};
     jpeg_writing *w = lf_calloc(1, sizeof *w);
     uint8_t *row = w ? lf_calloc((size_t)width, 3) : NULL;
     lf_status status = LF_OK;
     if (!row) {
-        status = lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file), "no memory for libjpeg");
+        status =
+            lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file), "not enough memory for libjpeg");
     } else {
         w->file = file;
         w->err = err;

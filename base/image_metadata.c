@@ -64,7 +64,8 @@ bool lf_image_notes_next(const lf_image_notes *notes, size_t *at, char *line, si
 void lf_image_metadata_aspect(lf_image_metadata *meta, const char *what, double aspect)
 {
     if (!(aspect >= 0.01 && aspect <= 100))
-        lf_image_note(&meta->notes, "%s is no shape of pixels: they are taken as square", what);
+        lf_image_note(&meta->notes, "%s is not a valid pixel aspect ratio; square pixels are used",
+                      what);
     else if (fabs(aspect - 1) > 1e-3)
         meta->pixel_aspect = aspect;
 }

@@ -10,7 +10,7 @@
 #include "base/alloc.h"
 #include "base/image_png.h"
 
-/* What libpng's callbacks reach; its errors leave by longjmp, so nothing else may change between
+/* State for libpng's callbacks. Its errors leave by longjmp, so nothing else may change between
  * setjmp and there. */
 typedef struct png_session {
     png_structp png;
@@ -73,7 +73,7 @@ static void read_bytes(png_structp png, png_bytep to, size_t n)
     }
 }
 
-/* Of so many channels: 3 is RGB, 4 has coverage, whole where the file says nothing of it. */
+/* Requests 3 channels (RGB) or 4 (with alpha, opaque if the file has none). */
 static void ask_for_rgb8(png_structp png, png_infop info, int channels)
 {
     int color = png_get_color_type(png, info);
@@ -98,7 +98,7 @@ static bool has_alpha(const png_session *s)
            png_get_valid(s->png, s->info, PNG_INFO_tRNS);
 }
 
-/* From four channels to three, in place. The memory stays as large as it was. */
+/* Reduces four channels to three, in place. The allocation keeps its size. */
 static void drop_alpha(const png_session *s, lf_image8 *out)
 {
     size_t n = (size_t)out->width * (size_t)out->height, clear = 0;
@@ -109,7 +109,7 @@ static void drop_alpha(const png_session *s, lf_image8 *out)
     out->channels = 3;
     out->stride = 3 * (size_t)out->width;
     if (clear > 0)
-        lf_image_note(&s->source->meta->notes, "%zu %s not opaque: alpha is not used", clear,
+        lf_image_note(&s->source->meta->notes, "%zu %s not opaque; alpha is ignored", clear,
                       clear == 1 ? "pixel is" : "pixels are");
 }
 
@@ -132,7 +132,7 @@ static lf_status read_rows(png_session *s, lf_image8 *out)
     png_read_info(s->png, s->info);
     int64_t width = png_get_image_width(s->png, s->info),
             height = png_get_image_height(s->png, s->info);
-    /* whether alpha is a loss its numbers alone tell */
+    /* only its values show whether dropping alpha loses anything */
     const bool looks = s->source->meta && has_alpha(s) && width * height <= (int64_t)1 << 29;
     const int channels = looks ? 4 : s->source->channels;
     s->status = lf_image_check_shape(s->source, width, height, (size_t)channels, s->err);
@@ -142,10 +142,10 @@ static lf_status read_rows(png_session *s, lf_image8 *out)
     int n_passes = png_set_interlace_handling(s->png);
     png_read_update_info(s->png, s->info);
     if (png_get_rowbytes(s->png, s->info) != (size_t)width * (size_t)channels)
-        png_error(s->png, "an unknown kind of pixel");
+        png_error(s->png, "unknown pixel format");
     s->status = lf_image8_init(out, (int)width, (int)height, channels);
     if (s->status != LF_OK)
-        return lf_error_set(s->err, s->status, s->source->where, "no memory for the picture");
+        return lf_error_set(s->err, s->status, s->source->where, "not enough memory for the image");
     for (int pass = 0; pass < n_passes; pass++)
         for (int y = 0; y < out->height; y++)
             png_read_row(s->png, out->data + (size_t)y * out->stride, NULL);
@@ -162,9 +162,9 @@ static lf_status read_png(const lf_image_source *source, lf_image8 *out, lf_erro
     lf_image8 image = {0};
     s.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &s, on_error, on_warning);
     s.info = s.png ? png_create_info_struct(s.png) : NULL;
-    lf_status status = s.info
-                           ? read_rows(&s, &image)
-                           : lf_error_set(err, LF_E_NOMEM, source->where, "no memory for libpng");
+    lf_status status =
+        s.info ? read_rows(&s, &image)
+               : lf_error_set(err, LF_E_NOMEM, source->where, "not enough memory for libpng");
     png_destroy_read_struct(&s.png, &s.info, NULL);
     if (status == LF_OK)
         *out = image;
@@ -196,7 +196,7 @@ static void flush_nothing(png_structp png)
     (void)png;
 }
 
-/* tEXt is Latin-1 by the standard; anything beyond ASCII goes as iTXt, which is UTF-8. */
+/* tEXt is Latin-1 by the standard; text beyond ASCII is written as iTXt, which is UTF-8. */
 static void put_text(png_session *s, const lf_attribute *attribute)
 {
     char key[80], value[1] = "";
@@ -210,13 +210,13 @@ static void put_text(png_session *s, const lf_attribute *attribute)
                      .lang_key = value};
     char *copy = lf_strdup(attribute->value);
     if (!copy)
-        png_error(s->png, "no memory for a text");
+        png_error(s->png, "not enough memory for a text");
     text.text = copy;
     png_set_text(s->png, s->info, &text, 1);
     lf_free(copy);
 }
 
-/* Pixels along a unit of length in a pHYs: only the ratio of both numbers counts. */
+/* Pixels per unit in pHYs: only the ratio of both numbers matters. */
 #define PHYS_PER_UNIT 1000000
 
 typedef struct png_job {
@@ -236,8 +236,8 @@ static lf_status write_rows(png_session *s, const png_job *job)
     png_set_write_fn(s->png, s, write_bytes, flush_nothing);
     png_set_compression_buffer_size(s->png, (size_t)1 << 17);
     png_set_compression_level(s->png, job->level);
-    /* At live speed one fixed cheap filter; trying all five for each row costs more than deflate's
-     * fast levels themselves. */
+    /* For live pictures, one fixed cheap filter: trying all five per row costs more than deflate's
+     * fast levels. */
     png_set_filter(s->png, 0, job->level <= 3 ? PNG_FILTER_SUB : PNG_ALL_FILTERS);
     png_set_IHDR(s->png, s->info, (png_uint_32)job->width, (png_uint_32)job->height, 8,
                  PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
@@ -264,7 +264,9 @@ lf_status lf_png_write_oblong(lf_outfile *file, lf_png_size size, lf_rows8_fn ro
     const int width = size.width, height = size.height;
     if (width < 1 || width > 65536 || height < 1 || height > 65536 || level < 1 || level > 9)
         return lf_error_set(err, LF_E_ARG, lf_outfile_name(file),
-                            "%dx%d pixels at level %d cannot be a PNG", width, height, level);
+                            "cannot write a PNG of %dx%d pixels with level %d; expected 1 to 65536 "
+                            "pixels per side, level 1 to 9",
+                            width, height, level);
     png_session s = {.file = file, .err = err};
     png_job job = {.width = width,
                    .height = height,
@@ -279,7 +281,7 @@ lf_status lf_png_write_oblong(lf_outfile *file, lf_png_size size, lf_rows8_fn ro
     s.info = s.png ? png_create_info_struct(s.png) : NULL;
     lf_status status = s.info && job.row ? write_rows(&s, &job)
                                          : lf_error_set(err, LF_E_NOMEM, lf_outfile_name(file),
-                                                        "no memory for libpng");
+                                                        "not enough memory for libpng");
     png_destroy_write_struct(&s.png, &s.info);
     lf_free(job.row);
     return status;
@@ -303,7 +305,7 @@ lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
                        const lf_attribute *attributes, int n, lf_error *err)
 {
     if (image->channels != 3)
-        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels (expected 3)",
+        return lf_error_set(err, LF_E_ARG, lf_outfile_name(file), "%d channels; expected 3",
                             image->channels);
     lf_image8 borrowed = *image;
     return lf_png_write_rows(file, image->width, image->height, copy_row, &borrowed, level,

@@ -1,6 +1,6 @@
-/* The chunks of a PNG (W3C, Portable Network Graphics, third edition, and its registered
- * extensions) that say what pixels are, by their own bytes: libpng knows few of them, and puts some
- * in place of others. */
+/* Reads the chunks of a PNG that define the meaning of pixels (W3C, Portable Network Graphics,
+ * third edition, and its registered extensions) from their raw bytes: libpng knows few of them, and
+ * substitutes some for others. */
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -10,7 +10,7 @@
 #include "base/image_png.h"
 #include "base/image_profile.h"
 
-/* Of a chunk's data; longer ones are cut. */
+/* Bytes read of a chunk's data; the rest is skipped. */
 enum { HELD = 65536 };
 
 typedef struct walk {
@@ -18,7 +18,7 @@ typedef struct walk {
     lf_image_notes *notes;
     uint8_t *data; /* [HELD] */
     size_t n;
-    /* the strongest alone counts: cICP, then iCCP, then sRGB, then these two */
+    /* only the one with the highest priority counts: cICP, iCCP, sRGB, then these two */
     bool has_cicp, has_icc, has_srgb, has_gamma, has_chromaticities, is_rec709;
     uint32_t gamma;
     uint8_t cicp[4];
@@ -82,18 +82,18 @@ static void take_aspect(walk *w)
 static void note_animation(walk *w)
 {
     if (w->n >= 8)
-        lf_image_note(w->notes, "an animation of %u frames (acTL): the still picture alone is read",
+        lf_image_note(w->notes, "animation of %u frames (acTL); only its still image is read",
                       lf_be32(w->data));
 }
 
 static void note_stereo(walk *w)
 {
-    lf_image_note(w->notes, "two views side by side (sTER) are taken as one picture");
+    lf_image_note(w->notes, "two views side by side (sTER) are read as one image");
 }
 
 static void note_calibration(walk *w)
 {
-    lf_image_note(w->notes, "pCAL, which gives the numbers a unit, is not used");
+    lf_image_note(w->notes, "ignored pCAL, the unit of the values");
 }
 
 static const struct {
@@ -130,19 +130,19 @@ static void note_colours(const walk *w, const uint8_t *profile, size_t size)
     static const uint8_t srgb[4] = {1, 13, 0, 1};
     if (w->has_cicp) {
         if (memcmp(w->cicp, srgb, 4) != 0)
-            lf_image_note(w->notes, "cICP %u/%u/%u/%u is not applied: colours are taken as sRGB",
+            lf_image_note(w->notes, "cICP %u/%u/%u/%u is not applied; colours are read as sRGB",
                           w->cicp[0], w->cicp[1], w->cicp[2], w->cicp[3]);
     } else if (w->has_icc) {
         if (!profile || !lf_icc_is_srgb(profile, size))
             lf_image_note(w->notes,
-                          "the ICC profile (iCCP) is not applied: colours are taken as sRGB");
+                          "the ICC profile (iCCP) is not applied; colours are read as sRGB");
     } else if (!w->has_srgb) {
-        /* 1/2.2 is how sRGB is said roughly */
+        /* 1/2.2 approximates sRGB */
         if (w->has_gamma && fabs(w->gamma / 1e5 - 1 / 2.2) > 0.02)
-            lf_image_note(w->notes, "gAMA %g is not applied: colours are taken as sRGB",
+            lf_image_note(w->notes, "gAMA %g is not applied; colours are read as sRGB",
                           w->gamma / 1e5);
         if (w->has_chromaticities && !w->is_rec709)
-            lf_image_note(w->notes, "cHRM is not applied: colours are taken as those of Rec. 709");
+            lf_image_note(w->notes, "cHRM is not applied; colours are read as Rec. 709");
     }
 }
 

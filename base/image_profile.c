@@ -10,7 +10,7 @@ static double fixed(const uint8_t *p)
     return (int32_t)lf_be32(p) / 65536.0;
 }
 
-/* The element of a tag, of at least `least` bytes; NULL: it is not among these bytes. */
+/* The element of a tag, of at least `least` bytes; NULL: not among these bytes. */
 static const uint8_t *find_tag(const uint8_t *data, size_t size, const char *tag, size_t least,
                                size_t *out_size)
 {
@@ -36,7 +36,7 @@ static bool has_colour(const uint8_t *data, size_t size, const char *tag, const 
     return element;
 }
 
-/* The light of a half by a curve of numbers or one of parameters; below 0: unknown. */
+/* The light of code 0.5 by a table or parametric curve; negative: unknown. */
 static double light_of_half(const uint8_t *curve, size_t size)
 {
     if (memcmp(curve, "curv", 4) == 0) {
@@ -63,7 +63,7 @@ static double light_of_half(const uint8_t *curve, size_t size)
 
 bool lf_icc_is_srgb(const uint8_t *data, size_t size)
 {
-    /* as D50 sees them, by Bradford: those of every sRGB profile */
+    /* adapted to D50 by Bradford, as in every sRGB profile */
     static const double red[3] = {0.4361, 0.2225, 0.0139}, green[3] = {0.3851, 0.7169, 0.0971},
                         blue[3] = {0.1431, 0.0606, 0.7141};
     size_t n;
@@ -79,7 +79,7 @@ typedef struct tiff {
     const uint8_t *data;
     size_t size;
     bool big;
-    bool is_broken; /* a folder ends behind the data */
+    bool is_broken; /* a directory ends past the data */
 } tiff;
 
 static uint32_t number(const tiff *t, size_t at, int bytes)
@@ -90,7 +90,7 @@ static uint32_t number(const tiff *t, size_t at, int bytes)
     return value;
 }
 
-/* A tag of one short or long in the folder at `folder`; 0: it is not there. */
+/* A tag with one short or long in the directory at `folder`; 0: missing. */
 static uint32_t find_number(tiff *t, size_t folder, uint32_t tag)
 {
     uint32_t n = folder + 2 <= t->size ? number(t, folder, 2) : 0;
@@ -110,20 +110,20 @@ void lf_exif_read(const uint8_t *data, size_t size, lf_image_metadata *meta)
     enum { ORIENTATION = 0x0112, EXIF_FOLDER = 0x8769, COLOUR_SPACE = 0xa001 };
     tiff t = {data, size, size >= 2 && data[0] == 'M', false};
     if (size < 8 || (memcmp(data, "II*\0", 4) != 0 && memcmp(data, "MM\0*", 4) != 0)) {
-        lf_image_note(&meta->notes, "the EXIF is broken: it is not used");
+        lf_image_note(&meta->notes, "the EXIF data is damaged; it is ignored");
         return;
     }
     uint32_t folder = number(&t, 4, 4), turn = find_number(&t, folder, ORIENTATION);
     uint32_t more = find_number(&t, folder, EXIF_FOLDER);
     uint32_t space = more ? find_number(&t, more, COLOUR_SPACE) : 0;
     if (t.is_broken)
-        lf_image_note(&meta->notes, "the EXIF is broken: what is left of it is used");
+        lf_image_note(&meta->notes, "the EXIF data is damaged; its readable part is used");
     if (turn > 8)
-        lf_image_note(&meta->notes, "EXIF orientation %u is unknown: the picture is not turned",
-                      turn);
+        lf_image_note(&meta->notes, "unknown EXIF orientation %u; the image is not rotated", turn);
     else if (turn > 0 && meta->orientation == 0)
         meta->orientation = (int)turn;
-    if (space > 1 && space != 0xffff) /* that is none of both that EXIF knows: a profile's */
-        lf_image_note(&meta->notes, "EXIF colour space %u%s is not used: colours are taken as sRGB",
-                      space, space == 2 ? " (Adobe RGB)" : "");
+    if (space > 1 && space != 0xffff) /* neither of the two values of EXIF: a profile's */
+        lf_image_note(&meta->notes,
+                      "EXIF colour space %u%s is not applied; colours are read as sRGB", space,
+                      space == 2 ? " (Adobe RGB)" : "");
 }

@@ -8,7 +8,7 @@ static const lf_image_format *const formats[] = {&lf_format_png, &lf_format_jpeg
 
 static const char ktx2[] = "\xabKTX 20\xbb\r\n\x1a\n";
 
-/* NULL: none of ours. */
+/* NULL: unknown format. */
 static const lf_image_format *format_of(const uint8_t *data, size_t size)
 {
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
@@ -29,12 +29,12 @@ lf_status lf_image_rgba_decode(const void *data, size_t size, const char *where,
         .fd = -1, .size_bytes = size, .where = where, .data = data, .channels = 4};
     lf_image8 image = {0};
     if (size > LF_IMAGE_MAX_BYTES)
-        return lf_error_set(err, LF_E_FORMAT, where, "a picture of more than 4 GiB");
+        return lf_error_set(err, LF_E_FORMAT, where, "the image has more than 4 GiB");
     const lf_image_format *format = format_of(data, size);
     if (!format)
         return lf_error_set(err, LF_E_FORMAT, where,
-                            is_ktx2(data, size) ? "KTX2 is not read"
-                                                : "not a picture (expected PNG, JPEG or WebP)");
+                            is_ktx2(data, size) ? "KTX2 images are not supported"
+                                                : "not an image; expected PNG, JPEG or WebP");
     lf_status status = format->read8(&source, &image, err);
     if (status != LF_OK)
         return status;

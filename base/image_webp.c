@@ -15,19 +15,22 @@ static lf_status read_webp(const lf_image_source *source, lf_image8 *out, lf_err
     lf_image8 image = {0};
     size_t size = (size_t)source->size_bytes;
     if (WebPGetFeatures(source->data, size, &features) != VP8_STATUS_OK)
-        return lf_error_set(err, LF_E_FORMAT, source->where, "WebP: damaged or cut off");
+        return lf_error_set(err, LF_E_FORMAT, source->where,
+                            "WebP: the file is damaged or cut off");
     if (features.has_animation)
-        return lf_error_set(err, LF_E_FORMAT, source->where, "WebP: moving pictures are not read");
+        return lf_error_set(err, LF_E_FORMAT, source->where,
+                            "WebP: animations are not supported; save one frame");
     lf_status status = lf_image_check_shape(source, features.width, features.height, 4, err);
     if (status != LF_OK)
         return status;
     status = lf_image8_init(&image, features.width, features.height, 4);
     if (status != LF_OK)
-        return lf_error_set(err, status, source->where, "no memory for the picture");
+        return lf_error_set(err, status, source->where, "not enough memory for the image");
     if (!WebPDecodeRGBAInto(source->data, size, image.data, image.stride * (size_t)image.height,
                             (int)image.stride)) {
         lf_image8_finish(&image);
-        return lf_error_set(err, LF_E_FORMAT, source->where, "WebP: damaged or cut off");
+        return lf_error_set(err, LF_E_FORMAT, source->where,
+                            "WebP: the file is damaged or cut off");
     }
     *out = image;
     return LF_OK;

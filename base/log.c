@@ -41,8 +41,7 @@ void lf_log_init(const char *program, lf_log_level level)
 
 static void write_line(const char *line, size_t n)
 {
-    /* one write a line keeps lines of several threads whole; there is nobody to tell that the log
-     * failed */
+    /* one write per line keeps lines of several threads whole; a failure cannot be reported */
     ssize_t written = write(STDERR_FILENO, line, n);
     (void)written;
 }

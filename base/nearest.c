@@ -3,8 +3,8 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Optimal string alignment distance, up to 63 bytes a word: swapped neighbours count once, as
- * typing errors do. */
+/* Optimal string alignment distance, up to 63 bytes per word: swapped neighbours count once, like a
+ * typing error. */
 static int edit_distance(const char *a, const char *b)
 {
     size_t na = strlen(a), nb = strlen(b);

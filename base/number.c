@@ -13,7 +13,7 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* A decimal number as its digits, as many as a word holds, and a power of ten. */
+/* A decimal number: as many digits as a word holds, and a power of ten. */
 typedef struct decimal {
     uint64_t digits;
     int exponent;
@@ -48,7 +48,8 @@ static const char *read_exponent(const char *at, int *exponent)
     return from;
 }
 
-/* By the library, in the locale that no program sets: what ends at `end` is a number. */
+/* Converts with the library, in the C locale, which no program changes; the number ends at
+ * `end`. */
 static bool read_by_library(const char *text, const char *end, double *out)
 {
     char copy[LONGEST_COPY], *comma;
@@ -90,7 +91,7 @@ const char *lf_decimal_read(const char *text, const char *points, double *out)
     if (*p == 'e' || *p == 'E')
         p = read_exponent(p, &d.exponent);
     if (!d.cut && d.digits < UINT64_C(1) << 53 && abs(d.exponent) <= 22) {
-        /* both are exact, so one rounding is all (Clinger 1990) */
+        /* both are exact, so there is a single rounding (Clinger 1990) */
         double v = (double)d.digits;
         v = d.exponent < 0 ? v / tens[-d.exponent] : v * tens[d.exponent];
         *out = minus ? -v : v;

@@ -13,8 +13,8 @@
 #include "base/errno_text.h"
 #include "base/file.h"
 
-/* A name beside NAME: ".NAME.quiltd-XXXXXX". Who writes holds a lock (flock) on it; one that can be
- * locked was left by a killed run. */
+/* A temporary name in NAME's folder: ".NAME.quiltd-XXXXXX". The writer holds a lock (flock) on it;
+ * a file that can be locked was left by a killed run. */
 #define SUFFIX ".quiltd-"
 #define RANDOM_CHARS 6
 #define ATTEMPTS 64
@@ -29,11 +29,11 @@ static lf_status fail_errno(lf_error *err, const char *path, const char *what)
 static lf_status fail_exists(lf_error *err, const char *path)
 {
     return lf_error_set(err, LF_E_EXISTS, path,
-                        "is there already, and overwriting was not asked for");
+                        "the file exists already and overwriting is off; use another name");
 }
 
-/* The part of a temporary's name before the random characters; long names are cut so that the whole
- * stays within NAME_MAX. */
+/* The part of a temporary name before the random characters; long names are cut so that the whole
+ * fits into NAME_MAX. */
 static size_t temporary_prefix(const char *path, char out[static NAME_MAX + 1])
 {
     const char *slash = strrchr(path, '/');
@@ -89,7 +89,7 @@ static void remove_leftovers(const char *path, const char *folder)
     closedir(dir);
 }
 
-/* ".NAME.quiltd-XXXXXX" with a NAME of this beginning. */
+/* True for ".NAME.quiltd-XXXXXX" where NAME has this beginning. */
 static bool is_temporary(const char *name, const char *beginning)
 {
     const size_t n = strlen(name), tail = strlen(SUFFIX) + RANDOM_CHARS, m = strlen(beginning);
@@ -108,8 +108,8 @@ void lf_outfile_clean(const char *folder, const char *beginning)
     closedir(dir);
 }
 
-/* A named temporary, locked. Between its making and its lock another writer may have taken it for a
- * leftover; then again. */
+/* Creates a locked temporary file. Another writer may remove it as a leftover between creation and
+ * lock; then it tries again. */
 static lf_status open_named(lf_outfile *file, lf_error *err)
 {
     for (int i = 0; i < ATTEMPTS; i++) {
@@ -128,19 +128,19 @@ static lf_status open_named(lf_outfile *file, lf_error *err)
         if (fd >= 0)
             close(fd);
         else if (errno != EEXIST)
-            return fail_errno(err, file->path, "cannot write in this folder");
+            return fail_errno(err, file->path, "cannot write into this folder");
     }
-    return lf_error_set(err, LF_E_IO, file->path, "no free temporary name");
+    return lf_error_set(err, LF_E_IO, file->path, "no name is free for a temporary file");
 }
 
-/* Unnamed where the file system can; publishing then goes through /proc. */
+/* Unnamed if the file system supports it; publishing then uses /proc. */
 static lf_status open_temporary(lf_outfile *file, const char *folder, lf_error *err)
 {
     int fd = access("/proc/self/fd", X_OK) == 0 ? open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0666)
                                                 : -1;
     if (fd < 0)
         return open_named(file, err);
-    /* nobody else can have it open: the lock is for the moment when it gets a temporary name */
+    /* no other process can have it open; the lock is for later, when it gets a temporary name */
     if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
         close(fd);
         return open_named(file, err);
@@ -155,7 +155,8 @@ static lf_status check_target(const char *path, bool overwrite, lf_error *err)
     if (lstat(path, &st) != 0)
         return errno == ENOENT ? LF_OK : fail_errno(err, path, "cannot write");
     if (!S_ISREG(st.st_mode) && !S_ISLNK(st.st_mode))
-        return lf_error_set(err, LF_E_IO, path, "is there already and not a regular file");
+        return lf_error_set(err, LF_E_IO, path,
+                            "exists already and is not a regular file; use another name");
     return overwrite ? LF_OK : fail_exists(err, path);
 }
 
@@ -164,7 +165,8 @@ lf_status lf_outfile_open(lf_outfile *file, const char *path, bool overwrite, lf
     *file = (lf_outfile){.fd = -1};
     size_t n = strlen(path);
     if (n == 0 || path[n - 1] == '/')
-        return lf_error_set(err, LF_E_ARG, path, "not the name of a file");
+        return lf_error_set(err, LF_E_ARG, path,
+                            "not a file name; expected one that does not end in \"/\"");
     lf_status status = check_target(path, overwrite, err);
     if (status != LF_OK)
         return status;
@@ -190,7 +192,8 @@ lf_status lf_outfile_adopt(lf_outfile *file, int fd, lf_error *err)
     if (flags < 0 || fstat(fd, &st) != 0)
         return fail_errno(err, "descriptor", "cannot use it");
     if (!S_ISREG(st.st_mode) || (flags & O_ACCMODE) == O_RDONLY || (flags & O_PATH) != 0)
-        return lf_error_set(err, LF_E_ARG, "descriptor", "not a regular file open for writing");
+        return lf_error_set(err, LF_E_ARG, "descriptor",
+                            "expected a regular file that is open for writing");
     if (ftruncate(fd, 0) != 0 || lseek(fd, 0, SEEK_SET) != 0 || fcntl(fd, F_SETFD, FD_CLOEXEC) != 0)
         return fail_errno(err, "descriptor", "cannot be emptied");
     file->fd = fd;
@@ -226,7 +229,7 @@ lf_status lf_outfile_text(const char *path, const char *text, lf_error *err)
     return status;
 }
 
-/* Gives an unnamed file the name `name`, which must not be there. */
+/* Links an unnamed file as `name`, which must not exist. */
 static int link_unnamed(int fd, const char *name)
 {
     char link[64];
@@ -234,8 +237,7 @@ static int link_unnamed(int fd, const char *name)
     return linkat(AT_FDCWD, link, AT_FDCWD, name, AT_SYMLINK_FOLLOW);
 }
 
-/* Only rename replaces, so an unnamed file that is to replace another gets a temporary name first.
- */
+/* Only rename replaces a file, so an unnamed one gets a temporary name first. */
 static lf_status name_temporarily(lf_outfile *file, lf_error *err)
 {
     for (int i = 0; i < ATTEMPTS; i++) {
@@ -250,10 +252,10 @@ static lf_status name_temporarily(lf_outfile *file, lf_error *err)
         if (errno != EEXIST)
             return fail_errno(err, file->path, "cannot be named");
     }
-    return lf_error_set(err, LF_E_IO, file->path, "no free temporary name");
+    return lf_error_set(err, LF_E_IO, file->path, "no name is free for a temporary file");
 }
 
-/* rename that does not replace; by a hard link where the file system cannot */
+/* rename without replacing; with a hard link if the file system does not support that */
 static int rename_new(const char *from, const char *to)
 {
     if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0)
@@ -289,8 +291,8 @@ static lf_status publish(lf_outfile *file, bool overwrite, lf_error *err)
     return LF_OK;
 }
 
-/* The new name survives a power cut only when its folder is on the disk too; a file system that
- * cannot is no failure. */
+/* The new name survives a power failure only if its folder is on disk too. A file system that
+ * cannot sync folders is not an error. */
 static void sync_folder(const char *path)
 {
     char *folder = lf_path_folder(path);
@@ -329,7 +331,7 @@ void lf_outfile_abandon(lf_outfile *file)
         unlink(file->temporary);
     if (open && file->borrowed) {
         int rc = ftruncate(file->fd, 0);
-        (void)rc; /* half a file is no use to its owner, but there is nothing more to be done */
+        (void)rc; /* an incomplete file is useless to its owner, but nothing more can be done */
     }
     if (open)
         close(file->fd);

@@ -48,7 +48,7 @@ bool lf_param_among(const lf_param *row, const char *names)
     return false;
 }
 
-/* The name of a value; NULL after the last, and where values have none. */
+/* The name of a value; NULL after the last, or if values have no names. */
 static const char *word_of(const lf_param *row, int value)
 {
     if (row->word_at)
@@ -56,13 +56,13 @@ static const char *word_of(const lf_param *row, int value)
     return row->words ? row->words[value] : NULL;
 }
 
-/* Words and nothing else. */
+/* True if only words are allowed. */
 static bool has_words(const lf_param *row)
 {
     return row->type != LF_PARAM_NUMBER && word_of(row, 0);
 }
 
-/* A number, or a word in its place. */
+/* True if a number or a word is allowed. */
 static bool is_mixed(const lf_param *row)
 {
     return row->type == LF_PARAM_NUMBER && word_of(row, 0);
@@ -88,7 +88,7 @@ static double *point_place(const lf_param *row, const void *object)
     return (double *)((uintptr_t)object + row->place);
 }
 
-/* An end of the range that was radians in between is that end again. */
+/* A limit of the range that was converted to radians and back becomes exact again. */
 static double settle(const lf_param *row, double degrees)
 {
     if (fabs(degrees - row->low) <= 1e-9 * fabs(row->low))
@@ -171,7 +171,7 @@ static void put_initial(const lf_param *row, void *object)
         memcpy(point_place(row, object), row->point, sizeof row->point);
         break;
     default:
-        assert(row->type != LF_PARAM_SEED && row->type != LF_PARAM_LIST); /* have no names */
+        assert(row->type != LF_PARAM_SEED && row->type != LF_PARAM_LIST); /* not in JSON */
         put_number(row, row->initial, object);
     }
 }
@@ -234,7 +234,7 @@ static bool read_raster(const lf_param *row, const char *text, double out[2])
     return true;
 }
 
-/* The value that a text stands for; of no raster. */
+/* The value of a text; not for rasters. */
 static bool read_value(const lf_param *row, const char *text, double *out)
 {
     const int index = word_of(row, 0) && text ? word_index(row, text) : -1;
@@ -272,10 +272,10 @@ static bool is_allowed(const lf_param *row, double value)
         return value >= 0.0 && value < (has_words(row) ? count_words(row) : 2);
     if (is_mixed(row) && isinf(value))
         return value > 0.0 || word_of(row, 1);
-    return value >= row->low && value <= row->high; /* never, for NaN */
+    return value >= row->low && value <= row->high; /* false for NaN */
 }
 
-/* Appends words with commas between them and, where it is not NULL, another end before the last. */
+/* Appends the words, comma-separated, with `last` (if not NULL) before the final one. */
 static void join_words(const lf_param *row, const char *last, char *buf, size_t size)
 {
     for (int i = 0; word_of(row, i); i++) {
@@ -285,7 +285,7 @@ static void join_words(const lf_param *row, const char *last, char *buf, size_t 
     }
 }
 
-/* What the value may be: "a number from 5 to 600", "none, lzw or deflate". */
+/* Describes the allowed values: "a number from 5 to 600", "none, lzw or deflate". */
 static char *describe(const lf_param *row, char *buf, size_t size)
 {
     const bool list = row->type == LF_PARAM_LIST;
@@ -294,7 +294,7 @@ static char *describe(const lf_param *row, char *buf, size_t size)
         snprintf(buf, size, "a%s number from %.10g to %.10g%s%s%s",
                  row->type == LF_PARAM_WHOLE ? " whole" : "", row->low, row->high,
                  row->unit ? " " : "", row->unit ? row->unit : "",
-                 row->type == LF_PARAM_RASTER ? ", or XxY of two" : "");
+                 row->type == LF_PARAM_RASTER ? ", or two as XxY" : "");
     else if (list)
         snprintf(buf, size, "all, none or some of ");
     if (is_mixed(row))
@@ -396,7 +396,7 @@ lf_status lf_param_from_text(const lf_param *row, const char *text, void *object
     return status;
 }
 
-/* The unit of an option whose rows have one and the same; NULL: none. */
+/* The common unit of an option's rows; NULL: none. */
 static const char *common_unit(const lf_param *row)
 {
     const char *unit = row->joined ? row->unit : NULL;
@@ -406,7 +406,7 @@ static const char *common_unit(const lf_param *row)
     return unit;
 }
 
-/* The words with the initial one marked, or with what each of them is. */
+/* The words, with the default marked or a description of each. */
 static void describe_words(const lf_param *row, char *buf, size_t size)
 {
     for (int i = 0; word_of(row, i); i++) {
@@ -422,7 +422,7 @@ static void describe_words(const lf_param *row, char *buf, size_t size)
     }
 }
 
-/* Help, the words, the initial number, or the unit of all parts. */
+/* Help text, words, default number, or the common unit. */
 static void describe_option(const lf_param *row, char *buf, size_t size)
 {
     size_t used = (size_t)snprintf(buf, size, "%s", row->help ? row->help : "");
@@ -444,7 +444,7 @@ static void describe_option(const lf_param *row, char *buf, size_t size)
         describe_words(row, buf, size);
 }
 
-/* Prints words from HELP_COLUMN on, as many a line as fit. */
+/* Prints text wrapped from HELP_COLUMN on. */
 static void print_wrapped(const char *text)
 {
     size_t column = HELP_COLUMN;
@@ -575,7 +575,7 @@ lf_status lf_param_check(const lf_param *params, const void *object, const char 
     return LF_OK;
 }
 
-/* A whole number as it is written; two as the option has them. */
+/* One number as JSON number; two as the option's text. */
 static json_t *raster_json(const lf_param *row, const void *object)
 {
     double raster[2];
@@ -648,7 +648,7 @@ static json_t *row_schema(const lf_param *row)
                          row->low, "maximum", row->high, "additionalProperties", true);
     if (row->type == LF_PARAM_SWITCH || row->type == LF_PARAM_TEXT)
         return json_pack("{s:s}", "type", type);
-    /* strings first: what quiltctl reads as text is told apart behind it */
+    /* strings first, because quiltctl distinguishes text in this order */
     if (is_mixed(row) || row->type == LF_PARAM_RASTER)
         return json_pack("{s:[s, s], s:f, s:f}", "type", "string", type, "minimum", row->low,
                          "maximum", row->high);
@@ -660,7 +660,7 @@ static json_t *row_schema(const lf_param *row)
                      "maxItems", 3);
 }
 
-/* What is not said is as if this were said; NULL: there is no such value. */
+/* The default value; NULL: none. */
 static json_t *default_json(const lf_param *row)
 {
     const double value = row->initial;

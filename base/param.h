@@ -104,7 +104,7 @@ struct json_t *lf_param_json(const lf_param *params, const void *object);
  * and the default if it is an allowed value. A new reference; NULL = out of memory. */
 struct json_t *lf_param_schema(const lf_param *params);
 
-/* The first row after those of this row's option. */
+/* The first row after all rows of this row's option. */
 const lf_param *lf_param_next(const lf_param *row);
 /* The first row of an option; NULL = none. */
 const lf_param *lf_param_find(const lf_param *params, const char *option);

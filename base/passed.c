@@ -15,27 +15,27 @@
 #include "base/errno_text.h"
 #include "base/frame_name.h"
 
-#define COPY_BYTES ((size_t)1 << 20) /* at a time */
+#define COPY_BYTES ((size_t)1 << 20) /* bytes copied at a time */
 
 typedef struct passed_file {
     atomic_int references;
     int fd;
     char *path;
-    pthread_mutex_t lock; /* of copy */
-    int copy;             /* in memory; -1: there is none */
-    uint64_t copied;      /* bytes of it */
+    pthread_mutex_t lock; /* protects copy */
+    int copy;             /* a copy in memory; -1: none */
+    uint64_t copied;      /* size of the copy */
 } passed_file;
 
 struct lf_passed {
     atomic_int references;
     int n;
     passed_file *file[LF_MAX_PASSED];
-    atomic_bool opened[LF_MAX_PASSED]; /* since the list was made */
+    atomic_bool opened[LF_MAX_PASSED]; /* opened since the list was made */
 };
 
 static atomic_int n_held;
-static _Atomic uint64_t n_copied;        /* bytes */
-static bool (*_Atomic is_stopped)(void); /* NULL: never */
+static _Atomic uint64_t n_copied;        /* bytes of all copies */
+static bool (*_Atomic is_stopped)(void); /* NULL: never stopped */
 
 void lf_passed_stop_when(bool (*stopped)(void))
 {
@@ -44,7 +44,7 @@ void lf_passed_stop_when(bool (*stopped)(void))
 
 /* ------------------------------------------------------------------------------------- names -- */
 
-/* Takes the last part back. */
+/* Removes the last part. */
 static void go_up(char *name)
 {
     char *slash = strrchr(name, '/');
@@ -81,7 +81,7 @@ bool lf_passed_name(const char *path, char *out)
     return true;
 }
 
-/* -1: there is none. */
+/* -1: not found. */
 static int find(const lf_passed *passed, const char *path)
 {
     char name[PATH_MAX];
@@ -120,7 +120,7 @@ lf_passed *lf_passed_ref(lf_passed *passed)
     return passed;
 }
 
-/* fd: of the copy, or below 0. */
+/* fd: of the copy, or negative. */
 static void drop_copy(passed_file *file, int fd)
 {
     atomic_fetch_sub(&n_copied, file->copied);
@@ -150,7 +150,7 @@ void lf_passed_unref(lf_passed *passed)
     lf_free(passed);
 }
 
-/* A file of another list. */
+/* Adds a file of another list. */
 static void share(lf_passed *passed, passed_file *file)
 {
     atomic_fetch_add_explicit(&file->references, 1, memory_order_relaxed);
@@ -162,31 +162,32 @@ static lf_status check_path(const lf_passed *passed, const char *path, lf_error 
 {
     char name[PATH_MAX];
     if (path[0] != '/' || !lf_passed_name(path, name) || strcmp(path, name) != 0)
-        return lf_error_set(err, LF_E_ARG, path,
-                            "a passed file is named by its absolute path, without \".\", \"..\" "
-                            "and \"//\"");
+        return lf_error_set(
+            err, LF_E_ARG, path,
+            "a passed file needs an absolute path without \".\", \"..\" and \"//\"");
     if (lf_frame_name_varies(path))
-        return lf_error_set(err, LF_E_ARG, path, "a passed file is one file, not one per frame");
+        return lf_error_set(err, LF_E_ARG, path,
+                            "a name with a frame number cannot be passed; pass one file");
     if (find(passed, path) >= 0)
-        return lf_error_set(err, LF_E_ARG, path, "was passed twice");
+        return lf_error_set(err, LF_E_ARG, path, "the file was passed twice");
     if (passed->n == LF_MAX_PASSED)
-        return lf_error_set(err, LF_E_ARG, path, "more than %d files were passed", LF_MAX_PASSED);
+        return lf_error_set(err, LF_E_ARG, path, "more than %d files were passed; pass fewer",
+                            LF_MAX_PASSED);
     return LF_OK;
 }
 
-/* A handle (O_PATH) is no right to read: opened again it would be read with the daemon's. What may
- * be written is not taken either, since readers are not trusted. The kind of a file is asked of the
- * kernel alone: a file system that does not answer stops nobody. */
+/* Checks a passed descriptor. O_PATH grants no read access: reopening would use the daemon's
+ * rights. Writable descriptors are refused, since readers are not trusted. Only the kernel is asked
+ * for the file type, so a hanging file system does not block. */
 static lf_status check_descriptor(const char *path, int fd, lf_error *err)
 {
     struct statx st;
     const int flags = fcntl(fd, F_GETFL);
     if (flags < 0 || (flags & O_PATH) != 0 || (flags & O_ACCMODE) != O_RDONLY)
-        return lf_error_set(err, LF_E_ARG, path,
-                            "its descriptor must be open for reading, and for that alone");
+        return lf_error_set(err, LF_E_ARG, path, "its descriptor must be open for reading only");
     if (statx(fd, "", AT_EMPTY_PATH | AT_STATX_DONT_SYNC, STATX_TYPE, &st) != 0 ||
         !S_ISREG(st.stx_mode))
-        return lf_error_set(err, LF_E_ARG, path, "its descriptor is not of a regular file");
+        return lf_error_set(err, LF_E_ARG, path, "its descriptor must be a regular file");
     return LF_OK;
 }
 
@@ -199,7 +200,8 @@ lf_status lf_passed_add(lf_passed *passed, const char *path, int fd, lf_error *e
         return status;
     if (atomic_fetch_add(&n_held, 1) >= LF_MAX_PASSED_ALL) {
         atomic_fetch_sub(&n_held, 1);
-        return lf_error_set(err, LF_E_BUSY, path, "%d passed files are held already",
+        return lf_error_set(err, LF_E_BUSY, path,
+                            "quiltd already holds %d passed files; try again later",
                             LF_MAX_PASSED_ALL);
     }
     passed_file *file = lf_calloc(1, sizeof *file);
@@ -218,8 +220,8 @@ lf_status lf_passed_add(lf_passed *passed, const char *path, int fd, lf_error *e
     return LF_OK;
 }
 
-/* How many of older are to be taken over: all but those that newer names, and without those that
- * were not opened. */
+/* Counts the files of older to keep: those not named by newer; `opened`: only those that were
+ * opened. */
 static int count(const lf_passed *older, const lf_passed *newer, bool opened)
 {
     int n = 0;
@@ -235,8 +237,8 @@ lf_status lf_passed_join(const lf_passed *older, const lf_passed *newer, lf_pass
     const bool crowded = n + count(older, newer, false) > LF_MAX_PASSED;
     if (n + count(older, newer, crowded) > LF_MAX_PASSED)
         return lf_error_set(err, LF_E_ARG, newer ? newer->file[0]->path : "",
-                            "more than %d files were passed to this scene; load a scene anew "
-                            "(scene.load), or start quiltd with --allow-path DIR",
+                            "more than %d files were passed to this scene; reload it (scene.load) "
+                            "or start quiltd with --allow-path DIR",
                             LF_MAX_PASSED);
     lf_passed *joined = lf_passed_create();
     if (!joined)
@@ -267,7 +269,7 @@ void lf_passed_drop_unopened(lf_passed *passed, const lf_passed *newer)
 
 /* ----------------------------------------------------------------------------------- opening -- */
 
-/* A description of its own. */
+/* Opens a separate open file description. */
 static int reopen(int fd)
 {
     char link[64];
@@ -291,7 +293,7 @@ static bool write_all(int fd, const char *data, size_t n)
     return true;
 }
 
-/* pread: the offset is the client's too. */
+/* pread, because the offset is shared with the client. */
 static lf_status copy_bytes(passed_file *file, int to, char *chunk, lf_error *err)
 {
     for (off_t at = 0;;) {
@@ -309,15 +311,15 @@ static lf_status copy_bytes(passed_file *file, int to, char *chunk, lf_error *er
         file->copied += (uint64_t)got;
         if (atomic_fetch_add(&n_copied, (uint64_t)got) + (uint64_t)got > LF_MAX_PASSED_COPY)
             return lf_error_set(err, LF_E_FORMAT, file->path,
-                                "quiltd's user may not open it again, and copies of such files "
-                                "take more than %d MiB (chmod o+r lets everybody read it)",
+                                "quiltd's user may not read the file, and copies of such files "
+                                "exceed %d MiB; make it readable with chmod o+r",
                                 (int)(LF_MAX_PASSED_COPY >> 20));
         if (!write_all(to, chunk, (size_t)got))
             return fail_errno(err, file->path, "cannot be copied into memory");
     }
 }
 
-/* Once; under the lock. */
+/* Copies once; called under the lock. */
 static lf_status make_copy(passed_file *file, lf_error *err)
 {
     if (file->copy >= 0)

@@ -23,9 +23,9 @@ const char *lf_hidden_home(const char *path)
     bool beneath = false;
     for (int i = 0; i < 3; i++)
         beneath = beneath || strncmp(path, homes[i], strlen(homes[i])) == 0;
-    /* a sandbox's /home is empty and closed, any other can be entered */
+    /* /home of a sandbox is empty and inaccessible; any other can be entered */
     return beneath && access("/home", X_OK) != 0 && errno == EACCES
-               ? " (the service does not see home folders: put it beneath /srv, or see PATHS in "
+               ? " (the service cannot see home folders; put the file below /srv, or see PATHS in "
                  "quiltd(1))"
                : "";
 }
@@ -51,7 +51,7 @@ static bool is_part(const char *part, size_t n)
     return n > 0 && n <= NAME_MAX && !dots;
 }
 
-/* What either mechanism takes: they agree on nothing else. */
+/* The form of names that both mechanisms treat equally. */
 static bool is_canonical(const char *name)
 {
     if (strcmp(name, ".") == 0)
@@ -66,7 +66,7 @@ static bool is_canonical(const char *name)
     }
 }
 
-/* With O_PATH a link is opened itself: it is as much refused as with any other flag. */
+/* With O_PATH a link itself is opened, which is refused as with any other flag. */
 static int refuse_link(int fd)
 {
     struct stat st;
@@ -80,7 +80,7 @@ static int refuse_link(int fd)
 
 int lf_beneath_walk(int folder_fd, const char *name, int flags)
 {
-    assert((flags & O_CREAT) == 0); /* no mode is passed */
+    assert((flags & O_CREAT) == 0); /* no mode parameter */
     if (!is_canonical(name)) {
         errno = EXDEV;
         return -1;
@@ -120,7 +120,7 @@ int lf_beneath_open(int folder_fd, const char *name, int flags)
                                                          : refuse_link(fd);
 }
 
-/* A folder by its canonical absolute name. */
+/* Opens a folder by its canonical absolute name. */
 static int open_root(const char *root)
 {
     int top = open("/", HANDLE | O_DIRECTORY);
@@ -133,8 +133,7 @@ static int open_root(const char *root)
     return fd;
 }
 
-/* Where the canonical `path` goes on behind the canonical `root`; NULL = it does not lie beneath.
- */
+/* The part of the canonical `path` after the canonical `root`; NULL = not inside. */
 static const char *behind(const char *root, const char *path)
 {
     size_t n = strcmp(root, "/") == 0 ? 0 : strlen(root);
@@ -143,13 +142,13 @@ static const char *behind(const char *root, const char *path)
     return path[n] == '\0' || path[n + 1] == '\0' ? "." : path + n + 1;
 }
 
-/* Whether opening what was canonical failed because it is another now. */
+/* True if opening a canonical name failed because it was replaced. */
 static bool was_swapped(int why)
 {
     return why == ELOOP || why == EXDEV || why == ENOTDIR;
 }
 
-/* Opens the canonical `path` beneath the canonical `root`; -1 and errno. */
+/* Opens the canonical `path` inside the canonical `root`; -1 and errno. */
 static int open_behind(const char *root, const char *path, int flags)
 {
     int root_fd = open_root(root);
@@ -175,7 +174,8 @@ lf_status lf_roots_add(lf_roots *roots, const char *folder, lf_error *err)
         if (strcmp(roots->root[i], real) == 0)
             return LF_OK;
     if (roots->n_roots == LF_MAX_ROOTS)
-        return lf_error_set(err, LF_E_ARG, folder, "more than %d folders", LF_MAX_ROOTS);
+        return lf_error_set(err, LF_E_ARG, folder, "too many folders; expected at most %d",
+                            LF_MAX_ROOTS);
     char *copy = lf_strdup(real);
     if (!copy)
         return no_memory(err, folder);
@@ -190,7 +190,7 @@ void lf_roots_finish(lf_roots *roots)
     *roots = (lf_roots){0};
 }
 
-/* The root that the canonical path lies beneath; NULL = none. */
+/* The root that contains the canonical path; NULL = none. */
 static const char *root_of(const lf_roots *roots, const char *path)
 {
     for (int i = 0; i < roots->n_roots; i++)
@@ -199,7 +199,7 @@ static const char *root_of(const lf_roots *roots, const char *path)
     return NULL;
 }
 
-/* Whether it lies beneath a root, or above one: that such a folder is there is no secret. */
+/* True inside a root, and for parents of a root: their existence is no secret. */
 static bool is_known(const lf_roots *roots, const char *path)
 {
     char real[PATH_MAX];
@@ -211,8 +211,8 @@ static bool is_known(const lf_roots *roots, const char *path)
     return false;
 }
 
-/* Adds the part[n] to the name `to`; with ".." the part before is taken back where it is of a
- * folder that is not known. false: too long. */
+/* Appends part[n] to the name `to`. ".." removes the part before it if that is an unknown folder.
+ * False: too long. */
 static bool add_part(const lf_roots *roots, char to[static PATH_MAX], const char *part, size_t n)
 {
     size_t used = strlen(to);
@@ -228,8 +228,8 @@ static bool add_part(const lf_roots *roots, char to[static PATH_MAX], const char
     return true;
 }
 
-/* Folders outside of the roots are not asked for what lies above them: "FOLDER/.." is nothing
- * there, whether FOLDER exists or not. Otherwise a name that comes back to the roots would tell. */
+/* Folders outside the roots are not accessed to resolve "..": "FOLDER/.." is removed whether or not
+ * FOLDER exists. Otherwise a name that returns to the roots would reveal FOLDER's existence. */
 static bool leave_out_detours(const lf_roots *roots, const char *path, char out[static PATH_MAX])
 {
     if (path[0] == '/')
@@ -249,9 +249,9 @@ static bool leave_out_detours(const lf_roots *roots, const char *path, char out[
     return true;
 }
 
-/* Whether what does not exist (or cannot be opened) would lie beneath the roots: the nearest folder
- * above it that exists decides; a link that leads nowhere may lead outside. Otherwise the
- * difference of two errors would tell a client which files exist outside. */
+/* True if a path that does not exist (or cannot be opened) would be inside the roots. The nearest
+ * existing parent decides; a dangling link may lead outside. Otherwise two different errors would
+ * reveal which files exist outside. */
 static bool would_lie_beneath(const lf_roots *roots, const char *path)
 {
     char above[PATH_MAX], real[PATH_MAX];
@@ -271,8 +271,8 @@ static bool would_lie_beneath(const lf_roots *roots, const char *path)
     }
 }
 
-/* Where path leads now. LF_E_PATH: outside of the roots, or it would be if it were there; LF_E_IO
- * and errno: it is not there. */
+/* Resolves path. LF_E_PATH: outside the roots, whether or not it exists; LF_E_IO and errno: it does
+ * not exist. */
 static lf_status find(const lf_roots *roots, const char *path, char real[static PATH_MAX])
 {
     char plain[PATH_MAX];
@@ -291,16 +291,17 @@ static lf_status find(const lf_roots *roots, const char *path, char real[static 
     return beneath ? LF_E_IO : LF_E_PATH;
 }
 
-/* A daemon's (closed) remedies, of which a client that passed the file and has gone is one. */
+/* Sets the error, with the remedies of a daemon (closed). One is that the client that passed the
+ * file has left. */
 static lf_status outside(const lf_roots *roots, lf_error *err, const char *path)
 {
     if (!roots->closed)
-        return lf_error_set(err, LF_E_PATH, path,
-                            "lies outside the folders that may be read; --allow-path DIR adds one");
+        return lf_error_set(
+            err, LF_E_PATH, path,
+            "outside the folders that may be read; allow one more with --allow-path DIR");
     return lf_error_set(err, LF_E_PATH, path,
-                        "lies outside the folders that quiltd may read; start quiltd with "
-                        "--allow-path DIR, or load the scene with quiltctl (again, if the file was "
-                        "passed by a client that is gone)");
+                        "outside the folders that quiltd may read; load the scene with quiltctl, "
+                        "again if needed, or start quiltd with --allow-path DIR");
 }
 
 static lf_status resolve(const lf_roots *roots, const char *path, char real[static PATH_MAX],
@@ -327,7 +328,7 @@ lf_status lf_roots_resolve(const lf_roots *roots, const char *path, char **out_p
     return LF_OK;
 }
 
-/* O_PATH opens nothing: no device notices, no FIFO waits. */
+/* O_PATH does not open the file itself: devices are not triggered, FIFOs do not wait. */
 static lf_status open_handle(const lf_roots *roots, const char *path, mode_t kind, int *out_handle,
                              lf_error *err)
 {
@@ -351,7 +352,7 @@ static lf_status open_handle(const lf_roots *roots, const char *path, mode_t kin
     return LF_OK;
 }
 
-/* A file beneath a root. */
+/* Opens a file inside a root. */
 static lf_status open_file(const lf_roots *roots, const char *path, int *out_fd, lf_error *err)
 {
     char link[64];
@@ -396,7 +397,7 @@ lf_status lf_roots_open_folder(const lf_roots *roots, const char *path, int *out
 
 /* ----------------------------------------------------------------------------------- writing -- */
 
-/* The folder of the absolute `name`, whose last part begins at `last`: canonical. As find. */
+/* Resolves the folder of the absolute `name`, whose last part begins at `last`. Like find. */
 static lf_status find_folder(const char *root, const char *name, const char *last,
                              char real[static PATH_MAX])
 {
@@ -416,8 +417,8 @@ static bool is_link(int folder_fd, const char *name)
     return fstatat(folder_fd, name, &st, AT_SYMLINK_NOFOLLOW) == 0 && S_ISLNK(st.st_mode);
 }
 
-/* Opens the folder when `last` is a name for a file or folder in it; real: canonical. LF_E_PATH: it
- * is none, or the folder does not lie beneath root, or is another by now; LF_E_IO and errno. */
+/* Opens the folder if `last` is a valid file or folder name; real: canonical. LF_E_PATH: invalid
+ * name, folder not inside root, or replaced meanwhile; LF_E_IO and errno. */
 static lf_status hold_folder(const char *root, const char *name, const char *last,
                              char real[static PATH_MAX], int *out_fd)
 {
@@ -442,8 +443,9 @@ lf_status lf_check_name(const char *path, lf_error *err)
 {
     for (const unsigned char *c = (const unsigned char *)path; *c; c++)
         if (is_control(c))
-            return lf_error_set(err, LF_E_ARG, path,
-                                "a name to be written holds no control characters or line ends");
+            return lf_error_set(
+                err, LF_E_ARG, path,
+                "the name of an output must not contain control characters or line breaks");
     return LF_OK;
 }
 
@@ -452,7 +454,8 @@ lf_status lf_check_stem(const char *path, const char *ending, lf_error *err)
     const char *slash = strrchr(path, '/'), *last = slash ? slash + 1 : path;
     const size_t n = strlen(last), m = strlen(ending);
     if (n <= m || strspn(last, ".") >= n - m)
-        return lf_error_set(err, LF_E_ARG, path, "there is no name before the ending %s", ending);
+        return lf_error_set(err, LF_E_ARG, path, "expected a file name before the ending %s",
+                            ending);
     return lf_check_name(path, err);
 }
 
@@ -466,7 +469,7 @@ static char *join(const char *folder, const char *name, const char *slash)
     return joined;
 }
 
-/* Takes the slashes off the end of name; whether there were any. */
+/* Removes trailing slashes from name; true: there were some. */
 static bool cut_slashes(char *name)
 {
     size_t n = strlen(name);
@@ -493,9 +496,10 @@ lf_status lf_held_name_open(const char *root, const char *option, const char *pa
         status = lf_error_set(err, LF_E_PATH, path, "its folder cannot be opened: %s",
                               lf_errno_text(errno));
     else if (status != LF_OK)
-        status = lf_error_set(err, LF_E_PATH, path, "does not lie beneath the %s %s", option, root);
+        status = lf_error_set(err, LF_E_PATH, path, "outside the %s %s", option, root);
     else if (is_link(held.folder_fd, last))
-        status = lf_error_set(err, LF_E_PATH, path, "is a symbolic link");
+        status = lf_error_set(err, LF_E_PATH, path,
+                              "symbolic links are not overwritten; use another name");
     if (status == LF_OK)
         held.path = join(real, last, slash);
     if (status == LF_OK && !held.path)

@@ -34,7 +34,7 @@ const char *lf_status_name(lf_status status)
     return "LF_E_UNKNOWN";
 }
 
-/* Bytes of the UTF-8 character at s; 0 when it is not one. */
+/* Length of the UTF-8 character at s; 0: invalid. */
 static size_t utf8_length(const unsigned char *s)
 {
     if (s[0] < 0x80)
@@ -70,7 +70,7 @@ size_t lf_escape(char *buf, size_t size, const char *text)
         return 0;
     for (const unsigned char *s = (const unsigned char *)text; *s != 0;) {
         size_t length = utf8_length(s);
-        /* C1 controls are two bytes in UTF-8, and terminals obey them too */
+        /* C1 controls are two bytes in UTF-8, and terminals interpret them too */
         bool control =
             length == 1 ? s[0] < 0x20 || s[0] == 0x7f : length == 2 && s[0] == 0xc2 && s[1] < 0xa0;
         char escaped[4];
@@ -95,7 +95,7 @@ static lf_status report(lf_error *err, lf_status status, const char *where, int 
 {
     if (!err)
         return status;
-    /* the arguments may point into *err itself, so all text is made before any of it is stored */
+    /* arguments may point into *err, so all text is made before any is stored */
     lf_error made = {.status = status, .line = line};
     char text[2048];
     vsnprintf(text, sizeof text, fmt, ap);

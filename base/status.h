@@ -1,4 +1,4 @@
-/* Status codes, and the error report that goes with them.
+/* Status codes, and the error report for them.
  *
  * Every function that can fail returns an lf_status. Functions that access files, devices or
  * clients take a last parameter lf_error * (may be NULL) and end with `return lf_error_set(err,

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Four letters or more, each beside a NUL byte: UTF-16 whose mark is missing. */
+/* Four or more letters, each next to a NUL byte: UTF-16 without a mark. */
 static bool looks_wide(const char *bytes, size_t n)
 {
     for (size_t odd = 0; odd < 2; odd++) {
@@ -31,7 +31,7 @@ lf_status lf_text_begin(const char *bytes, size_t n, const char *where, size_t *
         if (n >= others[i].n && memcmp(bytes, others[i].mark, others[i].n) == 0)
             name = others[i].name;
     if (name)
-        return lf_error_set(err, LF_E_FORMAT, where, "is %s text; save it as UTF-8", name);
+        return lf_error_set(err, LF_E_FORMAT, where, "the file is %s text; save it as UTF-8", name);
     *out_mark = n >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     return LF_OK;
 }
@@ -51,7 +51,7 @@ size_t lf_text_line_end(const char *text, size_t n, char *likely)
     const char *sooner = length > 0 ? memchr(text, second, length) : NULL;
     if (!sooner)
         return length;
-    /* the CR of a CR LF is no other way to end a line */
+    /* the CR of a CR LF is not another line ending */
     if (!(second == '\r' && sooner + 1 == end))
         *likely = second;
     return (size_t)(sooner - text);

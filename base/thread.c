@@ -28,8 +28,8 @@ struct lf_pool {
     worker *workers;
 
     pthread_mutex_t lock;
-    pthread_cond_t wake; /* a new run, or stop */
-    pthread_cond_t idle; /* n_busy fell to 0 */
+    pthread_cond_t wake; /* signals a new run, or stop */
+    pthread_cond_t idle; /* signals that n_busy became 0 */
     /* under lock */
     uint64_t run;
     int n_busy;
@@ -40,7 +40,7 @@ struct lf_pool {
     void *context;
     const lf_cancel *cancel;
     int64_t n_items;
-    /* relaxed: it only hands out numbers; what items wrote is published by the lock */
+    /* relaxed, because it only hands out numbers; the lock publishes the items' results */
     atomic_int_fast64_t next;
 };
 
@@ -52,7 +52,7 @@ lf_status lf_thread_start(const char *name, void *(*main)(void *), void *context
     if (pthread_attr_init(&attributes) != 0)
         return LF_E_NOMEM;
     pthread_attr_setstacksize(&attributes, STACK_BYTES);
-    /* a thread is born with the mask of who starts it */
+    /* a thread inherits the signal mask */
     sigset_t all, before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -94,7 +94,7 @@ int lf_cpu_count(void)
     return n > 0 && n < 65536 ? (int)n : 1;
 }
 
-/* Denormals flushed, on input and output: returns what was set before. */
+/* Flushes denormals, on input and output; returns the previous setting. */
 #ifdef __SSE__
 static unsigned int flush_denormals(void)
 {

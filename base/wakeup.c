@@ -11,7 +11,7 @@ int lf_wakeup_make(void)
 
 void lf_wakeup_signal(int wakeup)
 {
-    /* It can only fail by being full, and is pending then. */
+    /* It can only fail if the counter is full, and is signalled then. */
     ssize_t n = write(wakeup, &(uint64_t){1}, sizeof(uint64_t));
     (void)n;
 }
@@ -19,7 +19,7 @@ void lf_wakeup_signal(int wakeup)
 void lf_wakeup_clear(int wakeup)
 {
     uint64_t pending;
-    /* Clearing twice is no error. */
+    /* Clearing twice is not an error. */
     ssize_t n = read(wakeup, &pending, sizeof pending);
     (void)n;
 }

@@ -1,5 +1,5 @@
-/* quiltbench --out DIR: the published benchmarks, one after the other, each as a table and as JSON
- * and plots in DIR. */
+/* quiltbench --out DIR: runs the published benchmarks in order, each with a table, JSON and plots
+ * in DIR. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,12 +11,12 @@
 #include "bench/bench.h"
 #include "daemon/output/options.h"
 
-/* One after the other; NAME.json and so on end up in DIR. */
+/* Steps in order; NAME.json and other files go to DIR. */
 static const struct step {
     const char *name;
     int (*run)(int argc, char **argv);
-    const char *
-        arguments; /* the command first; "{scenes}" is the folder of the scenes, "{out}" DIR/NAME */
+    const char *arguments; /* starts with the command; "{scenes}" is the folder of the scenes,
+                            * "{out}" DIR/NAME */
 } steps[] = {
     {"micro", lf_bench_micro, "micro {scenes}/cloud.json --json {out}.json"},
     {"quilt", lf_bench_quilt, "quilt --json {out}.json"},
@@ -70,7 +70,7 @@ static lf_status parse(int argc, char **argv, folders *out, bool *out_done, lf_e
     return out->out ? LF_OK : lf_error_set(err, LF_E_ARG, "--out", "is missing; see --help");
 }
 
-/* The word with the folders filled in; caller frees. NULL = out of memory. */
+/* The word with its folders substituted; caller frees. NULL = out of memory. */
 static char *fill(const char *word, int n, const char *scenes, const char *folder, const char *name)
 {
     char *filled = NULL;
@@ -98,7 +98,7 @@ static int run(const struct step *step, const char *scenes, const char *folder)
     }
     if (whole) {
         printf("== %s\n", step->name);
-        optind = 0; /* GNU: another command line */
+        optind = 0; /* GNU: restarts getopt for another command line */
         code = step->run(argc, argv);
         putchar('\n');
         fflush(stdout);
@@ -126,7 +126,7 @@ int lf_bench_all(int argc, char **argv)
         lf_error_set(&err, LF_E_IO, into.out, "cannot make the folder: %s", strerror(errno));
         return lf_bench_fail(&err);
     }
-    /* make puts the scenes with their data beside the results */
+    /* make puts scenes with data next to the results */
     char *beside = lf_path_join(into.out, "../scenes");
     if (!beside) {
         lf_error_set(&err, LF_E_NOMEM, into.out, "out of memory");
@@ -134,7 +134,7 @@ int lf_bench_all(int argc, char **argv)
     }
     for (int i = 0; i < N_STEPS; i++) {
         int failed = run(&steps[i], into.scenes ? into.scenes : beside, into.out);
-        code = failed ? failed : code; /* the others may still be of use */
+        code = failed ? failed : code; /* the other steps may still be useful */
     }
     lf_free(beside);
     return code;

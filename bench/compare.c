@@ -1,5 +1,5 @@
-/* quiltbench compare SCENE: the error of two ways to render after equal CPU time, over several
- * seeds, taken in turns so that a machine that slows down slows both. */
+/* quiltbench compare SCENE: the errors of two ways to render after equal CPU time, over several
+ * seeds. Runs alternate, so that a machine that slows down slows both. */
 #include <math.h>
 #include <stdio.h>
 
@@ -11,9 +11,9 @@ enum { BASELINE, OURS, N_CONTENDERS };
 typedef struct comparison {
     lf_trial_options options;
     lf_contender contenders[N_CONTENDERS];
-    double min_ratio; /* 0 = not asked for */
+    double min_ratio; /* 0 = not requested */
     lf_trial trial;
-    lf_measure measures[N_CONTENDERS][LF_MAX_SEEDS]; /* packed: n_seeds of each */
+    lf_measure measures[N_CONTENDERS][LF_MAX_SEEDS]; /* packed: n_seeds per contender */
 } comparison;
 
 enum { OPTION_OURS = LF_TRIAL_OPTION_OWN, OPTION_BASELINE, OPTION_MIN_RATIO };
@@ -79,7 +79,7 @@ static json_t *run_json(const lf_measure *m)
                      m->stats.effective_spp_mean);
 }
 
-/* A line of CSV each. */
+/* One line of CSV per run. */
 static json_t *runs_of_both(const comparison *c)
 {
     json_t *runs = json_array();

@@ -1,5 +1,5 @@
-/* quiltbench curve SCENE: error against CPU time at doubling budgets, what one contender is worth
- * in the time of another, and where the time goes. The first contender is the baseline. */
+/* quiltbench curve SCENE: error over CPU time at doubling budgets, speed-ups between contenders,
+ * and where their time is spent. The first contender is the baseline. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,18 +15,17 @@
 /* One contender at one budget, over all seeds. */
 typedef struct point {
     double cpu_seconds, native_spp, effective_spp, correlation[2]; /* means */
-    double without; /* share of view pixels that N/W answers for and that have none */
+    double without; /* fraction of view pixels that N/W should answer but that have no N/W */
     lf_interval rel_mse, worst_view;
-    lf_interval equal_time, equal_error; /* how many times better than the baseline */
-    /* equal_error leans on the baseline's line beyond its last point in some seed */
+    lf_interval equal_time, equal_error; /* improvement over the baseline */
+    /* equal_error extrapolates the baseline's line for some seed */
     bool beyond;
 } point;
 
-/* Where the time of one contender goes, at the last budget, over all seeds. NaN = does not apply.
- */
+/* How one contender's time is spent at the last budget, over all seeds. NaN = does not apply. */
 typedef struct cost {
     double path_us, shift_ns, lookup_ns, contributions_per_path, escape_share;
-    lf_interval slope; /* of log error over log time */
+    lf_interval slope; /* slope of log error over log time */
 } cost;
 
 typedef struct curve {
@@ -109,7 +108,7 @@ static const lf_measure *measure_of(const curve *c, int contender, int seed, int
                         (size_t)budget];
 }
 
-/* When the baseline is as good as this, in the curve of the same seed. */
+/* The baseline's time to reach the same error, for the same seed, as a ratio. */
 static double equal_error_ratio(const curve *c, int seed, const lf_measure *ours, bool *out_beyond)
 {
     double times[LF_MAX_BUDGETS];
@@ -151,7 +150,7 @@ static void find_point(const curve *c, int contender, int budget, point *out)
     out->equal_error = lf_log_interval(equal_error, n, CONFIDENCE);
 }
 
-/* How fast the error falls: -1 for independent samples. */
+/* The slope of the error: -1 for independent samples. */
 static lf_interval find_slope(const curve *c, int contender)
 {
     double slopes[LF_MAX_SEEDS];
@@ -190,7 +189,7 @@ static void find_cost(const curve *c, int contender, cost *out)
         .path_us = share(1e6 * cpu, paths),
         .lookup_ns = share(1e9 * cpu, lookups),
         .contributions_per_path = share(contributions, paths),
-        /* a pivot of what shares nothing is one contribution */
+        /* without sharing, a pivot is one contribution */
         .escape_share = alone ? 1 - share(contributions, paths) : (double)NAN,
         .slope = find_slope(c, contender),
     };
@@ -226,7 +225,7 @@ static json_t *runs_json(const curve *c, int contender, int budget)
     return list;
 }
 
-/* A line of CSV each. */
+/* One line of CSV per run. */
 static json_t *all_runs(const curve *c)
 {
     json_t *list = json_array();
@@ -314,7 +313,7 @@ static void print_points(const curve *c, int contender)
     }
 }
 
-/* Why numbers are missing. */
+/* Explains missing numbers. */
 static void print_notes(const curve *c)
 {
     double without = 0;

@@ -1,4 +1,4 @@
-/* quiltbench error REFERENCE PICTURE: how far one is from the other. */
+/* quiltbench error REFERENCE PICTURE: error metrics of a picture. */
 #include <math.h>
 #include <stdio.h>
 #include <sys/stat.h>
@@ -16,7 +16,7 @@ typedef struct arguments {
     int view; /* -1 = all */
     int block;
     double epsilon;
-    double max_mean, max_block, max_rel_mse; /* negative = not asked for */
+    double max_mean, max_block, max_rel_mse; /* negative = not requested */
 } arguments;
 
 /* A picture, a quilt or a folder as linear float views. */
@@ -176,7 +176,7 @@ static lf_status open_field(const arguments *a, const char *path, light_field *f
     return status;
 }
 
-/* With --view K: that view, of whatever has several. */
+/* With --view K: selects that view of an input with several. */
 static lf_status pick_view(const arguments *a, const char *path, lf_views32 *views, lf_error *err)
 {
     if (a->view < 0 || views->n_views == 1)
@@ -246,7 +246,7 @@ static lf_status write_json(const arguments *a, const lf_metrics *m, lf_error *e
     return lf_bench_write_json(a->json, object, err);
 }
 
-/* The limits that were asked for; what is not finite never passes one. */
+/* Checks the requested limits; values that are not finite always fail. */
 static lf_status check_limits(const arguments *a, const lf_metrics *m, lf_error *err)
 {
     bool asked = a->max_mean >= 0 || a->max_block >= 0 || a->max_rel_mse >= 0;

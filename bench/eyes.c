@@ -6,8 +6,8 @@
 #include "device/sim/optics.h"
 #include "quilt/quilt.h"
 
-#define PLACE_STEP 0.25 /* of the cone, between two places */
-#define CONE_DEG 40.0   /* of a calibration that does not say, as the optics take it */
+#define PLACE_STEP 0.25 /* fraction of the cone between two directions */
+#define CONE_DEG 40.0   /* default of the optics, for calibrations without it */
 
 struct lf_eyes {
     lf_pool *pool; /* borrowed */
@@ -15,12 +15,12 @@ struct lf_eyes {
     int n_views, view_width, view_height;
     lf_tone *tone;
     lf_interlacer *interlacer;
-    lf_optics *optics[LF_EYES]; /* an eye and the one a view further right beside each other */
+    lf_optics *optics[LF_EYES]; /* pairs of an eye and the one a view further right */
     uint8_t *views;             /* [row][view][column][3] */
     lf_image8 panel, seen[LF_EYES];
     float to_linear[256];
     size_t n; /* floats of one eye's picture */
-    /* [eye][row][column][3]: r; e of r itself; e of what was looked at last; of what is */
+    /* [eye][row][column][3]: r; e of r; e of the last picture; e of the current one */
     float *reference, *noise, *last, *now;
     double reference_error, reference_flicker;
 };
@@ -124,7 +124,7 @@ static void look_from(void *context, int eye, int worker)
     }
 }
 
-/* What all eyes see of a picture. */
+/* Simulates all eyes for a picture. */
 static void see(lf_eyes *eyes, const float *picture, float *out)
 {
     const size_t row = (size_t)eyes->view_width * 3, rows = row * (size_t)eyes->n_views;
@@ -134,7 +134,7 @@ static void see(lf_eyes *eyes, const float *picture, float *out)
     l.out = out;
     lf_tone_map(eyes->tone, rows / 3 * (size_t)eyes->view_height, picture, eyes->views);
     lf_interlace(eyes->interlacer, &views, &eyes->panel, eyes->pool);
-    (void)!lf_pool_run(eyes->pool, LF_EYES, look_from, &l, NULL); /* nobody cancels */
+    (void)!lf_pool_run(eyes->pool, LF_EYES, look_from, &l, NULL); /* cannot be cancelled */
 }
 
 static double mean_square(const lf_eyes *eyes, const float *e)
@@ -145,7 +145,7 @@ static double mean_square(const lf_eyes *eyes, const float *e)
     return sum / (double)(LF_EYES * eyes->n);
 }
 
-/* Mean square of the change from each place's eye to the other. */
+/* Mean square of the change from each direction's eye to its neighbour. */
 static double mean_square_step(const lf_eyes *eyes, const float *e)
 {
     double sum = 0;
@@ -176,7 +176,7 @@ void lf_eyes_set_reference(lf_eyes *eyes, const float *first, const float *secon
     eyes->reference_flicker = mean_square_step(eyes, eyes->noise);
 }
 
-/* e of a picture. */
+/* Computes e of a picture. */
 static void find_errors(lf_eyes *eyes, const float *picture, float *out)
 {
     see(eyes, picture, out);

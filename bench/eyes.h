@@ -29,10 +29,10 @@ void lf_eyes_destroy(lf_eyes *eyes);
  * eyes see it. To be called before the functions below. */
 void lf_eyes_set_reference(lf_eyes *eyes, const float *first, const float *second);
 
-/* Simulates the eyes for a picture, in the layout of the reference, and stores what they see.
- * *out_rel_mse: mean of e^2 over all eyes. *out_flicker: mean square of the change of e, pixel by
- * pixel, from an eye to its neighbour one view further right. The reference's own contribution is
- * subtracted from both. */
+/* Simulates the eyes for a picture, in the layout of the reference, and stores what they see. The
+ * mean of e^2 over all eyes goes to *out_rel_mse. The mean square of the change of e, pixel by
+ * pixel, from an eye to its neighbour one view further right goes to *out_flicker. The reference's
+ * own contribution is subtracted from both. */
 void lf_eyes_look(lf_eyes *eyes, const float *picture, double *out_rel_mse, double *out_flicker);
 
 /* Mean square of the change of e from the last picture to this one. The reference contributes

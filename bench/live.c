@@ -1,6 +1,6 @@
-/* quiltbench live SCENE: what somebody in front of the panel sees after a command. The daemon's
- * loader and engine run here as they do in quiltd; in place of a device that needs its time, every
- * frame is shown at once, and its rectangles are counted as a device counts them. */
+/* quiltbench live SCENE: the reaction of the panel after a command. The daemon's loader and engine
+ * run here as in quiltd. Instead of waiting for a device, every frame is shown at once; its
+ * rectangles are counted as a device counts them. */
 #include <errno.h>
 #include <math.h>
 #include <poll.h>
@@ -30,16 +30,16 @@ typedef struct arguments {
     const char *scene, *json;
     int repeat;
     double yaw;
-    double seconds; /* how long is watched */
+    double seconds; /* duration of a measurement */
     double reference_seconds;
     double epsilon;
     int speed_passes;
 } arguments;
 
-/* One command and what followed. */
+/* One command and its effects. */
 typedef struct watch {
     double start;
-    int64_t before; /* generation shown until then */
+    int64_t before; /* generation shown before */
     double coarse, complete, coarse_cpu, complete_cpu;
     double cpu_start, wire_bytes, cpu_seconds;
     int updates;
@@ -56,7 +56,7 @@ typedef struct bench {
     bool has_inbox;
     lf_engine *engine;
     lf_loader *loader;
-    lf_content *content; /* what is shown, for references and speeds */
+    lf_content *content; /* the shown content, for references and speed-ups */
     lf_status load_status;
     lf_error load_error;
     int64_t generation;
@@ -110,7 +110,7 @@ static const lf_bench_command command = {"live", shared, own, print_help, 1, 1, 
 static void task_done(void *reader, lf_task *task)
 {
     bench *b = reader;
-    lf_load *load = (lf_load *)task; /* its first member */
+    lf_load *load = (lf_load *)task; /* the task is its first member */
     b->load_status = load->status;
     b->load_error = load->err;
     b->generation = load->generation;
@@ -146,7 +146,7 @@ static lf_status send_load(bench *b, lf_load_kind kind, double yaw, lf_error *er
 
 /* ------------------------------------------------------------------------------------- watch -- */
 
-/* Shows the newest frame, as a device that is always ready. */
+/* Shows the newest frame, like a device that is always ready. */
 static void show(bench *b, watch *w)
 {
     lf_mailbox *mailbox = lf_engine_mailbox(b->engine);
@@ -169,7 +169,7 @@ static void show(bench *b, watch *w)
     lf_mailbox_shown(mailbox);
 }
 
-/* Sleeps until something happens or `until` (seconds after the start) has come. */
+/* Sleeps until an event, or until `until` (seconds after the start). */
 static void wait_for_news(bench *b, const watch *w, double until)
 {
     struct pollfd fds[2] = {{.fd = b->event_fd, .events = POLLIN},
@@ -190,7 +190,7 @@ static void remember(bench *b, int moment)
         memcpy(b->shown[moment], frame->image.data, b->n);
 }
 
-/* Sends an orbit and follows the panel for `seconds`, and until a complete frame was there. */
+/* Sends an orbit and watches the panel for `seconds`, and until a complete frame. */
 static lf_status follow(bench *b, double yaw, double seconds, bool remembers, watch *out,
                         lf_error *err)
 {
@@ -281,7 +281,7 @@ static lf_status render_film(const bench *b, const lf_render_settings *settings,
                            : lf_error_set(err, status, b->arguments->scene, "rendering failed");
 }
 
-/* The panel's picture of a film, as the engine makes it. */
+/* The panel's image of a film, composed as by the engine. */
 static lf_status compose(const bench *b, const float *film, uint8_t *views, lf_image8 *out,
                          lf_error *err)
 {
@@ -306,8 +306,8 @@ static lf_status compose(const bench *b, const float *film, uint8_t *views, lf_i
     return status;
 }
 
-/* Of the content that is shown: the mean of two panel pictures, and from half their difference what
- * that mean is off by. */
+/* Makes the reference for the shown content: the mean of two panel images; half their difference
+ * estimates its error. */
 static lf_status make_reference(bench *b, lf_error *err)
 {
     const lf_layout *l = &b->content->layout;
@@ -328,7 +328,7 @@ static lf_status make_reference(bench *b, lf_error *err)
     for (uint64_t i = 0; i < 2 && status == LF_OK; i++) {
         lf_render_settings settings = b->content->settings;
         settings.seed = REFERENCE_SEED + i;
-        settings.features = false; /* the reference is unfiltered, whatever is shown */
+        settings.features = false; /* the reference is unfiltered, whatever is displayed */
         status = render_film(b, &settings, pool, &budget, film, &seconds, err);
         if (status == LF_OK)
             status = compose(b, film, views, &panel[i], err);
@@ -388,7 +388,7 @@ static lf_status measure_commands(bench *b, lf_error *err)
         if (status != LF_OK)
             break;
         add_watch(b, &w);
-        if (i == 0) { /* the same view of the scene every time; nothing else renders meanwhile */
+        if (i == 0) { /* the same camera every time; nothing else renders meanwhile */
             pause_engine(b, true);
             status = make_reference(b, err);
             pause_engine(b, false);
@@ -401,7 +401,7 @@ static lf_status measure_commands(bench *b, lf_error *err)
     return status;
 }
 
-/* CPU share of a converged daemon: any error is low enough for it. */
+/* CPU share of a converged daemon; the target accepts any error. */
 static lf_status measure_idle(bench *b, lf_error *err)
 {
     lf_engine_controls controls = lf_engine_get_controls(b->engine);
@@ -426,7 +426,7 @@ static lf_status measure_idle(bench *b, lf_error *err)
     return LF_OK;
 }
 
-/* Wall clock of the same passes on one thread over that on all of them, in turns. */
+/* Ratio of the wall-clock times of the same passes on one thread and on all threads, in turns. */
 static lf_status measure_speed_up(bench *b, lf_error *err)
 {
     const lf_layout *l = &b->content->layout;

@@ -10,7 +10,7 @@ typedef struct lf_block_mean {
     double picture, reference;
 } lf_block_mean;
 
-#define GUARD 1e-4 /* of the squared mean of the reference, added to a block's squared mean */
+#define GUARD 1e-4 /* fraction of the reference's squared mean, added to a block's squared mean */
 
 void lf_metrics_begin(lf_metrics *metrics, int block, double epsilon)
 {
@@ -64,7 +64,8 @@ static lf_status store_block(lf_metrics *m, const lf_block_mean *block)
     return LF_OK;
 }
 
-/* One block, cut by the picture's edges; only whole ones are kept, or the only one there is. */
+/* Adds one block, clipped at the picture's edges. Only whole blocks count, or the only one there
+ * is. */
 static lf_status add_block(lf_metrics *m, lf_block_mean *block, int width, int height,
                            const float *reference, size_t reference_stride, const float *picture,
                            size_t picture_stride)

@@ -1,6 +1,6 @@
-/* quiltbench micro SCENE: the inner loops one by one, on fans of rays that this scene gives. Every
- * instruction set's kernels are held against the plain C ones, bit for bit, and timed in turns with
- * them. */
+/* quiltbench micro SCENE: the inner loops one by one, on fans of rays from this scene. Every
+ * instruction set's kernels are compared with the plain C ones, bit for bit, and timed in turns
+ * with them. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -24,12 +24,12 @@ typedef struct arguments {
     bool fault;
 } arguments;
 
-/* One ray a view, as the march takes them. */
+/* One ray per view, as ray marching takes them. */
 typedef struct fan {
     float x0[LF_MAX_LANES], slope[LF_MAX_LANES], z_end[LF_MAX_LANES];
 } fan;
 
-/* What the kernels answered for all fans. */
+/* The kernels' results for all fans. */
 typedef struct answers {
     float tau[N_FANS][LF_MAX_LANES], sigma[N_FANS][LF_MAX_LANES], density[N_FANS][LF_MAX_LANES],
         sum[N_FANS];
@@ -45,7 +45,8 @@ typedef struct bench {
     lf_row_plane plane;
     lf_body body; /* a shape of the size of the window, for the kernel of shapes */
     int lanes, n_fans, n_rays;
-    fan *pivots, *unscattered; /* [N_FANS] that end at a collision, and that go through */
+    fan *pivots, *unscattered; /* [N_FANS] fans that end at a collision, and fans that pass
+                                * through */
     int medium[N_FANS];
     lf_event *events; /* [N_RAYS] collisions … */
     lf_vec3 *ways;    /* … and a direction from each */
@@ -96,8 +97,8 @@ static fan fan_to(const bench *b, float x, float z)
     return f;
 }
 
-/* Where base rays of the row collide; the fans that meet there, and those through the same points
- * of the window. */
+/* Draws collisions of the row's base rays, the fans that meet there, and fans through the same
+ * points of the window. */
 static void draw_fans(bench *b)
 {
     const lf_rig *rig = &b->rows->rig;
@@ -141,7 +142,7 @@ static lf_rays rays_of(const bench *b, const fan *f, const lf_kernels *kernels)
                      .z_end = f->z_end};
 }
 
-/* Mean optical depth of the middle view's rays that meet anything, for what the line says of the
+/* Mean optical depth of the middle view's rays that meet a medium, for the description of the
  * scene. */
 static void measure_depth(bench *b)
 {
@@ -245,7 +246,7 @@ static void run_densities(const bench *b, const lf_kernels *k, answers *out)
         out->sum[i] = k->densities(b->lanes, out->sigma[i], out->tau[i], out->density[i]);
 }
 
-/* What every pivot of mvpt costs behind its geometry. */
+/* The cost of each pivot of mvpt after its geometry. */
 static void run_pivot(const bench *b, const lf_kernels *k, answers *out)
 {
     for (int i = 0; i < b->n_fans; i++) {
@@ -312,7 +313,7 @@ static lf_status measure_kernel(bench *b, const struct kernel *what, lf_error *e
                     "the %s kernels and the plain C kernels differ in their results",
                     lf_kernels_at(n)->name);
             if (i == 0)
-                timing[n].n = 0; /* pages and caches as they will be */
+                timing[n].n = 0; /* warm-up of pages and caches */
         }
     }
     double plain = lf_timing_quantile(&timing[0], 0.5);
@@ -326,7 +327,7 @@ static lf_status measure_kernel(bench *b, const struct kernel *what, lf_error *e
 
 /* ------------------------------------------------------------------------------------- steps -- */
 
-/* Each adds up something of every answer, so that none can be left out. */
+/* Each uses part of every result, so that the compiler cannot remove any. */
 
 static double step_collision(bench *b)
 {
@@ -394,7 +395,7 @@ static double step_sampler(bench *b)
     return sum;
 }
 
-/* One collision in so many. */
+/* Uses every SUFFIX_ITEMS-th collision. */
 enum { SUFFIX_ITEMS = 16 };
 
 static double step_suffix(bench *b)
@@ -409,7 +410,7 @@ static double step_suffix(bench *b)
 static const struct step {
     const char *name, *unit;
     double (*run)(bench *b);
-    int items; /* of N_RAYS, one in so many */
+    int items; /* a subset of N_RAYS */
 } steps[] = {
     {"next collision", "ray", step_collision, 1},  {"transmittance", "ray", step_transmittance, 1},
     {"extinction", "point", step_lookup, 1},       {"phase function", "pair", step_phase, 1},
@@ -444,7 +445,7 @@ static void add_bits(uint64_t *hash, const float *x, int n)
     }
 }
 
-/* All that a batch's suffixes have found. */
+/* Hashes all results of a batch's suffixes. */
 static void add_batch(uint64_t *hash, const lf_suffix_batch *batch)
 {
     const int paths = batch->n * batch->each;
@@ -454,7 +455,7 @@ static void add_batch(uint64_t *hash, const lf_suffix_batch *batch)
     add_bits(hash, batch->escaped, paths);
 }
 
-/* All collisions as pivots, in batches; a hash of what their suffixes find. */
+/* Runs all collisions as pivots, in batches; a hash of their suffixes' results. */
 static uint64_t run_lanes(bench *b, const lf_suffixes *suffixes, lf_suffix_batch *batch,
                           lf_timing *timing)
 {
@@ -513,7 +514,7 @@ static lf_status time_lanes(bench *b, lf_suffix_batch *batch, lf_error *err)
     return LF_OK;
 }
 
-/* In turns with those that go one by one, where lanes serve the scene. */
+/* In turns with single suffixes, if lanes support the scene. */
 static lf_status measure_lanes(bench *b, lf_error *err)
 {
     if (!b->renderer->lanes || b->n_rays < SUFFIX_ITEMS)

@@ -1,5 +1,5 @@
-/* quiltbench papers FOLDER: the estimators of the papers beside ours (docs/developer/papers.md), on
- * the kinds of scenes of their figures, all in turns in one run. */
+/* quiltbench papers FOLDER: the estimators of the papers compared with the estimators of quiltd
+ * (docs/developer/papers.md), on the kinds of scenes of their figures, in turns in one run. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,14 +11,14 @@
 #include "bench/trial.h"
 #include "render/papers/papers.h"
 
-/* Pixels beside a place where what is seen jumps by more than this from a view to the next, in
- * pixels, are a silhouette. */
+/* Pixels next to a jump of the visible point's shift between views by more than this, in pixels,
+ * form a silhouette. */
 #define SILHOUETTE_STEP 0.25f
 
-/* Of fewer a standard error says nothing. */
+/* Fewer seeds give no useful standard error. */
 #define FEW_SEEDS 4
 
-/* kind: which figures of the papers it stands for. */
+/* kind: the figures of the papers that it represents. */
 static const struct scene {
     const char *name, *file, *kind;
     int max_depth; /* 0: the scene's own */
@@ -33,11 +33,11 @@ static const struct scene {
     {"meshes-glossy", "bench/meshes-glossy.json", "2019, Figure 10", 0},
 };
 
-/* The first is what others are held against. */
+/* The first member is the baseline. */
 static const struct member {
     lf_contender who;
-    const char *selection; /* NULL: it takes none */
-    const char *colour;    /* of its bars: families are shades */
+    const char *selection; /* NULL: it has no selection */
+    const char *colour;    /* colour of its bars: families share a hue */
 } members[] = {
     {{"vpt", LF_ESTIMATOR_MWIS}, NULL, NULL},
     {{"mvpt2022", LF_ESTIMATOR_MWIS}, "tv", "#08519c"},
@@ -57,16 +57,16 @@ enum {
     N_MEMBERS = sizeof members / sizeof members[0]
 };
 
-/* What a member came to on a scene, seed by seed. */
+/* Results of a member on a scene, per seed. */
 typedef struct result {
-    bool refused; /* error says why */
+    bool refused; /* error holds the reason */
     lf_error error;
     double rel_mse[LF_MAX_SEEDS], paths[LF_MAX_SEEDS], cpu[LF_MAX_SEEDS];
     double off[LF_MAX_SEEDS]; /* mean of e */
     double silhouettes[LF_MAX_SEEDS], flicker[LF_MAX_SEEDS];
-    double native[LF_MAX_SEEDS];                   /* samples a view pixel */
-    double without[LF_MAX_SEEDS];                  /* share of view pixels that have no N/W */
-    double path_us, path_contributions, effective; /* of the last seed */
+    double native[LF_MAX_SEEDS];                   /* samples per view pixel */
+    double without[LF_MAX_SEEDS];                  /* fraction of view pixels without N/W */
+    double path_us, path_contributions, effective; /* from the last seed */
 } result;
 
 typedef struct study {
@@ -148,7 +148,7 @@ static bool jumps(float a, float b)
     return isnan(a) != isnan(b) || fabsf(a - b) > SILHOUETTE_STEP;
 }
 
-/* relMSE, the reference's own subtracted, of the pixels at silhouettes; NaN: there are none. */
+/* relMSE of the pixels at silhouettes, minus the reference's own; NaN: no such pixels. */
 static double error_at_silhouettes(const lf_trial *trial)
 {
     const int width = trial->settings.width;
@@ -183,7 +183,7 @@ static void note(const lf_trial *trial, const lf_contender *who, const lf_measur
     out->effective = measure->stats.effective_spp_mean / measure->stats.native_spp_mean;
 }
 
-/* A member that does not take the scene is told so in its row. */
+/* A member that does not support the scene gets the reason in its row. */
 static lf_status run_member(study *s, lf_trial *trial, int scene, int member, int seed,
                             lf_error *err)
 {
@@ -237,12 +237,13 @@ static lf_status run_scene(study *s, int scene, lf_error *err)
 
 /* ------------------------------------------------------------------------------------ answer -- */
 
-/* What is read of the seeds of a member: medians of ratios to the first member. */
+/* Summary over a member's seeds: medians of ratios to the first member. */
 typedef struct summary {
     lf_spread equal_time, equal_paths, silhouettes, flicker;
-    double off, z;          /* the whole picture's mean, in units of e, and in standard errors */
-    double cost;            /* of a path, in those of the first member */
-    double native, without; /* medians: samples a view pixel, share of them without N/W */
+    double off, z;          /* mean of the whole picture, in units of e, and in standard errors */
+    double cost;            /* cost of a path, relative to the first member */
+    double native, without; /* medians: samples per view pixel, fraction of view pixels without
+                             * N/W */
 } summary;
 
 static lf_spread ratios(const double *base, const double *base_by, const double *ours,
@@ -292,7 +293,7 @@ static void write_name(FILE *out, const struct member *member)
         fprintf(out, ", %s", member->selection);
 }
 
-/* Else the reference is too rough. */
+/* False: the reference is too noisy. */
 static bool tells(double ratio)
 {
     return isfinite(ratio) && ratio > 0.0;
@@ -337,7 +338,7 @@ static void write_row(FILE *out, const study *s, int scene, int member)
         fputs(" |\n", out);
 }
 
-/* What is to be known of the rows, below them. */
+/* Writes the notes below the rows. */
 static void write_notes(FILE *out, const study *s)
 {
     bool without = false, missing = false;
@@ -401,7 +402,7 @@ static json_t *row_json(const study *s, int scene, int member)
     return object;
 }
 
-/* What there is to draw of a member on a scene; else 0. */
+/* The value to draw for a member on a scene; otherwise 0. */
 static double drawn(const study *s, int scene, int member)
 {
     if (!s->chosen[scene] || s->results[scene][member].refused)
@@ -410,8 +411,8 @@ static double drawn(const study *s, int scene, int member)
     return tells(ratio) ? ratio : 0.0;
 }
 
-/* Bars are as wide as one of a scene's present members, so that those that are refused leave no
- * gap; scenes are GAP apart. places: where the bars of a scene begin; returns where all end. */
+/* Only members with a value get a bar, so refused ones leave no gap; scenes are GAP apart. places:
+ * the first bar of each scene; returns the end. */
 #define GAP 2
 static int place_scenes(const study *s, int places[N_SCENES + 1])
 {
@@ -426,7 +427,7 @@ static int place_scenes(const study *s, int places[N_SCENES + 1])
     return places[N_SCENES] = at;
 }
 
-/* A block a member that has bars, a line a bar: its left and right end, the ratio, the scene. */
+/* One block per member with bars, one line per bar: left and right end, ratio, scene. */
 static char *plot_data(const study *s, const int *places)
 {
     char *text = NULL;
@@ -458,7 +459,7 @@ static bool has_bars(const study *s, int member)
     return any;
 }
 
-/* A string of gnuplot; a long name in two lines. */
+/* Writes a string for gnuplot; a long name becomes two lines. */
 static void write_label(FILE *out, const char *name)
 {
     const char *dash = strlen(name) > 8 ? strchr(name, '-') : NULL;
@@ -466,7 +467,7 @@ static void write_label(FILE *out, const char *name)
     fprintf(out, "\"%.*s%s%s\"", n, name, dash ? "\\n" : "", name + n);
 }
 
-/* Names under the middle of their bars. */
+/* Writes the names under the middle of their bars. */
 static void write_tics(FILE *out, const int *places)
 {
     const char *comma = "";
@@ -483,7 +484,7 @@ static void write_tics(FILE *out, const int *places)
     fputs(")\n", out);
 }
 
-/* Bars from 1, where an estimator is as good as the first. */
+/* Bars start at 1, where an estimator equals the first. */
 static void write_plot(FILE *out, const study *s, const int *places)
 {
     fputs("set style fill solid 0.8\nset logscale y\nset key outside top center horizontal\n"

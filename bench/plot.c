@@ -1,5 +1,5 @@
-/* Plots by gnuplot, from files that stay: PREFIX.gp draws again by `gnuplot PREFIX.gp` in its
- * folder. */
+/* Plots with gnuplot from files that are kept: `gnuplot PREFIX.gp`, in its folder, draws them
+ * again. */
 #include <errno.h>
 #include <limits.h>
 #include <spawn.h>
@@ -14,7 +14,7 @@
 #include "base/log.h"
 #include "bench/bench.h"
 
-/* Name as a string of gnuplot: quotes doubled. */
+/* Writes a name as a string for gnuplot, with quotes doubled. */
 static void put_quoted(FILE *out, const char *name, const char *ending)
 {
     fputc('\'', out);
@@ -23,7 +23,7 @@ static void put_quoted(FILE *out, const char *name, const char *ending)
     fprintf(out, "%s'", ending);
 }
 
-/* The commands twice, once for each kind of picture. Caller frees; NULL = out of memory. */
+/* The commands twice, once per format. Caller frees; NULL = out of memory. */
 static char *script_of(const char *name, const char *commands)
 {
     static const char *const pictures[][2] = {

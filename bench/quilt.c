@@ -1,4 +1,4 @@
-/* quiltbench quilt: what lies between resolved views and a panel, a file or a printer, against
+/* quiltbench quilt: the steps from resolved views to a panel, a file or a printer, compared with
  * copying as many bytes. */
 #include <stdio.h>
 #include <string.h>
@@ -22,17 +22,17 @@ typedef struct arguments {
     int repeat;
 } arguments;
 
-/* Something to be timed; bytes are what it must read and write at the least. */
+/* A step to be timed; bytes: the minimum it must read and write. */
 typedef struct work {
     const char *name;
     lf_status (*run)(void *context, lf_pool *pool, lf_error *err);
     void *context;
     size_t bytes_in, bytes_out;
-    bool alone; /* runs on one thread whatever it is given */
-    bool once;  /* takes long */
+    bool alone; /* always runs on one thread */
+    bool once;  /* slow: runs once */
 } work;
 
-/* Of the repetitions: wall clock, and CPU seconds of all threads. */
+/* Times of the repetitions: wall clock, and CPU seconds of all threads. */
 typedef struct times {
     lf_timing wall, cpu;
 } times;
@@ -82,7 +82,7 @@ static void copy_piece(void *context, int item, int worker)
     memcpy(b->copy_to + at, b->copy_from + at, PIECE_BYTES);
 }
 
-/* Reads and writes as many bytes in all as asked for, to the piece. */
+/* Reads and writes `bytes` bytes in total, rounded to whole pieces. */
 static void copy(bench *b, size_t bytes, lf_pool *pool)
 {
     int n = (int)((bytes / 2 + PIECE_BYTES - 1) / PIECE_BYTES);
@@ -104,7 +104,7 @@ static lf_status make_copy_room(bench *b, size_t bytes, lf_error *err)
     b->copy_room = b->copy_from && b->copy_to ? room : 0;
     if (b->copy_room == 0)
         return lf_error_set(err, LF_E_NOMEM, "quilt", "out of memory");
-    memset(b->copy_from, 1, room); /* pages of its own, not the one of zeros */
+    memset(b->copy_from, 1, room); /* forces real pages instead of the shared zero page */
     memset(b->copy_to, 1, room);
     return LF_OK;
 }
@@ -138,7 +138,7 @@ static lf_status measure_on(bench *b, const work *w, lf_pool *pool, lf_error *er
 {
     times work_times = {0};
     times copies = {0};
-    /* pages and caches as they will be */
+    /* warm-up of pages and caches */
     lf_status status = w->once ? LF_OK : w->run(w->context, pool, err);
     for (int i = 0; i < (w->once ? 1 : b->arguments->repeat) && status == LF_OK; i++) {
         double wall = lf_time_now(), cpu = lf_time_cpu();
@@ -337,7 +337,7 @@ static lf_status run_fill(void *context, lf_pool *pool, lf_error *err)
     return LF_OK;
 }
 
-/* A fixed stream of numbers, the same holes in every run. */
+/* Fixed random numbers, so that every run has the same holes. */
 static void make_holes(field *f, double share)
 {
     uint32_t x = 1;
@@ -401,7 +401,7 @@ typedef struct sheet {
     lf_views32 views;
 } sheet;
 
-/* Into memory: what is timed is the work, not a disk. */
+/* Writes to memory, so that no disk is timed. */
 static lf_status run_print(void *context, lf_pool *pool, lf_error *err)
 {
     const sheet *s = context;
@@ -438,7 +438,7 @@ static lf_status measure_print(bench *b, const field *f, lf_error *err)
     lf_print_shape shape;
     lf_status status = LF_OK;
 
-    /* so large that a lens is a sample of the views */
+    /* sized so that a lens is a sample of the views */
     s.print = (lf_print){.lpi = PRINT_LPI,
                          .dpi = PRINT_DPI,
                          .n_views = n_views,

@@ -149,7 +149,7 @@ lf_status lf_bench_pool(int threads, lf_pool **out_pool, lf_error *err)
                : lf_error_set(err, status, "--threads", "cannot start the worker threads");
 }
 
-/* Scenes of bench/textured and bench/reference read what a clone does not have. */
+/* Scenes of bench/textured and bench/reference need data that a clone does not have. */
 static bool lacks_data(const lf_error *err)
 {
     return err->status == LF_E_IO && strstr(err->what, "/shared/data/");

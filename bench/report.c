@@ -1,4 +1,4 @@
-/* How numbers are told: in tables, and as CSV. */
+/* Output of numbers: tables and CSV. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@ void lf_bench_put_short(FILE *out, int width, int digits, double value)
 
 /* --------------------------------------------------------------------------------------- csv -- */
 
-/* What lies in an object that is a member becomes a member PARENT_NAME; lists are left out. */
+/* Members of a nested object become PARENT_NAME; lists are skipped. */
 static void flatten(const json_t *from, const char *parent, json_t *into)
 {
     const char *key;
@@ -52,7 +52,7 @@ static void put_text(FILE *out, const char *text)
     fputc('"', out);
 }
 
-/* Nothing for null: what is not known. */
+/* Writes nothing for null (unknown). */
 static void put_value(FILE *out, const json_t *value)
 {
     if (json_is_string(value))

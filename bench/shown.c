@@ -1,7 +1,7 @@
-/* quiltbench shown SCENE: what the reconstruction is worth. The picture that people see against the
+/* quiltbench shown SCENE: the value of the reconstruction. Compares the displayed image with the
  * unfiltered one after the same CPU time or passes: errors, the worst tile, the change from view to
- * view, whether what it says of its own error is true (docs/developer/reconstruction.md), and what
- * an eye sees of both through a panel's lenses. */
+ * view, the accuracy of its own error estimate (docs/developer/reconstruction.md), and the images
+ * for an eye behind a panel's lenses. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,10 +14,10 @@
 
 enum { UNFILTERED, SHOWN, N_CONTENDERS };
 
-/* What eyes see of one run. */
+/* Results of one run for eyes. */
 typedef struct seen {
     double rel_mse[N_CONTENDERS], flicker[N_CONTENDERS];
-    double frame_change; /* of the reconstructed picture, when its rendering goes on */
+    double frame_change; /* change of the reconstructed image as rendering continues */
 } seen;
 
 typedef struct arguments {
@@ -28,18 +28,18 @@ typedef struct arguments {
     bool eye;       /* --eye */
     lf_trial trial;
     lf_measure *measures; /* [budget][seed][contender] */
-    double *tiles;        /* one set of tiles a contender */
+    double *tiles;        /* one set of tiles per contender */
     double *tile_ratios;  /* [budget][seed][worst, mean] */
     lf_eyes *eyes;        /* NULL without --eye */
     seen *seen;           /* [budget][seed], with --eye */
-    seen *seen_now;       /* the run's */
-    int who;              /* of the picture that comes next */
+    seen *seen_now;       /* results of the current run */
+    int who;              /* contender of the next picture */
 } arguments;
 
 /* --------------------------------------------------------------------------------- arguments -- */
 
 enum { OPTION_BUDGETS = LF_TRIAL_OPTION_OWN, OPTION_PASSES, OPTION_EYE };
-/* A pass of each half more: the next picture that a display would show. */
+/* One more pass per half: the next picture that a display would show. */
 enum { LATER_PASSES = 2 };
 
 static const struct option table[] = {
@@ -114,7 +114,7 @@ static size_t n_tiles(const lf_trial *trial)
            (size_t)trial->settings.camera.n_views;
 }
 
-/* Sum over the views of a place's tile. */
+/* Sum over the views of the tile at this position. */
 static double at_place(const arguments *a, const double *tiles, int place)
 {
     const int places = a->trial.n_tiles_across * a->trial.n_tiles_down;
@@ -124,7 +124,7 @@ static double at_place(const arguments *a, const double *tiles, int place)
     return sum;
 }
 
-/* Where less than 1 % of the mean error lies there is nothing to judge. */
+/* Tiles with less than 1 % of the mean error are not judged. */
 static void judge_tiles(const arguments *a, const lf_measure *m, double *out_worst,
                         double *out_mean)
 {
@@ -145,7 +145,7 @@ static void judge_tiles(const arguments *a, const lf_measure *m, double *out_wor
     *out_mean = n > 0 ? sum / n : (double)NAN;
 }
 
-/* The reconstructed picture comes first, then the later one, then the unfiltered one. */
+/* Receives the reconstructed picture first, then the later one, then the unfiltered one. */
 static void look(void *context, const float *picture, bool is_later)
 {
     arguments *a = context;
@@ -156,8 +156,8 @@ static void look(void *context, const float *picture, bool is_later)
                      &a->seen_now->flicker[a->who]);
 }
 
-/* By CPU time: the fit is made when the passes' time is over, so it is taken off beforehand as it
- * was before; the unfiltered picture gets what was then spent. *fit_seconds is renewed. */
+/* With CPU time: the fit runs after the time for passes is over, so its last duration is subtracted
+ * beforehand. The unfiltered picture gets the total time then spent. *fit_seconds is updated. */
 static lf_status run_pair(arguments *a, int budget, int seed, double *fit_seconds, lf_error *err)
 {
     const lf_contender who = {"mvpt", LF_ESTIMATOR_MWIS};
@@ -218,7 +218,7 @@ static double shown_of(const arguments *a, int budget, int seed)
 {
     return measure_of(a, budget, seed, SHOWN)->rel_mse;
 }
-/* Over the true error; NaN where the reference is too rough to tell it. */
+/* Ratio to the true error; NaN: the reference is too noisy for it. */
 static double over_shown(const arguments *a, int budget, int seed, double x)
 {
     const double shown = shown_of(a, budget, seed);
@@ -276,7 +276,7 @@ static double eye_frame_of(const arguments *a, int budget, int seed)
     return seen_of(a, budget, seed)->frame_change;
 }
 
-/* What is told of a budget: one line here is one column and one key. The last ones are of --eye. */
+/* Results per budget: one line here is one column and one key. The last ones need --eye. */
 static const struct column {
     const char *name, *key;
     number_fn number;
@@ -312,7 +312,7 @@ static lf_spread spread_of(const arguments *a, int column, int budget)
     return lf_spread_of(values, a->options.n_seeds);
 }
 
-/* Runs whose bound is not below the truth. */
+/* Counts the runs whose bound is not below the true error. */
 static int count_bounds(const arguments *a, int budget)
 {
     int n = 0;
@@ -360,7 +360,7 @@ static json_t *budget_json(const arguments *a, int budget)
     return object;
 }
 
-/* A line of CSV each. */
+/* One line of CSV per run. */
 static json_t *all_runs(const arguments *a)
 {
     json_t *list = json_array();
@@ -403,7 +403,7 @@ static lf_status prepare(arguments *a, lf_error *err)
                : lf_error_set(err, LF_E_NOMEM, a->options.operand, "out of memory");
 }
 
-/* The two renderings of the reference are its mean and what that is off by. */
+/* Derives the two renderings of the reference from its mean and error. */
 static lf_status open_eyes(arguments *a, lf_error *err)
 {
     lf_trial *trial = &a->trial;

@@ -1,6 +1,5 @@
-/* quiltbench skip: what leaving out saves. Every entry of the table of skips on scenes that do not
- * need what it leaves out: CPU time with and without it, taken in turns, and whether the pictures
- * agree. */
+/* quiltbench skip: the savings of optimisations. Runs every entry of the table of skips on scenes
+ * that allow it: CPU time with and without it, in turns, and whether the images agree. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -17,8 +16,8 @@ typedef struct arguments {
     int passes;
 } arguments;
 
-/* Little of the picture is covered, light comes from one colour of sky and a sun: what is left out
- * is there to be left out. */
+/* Scenes that allow many skips: little of the picture is covered; light comes from a uniform sky
+ * and a sun. */
 #define CAMERA                                                                                     \
     "\"camera\": {\"position\": [0, 0.5, 7], \"fov_y\": 22, \"aspect\": 0.75, \"cone\": 35, "      \
     "\"views\": 45}, "                                                                             \
@@ -74,7 +73,7 @@ static void print_help(void)
 
 static const lf_bench_command command = {"skip", shared, own, print_help, 0, 0, "options only"};
 
-/* One picture from the start; CPU seconds of it. */
+/* Renders one picture from the start; returns its CPU seconds. */
 static lf_status run(bench *b, unsigned skip, float *picture, double *out_seconds, lf_error *err)
 {
     lf_renderer *renderer = NULL;
@@ -91,7 +90,7 @@ static lf_status run(bench *b, unsigned skip, float *picture, double *out_second
     return status;
 }
 
-/* Largest difference of a value, relative to it plus a hundredth. */
+/* Largest difference of a value, relative to the value plus 0.01. */
 static double difference(const bench *b)
 {
     double largest = 0;
@@ -164,7 +163,7 @@ static void close_scene(bench *b)
     b->scene = NULL;
 }
 
-/* The names of what this scene does not need. */
+/* The names of the skips that this scene allows. */
 static json_t *found(bench *b, lf_error *err)
 {
     lf_renderer *renderer = NULL;

@@ -51,7 +51,7 @@ double lf_student_quantile(double p, int degrees)
     return p < 0.5 ? -high : high;
 }
 
-/* Mean and its standard error of n numbers; NaN below two. */
+/* Mean of n numbers and its standard error; NaN for n < 2. */
 static double mean_of(const double *values, int n, double *out_error)
 {
     double sum = 0;
@@ -72,7 +72,7 @@ lf_interval lf_mean_interval(const double *values, int n, double confidence)
     return (lf_interval){mean, mean - half, mean + half};
 }
 
-/* false: one of them is not a positive number. */
+/* False: one of them is not positive. */
 static bool logs_of(const double *values, size_t stride, int n, double *out)
 {
     for (int i = 0; i < n; i++) {

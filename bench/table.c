@@ -1,6 +1,6 @@
 /* quiltbench table FOLDER: equal-time ratios of mvpt to vpt for the kinds of scenes of Fraboni et
- * al. 2022, Table 1, as a light field and as a lenticular print, each held against what
- * docs/lab/performance.md promises. */
+ * al. 2022, Table 1, as a light field and as a lenticular print, each compared with the promise in
+ * docs/lab/performance.md. */
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -17,8 +17,8 @@ enum { FIELD_VIEWS = 45, LENTICULAR_VIEWS = 10 };
 
 #define TILE_CONFIDENCE 0.99
 
-/* must and aim are those of the light field; 0 = none. The tile's are of the worst tile's lower
- * bound, where the seeds give one. */
+/* must and aim are for the light field; 0 = none. The tile's are for the worst tile's lower bound,
+ * if there are enough seeds for one. */
 static const struct scene {
     const char *name, *file;
     double must, aim, tile_must, tile_aim;
@@ -49,7 +49,7 @@ static const struct scene {
     {"mixed-cubes", "bench/mixed-cubes.json", 0, 0, 0, 0, {"mvpt", LF_ESTIMATOR_CV}},
     {"cloud-g098", "bench/cloud-g098.json", 0.97, 2, 0.8, 1, {"mvpt", LF_ESTIMATOR_CV}},
     {"meshes-glossy", "bench/meshes-glossy.json", 0.97, 2, 0.8, 1, {"mvpt", LF_ESTIMATOR_CV}},
-    /* nothing is shared behind a mirror, and the baseline is then the better reference */
+    /* nothing is shared behind a mirror, so the baseline is the better reference */
     {"meshes-mirror", "bench/meshes-mirror.json", 0.97, 2, 0.8, 1, {"vpt", LF_ESTIMATOR_MIS}},
 };
 
@@ -61,13 +61,14 @@ typedef struct row {
     int views;
     double ratios[LF_MAX_SEEDS];
     lf_spread ratio;
-    /* of the ratio, 95 % */
+    /* 95 % interval of the ratio */
     lf_interval interval;
-    double seconds;                                                              /* CPU, a run */
+    /* CPU seconds per run */
+    double seconds;
     double rel_mse[N_CONTENDERS], native[N_CONTENDERS], effective[N_CONTENDERS]; /* medians */
-    /* of a place in all views */
+    /* tiles of a position, over all views */
     lf_tile_bound tiles;
-    lf_tile_bound view_tiles; /* of one view */
+    lf_tile_bound view_tiles; /* tiles of single views */
     double reference_error;
 } row;
 
@@ -143,7 +144,7 @@ static double median_of(const lf_measure *measures, int n, size_t offset)
     return lf_spread_of(values, n).median;
 }
 
-/* Ratios of tiles: of every view's, and of the mean over the views at each place. */
+/* Ratios of tiles: of every view, and of the mean over the views at each position. */
 static lf_status judge_tiles(const lf_trial *trial, const lf_measure *measures, int n_seeds,
                              row *out, lf_error *err)
 {
@@ -249,7 +250,7 @@ static bool has_must(const row *r)
     return r->views == FIELD_VIEWS && r->scene->must > 0;
 }
 
-/* The worst tile counts where the scene has a must for it and the seeds bound it. */
+/* True if the worst tile counts: the scene has a must for it and there are enough seeds. */
 static bool has_tiles(const row *r)
 {
     return r->scene->tile_must > 0 && r->tiles.worst >= 0;
@@ -306,7 +307,7 @@ static void write_row(FILE *out, const row *r)
     fprintf(out, " %s |\n", verdict(r));
 }
 
-/* Why numbers are missing. */
+/* Explains missing numbers. */
 static void write_notes(FILE *out, const row *rows, int n_rows)
 {
     bool missing = false;

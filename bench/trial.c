@@ -53,7 +53,7 @@ void lf_trial_close(lf_trial *trial)
 
 /* --------------------------------------------------------------------------------- measuring -- */
 
-/* The picture becomes its e. */
+/* Replaces the picture by its e. */
 static int64_t to_errors(lf_trial *trial)
 {
     int64_t n_nonfinite = 0;
@@ -66,14 +66,14 @@ static int64_t to_errors(lf_trial *trial)
     return n_nonfinite;
 }
 
-/* Where the floats of one row of one view begin. */
+/* Offset of the floats of one row of one view. */
 static size_t row_at(const lf_trial *trial, int row, int view)
 {
     return ((size_t)row * (size_t)trial->settings.camera.n_views + (size_t)view) *
            (size_t)trial->settings.width * 3;
 }
 
-/* Sum of e^2 over pixels of a row, without the reference's own. */
+/* Sum of e^2 over pixels of a row, minus the reference's own. */
 static double sum_squares(const lf_trial *trial, size_t first, size_t n_floats)
 {
     double sum = 0;
@@ -125,7 +125,7 @@ static void measure_errors(const lf_trial *trial, lf_measure *out)
     out->rel_mse = all / (double)trial->n;
 }
 
-/* Mean correlation of the errors of views `apart`; NaN when there are none, or no error. */
+/* Mean correlation of the errors of views `apart`; NaN: no such views, or no error. */
 static double correlation(const lf_trial *trial, int apart)
 {
     size_t n = (size_t)trial->settings.width * 3;
@@ -144,8 +144,8 @@ static double correlation(const lf_trial *trial, int apart)
     return n_pairs > 0 ? sum / n_pairs : (double)NAN;
 }
 
-/* Mean square of e's change along epipolar lines, where both ends are in the picture. Nearest
- * pixels: between two of them noise would be averaged away. */
+/* Mean square of e's change along epipolar lines, if both ends are in the picture. Uses nearest
+ * pixels, because interpolation would average noise away. */
 static double flicker(const lf_trial *trial, const float *errors)
 {
     const int width = trial->settings.width;
@@ -179,7 +179,7 @@ static void measure(lf_trial *trial, lf_measure *out)
 
 /* ----------------------------------------------------------------------------------- running -- */
 
-/* A thing at Z moves by a - b/Z (lf_depth), of which two are known. */
+/* An object at Z shifts by a - b/Z (lf_depth); two such shifts are known. */
 static lf_status find_steps(const lf_trial *trial, const lf_renderer *renderer,
                             lf_estimator estimator)
 {
@@ -196,7 +196,7 @@ static lf_status find_steps(const lf_trial *trial, const lf_renderer *renderer,
     return status;
 }
 
-/* Tells whoever looks of the picture, and of the one after later_passes; the picture stays. */
+/* Passes the picture to `look`, and the one after later_passes; the picture is kept. */
 static lf_status tell(lf_trial *trial, lf_renderer *renderer, bool reconstructed)
 {
     if (!trial->look)
@@ -226,7 +226,8 @@ static lf_status render(lf_trial *trial, const lf_contender *who, uint64_t seed,
     lf_render_times times;
     double start = lf_time_cpu();
     settings.integrator = who->integrator;
-    lf_choices_fit(&settings.choices, lf_integrator_named(who->integrator)); /* others' */
+    /* keeps only the options of this integrator */
+    lf_choices_fit(&settings.choices, lf_integrator_named(who->integrator));
     settings.seed = seed;
     settings.features = budget->reconstructed || with_steps || trial->same_films;
     lf_status status = lf_renderer_create(trial->scene, &settings, trial->pool, &renderer, err);
@@ -301,7 +302,7 @@ lf_status lf_trial_all(lf_trial *trial, const lf_contender *contenders, int n_co
     int n = options->n_seeds;
     lf_status status = LF_OK;
     for (int i = 0; i < n * n_budgets * n_contenders && status == LF_OK; i++) {
-        int run = i / n_contenders; /* seed by seed, budget by budget */
+        int run = i / n_contenders; /* in the order of seeds, then budgets */
         int who = (run + i) % n_contenders;
         if (terminal)
             fprintf(stderr, "\r" LF_BENCH_PROGRAM ": %s: run %d of %d\033[K", trial->name, run + 1,

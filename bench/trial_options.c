@@ -9,7 +9,7 @@ lf_status lf_contender_parse(const char *option, const char *text, lf_contender 
 {
     lf_param rows[] = {*lf_param_find(lf_option_params, "integrator"),
                        *lf_param_find(lf_option_params, "estimator")};
-    rows[0].option = option + 2; /* behind the dashes */
+    rows[0].option = option + 2; /* without dashes */
     rows[0].joined = ":";
     rows[0].argument = "INTEGRATOR";
     rows[0].place = offsetof(lf_contender, integrator);
@@ -40,7 +40,7 @@ void lf_trial_print_help(void)
     printf("  --seed S               random seed of the first run (1)\n" LF_OPTIONS_HELP_LAST);
 }
 
-/* Where an option may belong: to all trials, else to the command. */
+/* The possible owners of an option: all trials, otherwise the command. */
 typedef struct takers {
     lf_trial_options *options;
     const lf_trial_command *command;

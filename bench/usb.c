@@ -1,5 +1,5 @@
-/* quiltbench usb [SCENE]: updates of a simulated USB display in this process, against copying as
- * many bytes; and what a scene that converges sends to it. */
+/* quiltbench usb [SCENE]: updates of a simulated USB display in this process, compared with copying
+ * as many bytes; and the data that a converging scene sends to it. */
 #include <stdio.h>
 #include <string.h>
 
@@ -20,17 +20,17 @@ typedef struct arguments {
 typedef enum content {
     NOISE,
     GRADIENTS,
-    SCENE, /* the panel's picture of the scene, right way up and upside down */
+    SCENE, /* the panel's image of the scene, upright and upside down */
 } content;
 
-/* A display and what it is made to show. */
+/* A display and its test pattern. */
 typedef struct work {
     const char *name;
     uint8_t format;
     bool lz4;
     content content;
-    bool same; /* the display shows it already */
-    int side;  /* of a square that changes; 0 = the whole panel */
+    bool same; /* the display already shows it */
+    int side;  /* side of a changing square; 0 = the whole panel */
 } work;
 
 static const work works[] = {
@@ -56,7 +56,7 @@ typedef struct bench {
     lf_usb_link *link;
     lf_gud_host *host;
     lf_image8 pictures[2], copy;
-    lf_image8 scene; /* of a Portrait; empty = none */
+    lf_image8 scene; /* image for a Portrait; empty = none */
 } bench;
 
 static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER;
@@ -115,14 +115,14 @@ static uint8_t sample_at(const bench *b, content c, int x, int y, int seed)
     case SCENE:
         break;
     }
-    /* a panel that is larger shows it several times */
+    /* a larger panel shows it repeatedly */
     int row = y % b->scene.height;
     return b->scene.data[(size_t)(seed ? b->scene.height - 1 - row : row) * b->scene.stride +
                          (size_t)(x % (3 * b->scene.width))];
 }
 
-/* Both pictures; they differ within `changed` only, and not at all when the display is to show it
- * already. */
+/* Paints both pictures. They differ only within `changed`, and not at all if the display is to show
+ * it already. */
 static void paint(bench *b, const work *w, lf_rect changed)
 {
     for (int i = 0; i < 2; i++)
@@ -200,7 +200,7 @@ static void report(bench *b, const work *w, lf_rect panel, lf_rect changed, doub
                                     "ratio_to_copy", seconds / copying));
 }
 
-/* Shows the pictures in turn. The display shows the second one before. */
+/* Shows the pictures in turn. Before, the display shows the second one. */
 static lf_status measure(bench *b, const work *w, lf_rect panel, lf_error *err)
 {
     lf_timing updates = {0}, copies = {0};

@@ -1,5 +1,5 @@
-/* The engine as quiltd has it, and a simulated USB display that is given each frame as quiltd gives
- * it: the newest, when the last one is shown. */
+/* The engine as in quiltd, and a simulated USB display that gets frames as in quiltd: the newest,
+ * once the last one is shown. */
 #include <errno.h>
 #include <poll.h>
 #include <stdlib.h>
@@ -41,7 +41,7 @@ typedef struct stream {
 static void task_done(void *reader, lf_task *task)
 {
     stream *s = reader;
-    lf_load *load = (lf_load *)task; /* its first member */
+    lf_load *load = (lf_load *)task; /* the task is its first member */
     s->load_status = load->status;
     s->load_error = load->err;
     s->loaded = true;
@@ -69,7 +69,7 @@ static lf_status send_load(stream *s, lf_error *err)
 
 /* ----------------------------------------------------------------------------------- showing -- */
 
-/* What of frame differs from what the display shows. */
+/* The rectangles of frame that differ from the display's contents. */
 static int rects_for(const stream *s, const lf_frame *frame, lf_rect *rects)
 {
     const lf_frame *current = lf_mailbox_current(lf_engine_mailbox(s->engine));
@@ -145,7 +145,7 @@ static lf_status run(stream *s, lf_error *err)
     return status;
 }
 
-/* The last frame, when the engine rests, and whether the display shows it. */
+/* Waits for the last frame, when the engine is idle, and checks that the display shows it. */
 static lf_status settle(stream *s, lf_error *err)
 {
     lf_engine_controls controls = lf_engine_get_controls(s->engine);

@@ -1,6 +1,6 @@
-/* quiltbench views SCENE: error against the number of views for the same number of base paths in
- * every view (Fraboni et al. 2022, Figure 9): what sharing is worth before its price. N views of
- * one cone; were every base path as good for every view, relMSE would fall as 1/N. */
+/* quiltbench views SCENE: error over the number of views for the same number of base paths per view
+ * (Fraboni et al. 2022, Figure 9): the value of sharing before its cost. The N views share one
+ * cone; if every base path were equally good for every view, relMSE would fall as 1/N. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,11 +20,11 @@ typedef struct study {
     int spp;
     const char *plot;
     lf_pool *pool;
-    json_t *scene;                           /* what lf_trial_json says of the last trial */
-    double errors[MAX_COUNTS][LF_MAX_SEEDS]; /* relMSE x base paths a view pixel / spp */
-    double paths[MAX_COUNTS];                /* base paths a view pixel, mean over seeds */
+    json_t *scene;                           /* lf_trial_json of the last trial */
+    double errors[MAX_COUNTS][LF_MAX_SEEDS]; /* relMSE x base paths per view pixel / spp */
+    double paths[MAX_COUNTS];                /* base paths per view pixel, mean over seeds */
     lf_interval rel_mse[MAX_COUNTS];
-    lf_interval exponent; /* of N: 95 % over the seeds' own fits */
+    lf_interval exponent; /* exponent of N: 95 % interval over the seeds' own fits */
     double exponent_se;
 } study;
 
@@ -90,7 +90,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* Samples for holes come on top of the passes: they count as paths. */
+/* Samples for holes are additional to the passes and count as paths. */
 static lf_status run_count(study *s, int i, lf_error *err)
 {
     lf_trial_options options = s->options;
@@ -112,14 +112,14 @@ static lf_status run_count(study *s, int i, lf_error *err)
     if (status == LF_OK) {
         json_decref(s->scene);
         s->scene = lf_trial_json(&trial, &options);
-        json_object_del(s->scene, "reference"); /* one for every number of views */
+        json_object_del(s->scene, "reference"); /* one per number of views */
         json_object_del(s->scene, "views");
     }
     lf_trial_close(&trial);
     return status;
 }
 
-/* A line through every seed's own points; the seeds are independent. */
+/* Fits a line to every seed's own points; the seeds are independent. */
 static void fit(study *s)
 {
     double slopes[LF_MAX_SEEDS];

@@ -21,7 +21,7 @@ static const lf_device_ops *find_kind(const lf_device_ops *const table[], const 
     return NULL;
 }
 
-/* The part of a spec behind the colon. */
+/* The part of a spec after the colon. */
 static const char *argument_of(const char *spec)
 {
     const char *colon = strchr(spec, ':');
@@ -95,13 +95,13 @@ char *lf_device_allowed_spec(const char *spec, const char *folder)
     return allowed;
 }
 
-/* What has become of looking for a panel so far. */
+/* State of the search for a panel. */
 typedef struct search {
-    const char *first; /* its spec; empty = any */
+    const char *first; /* spec to try first; empty = any */
     const lf_calibration *calibration;
-    lf_device *device; /* the one that could be opened */
-    bool tried;        /* there was one that could not */
-    /* LF_E_NODEV, until there was one that may be opened later without anything being plugged in */
+    lf_device *device; /* the opened panel */
+    bool tried;        /* a panel could not be opened */
+    /* LF_E_NODEV, unless a panel was found that may be usable later without being plugged in */
     lf_status status;
     char problem[256];
 } search;
@@ -119,7 +119,7 @@ static bool try_panel(const lf_device_ops *ops, const lf_device_info *found, sea
     return false;
 }
 
-/* Tries the panels of a kind: the first one's, or all others. */
+/* Tries the panels of a kind: the one named `first`, or all others. */
 static bool try_kind(const lf_device_ops *ops, bool first, search *s)
 {
     lf_device_info found[MAX_FOUND];
@@ -127,7 +127,7 @@ static bool try_kind(const lf_device_ops *ops, bool first, search *s)
     for (int i = 0; i < n; i++) {
         if ((strcmp(found[i].spec, s->first) == 0) != first)
             continue;
-        if (found[i].model[0] == 0) { /* nobody knows whether it is a panel */
+        if (found[i].model[0] == 0) { /* it does not identify itself as a panel */
             if (!s->tried)
                 snprintf(s->problem, sizeof s->problem, "%.255s", found[i].problem);
             continue;

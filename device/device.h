@@ -95,10 +95,10 @@ typedef struct lf_device_ops {
      * (may be NULL; copied) overrides the device's own. Leaves the panel's contents; the first push
      * is whole. On LF_OK *out_device is owned by the caller, with its ops set, and is READY. On
      * failure nothing is kept and *out_device is untouched:
-     *   LF_E_NODEV   not connected (now): retry when a device is plugged in
-     *   LF_E_BUSY    another program (another daemon, or this one) has it
-     *   LF_E_ARG     the argument is invalid: retrying is useless
-     *   LF_E_FORMAT  its calibration is damaged
+     *   LF_E_NODEV   not connected (now): retry when a device is plugged in.
+     *   LF_E_BUSY    another program (another daemon, or this one) has it.
+     *   LF_E_ARG     the argument is invalid: retrying is useless.
+     *   LF_E_FORMAT  its calibration is damaged.
      *   LF_E_IO, LF_E_NOMEM */
     lf_status (*open)(const char *argument, const lf_calibration *calibration,
                       lf_device **out_device, lf_error *err);
@@ -123,10 +123,10 @@ typedef struct lf_device_ops {
      * To be called only when the device is ready: just opened, or dispatch returned READY or RETRY
      * after the last push. After LF_OK the device is busy until dispatch reports otherwise. On
      * failure nothing was taken:
-     *   LF_E_STATE   the last push is still in progress
-     *   LF_E_NODEV   unplugged
+     *   LF_E_STATE   the last push is still in progress.
+     *   LF_E_NODEV   unplugged.
      *   LF_E_ARG     wrong shape, a rectangle outside the panel, or more than
-     *                LF_DEVICE_MAX_RECTS */
+     *                LF_DEVICE_MAX_RECTS. */
     lf_status (*push)(lf_device *device, const lf_image8 *frame, const lf_rect *rects, int n,
                       uint64_t generation);
 
@@ -148,8 +148,8 @@ typedef struct lf_device_ops {
      * are completely in these files, with the views given before them. awaited: a client waits for
      * the last push, so it is written as soon as possible. poll_fd then polls readable once when it
      * is written or has failed. NULL = no such files.
-     *   LF_E_IO      the last attempt to write failed; info.problem says why
-     *   LF_E_NODEV   the folder was removed; dispatch will return LF_DEVICE_LOST */
+     *   LF_E_IO      the last attempt to write failed; info.problem says why.
+     *   LF_E_NODEV   the folder was removed; dispatch will return LF_DEVICE_LOST. */
     lf_status (*kept)(lf_device *device, bool awaited, uint64_t *out_pushes);
 
     /* Totals since open. */
@@ -173,10 +173,10 @@ struct lf_device {
  * try first, empty = any; the device now at this spec must pass the same checks. On failure
  * *out_device is untouched, and err holds the reason:
  *   LF_E_NODEV   no panel is connected, or none with a known calibration: retry when a device is
- *                plugged in
- *   LF_E_BUSY    another program has it
+ *                plugged in.
+ *   LF_E_BUSY    another program has it.
  *   LF_E_IO      a panel cannot be used now: it does not answer, its calibration cannot be read,
- *                no permission */
+ *                no permission. */
 LF_NODISCARD lf_status lf_device_find(const char *first, const lf_calibration *calibration,
                                       lf_device **out_device, lf_error *err);
 /* A "none" device whose info.problem is `problem`. LF_E_NOMEM. */
@@ -184,12 +184,12 @@ LF_NODISCARD lf_status lf_none_create(const char *problem, lf_device **out_devic
 /* Opens by spec "KIND[:ARGUMENT]" (at most 511 bytes). "auto" = the panel that lf_device_find
  * finds, otherwise "none" with the reason in info.problem. Errors of lf_device_ops.open; LF_E_ARG
  * for an unknown kind. On LF_OK the caller owns *out_device.
- *   none                        takes and counts frames, shows nothing, has no calibration
- *   drm[:OUTPUT]                a display output without a desktop: device/drm/drm.c
- *   window[:MONITOR]            a monitor of a desktop: device/window/window.c
+ *   none                        takes and counts frames, shows nothing, has no calibration.
+ *   drm[:OUTPUT]                a display output without a desktop: device/drm/drm.c.
+ *   window[:MONITOR]            a monitor of a desktop: device/window/window.c.
  *   usb[:BUS-PORT]              a display with an open protocol over USB: device/usb/usb.c; if the
- *                               kernel's driver uses the display, the result is a drm device
- *   sim:DIR[,OPTION=VALUE…]     files in DIR: device/sim/sim.c */
+ *                               kernel's driver uses the display, the result is a drm device.
+ *   sim:DIR[,OPTION=VALUE…]     files in DIR: device/sim/sim.c. */
 LF_NODISCARD lf_status lf_device_open(const char *spec, const lf_calibration *calibration,
                                       lf_device **out_device, lf_error *err);
 /* Accepts NULL. */

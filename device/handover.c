@@ -15,7 +15,7 @@ static lf_handover *handover_of(lf_device *device)
     return (lf_handover *)(void *)device;
 }
 
-/* A lock is no part of what const promises. */
+/* Locking does not violate the const. */
 static lf_handover *unconst(const void *handover)
 {
     return (lf_handover *)(uintptr_t)handover;
@@ -33,7 +33,7 @@ lf_status lf_handover_init(lf_handover *h, int width, int height, lf_error *err)
     if (!h->has_lock || !h->has_ended || h->wake_fd < 0 || h->tell_fd < 0 || !h->rects ||
         lf_image8_init(&h->picture, width, height, 3) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "device", "out of memory or descriptors");
-    /* its pages are there before the first push: they would take most of its time */
+    /* touches its pages now; otherwise this would take most of the first push */
     memset(h->picture.data, 0, (size_t)height * h->picture.stride);
     return LF_OK;
 }
@@ -48,7 +48,7 @@ lf_status lf_handover_start(lf_handover *h, void *(*main)(void *), void *context
 void lf_handover_ask_stop(lf_handover *h)
 {
     lf_status status = lf_handover_flush(&h->base, STOP_WAIT_MS);
-    (void)status; /* what has not ended by now is dropped */
+    (void)status; /* a push that has not ended is dropped */
     pthread_mutex_lock(&h->lock);
     h->stop = true;
     pthread_mutex_unlock(&h->lock);

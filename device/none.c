@@ -1,4 +1,4 @@
-/* The device that shows nothing: for rendering without a panel, and what "auto" falls back to. */
+/* The device that shows nothing: for rendering without a panel, and the fallback of "auto". */
 #include <assert.h>
 #include <string.h>
 
@@ -32,7 +32,7 @@ lf_status lf_none_create(const char *problem, lf_device **out_device, lf_error *
     return LF_OK;
 }
 
-/* A calibration is refused a place here: without a panel nothing is interlaced. */
+/* A calibration is not used: without a panel nothing is interlaced. */
 static lf_status none_open(const char *argument, const lf_calibration *calibration,
                            lf_device **out_device, lf_error *err)
 {

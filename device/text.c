@@ -4,7 +4,7 @@
 
 #include "device/device_table.h"
 
-/* Length of the UTF-8 character at s, 0 when it is none or a control character. */
+/* Length of the UTF-8 character at s; 0: invalid, or a control character. */
 static size_t character_length(const unsigned char *s)
 {
     if (s[0] < 0x80)

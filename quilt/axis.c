@@ -5,7 +5,7 @@
 
 #include "base/alloc.h"
 
-/* Taps of the interval [low, high] by area; outside the source its edge sample counts. */
+/* Taps of the interval [low, high] by area; outside the source the edge sample is repeated. */
 static void area_taps(lf_axis_filter *filter, int n_in, int i, double low, double high)
 {
     low = fmin(fmax(low, 0.0), n_in - 1e-6);

@@ -5,18 +5,18 @@
 #include "quilt/font.h"
 #include "quilt/quilt.h"
 
-/* In squares of the font: from character to character, and from line to line. */
+/* In squares of the font: advance per character and per line. */
 #define ADVANCE 6
 #define LEADING 13
-/* Of the strokes, and of single squares: dots look smaller than they are. */
+/* Radii of strokes and of single squares: dots look smaller than they are. */
 #define STROKE_RADIUS 0.42
 #define DOT_RADIUS 0.62
-/* A square, in the shorter side of the card: at most, and at least. */
+/* Size of a square as a fraction of the card's shorter side: largest and smallest. */
 #define LARGEST (1.0 / 120)
 #define SMALLEST (1.0 / 220)
-/* Sizes that are tried from the largest to the smallest. */
+/* Number of sizes tried, from largest to smallest. */
 #define SIZES 6
-/* What stays free at the left and the right, of the width. */
+/* Margin at the left and right, as a fraction of the width. */
 #define MARGIN 0.07
 #define NAME "quiltd"
 #define NAME_SIZE 0.75
@@ -33,8 +33,8 @@ typedef struct lines {
     char text[LINES][LF_CARD_TEXT];
 } lines;
 
-/* How many characters of text go into a line of `most`: up to a blank, else up to a character that
- * parts a path or a name, else as many as there is room for. */
+/* Number of characters of text for a line of at most `most`: up to a blank, otherwise up to a
+ * separator of paths or names, otherwise as many as fit. */
 static int line_length(const char *text, int most)
 {
     const int n = (int)strlen(text);
@@ -49,7 +49,7 @@ static int line_length(const char *text, int most)
     return most;
 }
 
-/* Whether all of it went into the lines; else the last one ends with dots. */
+/* Wraps text into lines; false: it did not fit, and the last line ends with dots. */
 static bool wrap(const char *text, int most, lines *out)
 {
     out->n = 0;
@@ -73,7 +73,8 @@ static bool wrap(const char *text, int most, lines *out)
 
 /* ----------------------------------------------------------------------------------- strokes -- */
 
-/* A glyph as lines from the middle of a square to that of the next; a square alone is a dot. */
+/* A stroke of a glyph: a line between the centres of two adjacent squares; a single square is a
+ * dot. */
 typedef struct stroke {
     double x, y, dx, dy, radius;
 } stroke;
@@ -84,7 +85,7 @@ static bool is_lit(const uint8_t *rows, int x, int y)
            (rows[y] >> (LF_FONT_COLUMNS - 1 - x) & 1) != 0;
 }
 
-/* Squares that touch with a corner are joined where they are not joined by way of a third. */
+/* Squares that touch at a corner are joined, unless they are joined through a third one. */
 static bool is_joined(const uint8_t *rows, int x, int y, int dx, int dy)
 {
     if (!is_lit(rows, x + dx, y + dy))
@@ -105,7 +106,7 @@ static int strokes_of(char character, stroke *out)
                 if (!is_joined(rows, x, y, steps[i][0], steps[i][1]))
                     continue;
                 alone = false;
-                if (i < 4) /* the other four are those of a neighbour */
+                if (i < 4) /* the other four belong to a neighbour */
                     out[n++] = (stroke){x + 0.5, y + 0.5, steps[i][0], steps[i][1], STROKE_RADIUS};
             }
             if (alone && is_lit(rows, x, y))
@@ -115,7 +116,7 @@ static int strokes_of(char character, stroke *out)
     return n;
 }
 
-/* How far a point is outside of a stroke, in squares; below 0: inside. */
+/* Distance of a point from a stroke's edge, in squares; negative: inside. */
 static double outside(const stroke *s, double x, double y)
 {
     const double px = x - s->x, py = y - s->y, length = s->dx * s->dx + s->dy * s->dy,
@@ -124,7 +125,7 @@ static double outside(const stroke *s, double x, double y)
     return hypot(px - t * s->dx, py - t * s->dy) - s->radius;
 }
 
-/* With its top left corner at (left, top), in pixels; edges are a pixel soft. */
+/* Draws a glyph with its top left corner at (left, top), in pixels; edges are one pixel soft. */
 static void draw_glyph(lf_image8 *image, char character, double left, double top, double square,
                        const uint8_t *colour)
 {
@@ -148,7 +149,7 @@ static void draw_glyph(lf_image8 *image, char character, double left, double top
     }
 }
 
-/* In the middle of the card. */
+/* Draws a line, horizontally centred. */
 static void draw_line(lf_image8 *image, const char *text, double top, double square,
                       const uint8_t *colour)
 {

@@ -12,11 +12,11 @@
 
 #define MAX_FOLDER_VIEWS 4096
 #define MAX_SAMPLES ((size_t)1 << 31)
-/* Deflate's fastest: quilts of noise hardly shrink more at any level, and the simulated panel
+/* Deflate's fastest level: noisy quilts hardly shrink more at higher ones, and the simulated panel
  * writes them live. */
 #define PNG_LEVEL 1
 
-/* What was passed is a file, whatever stands under its name. */
+/* A passed path is a file, whatever is on disk under its name. */
 static bool is_folder(const char *path, const lf_roots *roots)
 {
     struct stat st;
@@ -32,20 +32,21 @@ bool lf_is_quilt(const char *path, const lf_roots *roots)
 
 /* ------------------------------------------------------------------------------------- views -- */
 
-/* Room for the views one below the other, view 0 first; taller than a picture may be, as it never
- * is one. */
+/* Allocates the views in a column, view 0 first. It may be taller than pictures are allowed to be,
+ * as it is never used as one. */
 static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *err)
 {
     const lf_layout *l = &q->layout;
     size_t row = (size_t)l->view_width * 3, n_rows = (size_t)l->view_height * (size_t)l->n_views;
     size_t view = row * (size_t)l->view_height;
     if (n_rows > MAX_SAMPLES / row)
-        return lf_error_set(err, LF_E_FORMAT, where,
-                            "%d views of %dx%d pixels (at most 2^31 samples)", l->n_views,
-                            l->view_width, l->view_height);
+        return lf_error_set(
+            err, LF_E_FORMAT, where,
+            "%d views of %dx%d pixels have more than 2^31 samples; use fewer or smaller views",
+            l->n_views, l->view_width, l->view_height);
     void *data = lf_calloc(n_rows * row, q->is_float ? sizeof(float) : 1);
     if (!data)
-        return lf_error_set(err, LF_E_NOMEM, where, "no memory for %d views", l->n_views);
+        return lf_error_set(err, LF_E_NOMEM, where, "not enough memory for %d views", l->n_views);
     if (q->is_float) {
         q->image32 = (lf_image32){
             .width = l->view_width, .height = (int)n_rows, .channels = 3, .data = data};
@@ -66,7 +67,7 @@ static lf_status allocate_views(lf_quilt_file *q, const char *where, lf_error *e
     return LF_OK;
 }
 
-/* Copies the part of a picture whose corner is (x, y), turned, into a view. */
+/* Copies the part of a picture at (x, y), rotated, to a view. */
 static void take_view(lf_quilt_file *q, int view, const lf_raster *p, int x, int y, int orientation)
 {
     const lf_layout *l = &q->layout;
@@ -91,7 +92,7 @@ void lf_quilt_finish(lf_quilt_file *q)
 
 /* ------------------------------------------------------------------------------------- quilt -- */
 
-/* Turns the shape of a view. */
+/* Applies the rotation to the shape of a view. */
 static void turn_layout(lf_layout *l, int orientation)
 {
     const int width = l->view_width;
@@ -102,7 +103,7 @@ static void turn_layout(lf_layout *l, int orientation)
     l->aspect = 1 / l->aspect;
 }
 
-/* As it is meant to be seen. */
+/* The aspect when displayed. */
 static double aspect_of(int width, int height, const lf_raster *p)
 {
     return (double)width / height * (p->meta.pixel_aspect > 0 ? p->meta.pixel_aspect : 1);
@@ -133,18 +134,18 @@ static lf_status cut_quilt(const char *path, const lf_raster *p, const lf_photo 
     return status;
 }
 
-/* A name without tiles; what only begins as they do is shown. */
+/* Refuses a name without tiles; shows a suffix that only starts like one. */
 static lf_status refuse_name(const char *path, lf_error *err)
 {
     const char *slash = strrchr(path, '/'), *part = strstr(slash ? slash : path, "_qs");
     if (part && part[3] >= '0' && part[3] <= '9')
         return lf_error_set(err, LF_E_ARG, path,
-                            "\"%.40s\" in the name is no quilt suffix, such as _qs8x6a0.75 (rename "
-                            "the file, or give its tiles with --quilt COLUMNSxROWS)",
+                            "\"%.40s\" in the file name is not a quilt suffix such as _qs8x6a0.75; "
+                            "rename the file or pass --quilt COLUMNSxROWS (scene.load: quilt)",
                             part);
     return lf_error_set(err, LF_E_ARG, path,
-                        "the name says no tiles, such as _qs8x6a0.75 (give them with "
-                        "--quilt COLUMNSxROWS; 1x1 is a picture that is one view)");
+                        "the file name has no quilt suffix such as _qs8x6a0.75; rename it or pass "
+                        "--quilt COLUMNSxROWS (scene.load: quilt), 1x1 for one view");
 }
 
 static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows,
@@ -183,13 +184,13 @@ static void name_list_finish(name_list *list)
     lf_free(list->names);
 }
 
-/* view_999 before view_1000. */
+/* Sorts view_999 before view_1000. */
 static int by_name(const void *a, const void *b)
 {
     return strverscmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* What is listed is the folder that was checked, whatever its name leads to by now. */
+/* Lists the folder that was checked, whatever its name leads to now. */
 static lf_status open_folder(const char *folder, const lf_roots *roots, DIR **out, lf_error *err)
 {
     int fd;
@@ -218,8 +219,8 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
         if (entry->d_name[0] == '.' || !lf_image_ending(entry->d_name))
             continue;
         if (list->n == MAX_FOLDER_VIEWS)
-            status =
-                lf_error_set(err, LF_E_FORMAT, folder, "more than %d pictures", MAX_FOLDER_VIEWS);
+            status = lf_error_set(err, LF_E_FORMAT, folder, "the folder has more than %d images",
+                                  MAX_FOLDER_VIEWS);
         else if (!(list->names[list->n] = lf_path_join(folder, entry->d_name)))
             status = lf_error_set(err, LF_E_NOMEM, folder, "no memory");
         else
@@ -228,31 +229,31 @@ static lf_status list_pictures(const char *folder, const lf_roots *roots, name_l
     closedir(dir);
     if (status == LF_OK && list->n == 0)
         return lf_error_set(err, LF_E_FORMAT, folder,
-                            "no pictures in this folder (expected one a view)");
+                            "the folder has no images; expected one per view");
     if (status == LF_OK)
         qsort(list->names, (size_t)list->n, sizeof *list->names, by_name);
     return status;
 }
 
-/* The picture of a folder that something is most true of, and of how many it is. */
+/* The picture of a folder with the largest value, and their number. */
 typedef struct most {
     int n;
     double by;
     char name[64];
 } most;
 
-/* A folder that is being read. */
+/* State of reading a folder. */
 typedef struct folder {
     const char *path;
     const lf_roots *roots;
     name_list list;
-    lf_photo photo; /* its frame: the first picture's where there is no other */
+    lf_photo photo; /* its frame is the first picture's if there is no other */
     lf_quilt_file *q;
-    int width, height;  /* of the first picture as it is stored */
+    int width, height;  /* size of the first picture as stored */
     int n_odd;          /* pictures of another size */
     char odd[200];      /* their names and sizes */
-    bool odd_is_full;   /* not all of them */
-    most cut, up, down; /* shares, and scales and their inverses beyond 2 */
+    bool odd_is_full;   /* not all are listed */
+    most cut, up, down; /* fractions cut; scales and inverse scales over 2 */
 } folder;
 
 static lf_status begin_folder(folder *f, const lf_raster *first, double aspect, lf_error *err)
@@ -289,7 +290,7 @@ static void count(most *m, const char *name, double by)
     }
 }
 
-/* Remembers a picture of another size, and what it loses. */
+/* Records a picture of another size, and how much of it is cut. */
 static void count_odd(folder *f, const char *path, const lf_raster *p,
                       const lf_photo_picture *turned, const lf_photo_place *place)
 {
@@ -311,32 +312,32 @@ static void count_odd(folder *f, const char *path, const lf_raster *p,
         count(&f->down, name, 1 / scale);
 }
 
-/* Before what the files say, of which there may be more than is kept. */
+/* Added before the files' own notes, which may exceed the space. */
 static void note_folder(const folder *f)
 {
     lf_image_notes *notes = &f->q->notes, meta = *notes;
     if (f->n_odd == 0)
         return;
     notes->length = 0;
-    lf_image_note(notes, "%d of %d pictures are not %dx%d as %.60s is: %s%s; they are scaled %s",
-                  f->n_odd, f->list.n, f->width, f->height, base_name(f->list.names[0]), f->odd,
-                  f->odd_is_full ? " ..." : "",
-                  f->photo.mode == LF_PHOTO_FIT
-                      ? "whole, with borders (photo fill cuts them instead)"
-                      : "and cut (photo fit shows them whole)");
+    lf_image_note(
+        notes, "%d of %d images do not have the %dx%d pixels of %.60s: %s%s; they are scaled %s",
+        f->n_odd, f->list.n, f->width, f->height, base_name(f->list.names[0]), f->odd,
+        f->odd_is_full ? " ..." : "",
+        f->photo.mode == LF_PHOTO_FIT ? "to fit, with borders (photo fill crops them instead)"
+                                      : "and cropped (photo fit shows them whole)");
     if (f->cut.n > 0)
-        lf_image_note(notes, "%d of them cut, %s most: %.0f %% of it", f->cut.n, f->cut.name,
+        lf_image_note(notes, "%d of them are cropped, %s most, by %.0f %%", f->cut.n, f->cut.name,
                       100 * f->cut.by);
     if (f->up.n > 0)
-        lf_image_note(notes, "%d of them scaled up by more than 2, %s most: by %.3g", f->up.n,
+        lf_image_note(notes, "%d of them are scaled up by more than 2, %s most, by %.3g", f->up.n,
                       f->up.name, f->up.by);
     if (f->down.n > 0)
-        lf_image_note(notes, "%d of them scaled down by more than 2, %s most: by %.3g", f->down.n,
-                      f->down.name, f->down.by);
+        lf_image_note(notes, "%d of them are scaled down by more than 2, %s most, by %.3g",
+                      f->down.n, f->down.name, f->down.by);
     lf_image_note_lines(notes, meta.text, meta.length);
 }
 
-/* A picture of another size than the first; shape: as it is turned. */
+/* Scales a picture of another size than the first; shape: after rotation. */
 static lf_status scale_picture(folder *f, int view, const lf_raster *p, const lf_layout *shape,
                                int orientation, lf_error *err)
 {
@@ -347,7 +348,7 @@ static lf_status scale_picture(folder *f, int view, const lf_raster *p, const lf
     const void *in = p->data32 ? (const void *)p->data32 : p->data8;
     void *turned = lf_calloc((size_t)p->width * (size_t)p->height, pixel);
     if (!turned)
-        return lf_error_set(err, LF_E_NOMEM, name, "no memory for the picture");
+        return lf_error_set(err, LF_E_NOMEM, name, "not enough memory for the image");
     lf_orient(orientation, in, (size_t)p->width * pixel, p->width, p->height, pixel, turned);
     const lf_photo_picture picture = {.width = shape->view_width,
                                       .height = shape->view_height,
@@ -361,7 +362,8 @@ static lf_status scale_picture(folder *f, int view, const lf_raster *p, const lf
                                      f->q->is_float ? NULL : f->q->image8.data + to,
                                      f->q->is_float ? f->q->image32.data + to : NULL);
     lf_free(turned);
-    return status == LF_OK ? status : lf_error_set(err, status, name, "no memory for the picture");
+    return status == LF_OK ? status
+                           : lf_error_set(err, status, name, "not enough memory for the image");
 }
 
 static lf_status take_raster(folder *f, int view, const lf_raster *p, lf_error *err)
@@ -370,7 +372,7 @@ static lf_status take_raster(folder *f, int view, const lf_raster *p, lf_error *
     lf_status status = view == 0 ? begin_folder(f, p, aspect, err) : LF_OK;
     if (status == LF_OK && !p->data32 == f->q->is_float)
         return lf_error_set(err, LF_E_FORMAT, f->list.names[view],
-                            "pictures of 8 bits and of floats in one folder");
+                            "the folder mixes 8-bit and floating-point images; use one kind");
     if (status != LF_OK)
         return status;
     const int orientation = lf_photo_orientation(&f->photo, aspect);
@@ -442,7 +444,7 @@ typedef struct quilt_rows32 {
     const lf_layout *layout;
 } quilt_rows32;
 
-/* The view in a column of the quilt's picture row y, -1 where the tile is empty; *row is the row in
+/* The view in a tile column of the quilt's picture row y, -1 if the tile is empty; *row: the row in
  * the view. */
 static int view_at(const lf_layout *l, int y, int column, int *row)
 {
@@ -469,7 +471,7 @@ static void row8(void *context, int y, uint8_t *out)
     lf_quilt_row8(q->views, q->layout, y, out);
 }
 
-/* A row of a view, its layers behind the colours of each pixel; returns what lies behind it. */
+/* Copies a row of a view, with layers after the colours of each pixel; returns the end. */
 static float *view_row(const lf_views32 *views, int view, int row, float *out)
 {
     const lf_layers32 *layers = views->layers;
@@ -512,21 +514,23 @@ static void row32(void *context, int y, float *out)
 static lf_status check_layout(const lf_layout *l, int n_views, int width, int height, lf_error *err)
 {
     if (l->n_views != n_views || l->view_width != width || l->view_height != height)
-        return lf_error_set(err, LF_E_ARG, "quilt",
-                            "%d views of %dx%d pixels in a layout for %d of %dx%d", n_views, width,
-                            height, l->n_views, l->view_width, l->view_height);
+        return lf_error_set(
+            err, LF_E_ARG, "quilt",
+            "%d views of %dx%d pixels do not match the layout for %d views of %dx%d pixels",
+            n_views, width, height, l->n_views, l->view_width, l->view_height);
     if (l->columns < 1 || l->rows < 1 || l->columns * l->rows < n_views)
         return lf_error_set(err, LF_E_ARG, "quilt", "%dx%d tiles are too few for %d views",
                             l->columns, l->rows, n_views);
     if (l->columns > 65536 / width || l->rows > 65536 / height)
-        return lf_error_set(err, LF_E_ARG, "quilt",
-                            "%dx%d tiles of %dx%d pixels are too many for a picture (65536 a side)",
-                            l->columns, l->rows, width, height);
+        return lf_error_set(
+            err, LF_E_ARG, "quilt",
+            "%dx%d tiles of %dx%d pixels exceed 65536 pixels per side; use fewer or smaller views",
+            l->columns, l->rows, width, height);
     return LF_OK;
 }
 
-/* Of a picture that is one view: a quilt's name says it, and a view's only its pixels can. 0: they
- * are square. */
+/* Pixel aspect of a picture of one view: a quilt records it in its name, a view only in its pixels.
+ * 0: square. */
 static double pixel_aspect_of(const lf_layout *l)
 {
     const double aspect = l->aspect * l->view_height / l->view_width;

@@ -1,6 +1,7 @@
-/* Which pixels are there is kept as bits for the rows in reach: the nearest one of a row is then
- * two counts of zeros, and rows are looked at from the pixel outwards until none can be nearer. The
- * work is a few operations a missing pixel, and next to none where nothing is missing. */
+/* Valid pixels are stored as bits for the rows in reach. The nearest one of a row is then found
+ * by counting zeros to both sides, and rows are searched from the pixel outwards until none can
+ * be nearer. The work is a few operations per missing pixel, and almost none without missing
+ * pixels. */
 #include <endian.h>
 #include <string.h>
 
@@ -9,29 +10,29 @@
 #define MAX_REACH 16
 #define BLOCK_PX 1024
 #define WORD_PX 64
-/* A block has a word more on either side, and one that a window may read behind. */
+/* A block has one more word on each side, and one that a window may read past the end. */
 #define BLOCK_WORDS (BLOCK_PX / WORD_PX + 3)
 #define MAX_ROWS (2 * MAX_REACH + 1)
 
 typedef struct fill_job {
     int n_views, width, height, reach, near;
-    size_t pixel;  /* bytes of one */
-    bool is_float; /* three numbers of this kind are a pixel */
+    size_t pixel;  /* bytes of a pixel */
+    bool is_float; /* a pixel has three floats; otherwise bytes */
     const uint8_t *pixels, *missing;
     uint8_t *filled;
     atomic_int_least64_t n_unfilled, n_far;
 } fill_job;
 
-/* Bit i of word w, in little-endian order, is column x0 + (w - 1) * WORD_PX + i: 1 when the pixel
- * is there. */
+/* Bit i of word w, in little-endian order, is column x0 + (w - 1) * WORD_PX + i: 1 if the pixel is
+ * valid. */
 typedef uint64_t row_bits[BLOCK_WORDS];
 
-/* Rows come and go as the block is walked down: row y lies at y % MAX_ROWS. */
+/* A ring of rows while the block is processed downwards: row y is at y % MAX_ROWS. */
 typedef struct block {
     const fill_job *job;
     int view, x0, n; /* columns [x0, x0 + n) */
     int64_t n_unfilled, n_far;
-    const uint64_t *around[MAX_ROWS]; /* the rows from -reach to reach of the one at hand */
+    const uint64_t *around[MAX_ROWS]; /* the rows -reach to reach around the current one */
     row_bits there[MAX_ROWS], none;
 } block;
 
@@ -40,14 +41,14 @@ static size_t start_of(const fill_job *job, int row, int view)
     return ((size_t)row * (size_t)job->n_views + (size_t)view) * (size_t)job->width;
 }
 
-/* Which of eight flags are zero, as the bits of a byte; the first flag is the lowest. */
+/* The zeros among eight flags, as bits of a byte; the first flag is the lowest bit. */
 static uint64_t zeros_of_eight(const uint8_t *flags)
 {
     const uint64_t low = UINT64_C(0x7f7f7f7f7f7f7f7f);
     uint64_t f;
     memcpy(&f, flags, sizeof f);
     f = le64toh(f);
-    uint64_t set = ((f & low) + low) | f; /* bit 7 of a byte that is not 0 */
+    uint64_t set = ((f & low) + low) | f; /* sets bit 7 of nonzero bytes */
     return ((~set >> 7 & UINT64_C(0x0101010101010101)) * UINT64_C(0x0102040810204080)) >> 56;
 }
 
@@ -72,7 +73,7 @@ static void read_row(block *b, int row)
             htole64(zeros_of_word(flags, b->x0 + (w - 1) * WORD_PX, b->job->width));
 }
 
-/* Makes row the one at hand; rows are asked for from 0 on. */
+/* Makes `row` the current one; rows come in order from 0. */
 static void go_to_row(block *b, int row)
 {
     const int reach = b->job->reach, height = b->job->height;
@@ -84,16 +85,15 @@ static void go_to_row(block *b, int row)
     }
 }
 
-/* Where a pixel was found, so that the smallest number is the nearest, of equals the upper one,
- * then the left one. */
+/* Position of a pixel found, coded so that the smallest number is the nearest; ties go to the
+ * upper, then the left one. */
 #define MIDDLE 32
 static inline int found_at(int dx, int dy)
 {
     return (dx * dx + dy * dy) << 12 | (dy + MIDDLE) << 6 | (dx + MIDDLE);
 }
 
-/* The nearest pixel of the row dy away from column x0 + i; more than reach away when there is none.
- */
+/* The nearest valid pixel of the row at dy from column x0 + i; over reach if none. */
 static inline int nearest_of_row(const block *b, int i, int dy)
 {
     const int reach = b->job->reach, first = i + WORD_PX - reach;
@@ -120,7 +120,7 @@ static int nearest_of(const block *b, int i)
     return found;
 }
 
-/* Only pixels that are there are read and only missing ones written: in place is safe, on any
+/* Only valid pixels are read and only missing ones written, so in-place filling is safe on any
  * thread. */
 static void fill_pixel(block *b, int row, int i)
 {
@@ -138,13 +138,13 @@ static void fill_pixel(block *b, int row, int i)
     memcpy(job->filled + to * job->pixel, job->pixels + from * job->pixel, job->pixel);
 }
 
-/* The nearest places, nearest first and of equals in the order of found_at. */
+/* The nearest offsets, nearest first; ties in the order of found_at. */
 static const struct {
     int dx, dy;
 } nearest[] = {{0, -1}, {-1, 0}, {1, 0},  {0, 1},  {-1, -1}, {1, -1},
                {-1, 1}, {1, 1},  {0, -2}, {-2, 0}, {2, 0},   {0, 2}};
 
-/* Which of the columns from x0 + x on have a pixel dx and dy from them, |dx| < WORD_PX. */
+/* The columns from x0 + x on with a valid pixel at (dx, dy), |dx| < WORD_PX. */
 static uint64_t there_from(const block *b, int x, int dx, int dy)
 {
     const uint64_t *row = b->around[dy + b->job->reach] + x / WORD_PX + 1;
@@ -154,7 +154,7 @@ static uint64_t there_from(const block *b, int x, int dx, int dy)
     return dx == 0 ? word : word << -dx | le64toh(row[-1]) >> (WORD_PX + dx);
 }
 
-/* Copies to the pixels of a mask from x0 + x on those dx and dy from them, a run at a time. */
+/* Copies to the pixels of a mask from x0 + x on the pixels at (dx, dy), run by run. */
 static void copy_runs(const block *b, int row, int x, uint64_t mask, int dx, int dy)
 {
     const fill_job *job = b->job;
@@ -163,7 +163,7 @@ static void copy_runs(const block *b, int row, int x, uint64_t mask, int dx, int
         job->pixels + (start_of(job, row + dy, b->view) + (size_t)(b->x0 + x + dx)) * job->pixel;
     while (mask) {
         int first = __builtin_ctzll(mask);
-        uint64_t behind = ~(mask >> first); /* 0 only when every pixel of the word is copied */
+        uint64_t behind = ~(mask >> first); /* 0 only if every pixel of the word is copied */
         int n = behind ? __builtin_ctzll(behind) : WORD_PX;
         memcpy(to + (size_t)first * job->pixel, from + (size_t)first * job->pixel,
                (size_t)n * job->pixel);
@@ -171,13 +171,12 @@ static void copy_runs(const block *b, int row, int x, uint64_t mask, int dx, int
     }
 }
 
-/* Where a hole lies between a pixel straight above and one straight below, these numbers of rows
- * away, the nearest first. */
+/* Pairs of distances, in rows, of the pixels straight above and below a hole, nearest first. */
 static const struct {
     int up, down;
 } between[] = {{1, 1}, {1, 2}, {2, 1}, {1, 3}, {3, 1}, {2, 2}};
 
-/* The pixels of a mask from x0 + x on become a straight line between those above and below. */
+/* Interpolates the pixels of a mask from x0 + x on linearly between those above and below. */
 static void mix_rows(const block *b, int row, int x, uint64_t mask, int up, int down)
 {
     const fill_job *job = b->job;
@@ -199,8 +198,8 @@ static void mix_rows(const block *b, int row, int x, uint64_t mask, int up, int 
     }
 }
 
-/* Holes between two rows, 64 at a time; returns those that are left. A coarse frame, of which three
- * rows in four are missing, is nearly filled by this alone. */
+/* Fills holes between two rows, 64 at a time; returns the holes left. This alone nearly fills a
+ * coarse frame, in which three of four rows are missing. */
 static uint64_t fill_between(block *b, int row, int x, uint64_t holes)
 {
     for (size_t i = 0; i < sizeof between / sizeof *between && holes; i++) {
@@ -216,8 +215,7 @@ static uint64_t fill_between(block *b, int row, int x, uint64_t holes)
     return holes;
 }
 
-/* Holes that have a neighbour among the nearest places, 64 at a time; returns those that are left.
- */
+/* Fills holes with a neighbour among the nearest offsets, 64 at a time; returns the holes left. */
 static uint64_t fill_word(block *b, int row, int x, uint64_t holes)
 {
     for (size_t i = 0; i < sizeof nearest / sizeof *nearest && holes; i++) {
@@ -260,7 +258,7 @@ static void fill_view(void *context, int view, int worker)
         for (int row = 0; row < job->height; row++)
             fill_row(&b, row);
     }
-    /* sums: no order is needed, and the end of the run publishes them */
+    /* relaxed, because sums need no order and the end of the run publishes them */
     atomic_fetch_add_explicit(&job->n_unfilled, b.n_unfilled, memory_order_relaxed);
     atomic_fetch_add_explicit(&job->n_far, b.n_far, memory_order_relaxed);
 }

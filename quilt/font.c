@@ -108,7 +108,7 @@ const uint8_t *lf_font_rows(char character)
     return font[at - FIRST];
 }
 
-/* The code point at *text, which moves on; what is no UTF-8 is one of its own, byte by byte. */
+/* The code point at *text, which advances; an invalid byte counts as one. */
 static uint32_t next_code(const char **text)
 {
     const unsigned char *at = (const unsigned char *)*text;

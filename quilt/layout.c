@@ -4,11 +4,13 @@
 
 #include "quilt/quilt.h"
 
-/* Default quilts of the panels: those of the vendor's toolkit and pages, and of the 27" those of
- * LookingGlassVTKModule (vtkLookingGlassInterface.cxx, November 2025). Sources disagree on three.
- * The Kiosk's panel is a Portrait's: it has the Portrait's quilt. The 32" Portrait is 12x4 in
- * LookingGlassVTKModule. A real 16" Landscape has said 8x6 (AliceLG, pull request 147). What a
- * panel says of itself (lf_calibration.quilt_columns) wins. */
+/* Default quilts of the panels, from the vendor's toolkit and pages; the 27" from
+ * LookingGlassVTKModule (vtkLookingGlassInterface.cxx, November 2025).
+ *
+ * Sources disagree on three. The Kiosk has the panel of a Portrait, so it has the Portrait's quilt.
+ * The 32" Portrait is 12x4 in LookingGlassVTKModule. A real 16" Landscape has reported 8x6
+ * (AliceLG, pull request 147). A panel's own calibration (lf_calibration.quilt_columns) takes
+ * precedence. */
 #define PRESET(name, model, columns, rows, width, height, aspect)                                  \
     {                                                                                              \
         name, model, {columns, rows, (columns) * (rows), width, height, aspect},                   \
@@ -51,7 +53,7 @@ lf_status lf_preset_find(const char *name, const lf_preset **out, lf_error *err)
         used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "",
                                  presets[i].name);
     }
-    return lf_error_set(err, LF_E_ARG, "preset", "\"%s\" is not known (expected %s)", name, known);
+    return lf_error_set(err, LF_E_ARG, "preset", "unknown name \"%s\"; expected %s", name, known);
 }
 
 /* ------------------------------------------------------------------------------------- tiles -- */

@@ -1,4 +1,4 @@
-/* What the names of quilts say: tiles and aspect, "cat_qs8x6a0.75.png". */
+/* Quilt names: tiles and aspect, "cat_qs8x6a0.75.png". */
 #include <stdio.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 #include "base/number.h"
 #include "quilt/quilt.h"
 
-/* A count of 1..LF_MAX_TILES at *at, which moves behind it; 0 when there is none. */
+/* Reads a count of 1..LF_MAX_TILES at *at, which advances; 0: none. */
 static int take_count(const char **at)
 {
     int value = 0;
@@ -20,7 +20,7 @@ static int take_count(const char **at)
     return value;
 }
 
-/* A plain decimal ("0.75", never "1e3" and never the dot of an ending); 0 when there is none. */
+/* Reads a plain decimal ("0.75", never "1e3" and never the dot of an ending); 0: none. */
 static double take_decimal(const char **at)
 {
     static const char digits[] = "0123456789";
@@ -60,7 +60,7 @@ lf_status lf_parse_tiles(const char *text, int *out_columns, int *out_rows, lf_e
     int columns, rows;
     if (!take_tiles(&at, &columns, &rows) || *at)
         return lf_error_set(err, LF_E_ARG, "quilt",
-                            "\"%s\" (expected COLUMNSxROWS, 1 to %d each, e.g. 8x6)", text,
+                            "\"%s\" is not COLUMNSxROWS, 1 to %d each, such as 8x6", text,
                             LF_MAX_TILES);
     *out_columns = columns;
     *out_rows = rows;
@@ -73,7 +73,7 @@ static const char *base_name(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Reads "_qsCxR[aA]" at c, and nothing that only begins so ("_qs8x6apple", "_qs8x64x"). */
+/* Reads "_qsCxR[aA]" at c, but not a name that only starts like it ("_qs8x6apple", "_qs8x64x"). */
 static bool read_suffix(const char *c, int *columns, int *rows, double *aspect)
 {
     if (strncmp(c, "_qs", 3) != 0)
@@ -88,7 +88,7 @@ static bool read_suffix(const char *c, int *columns, int *rows, double *aspect)
         if (!(*aspect > 0) || *aspect > 1000)
             return false;
     }
-    if (*c == ',' && c[1] >= '0' && c[1] <= '9') /* "a1,5" says another number than 1 */
+    if (*c == ',' && c[1] >= '0' && c[1] <= '9') /* "a1,5" is not the number 1 */
         return false;
     return !((*c >= '0' && *c <= '9') || (*c >= 'a' && *c <= 'z') || (*c >= 'A' && *c <= 'Z'));
 }

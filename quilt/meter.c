@@ -1,5 +1,5 @@
-/* Automatic exposure: a percentile of the luminance, out of a histogram over the leading bits of
- * floats, which rise with the value: no logarithm decides where a pixel belongs, and counts add up
+/* Automatic exposure: a percentile of the luminance, from a histogram over the leading bits of
+ * floats, which increase with the value. No logarithm decides the bin of a pixel, and counts add up
  * to the same in any order. */
 #include <math.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 #define STEPS_A_STOP 8.0
 #define MAX_STOPS 32.0
 
-/* What is left of a positive float: exponent and four bits of mantissa. */
+/* Keeps exponent and four bits of mantissa of a positive float. */
 enum { BIN_SHIFT = 19 };
 
 static double first_of(int bin)

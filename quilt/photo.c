@@ -7,7 +7,7 @@
 #include "base/alloc.h"
 #include "quilt/axis.h"
 
-/* Aspects closer than this are the same one, rounded in a file's name. */
+/* Aspects closer than this are equal: file names round them. */
 #define SLACK 1e-3
 
 /* -------------------------------------------------------------------------------- parameters -- */
@@ -17,7 +17,7 @@ static const char *const turns[] = {
     [LF_TURN_NONE] = "0",  [LF_TURN_90] = "90",     [LF_TURN_180] = "180",
     [LF_TURN_270] = "270", [LF_TURN_AUTO] = "auto", NULL};
 
-/* Shares of what is left over, at the left and at the top. */
+/* Fractions of the free space at the left and at the top. */
 static const struct {
     const char *name;
     double left, top;
@@ -38,22 +38,19 @@ static const char *position_at(int index)
 const lf_param lf_photo_params[] = {
     {.name = "photo", .option = "photo", .argument = "fit|fill", PLACE(mode),
      .type = LF_PARAM_WORD, .words = modes,
-     .help = "a picture of another shape than the view, panel or print: shown whole with borders, "
-             "or cut to cover it"},
+     .help = "show images of another aspect whole, with borders, or crop them to fill"},
     {.name = "photo_position", .option = "photo-position", .argument = "WHERE", PLACE(position),
      .type = LF_PARAM_WORD, .word_at = position_at,
-     .help = "where it lies, or what of it is kept"},
+     .help = "position of the image, or of the part that is kept"},
     {0},
 };
 
 const lf_param lf_picture_params[] = {
     {.name = "photo_rotate", .option = "photo-rotate", .argument = "DEGREES", PLACE(rotate),
      .type = LF_PARAM_WORD, .words = turns,
-     .help = "turns each picture clockwise; auto: by 90 where the panel or print is upright and "
-             "the picture is not, or the other way round"},
+     .help = "rotate each image clockwise; auto: by 90 if only one of image and output is upright"},
     {.name = "aspect", .option = "aspect", .argument = "A", PLACE(aspect), .low = 0.01, .high = 100,
-     .help = "width / height of the views of a finished quilt or folder (what its name, its "
-             "pictures or their pixels say)"},
+     .help = "width / height of the views of a quilt or folder (from its name, images or pixels)"},
     {0},
 };
 /* clang-format on */
@@ -89,7 +86,7 @@ int lf_photo_orientation(const lf_photo *photo, double aspect)
     return photo->frame > 0 && (aspect - 1) * (photo->frame - 1) < 0 ? 6 : 1;
 }
 
-/* A whole number of pixels, of which `part` is to be kept, beginning at *first. */
+/* The whole number of pixels to keep for a fraction `part`, starting at *first. */
 static int kept(int n, double part, double share, int *first)
 {
     const int keep = (int)fmin(fmax(round(n * part), 1), n);
@@ -106,14 +103,13 @@ void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt)
     const lf_photo_place place =
         lf_photo_lay(photo, l->aspect, photo->frame, 1, SLACK * photo->frame, SLACK);
     if (photo->position != 0 && (place.beside > 0 || place.above > 0))
-        lf_image_note(&quilt->notes,
-                      "the position of a photo is not used: a panel shows a whole picture "
-                      "in its middle (photo fill)");
+        lf_image_note(&quilt->notes, "the photo position is ignored because a panel shows whole "
+                                     "images in its centre; use photo fill to crop");
     if (!(place.cut > 0))
         return;
     lf_image_note(&quilt->notes,
-                  "%.0f %% of the picture, whose aspect is %.4g, are cut for an aspect of %.4g "
-                  "(photo fit shows it whole)",
+                  "%.0f %% of the image (aspect %.4g) is cropped for the aspect %.4g (photo fit "
+                  "shows it whole)",
                   100 * place.cut, l->aspect, photo->frame);
     l->view_width =
         kept(l->view_width, photo->frame / place.width, positions[photo->position].left, &x);
@@ -132,7 +128,7 @@ void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt)
 
 /* ----------------------------------------------------------------------------------- scaling -- */
 
-/* The part of a length of n_out samples that a picture of n_in lies on. */
+/* Sets up the axis for a picture of n_in samples on its part of n_out samples. */
 static lf_status init_axis(lf_axis_filter *filter, int n_in, int n_out, double frame,
                            double picture, double offset, double border)
 {

@@ -1,8 +1,7 @@
-/* Display code of a float by table, bit for bit the rounded formula: codes only ever rise with the
- * value, so 255 thresholds say everything. They are found once by bisecting the formula over the
- * floats; a table over the leading bits of a float then gives the code below its bucket and where
- * in the bucket the next one begins. Where channels are mixed first, the table is that of the sRGB
- * curve alone. */
+/* Table from floats to display codes, equal to the rounded formula to the bit. Codes only rise with
+ * the value, so 255 thresholds define it. They are found once, by bisecting the formula over the
+ * floats. A table over the leading bits of a float gives the code below its bucket and the start of
+ * the next code. If channels are mixed first, the table is that of the sRGB curve alone. */
 #include <math.h>
 #include <string.h>
 
@@ -13,15 +12,15 @@
 #define INFINITY_BITS 0x7f800000
 #define MAX_STOPS 64.0
 
-/* What becomes of one channel, from above 0 on. */
+/* The curve of one channel, for values > 0. */
 typedef double (*curve_fn)(double x);
-/* What becomes of a pixel, from 0 on; display light, which may leave 0..1. */
+/* The mapping of a pixel, for values >= 0, to display light, which may exceed 0..1. */
 typedef void (*mixture_fn)(const double scene[3], double out[3]);
 
 typedef struct tone_curve {
     const char *name;
     curve_fn curve;
-    mixture_fn mixture; /* where channels are mixed: in place of a curve */
+    mixture_fn mixture; /* if channels are mixed: replaces the curve */
 } tone_curve;
 
 struct lf_tone {
@@ -30,9 +29,9 @@ struct lf_tone {
     /* low: below every threshold, at a bucket's start; high: the last threshold */
     lf_tone_table table;
     uint32_t *entries;  /* owned, the table's */
-    int32_t first[257]; /* [code] bits of the smallest float that has it; 256 is never reached */
-    /* [code] the float that is this code before rounding; codes per unit of a float below it, and
-     * from it on: 0 below black and beyond white */
+    int32_t first[257]; /* [code] bits of the smallest float with this code; 256 is never reached */
+    /* [code] the float that is exactly this code before rounding; codes per unit of a float below
+     * and above it: 0 below black and beyond white */
     float centre[256], slope[256][2];
     const lf_quilt_kernels *kernels;
 };
@@ -42,7 +41,7 @@ static double clamp(double x)
     return x;
 }
 
-/* K. Narkowicz's fit of the ACES curve (2015), a channel at a time. */
+/* K. Narkowicz's fit of the ACES curve (2015), per channel. */
 static double filmic(double x)
 {
     return x < 1e6 ? x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14) : 1;
@@ -54,7 +53,7 @@ static double aces(double x)
     return (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081);
 }
 
-/* sRGB to the space of the fit, and back to sRGB. */
+/* From sRGB to the space of the fit, and back. */
 static const double to_fit[3][3] = {
     {0.59719, 0.35458, 0.04823}, {0.07600, 0.90834, 0.01566}, {0.02840, 0.13383, 0.83777}};
 static const double from_fit[3][3] = {
@@ -71,8 +70,8 @@ static void aces_mixture(const double scene[3], double out[3])
             from_fit[c][0] * fitted[0] + from_fit[c][1] * fitted[1] + from_fit[c][2] * fitted[2];
 }
 
-/* Khronos' PBR Neutral tone mapper (2024): colours stay what they are up to 0.8 but for the 0.04
- * that surfaces reflect of a white room, and go towards white beyond. */
+/* Khronos' PBR Neutral tone mapper (2024): up to 0.8, colours stay unchanged, except for the 0.04
+ * that surfaces reflect of a white room. Beyond that they move towards white. */
 static void neutral_mixture(const double scene[3], double out[3])
 {
     const double reflected = 0.04, start = 0.8 - reflected, desaturation = 0.15;
@@ -109,7 +108,7 @@ static double display_light(const lf_tone *tone, double value)
     return x > 0 ? unit(tone->map->curve(x)) : 0;
 }
 
-/* The same of a pixel, where channels are mixed. Beyond BRIGHT the curve has ended. */
+/* Display light of a pixel with mixed channels. The curve is constant beyond BRIGHT. */
 static void lights_mixed(const lf_tone *tone, const float in[3], float out[3])
 {
     enum { BRIGHT = 1000000 };
@@ -160,14 +159,14 @@ static void find_thresholds(lf_tone *tone)
     tone->first[256] = INT32_MAX;
 }
 
-/* Half a code lies between the two. */
+/* The two floats are half a code apart. */
 static float per_unit(float from, float to)
 {
     return to > from ? (float)(0.5 / ((double)to - (double)from)) : 0;
 }
 
 /* For dithering, codes between thresholds and centres are linear in the value. The centre of 255 is
- * where white begins; TINY is what the formula may lack there. */
+ * the start of white; TINY allows for rounding of the formula there. */
 static void find_centres(lf_tone *tone)
 {
     const double TINY = 1e-9;
@@ -188,7 +187,7 @@ static void find_centres(lf_tone *tone)
     }
 }
 
-/* At most one threshold in a bucket? Thresholds rise, so neighbours tell. */
+/* True if each bucket has at most one threshold; thresholds rise, so it compares neighbours. */
 static bool buckets_hold(const lf_tone *tone, int shift)
 {
     for (int code = 1; code < 255; code++)
@@ -227,10 +226,9 @@ lf_status lf_tone_create(double exposure, const char *tonemap, lf_tone **out, lf
         map = strcmp(tonemap, curves[i].name) == 0 ? &curves[i] : NULL;
     if (!map)
         return lf_error_set(err, LF_E_ARG, "tonemap",
-                            "\"%s\" is not known (expected srgb, filmic, aces or neutral)",
-                            tonemap);
+                            "unknown name \"%s\"; expected srgb, filmic, aces or neutral", tonemap);
     if (!(fabs(exposure) <= MAX_STOPS))
-        return lf_error_set(err, LF_E_ARG, "exposure", "%g stops (expected -%g to %g)", exposure,
+        return lf_error_set(err, LF_E_ARG, "exposure", "%g stops; expected -%g to %g", exposure,
                             MAX_STOPS, MAX_STOPS);
     lf_tone *tone = lf_calloc(1, sizeof *tone);
     if (!tone)

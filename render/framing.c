@@ -198,7 +198,7 @@ static lf_status stand(const lf_scene *scene, const lf_render_settings *settings
         distance = fmax(distance, distance_for(&rig, corner, fill, steps));
     }
     if (!(distance > 0.0))
-        return lf_error_set(err, LF_E_ARG, "fit", "what is to be framed has no size");
+        return lf_error_set(err, LF_E_ARG, "fit", "the object to frame has no size");
     const lf_vec3 f = rig.forward;
     const float forward[3] = {f.x, f.y, f.z};
     for (int i = 0; i < 3; i++) {
@@ -254,12 +254,12 @@ static lf_status refuse_name(const lf_scene *scene, const char *name, lf_error *
         is_said = is_said || strcmp(names[i], name) == 0;
     lf_free(names);
     if (is_said)
-        return lf_error_set(err, LF_E_ARG, "fit", "nothing is seen of \"%s\": it cannot be framed",
-                            name);
-    return meant ? lf_error_set(err, LF_E_ARG, "fit",
-                                "no mesh or volume \"%s\" is there; did you mean \"%s\"?", name,
-                                meant)
-                 : lf_error_set(err, LF_E_ARG, "fit", "no mesh or volume \"%s\" is there", name);
+        return lf_error_set(err, LF_E_ARG, "fit", "\"%s\" has no visible part to frame", name);
+    return meant
+               ? lf_error_set(err, LF_E_ARG, "fit",
+                              "the scene has no mesh or volume \"%s\"; did you mean \"%s\"?", name,
+                              meant)
+               : lf_error_set(err, LF_E_ARG, "fit", "the scene has no mesh or volume \"%s\"", name);
 }
 
 lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *settings, const char *name,
@@ -273,10 +273,10 @@ lf_status lf_camera_fit(const lf_scene *scene, const lf_render_settings *setting
         return lf_error_set(err, LF_E_ARG, "fit", "fill must be above 0 and at most 1");
     if (camera->track > 0.0)
         return lf_error_set(err, LF_E_ARG, "fit",
-                            "camera.views is a track: its cameras see what they pass");
+                            "a camera track cannot be fitted to an object; use other camera.views");
     if (!lf_scene_bounds(scene, name, bounds))
         return name ? refuse_name(scene, name, err)
-                    : lf_error_set(err, LF_E_ARG, "fit", "nothing is there that could be framed");
+                    : lf_error_set(err, LF_E_ARG, "fit", "the scene has no object to frame");
     const double(*box)[3] = (const double(*)[3])bounds;
     lf_status status = stand(scene, settings, box, fill, steps, target, position, err);
     if (status == LF_OK &&

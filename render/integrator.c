@@ -114,7 +114,8 @@ lf_status lf_integrator_find(const lf_render_settings *settings,
         }
         add_name(known, sizeof known, lf_integrator_at(i)->name);
     }
-    return lf_error_set(err, LF_E_ARG, "integrator", "\"%s\" is none of %s", name, known);
+    return lf_error_set(err, LF_E_ARG, "integrator", "unknown name \"%s\"; expected one of %s",
+                        name, known);
 }
 
 /* ------------------------------------------------------------------------------------ traits -- */

@@ -111,7 +111,7 @@ LF_NODISCARD lf_status lf_integrator_find(const lf_render_settings *settings,
                                           lf_error *err);
 
 /* Follows the integrator's name in errors about cameras listed one by one. */
-#define LF_OF_LISTED_CAMERAS " of cameras listed one by one"
+#define LF_OF_LISTED_CAMERAS " with cameras listed one by one"
 /* Every entry with its supported traits, entries for cameras listed one by one last; NULL after the
  * last. */
 const lf_integrator_entry *lf_support_at(int index, bool *out_listed);

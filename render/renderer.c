@@ -74,8 +74,9 @@ static lf_status make_parts(lf_renderer *r, lf_scene *scene, const lf_render_set
     const lf_integrator_entry *entry = fresh->integrator->entry(index);
     const lf_param *unfit = lf_choices_unfit(&settings->choices, entry);
     if (unfit)
-        return lf_error_set(err, LF_E_ARG, "integrator", "%s knows no %s", fresh->name,
-                            unfit->about);
+        return lf_error_set(err, LF_E_ARG, "integrator",
+                            "%s does not support --%s; remove the option", fresh->name,
+                            unfit->option);
     status = lf_integrator_check(entry, scene, settings, err);
     if (status == LF_OK)
         status = make_lanes(r, scene, settings->skip & fresh->integrator->skips, &fresh->lanes);

@@ -9,16 +9,17 @@
 
 static const lf_skip_entry table[] = {
     {"surfaces", "no meshes: no Embree device, no rays", LF_SKIP_SURFACES, true},
-    {"background", "view pixels that nothing can be met in: no paths, no optical depths",
+    {"background", "view pixels whose rays meet nothing: no paths, no optical depths",
      LF_SKIP_BACKGROUND, false},
     {"delta-lobes", "no mirrors: no sum of native samples on the film", LF_SKIP_DELTA_LOBES, false},
     {"view-lobes", "no lobe depends on the view: no directional weights on the film",
      LF_SKIP_VIEW_LOBES, false},
     {"emission", "no surface emits: hits are not looked up among the lights", LF_SKIP_EMISSION,
      true},
-    {"known-light", "all rays that escape find the same light: it is neither looked up nor stored",
+    {"known-light", "all rays that escape find the same light: no look-ups, no storage",
      LF_SKIP_KNOWN_LIGHT, false},
-    {"single-paths", "one grid, a sky and at most one far light: suffixes in media go in lanes",
+    {"single-paths",
+     "one grid, a sky and at most one far light: suffixes in media run in SIMD lanes",
      LF_SKIP_PATHS, false},
 };
 #define N_SKIPS (sizeof table / sizeof table[0])

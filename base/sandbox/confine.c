@@ -1,8 +1,8 @@
-/* The rights that a reader keeps: reading and writing what is open, memory, threads and its own
- * end. What is not on the list fails with EPERM, so that libraries that look something up go on
- * without it; what no reader has any use for ends the process. Opening a file gives what is open by
- * that number, for libraries that take names alone: /proc/self/fd/4 is another handle of 4, which
- * dup, on the list, gives as well. */
+/* The system calls that a reader keeps: reading and writing open files, memory, threads, and exit.
+ * Calls not on the list fail with EPERM, so that libraries that look something up continue without
+ * it. Calls that no reader has a use for end the process. open() of a descriptor's name works, for
+ * libraries that accept only names: /proc/self/fd/4 is another descriptor of 4, which dup, on the
+ * list, also gives. */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/capability.h>
@@ -27,7 +27,7 @@
 #endif
 
 static const int allowed[] = {
-    /* what is open */
+    /* open files */
     SCMP_SYS(read),
     SCMP_SYS(readv),
     SCMP_SYS(pread64),
@@ -53,7 +53,7 @@ static const int allowed[] = {
     SCMP_SYS(madvise),
     SCMP_SYS(brk),
 
-    /* threads, which TBB has */
+    /* threads, for TBB */
     SCMP_SYS(futex),
     SCMP_SYS(futex_time64),
     SCMP_SYS(set_robust_list),
@@ -66,7 +66,7 @@ static const int allowed[] = {
     SCMP_SYS(nanosleep),
     SCMP_SYS(clock_nanosleep),
     SCMP_SYS(clock_nanosleep_time64),
-    /* time, chance, signals, the end */
+    /* time, random numbers, signals, exit */
     SCMP_SYS(clock_gettime),
     SCMP_SYS(clock_gettime64),
     SCMP_SYS(gettimeofday),
@@ -80,7 +80,7 @@ static const int allowed[] = {
     SCMP_SYS(exit_group),
 };
 
-/* Whoever calls these has been taken over. */
+/* Only a compromised reader calls these. */
 static const int deadly[] = {
     SCMP_SYS(execve),   SCMP_SYS(execveat),  SCMP_SYS(fork),
     SCMP_SYS(vfork),    SCMP_SYS(socket),    SCMP_SYS(connect),
@@ -89,22 +89,22 @@ static const int deadly[] = {
     SCMP_SYS(renameat), SCMP_SYS(renameat2), SCMP_SYS(kill),
 };
 
-/* A thread of this process is fine, another process is not. */
+/* Allows threads of this process, but no other process. */
 static int allow_threads(scmp_filter_ctx filter)
 {
     const unsigned long threads = 0x10000; /* CLONE_THREAD */
     int failed = seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(clone), 1,
                                   SCMP_A0(SCMP_CMP_MASKED_EQ, threads, threads));
-    /* its flags are in memory, which a filter does not see: glibc goes on with clone */
+    /* clone3's flags are in memory, which a filter cannot see; glibc falls back to clone */
     if (!failed)
         failed = seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
-    /* abort, of ourselves alone */
+    /* abort, only for this process */
     return failed ? failed
                   : seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(tgkill), 1,
                                      SCMP_A0(SCMP_CMP_EQ, (scmp_datum_t)getpid()));
 }
 
-/* Memory that is code as well is none of a reader's. */
+/* Denies executable memory. */
 static int allow_memory(scmp_filter_ctx filter)
 {
     static const int calls[] = {SCMP_SYS(mmap), SCMP_SYS(mmap2), SCMP_SYS(mprotect)};
@@ -115,9 +115,9 @@ static int allow_memory(scmp_filter_ctx filter)
     return failed;
 }
 
-/* What is asked of open files. Of fcntl what cannot send a signal or lock anybody out; fstat as
- * glibc calls it now, newfstatat: that its name is empty a filter does not see, so that sizes and
- * times of files can be found out. */
+/* Queries about open files. fcntl: only operations that neither send a signal nor lock. newfstatat,
+ * because glibc's fstat uses it: a filter cannot see that its name is empty, so sizes and times of
+ * other files can be queried. */
 static int allow_looks(scmp_filter_ctx filter)
 {
     static const int calls[] = {SCMP_SYS(fcntl), SCMP_SYS(fcntl64)};
@@ -135,7 +135,7 @@ static int allow_looks(scmp_filter_ctx filter)
 #if defined(__x86_64__) || defined(__aarch64__)
 #define TRAP_OF_FILTER 1 /* SYS_SECCOMP of the kernel's asm-generic/siginfo.h */
 
-/* In place of openat, whose second argument is name; in a handler of signals. */
+/* Replaces openat, whose second argument is name; runs in a signal handler. */
 static long open_again(const char *name)
 {
     static const char open_ones[] = "/proc/self/fd/";
@@ -186,7 +186,7 @@ static int trap_opening(scmp_filter_ctx filter)
 
 static int fill_filter(scmp_filter_ctx filter)
 {
-    /* libraries have made threads when they were loaded */
+    /* libraries have created threads at loading */
     int failed = seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1);
     if (!failed)
         failed = allow_threads(filter);
@@ -208,9 +208,9 @@ static void limit(int what, uint64_t value)
     (void)setrlimit((__rlimit_resource_t)what, &(struct rlimit){(rlim_t)value, (rlim_t)value});
 }
 
-/* A second lock on what the filter forbids already, where the kernel has one (the kernel's
- * userspace-api/landlock, version 1): nothing of the
- * file system can be opened, made or run by this thread, and by those that it makes. */
+/* A second barrier in addition to the filter, if the kernel has Landlock (the kernel's
+ * userspace-api/landlock, version 1). This thread and its children cannot open, create or execute
+ * anything in the file system. */
 static lf_landlock lock_files(void)
 {
     const struct landlock_ruleset_attr all = {.handled_access_fs =
@@ -223,8 +223,9 @@ static lf_landlock lock_files(void)
     return locked ? LF_LANDLOCK_ON : LF_LANDLOCK_REFUSED;
 }
 
-/* Root has them all. The bounding set only whoever may set capabilities can lower; without any, and
- * with no_new_privs, it gives nothing. Where a sandbox forbids capset none have to be there. */
+/* Root has all capabilities. The bounding set can be lowered only with CAP_SETPCAP, but without
+ * capabilities and with no_new_privs it grants nothing. If a sandbox forbids capset, there need not
+ * be any. */
 static bool drop_capabilities(void)
 {
     struct __user_cap_header_struct header = {.version = _LINUX_CAPABILITY_VERSION_3};
@@ -238,7 +239,7 @@ static bool drop_capabilities(void)
     return known && sets[0].permitted == 0 && sets[1].permitted == 0;
 }
 
-/* The memory file and the memory besides it are limits of their own: they share. */
+/* The memory file and other memory have separate limits, so they share the total. */
 static void limit_all(uint64_t memory, unsigned seconds)
 {
     limit(RLIMIT_CORE, 0);
@@ -253,10 +254,10 @@ lf_status lf_confine(uint64_t memory, unsigned seconds, lf_landlock *out_landloc
 {
     limit_all(memory, seconds);
     if (!drop_capabilities())
-        return lf_error_set(err, LF_E_IO, LF_HERE, "the reader cannot give up its capabilities");
+        return lf_error_set(err, LF_E_IO, LF_HERE, "the file reader cannot drop its capabilities");
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
         return lf_error_set(err, LF_E_IO, LF_HERE, "no_new_privs: %s", strerror(errno));
-    (void)signal(SIGXFSZ, SIG_IGN); /* a full file is an error like a full disk */
+    (void)signal(SIGXFSZ, SIG_IGN); /* a file at its limit is an error like a full disk */
     *out_landlock = LF_LANDLOCK_OFF;
     if (SANITIZED)
         return LF_OK;
@@ -266,7 +267,7 @@ lf_status lf_confine(uint64_t memory, unsigned seconds, lf_landlock *out_landloc
     if (filter)
         seccomp_release(filter);
     if (failed)
-        return lf_error_set(err, LF_E_IO, LF_HERE, "the reader cannot be confined (seccomp): %s",
-                            strerror(-failed));
+        return lf_error_set(err, LF_E_IO, LF_HERE,
+                            "the file reader cannot be confined (seccomp): %s", strerror(-failed));
     return LF_OK;
 }

@@ -20,7 +20,7 @@
 #include "base/spawn.h"
 #include "base/thread.h"
 
-#define LOOK_MS 50 /* between looks at whether all readers are to end */
+#define LOOK_MS 50 /* interval of checks for cancellation */
 
 /* ------------------------------------------------------------------------------- the process -- */
 
@@ -35,10 +35,10 @@ void lf_import_watch(lf_import_watch_fn watch, void *context)
     watcher.context = context;
 }
 
-/* A file, which may be read twice. */
+/* A file to read, possibly twice. */
 typedef struct reading {
     double begun;
-    lf_import_progress progress; /* its end is told where its beginning was */
+    lf_import_progress progress; /* the end is reported if the beginning was */
     bool told;
 } reading;
 
@@ -47,7 +47,7 @@ typedef struct child {
     int socket;
     double deadline;
     reading *file;
-    bool late, stopped; /* why it was ended */
+    bool late, stopped; /* why it was stopped */
 } child;
 
 static const char *const programs[] = {[LF_IMPORT_MESH] = "quiltimport",
@@ -56,7 +56,7 @@ static const char *const programs[] = {[LF_IMPORT_MESH] = "quiltimport",
                                        [LF_IMPORT_INSTANCES] = "quiltimport",
                                        [LF_IMPORT_TEXTURE] = "quiltimport"};
 
-/* The readers stand beside the program, or where they are installed to. */
+/* Readers are in the program's folder, or in the installed one. */
 static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error *err)
 {
     char own[PATH_MAX] = "", places[2][PATH_MAX + 32];
@@ -71,16 +71,16 @@ static lf_status find_reader(lf_import_kind kind, char path[PATH_MAX], lf_error 
             access(path, X_OK) == 0)
             return LF_OK;
     return lf_error_set(err, LF_E_IO, programs[kind],
-                        "the program that reads such files is not in %s nor in %s", places[0],
+                        "the program is missing in %s and %s; install quiltd again", places[0],
                         places[1]);
 }
 
-/* The reader has the socket, and no other descriptor of ours. */
+/* The reader gets the socket, and no other descriptor. */
 static int spawn(const char *path, int socket, pid_t *out_pid)
 {
     const char *const words[] = {"quiltimport", NULL};
     const int fds[LF_IMPORT_SOCKET + 1] = {-1, -1, -1, socket};
-    char *bare[2] = {NULL, NULL}; /* of the environment what finds libraries */
+    char *bare[2] = {NULL, NULL}; /* from the environment only the library path */
     char libraries[PATH_MAX];
     const char *where = secure_getenv("LD_LIBRARY_PATH");
     if (where && snprintf(libraries, sizeof libraries, "LD_LIBRARY_PATH=%s", where) < PATH_MAX)
@@ -122,7 +122,7 @@ static void tell_watcher(reading *file, bool ended)
         watcher.look(watcher.context, &file->progress);
 }
 
-/* Until it says something (also: that it has ended). false: it is to end. */
+/* Waits for a message or the end of the reader. False: it must be stopped. */
 static bool await(child *reader)
 {
     for (;;) {
@@ -137,12 +137,12 @@ static bool await(child *reader)
     }
 }
 
-/* Its last words to the system. */
+/* Ends the reader; returns its exit status. */
 static int end_child(child *reader)
 {
     int how = 0;
     close(reader->socket);
-    (void)kill(reader->pid, SIGKILL); /* what it had to say has been said */
+    (void)kill(reader->pid, SIGKILL); /* all its messages have been read */
     while (waitpid(reader->pid, &how, 0) < 0 && errno == EINTR) {
     }
     return how;
@@ -175,7 +175,7 @@ const char *lf_landlock_name(lf_landlock which)
     return names[which];
 }
 
-/* What a reader says of it, which may be anything. */
+/* Records the reader's report, which is untrusted. */
 static void note_landlock(uint32_t meta)
 {
     static atomic_flag told = ATOMIC_FLAG_INIT;
@@ -183,11 +183,11 @@ static void note_landlock(uint32_t meta)
         return;
     atomic_store(&landlock, (int)meta);
     if (meta == LF_LANDLOCK_REFUSED && !atomic_flag_test_and_set(&told))
-        lf_log(LF_LOG_WARNING, "readers of files go without Landlock: the kernel has it, but it is "
-                               "refused here (a filter of system calls?); seccomp holds them");
+        lf_log(LF_LOG_WARNING, "file readers run without Landlock, which is blocked here, perhaps "
+                               "by a system call filter; seccomp still confines them");
 }
 
-/* Its failure in our words; what it says of itself is a text and a status, whatever it holds. */
+/* Converts the reader's failure to an error. Its text and status are untrusted. */
 static lf_status failure(const lf_import_reply *reply, const char *where, lf_error *err)
 {
     switch (reply->status) {
@@ -197,11 +197,12 @@ static lf_status failure(const lf_import_reply *reply, const char *where, lf_err
     case LF_E_ARG:
         return lf_error_set(err, (lf_status)reply->status, where, "%s", reply->text);
     default:
-        return lf_error_set(err, LF_E_FORMAT, where, "the reader failed without a reason");
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "the file reader failed without giving a reason");
     }
 }
 
-/* LF_E_STATE: it has ended, or does not keep to the conversation. */
+/* LF_E_STATE: it has ended, or breaks the protocol. */
 static lf_status converse(child *reader, const char *where, lf_import_open_fn open, void *context,
                           lf_parcel *out, lf_error *err)
 {
@@ -231,7 +232,7 @@ static lf_status converse(child *reader, const char *where, lf_import_open_fn op
     return LF_E_STATE;
 }
 
-/* What is to be said of a reader that ended without a word. */
+/* The error for a reader that ended without a reply. */
 static lf_status say_how_it_ended(const child *reader, int how, const char *where, lf_error *err)
 {
     int signal = WIFSIGNALED(how) ? WTERMSIG(how) : 0;
@@ -241,15 +242,15 @@ static lf_status say_how_it_ended(const child *reader, int how, const char *wher
         return lf_import_say_late(where, err);
     if (signal != 0 && signal != SIGKILL)
         return lf_error_set(err, LF_E_FORMAT, where,
-                            "the reader ended by signal %d; the file is damaged or not what it "
-                            "claims",
+                            "the file reader was ended by signal %d; the file is damaged or in "
+                            "another format than its name says",
                             signal);
-    return lf_error_set(
-        err, LF_E_FORMAT, where,
-        "the reader ended without a word; the file is damaged or not what it claims");
+    return lf_error_set(err, LF_E_FORMAT, where,
+                        "the file reader ended without a message; the file is damaged or in "
+                        "another format than its name says");
 }
 
-/* Whether more memory may do: it ran out, or a library did not live without it. */
+/* True if more memory may help: it ran out of memory, or a library crashed without it. */
 static bool is_starved(const child *reader, int how, lf_status status)
 {
     const bool crashed = WIFSIGNALED(how) && WTERMSIG(how) != SIGXCPU;
@@ -258,10 +259,10 @@ static bool is_starved(const child *reader, int how, lf_status status)
 }
 
 typedef struct attempt {
-    lf_import_share share; /* of the memory */
+    lf_import_share share; /* its share of memory */
     double deadline;
     reading file;
-    bool again; /* out: it is to be read with more memory */
+    bool again; /* out: read again with more memory */
 } attempt;
 
 static lf_status run(lf_import_request *request, int fd, const char *where, lf_import_open_fn open,

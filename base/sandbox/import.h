@@ -147,16 +147,15 @@ typedef lf_status (*lf_import_open_fn)(void *context, const char *name, bool nee
 /* Readers are in the program's folder, in ../libexec/quiltd, or in the folder of the environment
  * variable QUILTIMPORT.
  *
- * Runs the reader on the file behind fd; fills version and limits of request. open answers requests
- * of the reader; NULL: refuses all. where names the file in messages. On LF_OK the caller closes
- * *out. Thread: any, several at once. Errors:
- * - Those of the reader: LF_E_FORMAT, LF_E_NOMEM, …; LF_E_ARG: the file lacks what the request
- *   names.
- * - LF_E_FORMAT: the reader ended without a reply, also if the system killed it for lack of memory,
- *   which looks the same.
- * - LF_E_NOMEM, LF_E_TIMEOUT: it reached a limit.
- * - LF_E_CANCELLED: lf_import_is_stopped.
- * - LF_E_IO: there is no reader, or no process could be started. */
+ * Runs the reader on the file behind fd; fills version and limits of request. Requests of the
+ * reader are answered by open; NULL: all are refused. The file's name in messages is `where`. On
+ * LF_OK the caller closes *out. Thread: any, several at once.
+ *
+ * Errors of the reader: LF_E_FORMAT, LF_E_NOMEM, …; LF_E_ARG: the file lacks what the request
+ * names. LF_E_FORMAT is also returned if the reader ended without a reply, or if the system killed
+ * it for lack of memory, which looks the same. LF_E_NOMEM, LF_E_TIMEOUT: it reached a limit.
+ * LF_E_CANCELLED: lf_import_is_stopped. LF_E_IO: no reader was found, or no process could be
+ * started. */
 LF_NODISCARD lf_status lf_import_run(lf_import_request *request, int fd, const char *where,
                                      lf_import_open_fn open, void *context, lf_parcel *out,
                                      lf_error *err);

@@ -7,7 +7,7 @@
 
 static atomic_bool stopped;
 static _Thread_local lf_import_group *current;
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* of the times of all groups */
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER; /* protects the times of all groups */
 
 lf_import_group *lf_import_group_begin(lf_import_group *group)
 {
@@ -98,7 +98,7 @@ void lf_import_end_reading(void)
 lf_status lf_import_say_late(const char *where, lf_error *err)
 {
     return lf_error_set(err, LF_E_TIMEOUT, where,
-                        "reading takes longer than %u s (--import-time, all files together); a "
-                        "file is damaged or very large",
+                        "reading all files takes longer than %u s; raise --import-time, or look "
+                        "for a damaged or very large file",
                         lf_import_seconds());
 }

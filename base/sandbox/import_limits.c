@@ -1,4 +1,4 @@
-/* What reading may take. */
+/* Limits of reading. */
 #include <limits.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@ void lf_import_limit(uint64_t memory, int seconds)
     atomic_store(&limits.seconds, (unsigned)seconds);
 }
 
-/* memory.max of a control group: a number of bytes, or "max". */
+/* memory.max of a control group: bytes, or "max". */
 static uint64_t group_memory(const char *group)
 {
     char path[PATH_MAX + 64], text[32] = "";
@@ -34,8 +34,8 @@ static uint64_t group_memory(const char *group)
     return read && lf_whole_read(text, &bytes) ? bytes : UINT64_MAX;
 }
 
-/* Of the process's own group in the unified hierarchy, "0::/a/b" in /proc/self/cgroup, and of those
- * that it lies in (the kernel's admin-guide/cgroup-v2). */
+/* The limit of the process's group in the unified hierarchy, "0::/a/b" in /proc/self/cgroup, and of
+ * its parents (the kernel's admin-guide/cgroup-v2). */
 static uint64_t groups_memory(void)
 {
     char line[PATH_MAX] = "", *group = line + strlen("0::");
@@ -49,7 +49,7 @@ static uint64_t groups_memory(void)
         return least;
     line[strcspn(line, "\n")] = '\0';
     for (char *end = group + strlen(group); end; end = strrchr(group, '/')) {
-        *end = '\0'; /* at last "": a container's own root has a limit, the machine's has none */
+        *end = '\0'; /* finally "": a container's own root has a limit, the machine's has none */
         uint64_t memory = group_memory(group);
         least = memory < least ? memory : least;
     }

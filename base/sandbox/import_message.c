@@ -5,7 +5,7 @@
 
 #include "base/sandbox/import.h"
 
-/* Room for one descriptor, aligned as it has to be. */
+/* Space for one descriptor, suitably aligned. */
 typedef union control {
     struct cmsghdr header;
     char bytes[CMSG_SPACE(sizeof(int))];
@@ -32,8 +32,7 @@ lf_status lf_import_send(int socket, const void *message, size_t size, int fd)
     return n == (ssize_t)size ? LF_OK : LF_E_IO;
 }
 
-/* The descriptor that came, if it is one; several (there is room for two, by alignment) are none.
- */
+/* The received descriptor, if there is exactly one; alignment leaves space for two. */
 static int take_descriptor(const struct msghdr *header)
 {
     int fd = -1, n = 0;

@@ -1,12 +1,12 @@
-/* The memory of readers that run at once, which together have what lf_import_memory says. */
+/* Divides lf_import_memory among concurrent readers. */
 #include <pthread.h>
 #include <stdatomic.h>
 
 #include "base/sandbox/import_share.h"
 
-static atomic_int expected = 1; /* at once */
-/* Held for reading by all that run, for writing by one that runs alone; who waits for that goes
- * before those that come later. */
+static atomic_int expected = 1; /* readers expected at once */
+/* Read-locked by concurrent readers, write-locked by one that runs alone; waiting writers go
+ * first. */
 static pthread_rwlock_t running = PTHREAD_RWLOCK_WRITER_NONRECURSIVE_INITIALIZER_NP;
 
 void lf_import_expect(int more)

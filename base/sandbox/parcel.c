@@ -54,7 +54,8 @@ static lf_status write_at(lf_parcel_writer *writer, uint64_t offset, const void 
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)
-            return lf_error_set(err, LF_E_NOMEM, "", "no room for what was read: %s",
+            return lf_error_set(err, LF_E_NOMEM, "",
+                                "not enough memory for the data that was read: %s",
                                 strerror(errno));
         at += n;
         offset += (uint64_t)n;
@@ -69,7 +70,7 @@ lf_status lf_parcel_begin(lf_parcel_writer *writer, lf_error *err)
         (lf_parcel_writer){.header = {.magic = LF_PARCEL_MAGIC}, .size = sizeof(lf_parcel_header)};
     writer->fd = memfd_create("quiltimport", MFD_CLOEXEC | MFD_ALLOW_SEALING);
     if (writer->fd < 0)
-        return lf_error_set(err, LF_E_IO, "", "no memory file: %s", strerror(errno));
+        return lf_error_set(err, LF_E_IO, "", "cannot create a memory file: %s", strerror(errno));
     return LF_OK;
 }
 
@@ -96,7 +97,7 @@ lf_status lf_parcel_seal(lf_parcel_writer *writer, int *out_fd, lf_error *err)
 {
     lf_status status = write_at(writer, 0, &writer->header, sizeof writer->header, err);
     if (status == LF_OK && fcntl(writer->fd, F_ADD_SEALS, ALL_SEALS) != 0)
-        status = lf_error_set(err, LF_E_IO, "", "cannot be sealed: %s", strerror(errno));
+        status = lf_error_set(err, LF_E_IO, "", "cannot seal the memory file: %s", strerror(errno));
     if (status != LF_OK)
         return status;
     *out_fd = writer->fd;
@@ -114,14 +115,14 @@ void lf_parcel_abandon(lf_parcel_writer *writer)
 static const char *fault_of(const lf_parcel_header *header, uint64_t size)
 {
     if (header->magic != LF_PARCEL_MAGIC)
-        return "it is of another version";
+        return "it has another version";
     for (int i = 0; i < LF_PARCEL_TAGS; i++) {
         const lf_parcel_section *s = &header->section[i];
         if (s->count == 0)
             continue;
         if (s->offset % ALIGNMENT != 0 || s->offset < sizeof *header || s->offset > size ||
             s->count > (size - s->offset) / element_size[i])
-            return "a section lies outside";
+            return "a section is out of range";
     }
     return NULL;
 }

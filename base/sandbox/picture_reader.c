@@ -1,5 +1,5 @@
-/* quiltimport-picture: skies, quilts and views. Apart from meshes, whose library has no business
- * with them, and as there may be one for every view. */
+/* quiltimport-picture: reads skies, quilts and views. Separate from meshes, whose library is not
+ * needed here, and because there may be one file per view. */
 #include <math.h>
 
 #include "base/image_io.h"

@@ -18,7 +18,7 @@ static lf_status check_floats(const lf_raster *picture, lf_error *err)
     return LF_OK;
 }
 
-/* Of the parcel that *out holds, which may be a lie. */
+/* Takes the pixels of *out's parcel, which is untrusted. */
 static lf_status take_pixels(lf_raster *out, lf_error *err)
 {
     size_t n, n8, n32, n_notes;
@@ -28,7 +28,7 @@ static lf_status take_pixels(lf_raster *out, lf_error *err)
     if (n < 2 || n > 4 || !out->data8 == !out->data32 || shape[0] < 1 ||
         shape[0] > LF_IMAGE_MAX_SIDE || shape[1] < 1 || shape[1] > LF_IMAGE_MAX_SIDE ||
         (uint64_t)(3 * shape[0] * shape[1]) != n8 + n32)
-        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no picture");
+        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no image");
     out->width = (int)shape[0];
     out->height = (int)shape[1];
     if (n >= 3 && shape[2] == LF_IMAGE_CUBE && shape[1] == 6 * shape[0])
@@ -45,13 +45,15 @@ lf_status lf_raster_import(int fd, const char *path, bool floats, lf_raster *out
     lf_import_request request = {.kind = LF_IMPORT_PICTURE, .floats = floats};
     lf_raster picture = {0};
     lf_error wrong;
-    snprintf(request.path, sizeof request.path, "%s", path); /* in words: it is open already */
+    /* only for messages: the file is open already */
+    snprintf(request.path, sizeof request.path, "%s", path);
     lf_status status = lf_import_run(&request, fd, path, NULL, NULL, &picture.parcel, err);
     if (status != LF_OK)
         return status;
     status = take_pixels(&picture, &wrong);
     if (status == LF_OK && floats && !picture.data32)
-        status = lf_error_set(&wrong, LF_E_FORMAT, "", "the reader's answer has no floats");
+        status = lf_error_set(&wrong, LF_E_FORMAT, "",
+                              "the reader's answer has no floating-point pixels");
     if (status != LF_OK) {
         lf_raster_close(&picture);
         return lf_error_set(err, status, path, "%s", wrong.what);

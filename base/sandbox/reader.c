@@ -1,7 +1,6 @@
-/* quiltimport, quiltimport-vdb and quiltimport-picture: each reads one file from outside, confined,
- * and hands over what is in it (base/sandbox/import.h). Not for people: quiltd, quiltrender and
- * quiltbench start them.
- */
+/* Common code of quiltimport, quiltimport-vdb and quiltimport-picture: each reads one external
+ * file, confined, and hands over its contents (base/sandbox/import.h). Not for users: quiltd,
+ * quiltrender and quiltbench start them. */
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -22,7 +21,7 @@ static lf_status ask_for(uint32_t step, const char *name, int *out_fd)
     if (status == LF_OK)
         status = lf_import_receive(LF_IMPORT_SOCKET, &answer, sizeof answer, out_fd);
     if (status != LF_OK)
-        _exit(1); /* nobody is there any more */
+        _exit(1); /* the asker has ended */
     return *out_fd >= 0 ? LF_OK : LF_E_IO;
 }
 
@@ -36,7 +35,7 @@ lf_status lf_try_for_file(const char *name, int *out_fd)
     return ask_for(LF_IMPORT_TRY, name, out_fd);
 }
 
-/* Where memory runs out it is taken from the reader, and not from whoever shows a picture. */
+/* If memory runs out, the kernel ends the reader first, not the program that shows a picture. */
 static void go_first(void)
 {
     FILE *file = fopen("/proc/self/oom_score_adj", "w");
@@ -50,11 +49,12 @@ static lf_status serve(const lf_import_reader *reader, const lf_import_request *
                        lf_parcel_writer *parcel, lf_landlock *out_landlock, lf_error *err)
 {
     if (request->version != LF_IMPORT_VERSION)
-        return lf_error_set(err, LF_E_IO, LF_HERE, "quiltimport is of another version");
+        return lf_error_set(err, LF_E_IO, LF_HERE,
+                            "quiltimport has another version; install quiltd again");
     if (reader->begin)
         reader->begin();
     go_first();
-    lf_status status = lf_parcel_begin(parcel, err); /* the one file that it may fill */
+    lf_status status = lf_parcel_begin(parcel, err); /* the only file it may write */
     if (status == LF_OK)
         status = lf_confine(request->memory, request->seconds, out_landlock, err);
     if (status == LF_OK)
@@ -71,10 +71,11 @@ int lf_reader_main(const lf_import_reader *reader)
     int fd = -1, sealed = -1;
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (lf_import_receive(LF_IMPORT_SOCKET, &request, sizeof request, &fd) != LF_OK || fd < 0) {
-        fprintf(stderr, "quiltd and quiltrender start this program, to read files for them\n");
+        fprintf(stderr,
+                "quiltd and quiltrender start this program to read files; it has no use by hand\n");
         return 2;
     }
-    if (request.asker != getppid()) /* it went before we could follow it */
+    if (request.asker != getppid()) /* the asker ended before PR_SET_PDEATHSIG was set */
         return 2;
     lf_landlock landlock = LF_LANDLOCK_UNKNOWN;
     lf_status status = serve(reader, &request, fd, &parcel, &landlock, &err);
@@ -87,5 +88,5 @@ int lf_reader_main(const lf_import_reader *reader)
         snprintf(reply.text, sizeof reply.text, "%s", err.what);
     }
     (void)!lf_import_send(LF_IMPORT_SOCKET, &reply, sizeof reply, sealed);
-    _exit(0); /* what libraries hold goes with the process */
+    _exit(0); /* memory of libraries is freed with the process */
 }

@@ -246,7 +246,7 @@ static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf
 
 /* ------------------------------------------------------------------------------------ passed -- */
 
-/* The passed files that a load may open: for a file only its own, otherwise also those of the
+/* The passed files that a load may open: for a file only its own, otherwise also the files of the
  * current content. A new reference, which may be NULL. */
 static lf_status gather_passed(const lf_loader *loader, lf_load *load, lf_passed **out)
 {

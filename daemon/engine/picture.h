@@ -50,7 +50,7 @@ void lf_picture_finish(lf_picture *picture);
 /* Sets the renderer (borrowed; NULL: none) whose film is shown from now on. To be called after
  * lf_picture_shape. LF_E_NOMEM: catchers are not shown. */
 LF_NODISCARD lf_status lf_picture_follow(lf_picture *picture, lf_renderer *renderer);
-/* Marks what lies outside depth in rows shown from now on (daemon/output/guides.h); NULL: no
+/* Marks pixels outside depth in rows shown from now on (daemon/output/guides.h); NULL: no
  * guides. LF_E_NOMEM: no guides. */
 LF_NODISCARD lf_status lf_picture_guide(lf_picture *picture, const lf_depth *depth);
 /* True if the shadow catchers of every row have enough samples to be called converged. */

@@ -11,8 +11,7 @@ typedef struct lf_content {
     lf_scene *scene;             /* NULL: a quilt picture */
     lf_quilt_file quilt;         /* when scene is NULL */
     char *file;                  /* absolute path of its source file; patches do not change it */
-    bool is_passed;              /* the file was passed by a client and its path is unknown to the
-                                  * daemon */
+    bool is_passed;              /* file was passed by a client; only its name is known */
     lf_passed *passed;           /* files passed by clients; NULL: none */
     lf_render_settings settings; /* scene only; integrator points to a static name */
     lf_layout layout;

@@ -10,10 +10,10 @@
 /* Frames of a video's turntable by default: 20 s at 30 frames per second. */
 #define LF_HLD_FRAMES 600
 
-/* Makes the merge patch (RFC 7396) that adapts a scene to such a display. It sets:
- * - A backdrop that is white after `exposure` stops and the tone curve "srgb".
- * - A ground that catches shadows, unless a mesh already does.
- * - If `frames`: a camera that keeps its direction, moved so that the scene stays inside the
+/* Makes the merge patch (RFC 7396) that adapts a scene to such a display.
+ * - The backdrop is white after `exposure` stops and the tone curve "srgb".
+ * - A ground that catches shadows is added, unless a mesh already does that.
+ * - If `frames`: the camera keeps its direction and moves so that the scene stays inside the
  *   margins during a turntable.
  *
  * On LF_OK *out_patch is a new reference, NULL = out of memory. LF_E_STATE: the scene has no object

@@ -303,8 +303,8 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
     rig.n_rows = 0;
     if (camera->list)
         return lf_error_set(err, LF_E_ARG, "camera.views",
-                            "quiltd, panels, prints, --rgbd and --fit need an arc, a track or a "
-                            "grid of cameras; use quiltrender for other outputs");
+                            "quiltd, panels, prints and --rgbd need an arc, a track or a grid of "
+                            "cameras; use quiltrender for other outputs");
     return lf_resolve_rows(options, &rig, calibration, out_settings, out_layout, err);
 }
 

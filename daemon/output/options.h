@@ -80,7 +80,7 @@ typedef struct lf_options {
 } lf_options;
 
 /* The option of the calibration is --panel in quiltrender and --calibration elsewhere. JSON keys
- * are those of render.set. */
+ * are the keys of render.set. */
 extern const lf_param lf_option_params[];
 /* What to show, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
@@ -149,15 +149,15 @@ typedef struct lf_options_rules {
     bool (*follower_at)(int operand, int index, char *word, size_t size);
 } lf_options_rules;
 
-/* Reads all options with getopt_long, without its own messages. optind is then the first operand;
- * operands may be anywhere.
+/* Reads all options with getopt_long, without its own messages. Afterwards optind is the first
+ * operand; operands may be anywhere.
  *
- * The word after an option with an optional argument is its argument, unless the word begins with
- * -, contains a dot or a slash, or names a file; those need --OPTION=WORD.
+ * The word after an option with an optional argument is its argument. Exceptions are words that
+ * begin with -, contain a dot or a slash, or name a file; they need --OPTION=WORD.
  *
- * *out_done: help, version or completion was requested and has been printed, and the rest was not
- * read. Completion must be the only option. LF_E_ARG: an unknown or ambiguous option, a missing,
- * unwanted or invalid argument; errors of take. */
+ * True in *out_done: help, version or completion was requested and has been printed, and the rest
+ * was not read. Completion must be the only option. LF_E_ARG: an unknown or ambiguous option, a
+ * missing, unwanted or invalid argument; errors of take. */
 LF_NODISCARD lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *rules,
                                        bool *out_done, lf_error *err);
 

@@ -1,5 +1,5 @@
 /* presses: pending actions of a panel's buttons: browsing to other files of a folder, one load at a
- * time, and resetting the camera to that of the file. Its owner loads and reports the outcome.
+ * time, and resetting the camera to the file's. Its owner loads and reports the outcome.
  * Thread: event. */
 #ifndef LF_DAEMON_PRESSES_H
 #define LF_DAEMON_PRESSES_H
@@ -14,7 +14,7 @@ typedef struct lf_presses_events {
     /* Show the file `step` places after `from` in its folder. Call lf_presses_browsed when this has
      * ended, but not from within. False: not possible. */
     bool (*browse)(void *context, const char *from, int step);
-    /* Reset the camera to that of the file (borrowed). Call lf_presses_was_reset when this has
+    /* Reset the camera to the file's (borrowed). Call lf_presses_was_reset when this has
      * ended, but not from within. False: not possible. */
     bool (*reset)(void *context, const json_t *camera);
     /* Frees a value that may be large (NULL: nothing). */

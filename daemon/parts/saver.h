@@ -55,8 +55,8 @@ void lf_saver_restored(lf_saver *saver, const lf_saved *state);
 bool lf_saver_is_busy(const lf_saver *saver);
 /* From now on only lf_saver_save_now saves. */
 void lf_saver_stop(lf_saver *saver);
-/* (blocks) Saves unsaved passes on this thread, and tells systemd how long that may take. Not while
- * a save is in progress. */
+/* (blocks) Saves unsaved passes on this thread, and informs systemd how long that may take. Not
+ * while a save is in progress. */
 void lf_saver_save_now(lf_saver *saver);
 
 #endif

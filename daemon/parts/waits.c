@@ -163,7 +163,7 @@ lf_status lf_waits_add(lf_waits *waits, const lf_wait *wait, lf_error *err)
         return lf_error_set(err, LF_E_NOMEM, "wait", "out of memory");
     }
     waits->first = e;
-    /* there are so many that some clients must have left */
+    /* with this many waits, some clients must have left */
     if (all >= MANY_WAITS || state_of(e) != LF_WAIT_ON)
         lf_waits_look(waits);
     lf_waits_look_at_failure(waits);

@@ -100,7 +100,7 @@ static lf_status take_photo(const lf_call *call, lf_load *load, lf_error *err)
     return status;
 }
 
-/* Options for a file without a scene; missing ones are those of the command line. */
+/* Options for a file without a scene; missing ones are taken from the command line. */
 static lf_status take_alone(const lf_call *call, lf_load *load, lf_error *err)
 {
     load->words.alone = call->server->config.options.alone;

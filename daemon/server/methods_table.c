@@ -187,7 +187,7 @@ static void add_properties(const char *method, json_t *schema)
                                    table_schema(tables[i].params, tables[i].keeps));
 }
 
-/* The kinds of export: those of pictures, and the daemon's own. */
+/* The kinds of export: kinds of pictures, and the daemon's own. */
 static void add_kinds(json_t *schema)
 {
     json_t *names = json_array();

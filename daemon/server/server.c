@@ -79,7 +79,7 @@ static lf_status make_folder(const char *option, const char *folder, char **out,
     return *out ? LF_OK : lf_error_set(err, LF_E_NOMEM, option, "out of memory");
 }
 
-/* Adds the folder of the command line's scene, and that of the target if it is a link. */
+/* Adds the folder of the command line's scene, and the folder of the target if it is a link. */
 static void add_scene_roots(lf_server *server)
 {
     const char *scene = server->config.scene;

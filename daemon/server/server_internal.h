@@ -2,18 +2,18 @@
  * objects of their own (daemon/show, daemon/parts, the engine, the loader, the clients). They do
  * not know the server and report through events. These files query them and react to their events:
  *
- *   server.c          construction, the loop
- *   server_down.c     shutdown
- *   server_device.c   the panel (daemon/show) as clients see it
- *   server_card.c     text on the panel if there is no picture
- *   server_buttons.c  actions of its buttons
- *   server_engine.c   results of the engine and the loader
- *   server_status.c   the daemon's state in words
- *   server_signals.c  signals, timers
- *   server_parts.c    playback, saving, watching, waits, loading (daemon/parts)
- *   server_export.c   exports (daemon/parts/jobs.h): parameters and notifications
- *   call.c            answers of methods, paths of clients
- *   methods*.c        the table of methods, and parsing their lines
+ *   server.c          construction, the loop.
+ *   server_down.c     shutdown.
+ *   server_device.c   the panel (daemon/show) as clients see it.
+ *   server_card.c     text on the panel if there is no picture.
+ *   server_buttons.c  actions of its buttons.
+ *   server_engine.c   results of the engine and the loader.
+ *   server_status.c   the daemon's state in words.
+ *   server_signals.c  signals, timers.
+ *   server_parts.c    playback, saving, watching, waits, loading (daemon/parts).
+ *   server_export.c   exports (daemon/parts/jobs.h): parameters and notifications.
+ *   call.c            answers of methods, paths of clients.
+ *   methods*.c        the table of methods, and parsing their lines.
  *
  * Everything here is called on the event thread. */
 #ifndef LF_DAEMON_SERVER_INTERNAL_H

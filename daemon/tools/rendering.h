@@ -22,7 +22,7 @@ typedef struct lf_rendering_state {
     double interval;       /* between two saves, seconds */
     double saved;          /* time of the last save or the start of the job */
     double passes;         /* passes at the last request to save */
-    bool goes_on, is_kept; /* the renderer started from the file; the file exists */
+    bool goes_on, is_kept; /* the renderer holds passes to continue; the file exists */
     bool told;             /* the resumption was reported */
     lf_render_times times; /* total of all runs */
 } lf_rendering_state;

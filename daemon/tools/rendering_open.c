@@ -16,7 +16,7 @@
 #include "daemon/output/hld.h"
 #include "daemon/tools/rendering.h"
 
-/* Open files in addition to those of an output. */
+/* Open files in addition to the files of an output. */
 #define OTHER_FILES 64
 
 /* Checked early, so that an hour of rendering does not end at a missing folder. */

@@ -14,7 +14,7 @@
 #define LF_RPC_MAX_ID ((size_t)1024)
 #define LF_RPC_PROTOCOL 1
 
-/* Error codes of JSON-RPC, then those of quiltd. */
+/* Error codes of JSON-RPC, then quiltd's own. */
 enum {
     LF_RPC_PARSE_ERROR = -32700,
     LF_RPC_INVALID_REQUEST = -32600,

@@ -1,11 +1,13 @@
-/* The panel on a display output without a desktop: drm (the first Looking Glass), drm:DP-1,
- * drm:card1/HDMI-A-1. Kernel mode setting: the native mode, two buffers in video memory, flips at
- * the display's own pace.
+/* A panel on a display output without a desktop: drm (the first Looking Glass), drm:DP-1,
+ * drm:card1/HDMI-A-1.
  *
- * A thread of the device's own copies what has changed into the buffer that is not shown, flips,
- * and waits for the kernel to tell that the flip has happened. The console comes back in two ways:
- * destroy shows again what was there; when the program dies the kernel takes its pictures away and,
- * if nobody else has the card open, restores the console by itself. */
+ * Kernel mode setting: the native mode, two buffers in video memory, flips at the display's
+ * refresh. A thread of the device copies changes into the hidden buffer, flips, and waits for the
+ * kernel's flip event.
+ *
+ * The console returns in two ways. destroy restores the state before. If the program dies, the
+ * kernel removes its framebuffers and restores the console, unless another program has the card
+ * open. */
 #include <errno.h>
 #include <inttypes.h>
 #include <poll.h>
@@ -20,39 +22,39 @@
 #include "device/find/find.h"
 #include "device/handover.h"
 
-/* A flip without an end is given up; a failing display is not tried more often than this; where the
- * kernel announces nothing it is asked for the monitor. */
+/* FLIP_MS: limit for a flip; PAUSE_MS: shortest interval between attempts on a failing display;
+ * LOOK_MS: interval of monitor checks if the kernel sends no events. */
 enum { FLIP_MS = 1000, PAUSE_MS = 250, LOOK_MS = 1000 };
 
 typedef enum drm_phase {
     DRM_IDLE,
-    DRM_FLIPPING, /* the event is to come before until_ns */
-    DRM_PAUSING,  /* the push has failed, which is told at until_ns */
+    DRM_FLIPPING, /* waiting for the flip event until until_ns */
+    DRM_PAUSING,  /* the push has failed; reported at until_ns */
 } drm_phase;
 
 typedef struct drm_device {
-    lf_handover handover; /* first */
+    lf_handover handover; /* must be first */
 
     /* immutable after open */
     const lf_kms_calls *kms;
     lf_calibration calibration;
-    lf_origin origin;    /* of the calibration */
-    lf_device_info info; /* all but the problem */
+    lf_origin origin;    /* source of the calibration */
+    lf_device_info info; /* all members except problem */
     char name[LF_KMS_NAME];
     uint32_t connector;
-    uint8_t edid_block[LF_DRM_EDID_BLOCK]; /* of the monitor that the calibration is for */
+    uint8_t edid_block[LF_DRM_EDID_BLOCK]; /* EDID of the monitor that the calibration is for */
     int card, fd;
     int watch_fd; /* -1 = none */
 
-    /* the device's thread */
+    /* owned by the device's thread */
     lf_drm_output output;
     lf_drm_buffer buffers[2];
-    int back;       /* the buffer that is not shown */
-    bool has_shown; /* the other one is */
-    bool relight;   /* the mode is to be set again, with the picture that is shown */
+    int back;       /* index of the hidden buffer */
+    bool has_shown; /* the other buffer is shown */
+    bool relight;   /* set the mode again, with the shown picture */
     drm_phase phase;
     uint64_t until_ns;
-    uint64_t bytes; /* of the push under way */
+    uint64_t bytes; /* bytes of the push in progress */
 } drm_device;
 
 static drm_device *drm_of(lf_device *device)
@@ -73,7 +75,7 @@ static void enter(drm_device *drm, drm_phase phase, uint64_t wait_ms)
     drm->until_ns = lf_time_now_ns() + wait_ms * LF_NS_PER_MS;
 }
 
-/* What was shown last is on the glass. */
+/* The last push is visible. */
 static void shown(drm_device *drm)
 {
     drm->back = 1 - drm->back;
@@ -92,7 +94,7 @@ static void failed(drm_device *drm, const char *why)
     enter(drm, DRM_PAUSING, PAUSE_MS);
 }
 
-/* False when the display is gone. */
+/* False: the display is gone. */
 static bool show_push(drm_device *drm)
 {
     lf_drm_buffer *back = &drm->buffers[drm->back];
@@ -105,9 +107,9 @@ static bool show_push(drm_device *drm)
         lf_handover_end(&drm->handover, true, 0);
         return true;
     }
-    /* Painting empties the list but leaves its entries. They are all that this buffer missed, the
-     * last push included: what a driver needs that uploads buffers one by one, and more than one
-     * needs that compares with what is shown. */
+    /* Painting empties the list but keeps its entries: everything this buffer had missed, including
+     * the last push. A driver that uploads buffers one by one needs exactly this; a driver that
+     * compares with the shown picture needs less. */
     const lf_rect *clips = back->all_stale ? &whole : back->stale;
     int n_clips = back->all_stale ? 1 : back->n_stale;
     drm->bytes = lf_drm_buffer_paint(back, &h->picture);
@@ -124,8 +126,8 @@ static bool show_push(drm_device *drm)
     return true;
 }
 
-/* Sets the mode again under the picture that is shown: the cable's link has failed, or the monitor
- * was away for a moment. */
+/* Sets the mode again with the shown picture: the cable's link has failed, or the monitor was away
+ * briefly. */
 static void relight(drm_device *drm)
 {
     drm->relight = false;
@@ -149,9 +151,9 @@ static bool link_is_bad(const drm_device *drm)
     return bad;
 }
 
-/* Whether the connector has another monitor now, without a moment without one: swapped during a
- * suspend, by a switch, in a dock. An EDID that cannot be read says nothing: monitors that sleep
- * may not tell it. */
+/* True if the connector has another monitor now, without an interruption: swapped during a suspend,
+ * by a switch, in a dock. An unreadable EDID proves nothing, because sleeping monitors may not
+ * answer. */
 static bool is_another(const drm_device *drm)
 {
     lf_edid edid;
@@ -160,7 +162,7 @@ static bool is_another(const drm_device *drm)
            memcmp(block, drm->edid_block, sizeof block) != 0;
 }
 
-/* False when the monitor is gone. look: ask it, not the kernel's memory. */
+/* False: the monitor is gone. look: probe it instead of using the kernel's knowledge. */
 static bool check_connector(drm_device *drm, bool look)
 {
     lf_kms_connector connector;
@@ -200,7 +202,7 @@ static int wait_ms(const drm_device *drm)
     return drm->until_ns > now ? (int)((drm->until_ns - now) / LF_NS_PER_MS + 1) : 0;
 }
 
-/* Waits for something to happen and deals with it; false when the display is gone. */
+/* Waits for an event and handles it; false: the display is gone. */
 static bool turn(drm_device *drm, bool *out_stop)
 {
     struct pollfd p[3] = {{.fd = drm->handover.wake_fd, .events = POLLIN},
@@ -297,12 +299,12 @@ static void describe(drm_device *drm, const lf_drm_found *found)
     info->calibration_cached = drm->origin.cached;
 }
 
-/* Everything on the card: the display is ours, and would take pictures. */
+/* Sets up the output and its buffers; quiltd then owns the display. */
 static lf_status set_up(drm_device *drm, const lf_drm_found *found, const lf_calibration *given,
                         lf_error *err)
 {
-    /* Before it is taken: looking for the calibration may take seconds, which must not be at the
-     * cost of a desktop that starts meanwhile. */
+    /* Before the card is taken: the search for the calibration may take seconds, in which a
+     * starting desktop must not be blocked. */
     lf_status status = find_calibration(drm, given, found, err);
     if (status == LF_OK)
         status = check_size(drm, &found->mode, err);

@@ -95,7 +95,7 @@ typedef struct lf_drm_output {
     struct drm_mode_modeinfo mode;
     bool atomic;
     bool plain; /* optional properties were refused: shown without them */
-    /* legacy API without page flips: the CRTC uses fb directly and is told what changed */
+    /* legacy API without page flips: the CRTC uses fb directly and gets the changed parts */
     bool no_flip;
     bool lit;        /* the mode is set and has not been lost since */
     bool touched;    /* something was set and must be restored */

@@ -14,13 +14,13 @@
 
 enum { MAX_CARD = 255 };
 
-/* The first opener of a card is its master, wanted or not: while one thread only looks, another
- * must not be refused for it. */
+/* The first opener of a card becomes its master automatically. While one thread only looks, another
+ * one must not be refused. */
 static pthread_mutex_t mastership = PTHREAD_MUTEX_INITIALIZER;
 
 /* ------------------------------------------------------------------------------------ naming -- */
 
-/* TYPE-NUMBER, TYPE of letters, digits and hyphens: "DP-1", "HDMI-A-1", "Virtual-1". */
+/* TYPE-NUMBER, where TYPE has letters, digits and hyphens: "DP-1", "HDMI-A-1", "Virtual-1". */
 static bool is_connector_name(const char *s)
 {
     static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
@@ -80,7 +80,7 @@ static bool mode_better(const struct drm_mode_modeinfo *a, const struct drm_mode
     uint32_t area_a = (uint32_t)a->hdisplay * a->vdisplay,
              area_b = (uint32_t)b->hdisplay * b->vdisplay;
     if (preferred_a || preferred_b)
-        return preferred_a && !preferred_b; /* of two preferred ones the first */
+        return preferred_a && !preferred_b; /* the first of two preferred modes */
     return area_a != area_b ? area_a > area_b : a->vrefresh > b->vrefresh;
 }
 
@@ -93,7 +93,7 @@ const struct drm_mode_modeinfo *lf_drm_native_mode(const lf_kms_connector *conne
     return best;
 }
 
-/* A connector as the kernel knows it; monitors are asked only when nobody has before. */
+/* A connector as known to the kernel; its monitor is probed only if it was never probed. */
 static bool get_connector(const lf_kms_calls *kms, int fd, uint32_t id, bool look,
                           lf_kms_connector *out)
 {
@@ -118,11 +118,11 @@ bool lf_drm_read_edid(const lf_kms_calls *kms, int fd, uint32_t connector, lf_ed
 
 /* ----------------------------------------------------------------------------------- finding -- */
 
-/* What was met on the way, for the error. */
+/* Findings of the search, for the error. */
 typedef struct drm_search {
-    int denied;     /* a card that may not be opened, -1 = none */
+    int denied;     /* a card that cannot be opened, -1 = none */
     int denied_why; /* errno */
-    char seen[256]; /* monitors, with commas */
+    char seen[256]; /* monitors seen, separated by commas */
 } drm_search;
 
 static void remember(drm_search *search, const lf_kms_connector *connector, const lf_edid *edid)
@@ -133,7 +133,7 @@ static void remember(drm_search *search, const lf_kms_connector *connector, cons
              edid->name[0] != 0 ? ")" : "");
 }
 
-/* Looks at one connector; true when it is the one. */
+/* Checks a connector; true: it is the wanted one. */
 static bool is_wanted(const lf_kms_calls *kms, const lf_drm_name *name, uint32_t id,
                       drm_search *search, lf_drm_found *out)
 {
@@ -240,7 +240,7 @@ int lf_drm_become_master(const lf_kms_calls *kms, int fd)
 
 /* ----------------------------------------------------------------------------------- probing -- */
 
-/* Whether what the CRTC shows is turned or mirrored on its way. */
+/* True if the CRTC's picture is rotated or mirrored. */
 static bool is_rotated(const lf_kms_calls *kms, int fd, uint32_t crtc)
 {
     bool rotated = false;
@@ -260,8 +260,7 @@ static bool is_rotated(const lf_kms_calls *kms, int fd, uint32_t crtc)
     return rotated;
 }
 
-/* How the kernel says that the panel is built in, where that is not upright; "" = nothing is said.
- */
+/* The panel orientation reported by the kernel, if it is not upright; "" = none. */
 static void find_orientation(const lf_kms_calls *kms, int fd, uint32_t connector,
                              char out[LF_KMS_NAME])
 {
@@ -277,7 +276,7 @@ static void find_orientation(const lf_kms_calls *kms, int fd, uint32_t connector
     lf_free(properties);
 }
 
-/* What would be wrong with a panel that nobody uses, and what to do. */
+/* Describes problems of an unused panel, with remedies. */
 static void describe_trouble(const lf_kms_calls *kms, int fd, const lf_kms_connector *connector,
                              bool known, lf_device_info *out)
 {
@@ -299,7 +298,7 @@ static void describe_trouble(const lf_kms_calls *kms, int fd, const lf_kms_conne
         lf_device_text(out->problem, sizeof out->problem, text);
 }
 
-/* What the program that has the card does wrong with this panel, for "…; it shows SOMETHING". */
+/* Describes how the program that owns the card misuses this panel, for "…; it shows SOMETHING". */
 static void describe_use(const lf_kms_calls *kms, int card, int fd,
                          const lf_kms_connector *connector, lf_device_info *out)
 {
@@ -354,7 +353,7 @@ static bool describe(const lf_kms_calls *kms, int card, int fd, uint32_t id, boo
     return true;
 }
 
-/* As open_card, and is not its master afterwards. */
+/* Like open_card, but drops mastership. */
 static int look_at_card(const lf_kms_calls *kms, int card, lf_kms_resources *resources,
                         bool *out_unused)
 {

@@ -5,7 +5,7 @@
 #include "base/errno_text.h"
 #include "device/drm/drm.h"
 
-/* Where the choice is made; the struct itself would be too much for a stack. */
+/* Scratch memory for the choice, too large for the stack. */
 typedef struct drm_scratch {
     lf_kms_plane planes[LF_KMS_PLANES];
     lf_kms_property properties[LF_KMS_PROPERTIES];
@@ -31,7 +31,7 @@ static bool assign(lf_drm_output *output, uint32_t object, uint32_t property, ui
     return true;
 }
 
-/* Assigns a property by name; false when the object has none of that name. */
+/* Assigns a property by name; false: the object does not have it. */
 static bool assign_named(lf_drm_output *output, uint32_t object, const lf_kms_property *properties,
                          int n, const char *name, uint64_t value)
 {
@@ -50,7 +50,7 @@ static bool enum_value(const lf_kms_property *property, const char *name, uint64
     return false;
 }
 
-/* A wish of the connector, whose value is put back at the end. */
+/* An optional property of the connector; its value is restored at the end. */
 static void wish_connector(lf_drm_output *output, const lf_kms_property *property, uint64_t value)
 {
     if (output->n_old < LF_DRM_SAVED && assign(output, output->connector, property->id, value))
@@ -58,8 +58,8 @@ static void wish_connector(lf_drm_output *output, const lf_kms_property *propert
             (lf_kms_assignment){output->connector, property->id, property->value};
 }
 
-/* Every pixel as it is: whatever of this a driver has. Names as in the kernel's "KMS Properties"
- * and of amdgpu, radeon and nouveau. */
+/* Optional properties for unmodified pixels, as far as the driver has them. Names from the kernel's
+ * "KMS Properties" and of amdgpu, radeon and nouveau. */
 static void wish_exact_pixels(lf_drm_output *output, const lf_kms_property *properties, int n)
 {
     static const struct {
@@ -82,7 +82,7 @@ static void wish_exact_pixels(lf_drm_output *output, const lf_kms_property *prop
 
 /* ---------------------------------------------------------------------------------- choosing -- */
 
-/* Which CRTCs drive other connectors, as bits. */
+/* The CRTCs that drive other connectors, as bits. */
 static uint32_t taken_crtcs(const lf_drm_output *output, const lf_kms_resources *resources,
                             lf_kms_connector *other)
 {
@@ -99,8 +99,8 @@ static uint32_t taken_crtcs(const lf_drm_output *output, const lf_kms_resources 
     return taken;
 }
 
-/* The connector's own CRTC, unless it shows the same elsewhere; else a free one. Returns its
- * number, -1 = none. */
+/* The connector's own CRTC, unless it mirrors to another connector; otherwise a free one. Returns
+ * its number, -1 = none. */
 static int choose_crtc(const lf_drm_output *output, const lf_drm_found *found,
                        lf_kms_connector *other)
 {
@@ -116,12 +116,12 @@ static int choose_crtc(const lf_drm_output *output, const lf_drm_found *found,
     return chosen;
 }
 
-/* The primary plane of a CRTC; -1 = none that takes our pixels. Its properties are in scratch then;
- * *out_n of them. */
+/* The primary plane of a CRTC; -1 = none that takes our pixels. Leaves its *out_n properties in
+ * scratch. */
 static int choose_plane(const lf_drm_output *output, int crtc, drm_scratch *scratch, int n_planes,
                         int *out_n)
 {
-    for (int pass = 0; pass < 2; pass++) { /* first the one that shows there now */
+    for (int pass = 0; pass < 2; pass++) { /* first the plane in use there now */
         for (int i = 0; i < n_planes; i++) {
             const lf_kms_plane *plane = &scratch->planes[i];
             bool ours = plane->crtc == output->crtc, idle = plane->crtc == 0;
@@ -166,8 +166,8 @@ static bool plan_plane(lf_drm_output *output, const lf_kms_property *properties,
     return true;
 }
 
-/* What a desktop has left on other planes of the CRTC, its cursor above all, would cover the
- * picture. */
+/* Contents that a desktop has left on other planes of the CRTC, especially its cursor, would cover
+ * the picture. */
 static void plan_other_planes(lf_drm_output *output, drm_scratch *scratch, int n_planes)
 {
     for (int i = 0; i < n_planes; i++) {
@@ -191,7 +191,7 @@ static bool plan_crtc_and_connector(lf_drm_output *output, drm_scratch *scratch)
     n = kms->properties(output->fd, output->connector, DRM_MODE_OBJECT_CONNECTOR, properties);
     if (!assign_named(output, output->connector, properties, n, "CRTC_ID", output->crtc))
         return false;
-    /* Without it a link that has failed is not set up again, and stays dark. */
+    /* Otherwise a failed link is not trained again and stays dark. */
     assign_named(output, output->connector, properties, n, "link-status",
                  DRM_MODE_LINK_STATUS_GOOD);
     return true;
@@ -215,7 +215,7 @@ static void plan_wishes(lf_drm_output *output, drm_scratch *scratch)
     wish_exact_pixels(output, properties, n);
 }
 
-/* True when the driver has everything that atomic mode setting takes. */
+/* True: the driver has everything needed for atomic mode setting. */
 static bool plan_atomic(lf_drm_output *output, int crtc, drm_scratch *scratch)
 {
     const lf_kms_calls *kms = output->kms;
@@ -271,13 +271,13 @@ static bool refused(int e)
     return e == -EINVAL || e == -ERANGE || e == -EOPNOTSUPP || e == -ENOSYS;
 }
 
-/* Whether the driver does not want the first n assignments. */
+/* True if the driver refuses the first n assignments. */
 static bool would_refuse(const lf_drm_output *output, int n)
 {
     return refused(output->kms->commit(output->fd, LF_KMS_TEST, output->all, n));
 }
 
-/* Asks for the wishes one by one: those that are refused must not cost the others. */
+/* Tests the optional assignments one by one, so that refused ones do not affect the others. */
 static void drop_refused_wishes(lf_drm_output *output)
 {
     int n = output->n_base;
@@ -290,13 +290,13 @@ static void drop_refused_wishes(lf_drm_output *output)
     output->n_all = n;
 }
 
-/* With all wishes, or without those that the driver refuses. */
+/* Commits with all optional assignments, or without those that the driver refuses. */
 static int commit_mode(lf_drm_output *output, lf_kms_commit how, uint32_t fb)
 {
     output->all[0].value = fb;
     int e = output->kms->commit(output->fd, how, output->all, output->n_all);
     if (!refused(e) || output->n_all == output->n_base || would_refuse(output, output->n_base))
-        return e; /* not for a wish */
+        return e; /* not because of an optional assignment */
     drop_refused_wishes(output);
     return output->kms->commit(output->fd, how, output->all, output->n_all);
 }
@@ -316,7 +316,7 @@ static int point_crtc(const lf_drm_output *output, uint32_t fb, const struct drm
 {
     const lf_kms_crtc crtc = {.id = output->crtc, .fb = fb, .lit = true, .mode = output->mode};
     int e = output->kms->legacy.crtc_set(output->fd, &crtc, output->connector);
-    if (e == 0) /* drivers that need no telling do not have it */
+    if (e == 0) /* drivers that do not need it lack this call */
         output->kms->legacy.dirty(output->fd, fb, clips, n);
     return e;
 }
@@ -333,13 +333,13 @@ static int set_mode(lf_drm_output *output, uint32_t fb)
                               wish->value) != 0)
             output->plain = true;
     }
-    /* A driver without a table has nothing to reset. */
+    /* A driver without a look-up table has nothing to reset. */
     kms->legacy.gamma_reset(output->fd, output->crtc, output->old.gamma_size);
     const struct drm_mode_rect whole = {0, 0, output->mode.hdisplay, output->mode.vdisplay};
     return point_crtc(output, fb, &whole, 1);
 }
 
-/* clips[n], or the box around them when they are many: drivers walk them one by one. */
+/* clips[n], or their bounding box if there are many: drivers process them one by one. */
 static int make_clips(const lf_rect *clips, int n, struct drm_mode_rect out[LF_DRM_CLIPS])
 {
     struct drm_mode_rect box = {INT32_MAX, INT32_MAX, 0, 0};
@@ -366,7 +366,7 @@ static int flip_atomic(const lf_drm_output *output, uint32_t fb, const struct dr
     uint32_t blob = 0;
     int used = 1;
     list[0].value = fb;
-    /* Without clips the driver takes everything for changed. */
+    /* Without clips the driver assumes that everything has changed. */
     if (output->clips_property != 0 && n > 0 &&
         output->kms->blob_create(output->fd, clips, (size_t)n * sizeof *clips, &blob) == 0)
         list[used++] = (lf_kms_assignment){output->plane, output->clips_property, blob};
@@ -412,8 +412,7 @@ void lf_drm_output_finish(lf_drm_output *output)
             kms->property_set(output->fd, old->object, DRM_MODE_OBJECT_CONNECTOR, old->property,
                               old->value);
         }
-        /* When the picture is gone with who made it there is nothing to do: closing the card brings
-         * the console. */
+        /* If the old framebuffer no longer exists, closing the card restores the console. */
         kms->legacy.crtc_set(output->fd, &output->old, output->connector);
     }
     if (output->mode_blob != 0)

@@ -73,7 +73,7 @@ static bool kernel_master_is(int fd)
     return drmIsMaster(fd) != 0;
 }
 
-/* The kernel's debugfs has a line a client: command in 20 columns, process, minor, y or n for
+/* The kernel's debugfs has one line per client: command in 20 columns, process, minor, y or n for
  * master, … */
 static bool kernel_master_name(int card, char *out, size_t size)
 {
@@ -247,7 +247,7 @@ static int kernel_property_set(int fd, uint32_t object, uint32_t type, uint32_t 
     return drmModeObjectSetProperty(fd, object, type, property, value) == 0 ? 0 : -errno;
 }
 
-/* Bytes of the EDID blob that a property names. */
+/* Reads the EDID blob of a property; returns its bytes. */
 static int read_blob(int fd, uint64_t blob_id, uint8_t out[LF_KMS_EDID])
 {
     drmModePropertyBlobRes *blob = drmModeGetPropertyBlob(fd, (uint32_t)blob_id);
@@ -315,7 +315,7 @@ static int kernel_fb_add(int fd, uint32_t width, uint32_t height, uint32_t pitch
     const uint32_t handles[4] = {handle}, pitches[4] = {pitch}, offsets[4] = {0};
     int e =
         drmModeAddFB2(fd, width, height, DRM_FORMAT_XRGB8888, handles, pitches, offsets, out_fb, 0);
-    /* drivers older than formats */
+    /* for drivers older than pixel formats */
     return e == 0 ? 0 : drmModeAddFB(fd, width, height, 24, 32, pitch, handle, out_fb);
 }
 
@@ -413,7 +413,7 @@ static int kernel_events(int fd)
 
 /* ---------------------------------------------------------------------------------- hot plug -- */
 
-/* The kernel's own announcements: no udevd is needed, and none is believed. */
+/* Events of the kernel itself: udevd is not needed, and its messages are ignored. */
 static int kernel_watch(void)
 {
     const struct sockaddr_nl address = {.nl_family = AF_NETLINK, .nl_groups = 1};
@@ -427,7 +427,7 @@ static int kernel_watch(void)
     return -e;
 }
 
-/* Whether a message, strings with a zero behind each, has this one. */
+/* True if a message, a list of terminated strings, contains this line. */
 static bool has_line(const char *message, size_t n, const char *line)
 {
     for (size_t at = 0; at < n; at += strlen(message + at) + 1)
@@ -447,7 +447,7 @@ static bool kernel_watch_read(int watch_fd)
         ssize_t n = recvfrom(watch_fd, message, sizeof message - 1, 0,
                              (struct sockaddr *)(void *)&from, &from_size);
         if (n < 0)
-            /* some were lost: it may have been about displays */
+            /* some events were lost, possibly about displays */
             return displays || errno == ENOBUFS;
         message[n] = 0;
         displays = displays || (from.nl_pid == 0 && has_line(message, (size_t)n, "SUBSYSTEM=drm"));

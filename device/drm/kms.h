@@ -89,9 +89,9 @@ typedef enum lf_kms_commit {
 
 /* Without atomic mode setting. */
 typedef struct lf_kms_legacy {
-    /* crtc_set: shows fb on a connector now (fb 0: switches the CRTC off). page_flip: shows fb at
-     * the next refresh, followed by an event. dirty: reports changed parts of the shown fb to the
-     * driver. gamma_reset: resets the colour look-up table. */
+    /* The call crtc_set shows fb on a connector now (fb 0: switches the CRTC off). The call
+     * page_flip shows fb at the next refresh, followed by an event. The call dirty reports changed
+     * parts of the shown fb to the driver. The call gamma_reset resets the colour look-up table. */
     int (*crtc_set)(int fd, const lf_kms_crtc *crtc, uint32_t connector);
     int (*page_flip)(int fd, uint32_t crtc, uint32_t fb);
     int (*dirty)(int fd, uint32_t fb, const struct drm_mode_rect *rects, int n);

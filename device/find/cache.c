@@ -15,7 +15,7 @@
 #define SUFFIX ".json"
 #define DISPLAY "display" /* a key that calibrations do not have */
 
-/* The folder of the cache; false when there is no place for one. */
+/* The folder of the cache; false: there is none. */
 static bool cache_folder(char *out, size_t size)
 {
     static const struct {
@@ -27,7 +27,7 @@ static bool cache_folder(char *out, size_t size)
         const char *base = getenv(places[i].variable);
         if (!base || base[0] != '/')
             continue;
-        /* systemd separates several cache directories by colons; the first is ours */
+        /* systemd separates several cache directories by colons; the first is quiltd's */
         int n = snprintf(out, size, "%.*s/%s", (int)strcspn(base, i == 0 ? ":" : ""), base,
                          places[i].below);
         return n > 0 && (size_t)n < size;
@@ -35,8 +35,7 @@ static bool cache_folder(char *out, size_t size)
     return false;
 }
 
-/* A file's name from a panel's, which comes from a device: nothing that leads elsewhere or hides.
- */
+/* A file name from a panel's name, which is untrusted: no path separators, not hidden. */
 static bool file_name(const char *panel, char *out, size_t size)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
@@ -51,7 +50,7 @@ static bool file_name(const char *panel, char *out, size_t size)
     return true;
 }
 
-/* The text of a calibration and of its display; NULL = out of memory. Released with free. */
+/* The text of a calibration and its display; NULL = out of memory. Release with free. */
 static char *to_text(const lf_found *found)
 {
     json_t *root = lf_calibration_json(&found->calibration);
@@ -90,7 +89,7 @@ static void take_display(const char *text, size_t n, lf_edid *out)
     json_decref(root);
 }
 
-/* Calibration and display of a file; false = there is none, or it is damaged. */
+/* Reads calibration and display from a file; false = missing or damaged. */
 static bool load(const char *path, lf_found *out)
 {
     char *text = NULL;
@@ -148,7 +147,7 @@ int lf_cache_list(lf_found *out, int max)
             continue;
         snprintf(path, sizeof path, "%s/%s", folder, e->d_name);
         lf_found found = {.source = LF_SOURCE_CACHE};
-        /* a damaged one is no news to anybody: it is written anew when its panel is read */
+        /* a damaged file is skipped silently; it is written again when its panel is read */
         if (!load(path, &found))
             continue;
         lf_device_text(found.path, sizeof found.path, path);

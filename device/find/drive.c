@@ -40,7 +40,7 @@ static lf_status cannot(const char *volume, lf_error *err)
                         lf_errno_text(errno));
 }
 
-/* Opens the file through its folders, so that no link leads out of the volume. */
+/* Opens the file folder by folder, so that no link leads out of the volume. */
 static lf_status open_file(const char *volume, int *out_fd, lf_error *err)
 {
     struct stat st;
@@ -66,7 +66,7 @@ static lf_status open_file(const char *volume, int *out_fd, lf_error *err)
     return status;
 }
 
-/* At most max bytes, whatever size the file says it has. */
+/* Reads at most max bytes, whatever the file's size claims. */
 static lf_status read_file(int fd, const char *volume, char *data, size_t max, size_t *out_n,
                            lf_error *err)
 {
@@ -115,7 +115,7 @@ static int hex(char c)
     return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-/* udev writes what may not stand in a name as \xNN. */
+/* udev escapes characters in names as \xNN. */
 static void decode_label(const char *name, char *out, size_t size)
 {
     size_t n = 0;
@@ -128,7 +128,7 @@ static void decode_label(const char *name, char *out, size_t size)
     out[n] = 0;
 }
 
-/* The device that a link of the folder names; false when it names none. */
+/* The device of a link in the folder; false: none. */
 static bool device_of(const char *by_label, const char *name, char out[PATH_MAX])
 {
     char path[PATH_MAX];
@@ -136,8 +136,8 @@ static bool device_of(const char *by_label, const char *name, char out[PATH_MAX]
     return n > 0 && (size_t)n < sizeof path && realpath(path, out);
 }
 
-/* The label of a mounted volume: udev's word for its device, else the name of the folder, which is
- * the label where a desktop has mounted it. */
+/* The label of a mounted volume: udev's label of its device, otherwise the name of the mount
+ * folder, which desktops derive from the label. */
 static void label_of(const char *by_label, const char *device, const char *folder, char *out,
                      size_t size)
 {
@@ -165,7 +165,7 @@ static bool is_panel_label(const char *label)
 
 /* --------------------------------------------------------------------------- mounted volumes -- */
 
-/* The kernel writes blanks, line ends and backslashes as \NNN. */
+/* The kernel escapes blanks, line ends and backslashes as \NNN. */
 static void decode_octal(char *s)
 {
     char *to = s;
@@ -183,8 +183,8 @@ typedef struct mounted {
     char *root, *folder, *source;
 } mounted;
 
-/* A line of mountinfo (proc(5)): "ID PARENT MAJOR:MINOR ROOT FOLDER OPTIONS [OPTIONAL…] - TYPE
- * SOURCE OPTIONS". Cuts it up. */
+/* Splits a line of mountinfo (proc(5)): "ID PARENT MAJOR:MINOR ROOT FOLDER OPTIONS [OPTIONAL…] -
+ * TYPE SOURCE OPTIONS". */
 static bool parse_line(char *line, mounted *out)
 {
     enum { ROOT = 3, FOLDER_FIELD = 4, OPTIONS = 5, SOURCE = 2 };
@@ -209,8 +209,8 @@ static bool parse_line(char *line, mounted *out)
     return true;
 }
 
-/* Whole volumes on block devices: nothing is asked of network and pseudo file systems, which might
- * not answer. */
+/* True for whole volumes on block devices. Network and pseudo file systems are not accessed,
+ * because they may not answer. */
 static bool is_volume(const mounted *m)
 {
     return m->folder[0] == '/' && strcmp(m->root, "/") == 0 && strncmp(m->source, "/dev/", 5) == 0;
@@ -225,8 +225,7 @@ static void fill(lf_found *out, const char *path, const char *label, lf_status s
         lf_device_problem(out->problem, sizeof out->problem, why);
 }
 
-/* A volume without the file is a drive like any other, unless its label says that it is a panel's.
- */
+/* A volume without the file is an ordinary drive, unless it has a panel's label. */
 static bool look_at_volume(const lf_drive_places *places, const mounted *m, lf_found *out)
 {
     char device[PATH_MAX], path[PATH_MAX + 64], label[sizeof out->label];
@@ -279,7 +278,7 @@ static bool is_mounted(const lf_drive_places *places, const char *device)
     return found;
 }
 
-/* False when it is mounted by now: then it is read where that is. */
+/* False: it was mounted meanwhile, and is read at its mount point. */
 static bool look_at_device(const char *device, const char *label, lf_found *out)
 {
     lf_udisks *mount = NULL;
@@ -314,7 +313,7 @@ static int list_unmounted(const lf_drive_places *places, lf_found *out, int max)
 
 int lf_drive_list(const lf_drive_places *places, lf_found *out, int max)
 {
-    /* In this order: what is mounted by others meanwhile is not missed. */
+    /* In this order, drives mounted by others meanwhile are not missed. */
     int n = list_unmounted(places, out, max);
     return n + list_mounted(places, out + n, max - n);
 }

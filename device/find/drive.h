@@ -18,9 +18,9 @@ typedef struct lf_drive_places {
 } lf_drive_places;
 extern const lf_drive_places lf_drive_system;
 
-/* Fills at most max entries with the calibrations found on drives, and with drives labelled LKG-…
- * that cannot be read, with their problem; returns their number. path is the file, or the block
- * device if it was mounted only for reading. */
+/* Fills at most max entries; returns their number. Entries are calibrations found on drives, and
+ * drives labelled LKG-… that cannot be read, with their problem. The path of an entry is the file,
+ * or the block device if it was mounted only for reading. */
 int lf_drive_list(const lf_drive_places *places, lf_found *out, int max);
 
 /* True if a drive labelled LKG-… is connected; out_label is the label of one (sanitised). Reads no
@@ -29,9 +29,9 @@ bool lf_drive_is_there(const lf_drive_places *places, char out_label[64]);
 
 /* Reads the calibration on a volume mounted at `volume`. The file must be a regular one under that
  * folder: links are not followed.
- *   LF_E_NODEV   not found
- *   LF_E_IO      it cannot be read
- *   LF_E_FORMAT  too large, not a regular file, or not a calibration */
+ *   LF_E_NODEV   not found.
+ *   LF_E_IO      it cannot be read.
+ *   LF_E_FORMAT  too large, not a regular file, or not a calibration. */
 LF_NODISCARD lf_status lf_drive_read(const char *volume, lf_calibration *out, lf_error *err);
 
 /* ---------------------------------------------------------------------------- drive_udisks.c -- */

@@ -19,29 +19,29 @@
     "), or pass a copy of its LKG_calibration/visual.json with --calibration"
 
 #define US_PER_S 1e6
-/* From unmounting until the kernel, udev and the event loop have told of it. */
+/* Time from unmounting until its events have passed through kernel, udev and the event loop. */
 #define ECHO_S 5
-/* For unmounting, which nobody waits for. */
+/* Limit for unmounting, which nobody waits for. */
 #define UNMOUNT_S 2
 
 const int lf_udisks_patient_ms = 15000;
 
-/* Block devices that were mounted here, each until it is forgotten: lf_time_now, INFINITY while it
- * is mounted. */
+/* Block devices mounted here. Each entry holds the lf_time_now of its expiry; INFINITY while
+ * mounted. */
 static struct {
     pthread_mutex_t lock;
     struct {
         dev_t device;
         double until;
-    } of[8]; /* the one that is forgotten first is given up for another */
+    } of[8]; /* a new device replaces the entry that expires first */
 } touched = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 struct lf_udisks {
     sd_bus *bus;
-    dev_t number;     /* of the block device */
-    double until;     /* lf_time_now: the end of all asking */
-    bool unanswered;  /* a mount was asked for, and may come yet */
-    char object[256]; /* of the block device */
+    dev_t number;     /* number of the block device */
+    double until;     /* lf_time_now at which all requests end */
+    bool unanswered;  /* a requested mount may still happen */
+    char object[256]; /* udisks2's object of the block device */
     char folder[4096];
 };
 
@@ -81,19 +81,19 @@ static void destroy(lf_udisks *mount)
 {
     if (!mount)
         return;
-    /* without flushing, which a bus that does not read could hold up */
+    /* without flushing, which would block if the bus does not read */
     sd_bus_close_unref(mount->bus);
     lf_free(mount);
 }
 
-/* What is left of the time in microseconds, at least 1: to sd-bus 0 means "as long as it likes". */
+/* The remaining time in microseconds, at least 1, because for sd-bus 0 means no limit. */
 static uint64_t left_us(const lf_udisks *mount)
 {
     double left = mount->until - lf_time_now();
     return left > 0 ? (uint64_t)(left * US_PER_S) + 1 : 1;
 }
 
-/* Until the bus has let us in, for which sd-bus by itself would give it 90 s. A negative errno on
+/* Connects to the bus, within the time limit instead of sd-bus's 90 s. A negative errno on
  * failure. */
 static int connect_bus(lf_udisks *mount)
 {
@@ -128,7 +128,7 @@ static lf_status refused(const char *device, const sd_bus_error *why, int negati
                         why->message ? why->message : lf_errno_text(-negative_errno));
 }
 
-/* The object that stands for a block device. */
+/* Finds udisks2's object for a block device. */
 static lf_status resolve(lf_udisks *mount, const char *device, lf_error *err)
 {
     sd_bus_error why = SD_BUS_ERROR_NULL;
@@ -167,7 +167,7 @@ static lf_status ask_to_mount(lf_udisks *mount, const char *device, lf_error *er
                                "auth.no_user_interaction", "b", 1);
     mount->unanswered = r == -ETIMEDOUT;
     if (r < 0 && !mount->unanswered)
-        touch(mount->number, 0); /* what happens to it now is others' doing */
+        touch(mount->number, 0); /* later events come from other programs */
     if (r >= 0)
         r = sd_bus_message_read(reply, "s", &folder);
     if (r < 0)
@@ -206,7 +206,7 @@ lf_status lf_udisks_mount(const char *device, int total_ms, lf_udisks **out, lf_
     return LF_OK;
 fail:
     if (mount->unanswered)
-        /* udisks2 does one after the other: what is mounted too late does not stay mounted */
+        /* udisks2 executes requests in order, so a late mount is unmounted again */
         lf_udisks_unmount(mount);
     else
         destroy(mount);
@@ -219,7 +219,7 @@ void lf_udisks_unmount(lf_udisks *mount)
         return;
     mount->until = lf_time_now() + UNMOUNT_S;
     sd_bus_set_method_call_timeout(mount->bus, left_us(mount));
-    /* What cannot be unmounted stays as it is, read-only: nothing to be told. */
+    /* A failure leaves it mounted read-only, which is not worth reporting. */
     sd_bus_call_method(mount->bus, SERVICE, mount->object, SERVICE ".Filesystem", "Unmount", NULL,
                        NULL, "a{sv}", 1, "auth.no_user_interaction", "b", 1);
     touch(mount->number, lf_time_now() + ECHO_S);

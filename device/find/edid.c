@@ -15,7 +15,7 @@ enum {
 };
 enum { TAG_SERIAL = 0xff, TAG_NAME = 0xfc };
 
-/* Text of a descriptor: ends at a line feed, blanks behind it; bytes beyond ASCII are of a code
+/* Text of a descriptor: ends at a line feed, padded with blanks. Bytes beyond ASCII are in a code
  * page that no panel uses. */
 static void take_text(const uint8_t *descriptor, char out[16])
 {

@@ -29,7 +29,7 @@ LF_NODISCARD lf_status lf_edid_parse(const uint8_t *edid, size_t n, lf_edid *out
 /* The preferred timing; false: none, or one without clock or size. n may be any number; nothing
  * else is checked. */
 bool lf_edid_timing_read(const uint8_t *edid, size_t n, lf_edid_timing *out);
-/* True if the name is that of a Looking Glass: it starts with "LKG". */
+/* True if the name is a Looking Glass's: it starts with "LKG". */
 bool lf_edid_is_panel(const lf_edid *edid);
 
 #endif

@@ -9,7 +9,7 @@
 #include "device/hid/hid.h"
 
 #define MAX_FOUND 32
-/* A name that says less than this ("LKG-") is every panel's. */
+/* Shorter names ("LKG-") match every panel. */
 #define MIN_NAME 5
 
 const char *lf_found_name(const lf_found *found)
@@ -44,8 +44,8 @@ static bool is_same_panel(const lf_found *a, const lf_found *b)
            lf_found_name(b)[0] != 0 && strcmp(lf_found_name(a), lf_found_name(b)) == 0;
 }
 
-/* Leaves out what a more trusted place has told already, but for the display that only the cache
- * knows. */
+/* Removes entries that a more trusted place already contains, but keeps the display known only to
+ * the cache. */
 static int drop_repeated(lf_found *found, int n)
 {
     int kept = 0;
@@ -83,15 +83,15 @@ static bool begins(const char *text, const char *name)
     return strlen(name) >= MIN_NAME && strncmp(text, name, strlen(name)) == 0;
 }
 
-/* Whether this is the display that the calibration was found for. Desktops lengthen names. */
+/* True if this is the display that the calibration was found for. Desktops lengthen names. */
 static bool was_found_for(const lf_found *found, const lf_edid *display)
 {
     return begins(display->name, found->display.name) &&
            (display->serial[0] == 0 || strcmp(display->serial, found->display.serial) == 0);
 }
 
-/* Whether it was found for another. Only what names itself as a panel counts: desktops have names
- * of their own for displays. */
+/* True if it was found for another display. Only names of panels count, because desktops have their
+ * own names for displays. */
 static bool is_anothers(const lf_found *found, const lf_edid *display)
 {
     return lf_edid_is_panel(&found->display) && lf_edid_is_panel(display) &&
@@ -113,15 +113,14 @@ static bool fits_by_size(const lf_found *found, const lf_edid *display)
            !is_anothers(found, display);
 }
 
-/* A display that says nothing of itself is whatever panel there is. */
+/* A display that does not identify itself matches any panel. */
 static bool fits_silence(const lf_found *found, const lf_edid *display)
 {
     (void)found;
     return display->name[0] == 0 && display->serial[0] == 0 && display->width_px == 0;
 }
 
-/* The last of the valid ones that fit, in the cache or plugged in; *out_n says how many there are.
- */
+/* The last valid match, cached or connected; *out_n: number of matches. */
 static const lf_found *fitting(const lf_found *found, int n, const lf_edid *display, bool cached,
                                fits fit, int *out_n)
 {
@@ -131,7 +130,7 @@ static const lf_found *fitting(const lf_found *found, int n, const lf_edid *disp
         if (found[i].problem[0] != 0 || (found[i].source == LF_SOURCE_CACHE) != cached ||
             !fit(&found[i], display))
             continue;
-        /* a drive that is mounted twice, or a panel's other place, is no second answer */
+        /* a drive mounted twice, or another place of the same panel, is not a second match */
         bool again =
             one && memcmp(&one->calibration, &found[i].calibration, sizeof one->calibration) == 0;
         one = &found[i];
@@ -140,7 +139,7 @@ static const lf_found *fitting(const lf_found *found, int n, const lf_edid *disp
     return one;
 }
 
-/* The display's own panel, when it is plugged in and cannot be read. */
+/* The display's own panel, if it is connected and cannot be read. */
 static const lf_found *damaged(const lf_found *found, int n, const lf_edid *display)
 {
     for (int i = 0; i < n; i++)
@@ -149,8 +148,8 @@ static const lf_found *damaged(const lf_found *found, int n, const lf_edid *disp
     return NULL;
 }
 
-/* By the first rule that anything fits. When the display's own panel cannot be read, what is
- * plugged in besides is another's: only the cache may help then. */
+/* Chooses by the first rule with a match. If the display's own panel cannot be read, other
+ * connected panels do not belong to it: only the cache may help. */
 static const lf_found *choose(const lf_found *found, int n, const lf_edid *display, int *out_n)
 {
     static const struct {
@@ -171,7 +170,7 @@ static const lf_found *choose(const lf_found *found, int n, const lf_edid *displ
     return NULL;
 }
 
-/* One place in words: what is wrong with it, else whose lens it tells. */
+/* Describes a place: its problem, otherwise whose calibration it holds. */
 static void describe(const lf_found *found, char *out, size_t size)
 {
     if (found->problem[0] != 0)
@@ -249,7 +248,7 @@ static void tell_source(const lf_found *found, char out[256])
     snprintf(out, 256, "%s, %.240s", names[found->source], found->path);
 }
 
-/* What is plugged in that may hold a calibration. */
+/* A connected device that may hold a calibration. */
 static bool find_unread(char out_from[256])
 {
     lf_hid_place place;

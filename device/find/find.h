@@ -29,8 +29,8 @@ typedef struct lf_found {
     char label[64];    /* product string or volume label, known before reading */
     char problem[256]; /* why it cannot be used and what to do; empty = calibration is valid */
     lf_calibration calibration;
-    /* CACHE: the display that it was found for, and the calibration in the cache; name empty =
-     * unknown */
+    /* The display that the calibration was found for: in CACHE entries, and in others if the cache
+     * knows it. Name empty = unknown. */
     lf_edid display;
 } lf_found;
 
@@ -44,11 +44,11 @@ int lf_find_all(lf_found *out, int max);
 /* HID only: the panels that have buttons. */
 int lf_find_hid(lf_found *out, int max);
 
-/* Chooses the calibration for a display among found[n]. The rules, in order:
- * - One whose serial or label begins with the display's name or serial number (of 5 characters or
- *   more), or that was found for this display before.
+/* Chooses the calibration for a display among found[n]. The first rule that applies decides.
+ * - A calibration whose serial or label begins with the display's name or serial number (of 5
+ *   characters or more), or that was found for this display before.
  * - The only one with the display's screen size, unless it was found for another display.
- * - If the display does not identify itself: the only one found.
+ * - The only one found, if the display does not identify itself.
  *
  * Connected panels come before the cache in each step. NULL = none; err says what was found instead
  * and what to do. LF_E_NODEV; LF_E_FORMAT: the display's own panel is connected but cannot be read

@@ -1,5 +1,5 @@
-/* The thread only reads reports and tells presses apart; what it saw waits in a small ring, behind
- * a descriptor that is readable as long as there is something in it. */
+/* The thread reads reports and detects presses. They wait in a small ring; a descriptor is readable
+ * while it is not empty. */
 #include "device/hid/buttons.h"
 
 #include <pthread.h>
@@ -11,17 +11,17 @@
 #include "base/wakeup.h"
 #include "device/hid/buttons_link.h"
 
-/* More presses that nobody has taken are not those of a person. */
+/* A person does not make more unread presses than this. */
 #define MAX_WAITING 32
 #define WAIT_MS 50
 #define REST_MS 10
 
 struct lf_buttons {
-    lf_hid_link link; /* thread only, once it runs */
+    lf_hid_link link; /* thread only, after its start */
     pthread_t thread;
     bool has_thread;
     atomic_bool stop;
-    int wakeup; /* readable while something waits, and for good once the link is gone */
+    int wakeup; /* readable while a press waits, and permanently once the link is gone */
     pthread_mutex_t lock;
     /* under lock */
     lf_button waiting[MAX_WAITING];
@@ -89,7 +89,7 @@ lf_status lf_buttons_watch(lf_hid_link *link, lf_buttons **out, lf_error *err)
     buttons->has_thread = buttons->wakeup >= 0 &&
                           lf_thread_start("lf-buttons", watch, buttons, &buttons->thread) == LF_OK;
     if (!buttons->has_thread) {
-        buttons->link = (lf_hid_link){0}; /* stays the caller's */
+        buttons->link = (lf_hid_link){0}; /* the caller keeps the link */
         lf_buttons_destroy(buttons);
         return lf_error_set(err, LF_E_NOMEM, "buttons", "out of threads or descriptors");
     }

@@ -3,19 +3,19 @@
 #include <assert.h>
 #include <string.h>
 
-/* A reader of hidraw finds at most 64 reports waiting; a device that fills them faster than they
- * are read is not waited for. */
+/* hidraw queues at most 64 reports per reader; a device that sends faster than it is read is not
+ * waited for. */
 #define MAX_REPORTS 256
 
 enum { COMMAND_READ_PAGE = 0 };
-/* Offsets in a request (behind the report number) and in a reply (behind the buttons): the echo is
- * at the same place. */
+/* Offsets in a request (after the report number) and in a reply (after the buttons); the echo has
+ * the same offsets. */
 enum { COMMAND_AT = 1, PAGE_HIGH_AT = 2, PAGE_LOW_AT = 3, DATA_AT = 4, LENGTH_BYTES = 4 };
 
 const lf_hid_patience lf_hid_patient = {
     .reply_ms = 1000, .rest_ms = 10, .attempts = 3, .total_ms = 4000};
 
-/* A reading under way. */
+/* A read in progress. */
 typedef struct reading {
     const lf_hid_link *link;
     const lf_hid_patience *patience;
@@ -40,7 +40,7 @@ int lf_hid_read_report(const lf_hid_link *link, int timeout_ms, int rest_ms,
 {
     uint8_t part[LF_HID_REPORT];
     size_t have = 0;
-    uint64_t end = 0; /* of the rest */
+    uint64_t end = 0; /* deadline of the rest */
     for (int parts = 0; parts < LF_HID_REPORT; parts++) {
         int n = link->read(link->context, part, sizeof part,
                            parts == 0 ? timeout_ms : until(link, end));
@@ -50,7 +50,7 @@ int lf_hid_read_report(const lf_hid_link *link, int timeout_ms, int rest_ms,
         if (parts == 0)
             end = now_ms(link) + (uint64_t)rest_ms;
         if (have + (size_t)n > LF_HID_REPORT)
-            have = 0; /* what came before was the torso of another report */
+            have = 0; /* the data before was an incomplete report */
         memcpy(out + have, part, (size_t)n);
         have += (size_t)n;
         if (have == LF_HID_REPORT)
@@ -65,7 +65,7 @@ static lf_status gone(const reading *r)
                         "the panel was unplugged while quiltd read its calibration");
 }
 
-/* What was asked before, by whomever, and buttons. */
+/* Discards replies to earlier requests, by any program, and button reports. */
 static lf_status flush(const reading *r)
 {
     uint8_t dropped[LF_HID_REPORT];
@@ -94,7 +94,7 @@ static bool echoes(const uint8_t report[LF_HID_REPORT], unsigned page)
            report[PAGE_LOW_AT] == (page & 0xff);
 }
 
-/* Reads until a report answers the request: LF_OK, LF_E_TIMEOUT (no words yet), LF_E_NODEV. */
+/* Reads until a report answers the request: LF_OK, LF_E_TIMEOUT (err not set), LF_E_NODEV. */
 static lf_status await_page(const reading *r, unsigned page, uint8_t out[LF_HID_PAGE])
 {
     uint8_t report[LF_HID_REPORT];
@@ -141,7 +141,7 @@ static lf_status read_page(const reading *r, unsigned page, uint8_t out[LF_HID_P
         page);
 }
 
-/* The length before the text: big-endian, not counting itself. */
+/* The length before the text: big-endian, without itself. */
 static lf_status take_length(const reading *r, const uint8_t page[LF_HID_PAGE], size_t *out)
 {
     uint32_t n =

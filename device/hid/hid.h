@@ -56,10 +56,10 @@ int lf_hid_read_report(const lf_hid_link *link, int timeout_ms, int rest_ms,
 /* Reads the calibration in the EEPROM. `where` names the device in errors. Data that does not parse
  * is read a second time, because before the first request a button report looks like a page 0. *out
  * is untouched on failure:
- *   LF_E_NODEV    unplugged
- *   LF_E_TIMEOUT  no reply, or none to the request
- *   LF_E_IO       every request is refused
- *   LF_E_FORMAT   blank EEPROM, impossible length, or text that is not a calibration */
+ *   LF_E_NODEV    unplugged.
+ *   LF_E_TIMEOUT  no reply, or none to the request.
+ *   LF_E_IO       every request is refused.
+ *   LF_E_FORMAT   blank EEPROM, impossible length, or text that is not a calibration. */
 LF_NODISCARD lf_status lf_hid_read_calibration(const lf_hid_link *link,
                                                const lf_hid_patience *patience, const char *where,
                                                lf_calibration *out, lf_error *err);
@@ -78,8 +78,8 @@ int lf_hid_list(lf_hid_place *out, int max);
 
 /* Opens a path for reading and sending; other programs may have it open too. On LF_OK the caller
  * closes the link with lf_hid_close.
- *   LF_E_NODEV  not connected
- *   LF_E_IO     no permission (err says what to do), or the system's message */
+ *   LF_E_NODEV  not connected.
+ *   LF_E_IO     no permission (err says what to do), or the system's message. */
 LF_NODISCARD lf_status lf_hid_open(const char *path, lf_hid_link *out, lf_error *err);
 /* Accepts a zeroed link. */
 void lf_hid_close(lf_hid_link *link);

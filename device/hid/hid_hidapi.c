@@ -17,8 +17,7 @@
 #define PRODUCT 0xef7e
 #define PRODUCT_NAME L"HoloPlay"
 
-/* hidapi keeps its last error of everything that is not about an open device in one place for all
- * threads. */
+/* hidapi keeps the last error of calls without an open device in one place for all threads. */
 static pthread_mutex_t global_lock = PTHREAD_MUTEX_INITIALIZER;
 
 static int hid_send(void *context, const uint8_t *report, size_t n)
@@ -43,7 +42,7 @@ static void close_device(void *context)
     hid_close(context);
 }
 
-/* Names of panels are ASCII; what is not becomes a question mark. */
+/* Names of panels are ASCII; other characters become '?'. */
 static void narrow(const wchar_t *wide, char *out, size_t size)
 {
     size_t n = 0;
@@ -82,8 +81,8 @@ static lf_status cannot_open(const char *path, int e, lf_error *err)
                         lf_errno_text(e));
 }
 
-/* hidapi 0.13.1 writes into memory it has freed when what it opens turns out to be no hidraw
- * device: that is found out here. */
+/* hidapi 0.13.1 writes into freed memory if the opened file is not a hidraw device, so this is
+ * checked first. */
 static lf_status check_hidraw(const char *path, lf_error *err)
 {
     int size, fd = open(path, O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);

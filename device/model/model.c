@@ -28,7 +28,7 @@ enum {
     ENDPOINT_HALT = 0,
 };
 
-/* What a setup packet is for: bmRequestType without its direction. */
+/* Kinds of setup packets: bmRequestType without the direction. */
 enum {
     TO_DEVICE = 0x00,
     TO_INTERFACE = 0x01,
@@ -44,7 +44,7 @@ enum {
     MAX_DTD_SIDE = 4095
 };
 
-/* Unnumbered: 68 bytes in, 67 bytes as a feature, of a page of the vendor's own. */
+/* Unnumbered reports: 68 bytes in, 67 bytes as a feature, on a vendor-defined usage page. */
 static const uint8_t report_descriptor[] = {
     0x06, 0x00,
     0xff, /* usage page: vendor */
@@ -54,10 +54,10 @@ static const uint8_t report_descriptor[] = {
     0x26, 0xff,
     0x00,                 /* logical range 0 to 255 */
     0x75, 0x08,           /* bytes */
-    0x95, LF_MODEL_INPUT, /* so many */
+    0x95, LF_MODEL_INPUT, /* count */
     0x09, 0x02,
     0x81, 0x02,             /* usage 2, input: variable */
-    0x95, LF_MODEL_FEATURE, /* so many */
+    0x95, LF_MODEL_FEATURE, /* count */
     0x09, 0x03,
     0xb1, 0x02, /* usage 3, feature: variable */
     0xc0,       /* end of the collection */
@@ -71,7 +71,7 @@ struct lf_model {
     uint8_t configuration[CONFIGURATION_SIZE];
     size_t n_configuration;
     uint8_t configured; /* bConfigurationValue, 0 = not */
-    uint8_t idle;       /* as SET_IDLE left it */
+    uint8_t idle;       /* value of SET_IDLE */
     bool in_halted, out_halted;
 };
 
@@ -97,7 +97,7 @@ static void append_hid(lf_model *model)
     const uint8_t interface[] = {9, 4, 0, 0, 1, 3 /* HID */, 0, 0, 0};
     const uint8_t hid[] = {
         9, HID_DESCRIPTOR, 0x11, 0x01, 0, 1, REPORT_DESCRIPTOR, sizeof report_descriptor, 0};
-    /* 2^(4-1) microframes: once a millisecond */
+    /* 2^(4-1) microframes: 1 ms */
     const uint8_t endpoint[] = {7, 5, LF_MODEL_HID_ENDPOINT, 3 /* interrupt */, 64, 0, 4};
     model->hid_interface = model->n_interfaces++;
     append(model, interface, sizeof interface)[2] = (uint8_t)model->hid_interface;
@@ -119,7 +119,7 @@ static void make_descriptors(lf_model *model)
     const uint8_t looking_glass[] = {0xd8, 0x04, 0x7e, 0xef}, display[] = {0x50, 0x1d, 0x4d, 0x61};
     const uint8_t device[18] = {
         18, DEVICE_DESCRIPTOR, 0x00, 0x02, 0, 0, 0, 64, 0, 0, 0, 0, 0x00, 0x01, 1, 2, 3, 1};
-    /* powered by its own: 100 mA asked for */
+    /* self-powered; requests 100 mA */
     const uint8_t head[9] = {9, CONFIGURATION_DESCRIPTOR, 0, 0, 0, 1, 0, 0xc0, 50};
     memcpy(model->device, device, sizeof device);
     memcpy(model->device + 8, model->hid ? looking_glass : display, 4);
@@ -196,7 +196,7 @@ static int control_device(lf_model *model, const setup_packet *setup, uint8_t *d
     }
 }
 
-/* The HID interface has its descriptors where an interface is asked. */
+/* HID descriptors are read with requests to the interface. */
 static int answer_hid_descriptor(const lf_model *model, uint16_t value, uint8_t *data, size_t n)
 {
     switch (value >> 8) {
@@ -251,7 +251,7 @@ static int control_endpoint(lf_model *model, const setup_packet *setup, uint8_t 
     return 0;
 }
 
-/* GET_REPORT is refused: pages and buttons come on the interrupt endpoint. */
+/* GET_REPORT is refused: replies and buttons come on the interrupt endpoint. */
 static int control_hid(lf_model *model, const setup_packet *setup, uint8_t *data, size_t n)
 {
     if (!model->hid || setup->index != model->hid_interface)
@@ -328,7 +328,7 @@ void lf_model_destroy(lf_model *model)
     lf_free(model);
 }
 
-/* A display descriptor that holds text: ended by a line feed, filled up with blanks. */
+/* A display descriptor with text: ends with a line feed, padded with blanks. */
 static void put_text(uint8_t *at, uint8_t tag, const char *text)
 {
     size_t n = strlen(text) < 13 ? strlen(text) : 13;
@@ -340,7 +340,7 @@ static void put_text(uint8_t *at, uint8_t tag, const char *text)
         at[5 + n] = '\n';
 }
 
-/* The preferred timing at 60 Hz, with blanks of a tenth; the clock stops at what 16 bits hold. */
+/* The preferred timing at 60 Hz, with blanking of a tenth; the clock is clamped to 16 bits. */
 static void put_timing(uint8_t *at, unsigned width, unsigned height)
 {
     unsigned blank_x = width / 10 < 64 ? 64 : width / 10,

@@ -23,16 +23,16 @@ struct lf_model_gud {
     uint8_t formats[MAX_OPTION_FORMATS];
     uint8_t edid[LF_GUD_MAX_EDID];
     lf_gud_mode mode;
-    uint8_t status; /* what GET_STATUS says */
+    uint8_t status; /* result of GET_STATUS */
     lf_gud_state checked, state;
     bool has_checked, has_state, controller, display, gone;
     bool announced; /* a SET_BUFFER waits for its data */
-    /* the last rectangle failed: whole frames too begin with SET_BUFFER again */
+    /* the last rectangle failed: even whole frames need SET_BUFFER again */
     bool must_announce;
-    lf_gud_buffer buffer; /* … this one */
-    size_t expected;      /* bytes on the bulk endpoint for it */
+    lf_gud_buffer buffer; /* … described by this */
+    size_t expected;      /* bytes expected on the bulk endpoint */
     size_t received;
-    size_t capacity; /* of the two below */
+    size_t capacity; /* size of the two buffers below */
     uint8_t *in, *unpacked;
     uint8_t *pixels; /* [height][width][3] */
     uint64_t n_buffers, n_bulks;
@@ -110,7 +110,7 @@ void lf_model_gud_destroy(lf_model_gud *gud)
     lf_free(gud);
 }
 
-/* Whether a fault strikes. */
+/* True if a fault is due. */
 static bool nth(uint64_t count, uint64_t every)
 {
     return every > 0 && count % every == 0;
@@ -193,8 +193,7 @@ static size_t answer_edid(const lf_model_gud *gud, uint8_t *out)
     return gud->faults.fault == LF_GUD_NO_MODES ? 0 : gud->options.n_edid;
 }
 
-/* One property of the plane and one of the connector: a host has to give both back in every state.
- */
+/* One property of the plane and one of the connector; a host must return both in every state. */
 static size_t answer_property(uint16_t id, uint64_t value, uint8_t *out)
 {
     const lf_gud_property property = {id, value};
@@ -208,7 +207,7 @@ static size_t answer_connectors(const lf_model_gud *gud, uint8_t *out)
     return gud->faults.fault == LF_GUD_NO_CONNECTORS ? 0 : LF_GUD_CONNECTOR_BYTES;
 }
 
-/* Bytes in out[MAX_ANSWER], -1 = no such request. */
+/* Writes the answer; returns bytes in out[MAX_ANSWER], -1 = unknown request. */
 static int answer(const lf_model_gud *gud, uint8_t request, uint8_t *out)
 {
     switch (request) {
@@ -283,7 +282,7 @@ static bool running(const lf_model_gud *gud)
     return gud->has_state && gud->controller;
 }
 
-/* Products in 64 bits: what a host sends is as wild as what a device says. */
+/* Products in 64 bits, because a host's data is untrusted too. */
 static bool buffer_fits(const lf_model_gud *gud, const lf_gud_buffer *b)
 {
     const lf_model_gud_options *o = &gud->options;
@@ -381,7 +380,7 @@ int lf_model_gud_control(lf_model_gud *gud, bool in, uint8_t request, uint16_t v
 {
     if (gud->gone)
         return -ENODEV;
-    if (value != 0) /* the only connector, and what the other requests carry */
+    if (value != 0) /* 0 is the only connector, and the value of all other requests */
         return refuse(gud, LF_GUD_STATUS_INVALID_PARAMETER);
     if (in)
         return get(gud, request, data, n);
@@ -391,15 +390,14 @@ int lf_model_gud_control(lf_model_gud *gud, bool in, uint8_t request, uint16_t v
         return (int)n;
     }
     refuse(gud, status);
-    /* a device that wants to be asked after every set has taken the data before it looks at them:
-     * no STALL is left to give */
+    /* with status_on_set the device takes the data before it checks them, so it cannot stall */
     return gud->options.status_on_set && status != LF_GUD_STATUS_NOT_SUPPORTED ? (int)n : -EPIPE;
 }
 
 /* -------------------------------------------------------------------------------------- bulk -- */
 
-/* What a display without a second buffer looks like after half of a rectangle: its upper half is
- * something else. */
+/* Simulates a display without a second buffer after half of a rectangle: corrupts its upper
+ * half. */
 static void spoil(lf_model_gud *gud)
 {
     const lf_gud_buffer *b = &gud->buffer;
@@ -431,7 +429,7 @@ static void show(lf_model_gud *gud, const uint8_t *data)
     gud->gone = gud->faults.unplug_after > 0 && gud->counters.rects >= gud->faults.unplug_after;
 }
 
-/* All bytes of a rectangle are there. */
+/* All bytes of a rectangle have arrived. */
 static int finish(lf_model_gud *gud, size_t n)
 {
     const uint8_t *data = gud->in;

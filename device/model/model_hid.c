@@ -5,11 +5,11 @@
 #include "base/alloc.h"
 #include "device/model/model.h"
 
-/* As the kernel keeps for a reader of hidraw; the newest are dropped when it is full. */
+/* The kernel's queue length for a reader of hidraw; when it is full the newest are dropped. */
 #define MAX_PACKETS 64
 #define SPLIT_AT 64
 #define SHORT_REPLY 10
-#define ECHO 1 /* where the echo of the request begins in a reply */
+#define ECHO 1 /* offset of the request's echo in a reply */
 #define DATA 4
 
 typedef struct packet {
@@ -20,7 +20,7 @@ typedef struct packet {
 struct lf_model_hid {
     lf_model_hid_faults faults;
     uint8_t buttons;
-    uint8_t reply[LF_MODEL_INPUT]; /* the last one: what a button report repeats */
+    uint8_t reply[LF_MODEL_INPUT]; /* the last reply, repeated in button reports */
     int requests, replies;
     uint64_t violations;
     int first, n_packets;
@@ -110,7 +110,7 @@ static void answer(lf_model_hid *hid, unsigned page)
                  every(hid->faults.short_every, hid->replies) ? SHORT_REPLY : LF_MODEL_INPUT);
 }
 
-/* Reading a page, to the byte as the known readers ask for it. */
+/* True if this is exactly the page read of the known readers. */
 static bool is_page_request(const uint8_t *data, size_t n)
 {
     if (n != LF_MODEL_FEATURE || data[0] != 0)

@@ -1,5 +1,5 @@
-/* The link to a simulated display in the same process. Data move in bulk_end, in pieces as over a
- * wire; a wait ends at once when the link is cancelled. */
+/* The link to a simulated display in the same process. bulk_end moves the data in pieces, as over a
+ * wire; cancel ends a wait at once. */
 #include <assert.h>
 #include <errno.h>
 #include <pthread.h>
@@ -25,7 +25,7 @@ static model_link *model_of(lf_usb_link *link)
     return (model_link *)(void *)link;
 }
 
-/* Sleeps; false when the link was cancelled, also before. */
+/* Sleeps; false: the link is or was cancelled. */
 static bool sleep_ns(model_link *m, uint64_t ns)
 {
     uint64_t end = lf_time_now_ns() + ns;
@@ -75,7 +75,7 @@ static void model_bulk_begin(lf_usb_link *link, const uint8_t *data, size_t n)
     m->n = n;
 }
 
-/* The next piece, at the display's speed. */
+/* Sends the next piece, at the display's speed. */
 static lf_usb_result send_piece(model_link *m, int timeout_ms)
 {
     size_t piece = m->n < PIECE_BYTES ? m->n : PIECE_BYTES;

@@ -32,43 +32,43 @@ enum {
 enum { MAX_IN = 65536, REPLY_MAX = URB_HEADER + MAX_IN, OUTPUT_SIZE = 4 * REPLY_MAX, ROUNDS = 256 };
 #define NEVER UINT64_MAX
 
-/* A request that waits for its answer, or for the rest of its own data. */
+/* A request that waits for its answer or for the rest of its data. */
 typedef struct urb {
-    struct urb *next; /* the one that came after it */
+    struct urb *next; /* the next request */
     uint32_t seqnum, length;
-    uint8_t endpoint; /* address with the direction bit; 0 for control in either direction */
+    uint8_t endpoint; /* address with the direction bit; 0 for control transfers */
     bool in;
-    bool started;    /* the endpoint has begun with it: due_ns is set */
-    bool dead;       /* the device never answers */
-    uint64_t due_ns; /* when the device has taken the data */
+    bool started;    /* the endpoint has started it: due_ns is set */
+    bool dead;       /* no answer will come */
+    uint64_t due_ns; /* time at which the device has taken the data */
     uint8_t setup[8];
     uint8_t data[]; /* OUT: [length] */
 } urb;
 
-/* What the next bytes from the peer are. */
+/* The meaning of the next bytes from the peer. */
 typedef enum input_state {
     READ_OP,     /* the common header of the handshake */
     READ_BUSID,  /* the rest of an import request */
     READ_HEADER, /* a URB's header */
     READ_DATA,   /* the data of `incoming` */
     SKIP_DATA,   /* data of a URB that was refused */
-    READ_NOTHING /* the last answer is on its way */
+    READ_NOTHING /* the last answer is being sent */
 } input_state;
 
 struct lf_usbip {
     lf_usbip_device *device; /* borrowed */
     int fd;
-    bool holds; /* device->taken is by us */
+    bool holds; /* this connection has set device->taken */
     input_state state;
     uint8_t header[URB_HEADER];
-    size_t n_read;  /* bytes of the header, or of the data of incoming */
-    size_t to_skip; /* SKIP_DATA: bytes */
+    size_t n_read;  /* bytes read of the header, or of the data of `incoming` */
+    size_t to_skip; /* SKIP_DATA: bytes left */
     urb *incoming;  /* READ_DATA */
     urb *first, **last;
     int n_urbs;
-    size_t waiting; /* bytes of their data */
+    size_t waiting; /* bytes of data of waiting URBs */
     uint64_t due_ns;
-    size_t out_begin, out_end; /* of out, what is not sent yet */
+    size_t out_begin, out_end; /* unsent part of out */
     uint8_t out[OUTPUT_SIZE];
     uint8_t skipped[MAX_IN];
 };
@@ -94,13 +94,13 @@ static void put16(uint8_t *at, unsigned v)
 
 /* ------------------------------------------------------------------------------------ output -- */
 
-/* Room for one more answer of any kind? */
+/* True if out has room for any answer. */
 static bool has_room(const lf_usbip *usbip)
 {
     return OUTPUT_SIZE - (usbip->out_end - usbip->out_begin) >= REPLY_MAX;
 }
 
-/* Where an answer is written to; put_end takes it. */
+/* The position for the next answer; put_end commits it. */
 static uint8_t *put_begin(lf_usbip *usbip)
 {
     assert(has_room(usbip));
@@ -152,8 +152,8 @@ static int get_descriptor(lf_model *model, unsigned kind, uint8_t *out, size_t n
     return lf_model_control(model, setup, out, n);
 }
 
-/* The record of the device, from its own descriptors, and what follows it in a list: 4 bytes an
- * interface. Returns both sizes. */
+/* Writes the device record from its descriptors, and the 4 bytes per interface that follow it in a
+ * list. Returns both sizes. */
 static size_t put_record(lf_model *model, uint8_t *at, bool with_interfaces)
 {
     uint8_t device[18] = {0}, configuration[256] = {0};
@@ -166,7 +166,7 @@ static size_t put_record(lf_model *model, uint8_t *at, bool with_interfaces)
     put32(at + 288, LF_USBIP_DEVID >> 16);
     put32(at + 292, LF_USBIP_DEVID & 0xffff);
     put32(at + 296, LF_USBIP_HIGH_SPEED);
-    for (int i = 0; i < 3; i++) /* vendor, product, version: little-endian there */
+    for (int i = 0; i < 3; i++) /* vendor, product, version: little-endian in the descriptor */
         put16(at + 300 + 2 * i, (unsigned)device[8 + 2 * i] | (unsigned)device[9 + 2 * i] << 8);
     memcpy(at + 306, device + 4, 3);
     at[309] = configuration[5];
@@ -237,7 +237,7 @@ static void put_return(uint8_t *at, uint32_t command, uint32_t seqnum, int statu
     put32(at + 20, (uint32_t)status);
 }
 
-/* result: bytes or a negative errno. data_n bytes of IN data lie behind the header already. */
+/* result: bytes or a negative errno. data_n bytes of IN data follow the header already. */
 static void put_submit(lf_usbip *usbip, uint8_t *at, uint32_t seqnum, int result, size_t data_n)
 {
     put_return(at, RET_SUBMIT, seqnum, result < 0 ? result : 0);
@@ -265,7 +265,7 @@ static void drop(lf_usbip *usbip, urb **link)
     lf_free(u);
 }
 
-/* What the device says to a URB: bytes or a negative errno. IN data goes to in_data[MAX_IN]. */
+/* The device's answer to a URB: bytes or a negative errno. IN data goes to in_data[MAX_IN]. */
 static int ask_model(lf_usbip *usbip, urb *u, uint8_t *in_data)
 {
     uint8_t *data = u->in ? in_data : u->data;
@@ -278,7 +278,7 @@ static int ask_model(lf_usbip *usbip, urb *u, uint8_t *in_data)
     return lf_model_control(usbip->device->model, u->setup, data, n < wanted ? n : wanted);
 }
 
-/* The first URB of an endpoint. False: it waits on. */
+/* Tries the first URB of an endpoint. False: it still waits. */
 static bool try_urb(lf_usbip *usbip, urb *u, uint64_t now_ns, lf_status *status)
 {
     if (u->dead)
@@ -303,8 +303,8 @@ static bool try_urb(lf_usbip *usbip, urb *u, uint64_t now_ns, lf_status *status)
     return true;
 }
 
-/* Answers what can be answered. A control transfer may make an input report, so that all are looked
- * at again then. */
+/* Answers all URBs that can be answered. A control transfer may produce an input report, so all are
+ * checked again after one. */
 static lf_status pump(lf_usbip *usbip, uint64_t now_ns)
 {
     bool again = true;
@@ -316,7 +316,7 @@ static lf_status pump(lf_usbip *usbip, uint64_t now_ns)
         for (urb **link = &usbip->first; *link && status == LF_OK;) {
             urb *u = *link;
             if (!has_room(usbip)) {
-                usbip->due_ns = now_ns; /* the rest once the peer has read */
+                usbip->due_ns = now_ns; /* the rest after the peer has read */
                 return LF_OK;
             }
             uint32_t bit = 1u << ((u->endpoint & 0x0f) + (u->endpoint & 0x80 ? 16 : 0));
@@ -394,7 +394,7 @@ static lf_status take_command(lf_usbip *usbip, lf_error *err)
 
 /* ------------------------------------------------------------------------------------- input -- */
 
-/* Where the next bytes go, and how many there are at most. */
+/* The target of the next bytes, and its size. */
 static size_t input_target(lf_usbip *usbip, uint8_t **out)
 {
     static const size_t sizes[] = {
@@ -411,7 +411,7 @@ static size_t input_target(lf_usbip *usbip, uint8_t **out)
     return sizes[usbip->state] - usbip->n_read;
 }
 
-/* n bytes have come to the target; `whole` = all it wanted. */
+/* n bytes have arrived in the target; `whole`: it is full. */
 static lf_status take_input(lf_usbip *usbip, size_t n, bool whole, lf_error *err)
 {
     if (usbip->state == SKIP_DATA) {
@@ -438,7 +438,7 @@ static lf_status take_input(lf_usbip *usbip, size_t n, bool whole, lf_error *err
     }
 }
 
-/* One read. *out_more: there may be more to read. */
+/* Reads once. *out_more: there may be more to read. */
 static lf_status receive(lf_usbip *usbip, bool *out_more, lf_error *err)
 {
     uint8_t *to;

@@ -44,9 +44,9 @@ void lf_usbip_destroy(lf_usbip *usbip);
 int lf_usbip_poll(const lf_usbip *usbip, uint64_t now_ns, struct pollfd *out);
 /* Reads, answers and writes what is possible at this time (CLOCK_MONOTONIC). To be called also when
  * the device has news, such as a button.
- *   LF_OK        the connection continues
- *   LF_E_NODEV   normal end: the list was sent, the host has gone, or the device has
- *   LF_E_FORMAT  the peer broke the protocol (err says how)
+ *   LF_OK        the connection continues.
+ *   LF_E_NODEV   normal end: the list was sent, the host has gone, or the device has.
+ *   LF_E_FORMAT  the peer broke the protocol (err says how).
  *   LF_E_IO, LF_E_NOMEM
  *
  * After an error only destroy may be called. */

@@ -23,7 +23,7 @@ static lf_status cannot(lf_error *err, const char *path, const char *verb)
                                                           : "");
 }
 
-/* "hs  0000 004 000 00000000 000000 0-0" is a free port of the hub that high speed takes. */
+/* "hs 0000 004 000 00000000 000000 0-0" is a free port of the high-speed hub. */
 static lf_status find_port(const char *folder, unsigned *out_port, lf_error *err)
 {
     char path[PATH_MAX], line[256];
@@ -69,7 +69,7 @@ lf_status lf_vhci_attach(const char *folder, int *out_fd, lf_error *err)
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) < 0)
         return cannot(err, folder, "cannot create a pair of sockets");
     status = give(folder, port, ends[1], err);
-    close(ends[1]); /* the kernel holds its own reference */
+    close(ends[1]); /* the kernel has its own reference */
     if (status == LF_OK)
         *out_fd = ends[0];
     else

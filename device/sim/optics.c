@@ -7,14 +7,14 @@
 #include "base/alloc.h"
 
 #define MM_PER_INCH 25.4
-#define DEFAULT_CONE_DEG 40.0 /* what most panels have, for calibrations that do not say */
+#define DEFAULT_CONE_DEG 40.0 /* typical value, for calibrations without one */
 
 enum { N_ENCODE = 16384 };
 
-/* Light that one lens sends to the eye at one height. */
+/* Light of one lens towards the eye at one height. */
 typedef struct glow {
     float rgb[3];
-    float seen; /* 0 where the strip lies outside of the panel */
+    float seen; /* 0 if the strip is outside the panel */
 } glow;
 
 struct lf_optics {
@@ -22,19 +22,19 @@ struct lf_optics {
     int screen_width, screen_height;
     double pixel_mm, lens_mm;
     double normal[2]; /* unit vector across the lenses, x right, y up */
-    double first_mm;  /* where, across, the lens numbered 0 begins */
-    double strip_mm;  /* from a lens's axis to the strip that the eye sees, across */
-    double reach_px;  /* half height of the piece of strip that makes one sample, in rows */
+    double first_mm;  /* position, across the lenses, at which lens 0 begins */
+    double strip_mm;  /* offset from a lens's axis to the visible strip, across the lenses */
+    double reach_px;  /* half height of the strip averaged for one sample, in rows */
     int pattern, n_cells;
     double offset_px[LF_MAX_CELLS][3 /* RGB */]
-                    [2 /* x, y */];         /* of the emitters from their pixel's centre */
+                    [2 /* x, y */];         /* offset of the emitters from their pixel's centre */
     double leftmost_px[3], rightmost_px[3]; /* smallest and largest x offset of a colour */
-    int width, height;                      /* of the seen picture */
+    int width, height;                      /* size of the seen image */
     float linear[256];
     uint8_t encoded[N_ENCODE];
     /* scratch */
     int max_lenses;
-    glow *lenses; /* [max_lenses], those that cross the present row */
+    glow *lenses; /* [max_lenses], the lenses that cross the current row */
 };
 
 static double srgb_to_linear(double v)
@@ -47,8 +47,8 @@ static double linear_to_srgb(double v)
     return v <= 0.0031308 ? v * 12.92 : 1.055 * pow(v, 1 / 2.4) - 0.055;
 }
 
-/* Where a pixel's three emitters sit. Plain stripes are a third of a pixel apart, and the
- * calibration measures from the first of them. */
+/* Positions of a pixel's three emitters. Plain stripes are a third of a pixel apart, and the
+ * calibration measures from the first one. */
 static void place_emitters(lf_optics *o, const lf_calibration *c)
 {
     o->pattern = c->n_cells > 0 ? c->cell_pattern_mode : 0;
@@ -79,13 +79,13 @@ static void place_lenses(lf_optics *o, const lf_calibration *c, double eye_deg)
     o->normal[0] = cos(lean);
     o->normal[1] = sin(lean);
     o->first_mm = c->center * o->lens_mm;
-    /* First-generation panels say by inv_view whether their lenses turn left and right round; all
-     * others do. */
+    /* First-generation panels state in inv_view whether their views are reversed; on all others
+     * they are. */
     double turn = strcmp(c->config_version, "1.0") == 0 && !c->inv_view ? 1 : -1;
     double cone_deg = c->view_cone_deg > 0 ? c->view_cone_deg : DEFAULT_CONE_DEG;
     o->strip_mm = turn * eye_deg / cone_deg * o->lens_mm;
-    /* Over this many rows the lean moves the emitters by a pixel or more, so that some lie close to
-     * the strip. */
+    /* Over this many rows the slant moves the emitters by a pixel or more, so that some are close
+     * to the strip. */
     o->reach_px = fmin(fmax(fabs(c->slope), 2), 8);
 }
 
@@ -140,7 +140,7 @@ void lf_optics_size(const lf_optics *optics, int *out_width, int *out_height)
     *out_height = optics->height;
 }
 
-/* Which cell a pixel has; y from the bottom. */
+/* The cell of a pixel; y from the bottom. */
 static int cell_of(const lf_optics *o, int x, int y)
 {
     int n = 0;
@@ -163,9 +163,9 @@ static int cell_of(const lf_optics *o, int x, int y)
     return n % o->n_cells;
 }
 
-/* The spot that a lens makes of a point, over the distance in pixels across the lens: nearly a
- * Gaussian of 0.18 pixels, zero from one pixel on. In any row an emitter of each colour lies within
- * half a pixel, so something always shows. */
+/* A lens's spot of a point, over the distance in pixels across the lens: nearly a Gaussian of 0.18
+ * pixels, zero beyond one pixel. In any row an emitter of each colour is within half a pixel, so
+ * there is always light. */
 static float spot(double distance_px)
 {
     float d2 = (float)(distance_px * distance_px);
@@ -178,7 +178,7 @@ static float spot(double distance_px)
     return a * a;
 }
 
-/* Adds the light of one colour's emitters in panel row y (from the bottom) close to the line
+/* Adds the light of one colour's emitters in panel row y (from the bottom) near the line
  * `across_px` = x nx + y ny. */
 static void gather_row(const lf_optics *o, const uint8_t *row, int y, int colour, double across_px,
                        float row_weight, float *sum, float *weight)
@@ -197,12 +197,11 @@ static void gather_row(const lf_optics *o, const uint8_t *row, int y, int colour
     }
 }
 
-/* What lens number `lens` sends to the eye from height_px above the panel's lower edge. */
+/* The light of lens `lens` towards the eye at height_px above the panel's lower edge. */
 static glow look_through(const lf_optics *o, const lf_image8 *panel, int lens, double height_px)
 {
     double strip_px = (o->first_mm + (lens + 0.5) * o->lens_mm + o->strip_mm) / o->pixel_mm;
-    /* A lens displaces at right angles to its axis, so the strip is met a little higher or lower.
-     */
+    /* A lens displaces at right angles to its axis, so the strip is a little higher or lower. */
     double middle = height_px + o->strip_mm / o->pixel_mm * o->normal[1] - 0.5;
     int first = (int)fmax(0, ceil(middle - o->reach_px));
     int last = (int)fmin(o->screen_height - 1, floor(middle + o->reach_px));
@@ -225,7 +224,7 @@ static uint8_t encode(const lf_optics *o, float linear)
     return o->encoded[i < 0 ? 0 : i >= N_ENCODE ? N_ENCODE - 1 : i];
 }
 
-/* The eye does not resolve single lenses: the picture runs evenly from axis to axis. */
+/* The eye does not resolve single lenses, so the image is interpolated from axis to axis. */
 static void mix_lenses(const lf_optics *o, const glow *left, const glow *right, float to_right,
                        uint8_t *out)
 {
@@ -236,7 +235,7 @@ static void mix_lenses(const lf_optics *o, const glow *left, const glow *right, 
             total > 0 ? encode(o, (a * left->rgb[colour] + b * right->rgb[colour]) / total) : 0;
 }
 
-/* The lens axis, counted in lenses and fractions, over a point of the panel. */
+/* The position in lenses, with fraction, over a point of the panel. */
 static double axis_at(const lf_optics *o, double x_px, double y_px)
 {
     double across_mm = (x_px * o->normal[0] + y_px * o->normal[1]) * o->pixel_mm;

@@ -1,24 +1,25 @@
-/* The simulated panel: sim:DIR[,option=value…]. What would be on the glass lies in DIR (made when
- * missing):
+/* The simulated panel: sim:DIR[,option=value…]. It writes into DIR, which is created if missing:
  *
- *   panel.png, view.png, quilt.png   what the panel shows, what an eye in front of it sees, the
- *                                    views behind it; each whole at any time, with the generation
- *                                    as a text chunk; the first at once, then at most twice a
- *                                    second (and at most a sixth of one core), when somebody waits
- *                                    for them, and at the end
- *   updates.jsonl, updates.jsonl.1   a line a rectangle shown: seq (of the push), x, y, width,
+ *   panel.png, view.png, quilt.png   the panel's pixels, the image for an eye in front of it, the
+ *                                    views. Each is whole at any time, with the generation as a
+ *                                    text chunk. Written at once, then at most twice a second (and
+ *                                    with at most a sixth of one core), when a client waits for
+ *                                    them, and at the end
+ *   updates.jsonl, updates.jsonl.1   one line per rectangle shown: seq (of the push), x, y, width,
  *                                    height, bytes, time_ns
- *   calibration.json                 read at open when it is there; else the panel is a nominal
+ *   calibration.json                 read at open if it exists; otherwise the panel is a nominal
  *                                    Portrait
- *   .unplugged                       written when the unplug option strikes
+ *   .unplugged                       written when the unplug option takes effect
  *
- * The folder itself is held open and locked (flock), so that two daemons never share a panel, and
- * so that everything is in the folder that was opened, whatever its name leads to by now. Options:
- * lf_sim_options in device/sim/sim.h. A folder that cannot be written to ends nothing: it is
- * counted and told by info.problem. One that was removed ends the device (LF_DEVICE_LOST): opened
- * again, it makes a new folder.
+ * The folder is held open and locked (flock), so that two daemons never share a panel. All files
+ * are in the folder that was opened, whatever its name leads to now. Options: lf_sim_options in
+ * device/sim/sim.h.
  *
- * This file is the state machine of pushes; a timerfd rings when the one under way ends. */
+ * If the folder is not writable, errors are counted and reported in info.problem, and the device
+ * continues. If it is removed, the device ends (LF_DEVICE_LOST); opening it again creates a new
+ * folder.
+ *
+ * This file is the state machine of pushes; a timerfd expires when the push in progress ends. */
 #include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -50,23 +51,23 @@ typedef struct sim_device {
     lf_calibration calibration;
     char calibration_from[256];
     char spec[512];
-    int dir_fd;            /* holds the lock; everything is reached through it */
-    int timer_fd, news_fd; /* rings when a push ends; when the writer has written */
-    int removed_fd;        /* inotify: something is removed beside the folder; -1 = none */
-    int poll_fd;           /* epoll, of the three */
+    int dir_fd;            /* holds the lock; all files are opened through it */
+    int timer_fd, news_fd; /* expires when a push ends; signals that the writer has written */
+    int removed_fd;        /* inotify: removals in the parent folder; -1 = none */
+    int poll_fd;           /* epoll of the three */
     lf_sim_writer *writer;
     /* event thread */
-    bool may_unplug; /* the unplug option has not struck yet in this process */
+    bool may_unplug; /* the unplug option has not taken effect yet in this process */
     bool gone;
-    bool busy;       /* a push is under way … */
+    bool busy;       /* a push is in progress … */
     bool fails;      /* … and will not be shown … */
-    uint64_t end_ns; /* … and ends then (LF_SIM_NEVER) */
-    bool retry;      /* a failed push is to be told */
-    bool given_up;   /* flush has waited in vain: destroy does not wait again */
-    uint64_t pushes; /* begun so far; the number of the last one */
+    uint64_t end_ns; /* … and ends at this time (LF_SIM_NEVER) */
+    bool retry;      /* a failed push is to be reported */
+    bool given_up;   /* flush has timed out: destroy does not wait again */
+    uint64_t pushes; /* pushes begun so far; the number of the last one */
     uint64_t generation;
     int n_pending;
-    lf_sim_update *pending; /* [LF_DEVICE_MAX_RECTS] rectangles of the push under way */
+    lf_sim_update *pending; /* [LF_DEVICE_MAX_RECTS] rectangles of the push in progress */
     lf_device_counters counters;
     char unplug_problem[256];
 } sim_device;
@@ -83,7 +84,7 @@ static const sim_device *const_sim_of(const lf_device *device)
 
 /* -------------------------------------------------------------------------------------- open -- */
 
-/* Makes a folder and those above it. */
+/* Creates a folder and its parents. */
 static lf_status make_folder(const char *dir, lf_error *err)
 {
     char path[sizeof((lf_sim_options *)0)->dir];
@@ -107,7 +108,7 @@ static lf_status cannot_open(const char *dir, lf_error *err)
     return lf_error_set(err, LF_E_IO, dir, "cannot open the folder: %s", lf_errno_text(errno));
 }
 
-/* Made with those above it where they are missing. */
+/* Opens the folder; creates it and its parents if missing. */
 static lf_status open_folder(const char *dir, int *out_fd, lf_error *err)
 {
     int fd = open(dir, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -123,7 +124,7 @@ static lf_status open_folder(const char *dir, int *out_fd, lf_error *err)
     return LF_OK;
 }
 
-/* The folder above the canonical name, O_PATH; -1 and errno. */
+/* The parent folder of the canonical name, O_PATH; -1 and errno. */
 static int open_above(const char *dir, const char *last)
 {
     char above[sizeof((lf_sim_options *)0)->dir];
@@ -138,7 +139,8 @@ static int open_above(const char *dir, const char *last)
     return fd;
 }
 
-/* By its canonical name, following no link; made where only it itself is missing. */
+/* Opens the folder by its canonical name, following no link; creates it if only the last part is
+ * missing. */
 static lf_status open_canonical(const char *dir, int *out_fd, lf_error *err)
 {
     const char *slash = strrchr(dir, '/'), *last = slash ? slash + 1 : dir;
@@ -222,8 +224,8 @@ static bool add_to_poll(const sim_device *sim, int fd)
     return fd >= 0 && epoll_ctl(sim->poll_fd, EPOLL_CTL_ADD, fd, &event) == 0;
 }
 
-/* Of the folder above, since one that is held open is not told of its own end. Without it that is
- * found out with the next picture. */
+/* Watches the parent, since a folder that is held open gets no event about its own removal. Without
+ * this, the next picture detects it. */
 static void watch_removal(sim_device *sim)
 {
     char above[64];
@@ -286,7 +288,7 @@ fail:
 
 /* -------------------------------------------------------------------------------------- push -- */
 
-/* Whether the present push is the one that an option means. */
+/* True if an option makes the current push fail. */
 static bool push_fails(const sim_device *sim)
 {
     const lf_sim_options *o = &sim->options;
@@ -305,7 +307,7 @@ static uint64_t push_duration_ns(const sim_device *sim, uint64_t bytes)
     return o->stall_ms == LF_SIM_NEVER ? LF_SIM_NEVER : duration + o->stall_ms * LF_NS_PER_MS;
 }
 
-/* Rings at end_ns; LF_SIM_NEVER never. */
+/* Sets the timer to end_ns; LF_SIM_NEVER: never. */
 static void set_timer(const sim_device *sim, uint64_t end_ns)
 {
     if (end_ns == LF_SIM_NEVER)
@@ -359,7 +361,7 @@ static void unplug(sim_device *sim)
     }
 }
 
-/* The push under way has come to its end: well, or as its fault wants it. */
+/* Ends the push in progress: successfully, or with its fault. */
 static void end_push(sim_device *sim)
 {
     sim->busy = false;
@@ -381,7 +383,7 @@ static void end_push(sim_device *sim)
 
 /* ----------------------------------------------------------------------------- the other ops -- */
 
-/* Sleeps until the push under way has ended, at most until `until`; false when it has not. */
+/* Waits until the push in progress has ended, at most until `until`; false: it has not. */
 static bool wait_for_push(sim_device *sim, uint64_t until)
 {
     if (!sim->busy)
@@ -448,8 +450,8 @@ static lf_device_event sim_dispatch(lf_device *device)
 {
     sim_device *sim = sim_of(device);
     uint64_t rings;
-    char events[4096]; /* that something was removed: what, lf_sim_removed finds out */
-    /* Nothing to read is no error: what counts is the clock. */
+    char events[4096]; /* a removal; lf_sim_removed checks which */
+    /* Reading nothing is not an error: only the clock decides. */
     if (read(sim->timer_fd, &rings, sizeof rings) < 0)
         assert(errno == EAGAIN || errno == EINTR || errno == ECANCELED);
     lf_wakeup_clear(sim->news_fd);
@@ -475,7 +477,7 @@ static lf_status sim_kept(lf_device *device, bool awaited, uint64_t *out_pushes)
     lf_status status = lf_sim_writer_kept(sim->writer, awaited, out_pushes);
     if (!lf_sim_removed(sim->dir_fd))
         return status;
-    lf_wakeup_signal(sim->news_fd); /* dispatch tells */
+    lf_wakeup_signal(sim->news_fd); /* dispatch reports it */
     return LF_E_NODEV;
 }
 
@@ -501,13 +503,13 @@ static lf_status sim_flush(lf_device *device, int timeout_ms)
     return status == LF_OK && sim->gone ? LF_E_NODEV : status;
 }
 
-/* What a spec says: the folder up to the first comma. */
+/* The folder of a spec: up to the first comma. */
 static size_t sim_folder(const char *argument)
 {
     return strcspn(argument, ",");
 }
 
-/* The folder, canonical; malloced, NULL = there is none yet. */
+/* The canonical folder, malloced; NULL = it does not exist yet. */
 static char *real_folder(const char *argument)
 {
     char folder[sizeof((lf_sim_options *)0)->dir];

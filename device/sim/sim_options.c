@@ -26,7 +26,7 @@ static const struct number_option {
     {"rotate", offsetof(lf_sim_options, rotate_bytes), 1},
 };
 
-/* A whole number at text up to `end`; false when it is anything else. */
+/* Parses a whole number from text to `end`; false: anything else. */
 static bool parse_number(const char *text, const char *end, uint64_t least, uint64_t *out)
 {
     uint64_t value = 0;

@@ -24,14 +24,14 @@ static bool read_small(int folder_fd, const char *name, char *out, size_t size)
     return n > 0;
 }
 
-/* When this process was started, in clock ticks: with the process id it names the process, also
- * across boots of a container in which the daemon always has the same id. */
+/* Start time of this process, in clock ticks. With the process id it identifies the process, even
+ * across restarts of a container that always uses the same id. */
 static uint64_t start_time(void)
 {
     char stat[1024];
     if (!read_small(AT_FDCWD, "/proc/self/stat", stat, sizeof stat))
         return 0;
-    /* the 2nd field, the program's name, may hold anything */
+    /* the second field, the program's name, may contain any character */
     const char *field = strrchr(stat, ')');
     for (int i = 2; field && i < 22; i++)
         field = strchr(field + 1, ' ');

@@ -25,7 +25,7 @@ void lf_sim_log_finish(lf_sim_log *log)
     log->fd = -1;
 }
 
-/* A kill in the middle of a write may have left half a line: it is cut off. */
+/* Removes an incomplete last line, left by a kill during a write. */
 static void cut_half_line(int fd)
 {
     char tail[MAX_LINE];
@@ -37,7 +37,7 @@ static void cut_half_line(int fd)
     while (n > 0 && tail[n - 1] != '\n')
         n--;
     if (n >= 0 && start + n < st.st_size && ftruncate(fd, start + n) != 0)
-        return; /* then one line stays damaged: readers skip it */
+        return; /* one line stays damaged; readers skip it */
 }
 
 static lf_status open_log(lf_sim_log *log, lf_error *err)
@@ -77,7 +77,7 @@ static lf_status append_text(lf_sim_log *log, const char *text, size_t length, l
         if (n <= 0) {
             int why = n < 0 ? errno : ENOSPC;
             if (ftruncate(log->fd, st.st_size) != 0)
-                lf_sim_log_finish(log); /* opening it again cuts the half line */
+                lf_sim_log_finish(log); /* opening it again removes the incomplete line */
             return lf_error_set(err, LF_E_IO, name, "cannot write: %s", lf_errno_text(why));
         }
         done += (size_t)n;
@@ -101,7 +101,7 @@ lf_status lf_sim_log_append(lf_sim_log *log, const lf_sim_update *updates, int n
 {
     char block[BLOCK];
     size_t used = 0;
-    /* A small limit is kept line by line; the real one does not need that. */
+    /* A small limit needs writing line by line; the usual one does not. */
     size_t full = log->rotate_bytes < BLOCK ? 0 : BLOCK - MAX_LINE;
     for (int i = 0; i < n; i++) {
         used += format_line(&updates[i], block + used);

@@ -17,19 +17,19 @@
 #include "device/sim/sim.h"
 
 #define LEAST_PAUSE_NS (LF_NS_PER_S / 2)
-#define PAUSE_PER_WORK 5 /* at most a sixth of one core goes into pictures */
+#define PAUSE_PER_WORK 5 /* pictures use at most a sixth of one core */
 #define LAST_PICTURES_NS (LF_NS_PER_S / 2)
 
 enum { PNG_LEVEL = 1, RING = 16384, BATCH = 256, MAX_QUILT = 16384, NICER = 5 };
 
-/* Calls of lf_sim_writer_shown: how many, up to which all pictures are on disk, and up to which
- * that was at least tried. */
+/* Counts of lf_sim_writer_shown: all; those with all pictures on disk; those for which writing was
+ * attempted. */
 typedef struct progress {
     uint64_t shown, written, attempted;
-    uint64_t awaited; /* up to which somebody waits for them; 0 = nobody does */
+    uint64_t awaited; /* count that a client waits for; 0 = none */
 } progress;
 
-/* Lines that the log is owed. */
+/* Lines not yet written to the log. */
 typedef struct owed_lines {
     uint64_t n, start;
     lf_sim_update *ring; /* [RING] */
@@ -39,32 +39,31 @@ typedef struct owed_lines {
 
 struct lf_sim_writer {
     /* immutable after create */
-    char dir[512]; /* to be told */
+    char dir[512]; /* for messages */
     int folder_fd, news_fd;
     bool has_lock, has_wake, has_idle, has_thread;
     pthread_t thread;
 
     /* writer thread only */
     lf_sim_log log;
-    lf_optics *optics; /* NULL: this calibration cannot be looked at */
+    lf_optics *optics; /* NULL: this calibration cannot be simulated */
     lf_image8 snapshot, view, quilt;
     uint64_t snapshot_generation;
 
     pthread_mutex_t lock;
-    pthread_cond_t wake; /* for the thread: something to do */
+    pthread_cond_t wake; /* for the thread: there is work */
     pthread_cond_t idle; /* for flush: a round has ended */
 
     /* under lock */
     lf_image8 panel;      /* what the panel shows */
     lf_image8 next_quilt; /* newest views */
-    uint64_t generation;  /* of panel */
+    uint64_t generation;  /* generation of the panel's picture */
     progress progress;
-    /* next_quilt was not yet taken: goes out with the next picture of the panel, at the end by
-     * itself */
+    /* next_quilt is new: written with the panel's next picture, or alone at the end */
     bool quilt_new;
     bool hurry, stop;
-    uint64_t stop_ns; /* when destroy was called */
-    uint64_t due_ns;  /* no picture before this */
+    uint64_t stop_ns; /* time of destroy */
+    uint64_t due_ns;  /* earliest time of the next picture */
     owed_lines owed;
     uint64_t errors;
     char picture_problem[256];
@@ -77,7 +76,7 @@ static uint64_t thread_cpu_ns(void)
     return (uint64_t)t.tv_sec * LF_NS_PER_S + (uint64_t)t.tv_nsec;
 }
 
-/* err is about a file in the folder, by whatever path. */
+/* Sets the problem from err, which is about a file in the folder. */
 static void set_problem(const lf_sim_writer *w, char *out, size_t size, const lf_error *err)
 {
     char text[256];
@@ -87,12 +86,13 @@ static void set_problem(const lf_sim_writer *w, char *out, size_t size, const lf
     lf_device_text(out, size, text);
 }
 
-/* Said once, until it is over: nobody may be asking. `known` is what was said last. Without the
- * lock, which nothing of the panel's waits for; this thread alone writes problems. */
+/* Logs a problem once until it is over, because nobody may query it. `known`: the last problem
+ * logged. Called without the lock, so that the panel never waits for it; only this thread writes
+ * problems. */
 static void tell_problem(const lf_sim_writer *w, const char *known, const char *problem)
 {
     if (problem[0] != 0 && known[0] == 0 &&
-        !lf_sim_removed(w->folder_fd)) /* the device tells that */
+        !lf_sim_removed(w->folder_fd)) /* the device reports that */
         lf_log(LF_LOG_WARNING, "sim: %s", problem);
 }
 
@@ -118,7 +118,7 @@ static lf_status write_png(const lf_sim_writer *w, const char *name, const lf_im
     return status;
 }
 
-/* True when destroy has been waiting for so long that what can be left out is left out. */
+/* True: destroy has waited so long that optional work is skipped. */
 static bool too_late(lf_sim_writer *w)
 {
     pthread_mutex_lock(&w->lock);
@@ -127,7 +127,7 @@ static bool too_late(lf_sim_writer *w)
     return late;
 }
 
-/* The panel as it is now, and the newest views, into the thread's own pictures. */
+/* Copies the panel's current state and the newest views to the thread's own pictures. */
 static bool take_pictures(lf_sim_writer *w)
 {
     memcpy(w->snapshot.data, w->panel.data, w->panel.stride * (size_t)w->panel.height);
@@ -201,7 +201,7 @@ static void write_lines(lf_sim_writer *w)
 
 /* -------------------------------------------------------------------------------- the thread -- */
 
-/* Something that flush waits for. */
+/* True if there is work that flush waits for. */
 static bool untried(const lf_sim_writer *w)
 {
     return w->progress.shown != w->progress.attempted || w->quilt_new;
@@ -228,8 +228,8 @@ static void *writer_main(void *context)
 {
     lf_sim_writer *w = context;
     bool quilt_owed = false;
-    /* Encoding yields to commands, and to rendering no more than half: somebody may wait for it. On
-     * Linux this is the thread's own. */
+    /* Encoding yields to commands, and shares time with rendering, because a client may wait for
+     * the files. On Linux the priority is per thread. */
     (void)setpriority(PRIO_PROCESS, (id_t)gettid(), getpriority(PRIO_PROCESS, 0) + NICER);
     pthread_mutex_lock(&w->lock);
     for (;;) {
@@ -267,7 +267,7 @@ void lf_sim_writer_shown(lf_sim_writer *w, const lf_sim_update *updates, int n, 
     w->generation = generation;
     w->progress.shown++;
     for (int i = 0; i < n; i++) {
-        if (w->owed.n == RING) { /* the disk does not keep up: the oldest line goes */
+        if (w->owed.n == RING) { /* the disk is too slow: drops the oldest line */
             w->owed.start++;
             w->owed.n--;
             w->errors++;
@@ -281,7 +281,7 @@ void lf_sim_writer_shown(lf_sim_writer *w, const lf_sim_update *updates, int n, 
     pthread_mutex_unlock(&w->lock);
 }
 
-/* Makes `quilt` a black picture of this size unless it is one already. */
+/* Makes `quilt` a black picture of this size, unless it has the size. */
 static lf_status shape_quilt(lf_image8 *quilt, int width, int height)
 {
     if (quilt->data && quilt->width == width && quilt->height == height)
@@ -290,8 +290,8 @@ static lf_status shape_quilt(lf_image8 *quilt, int width, int height)
     return lf_image8_init(quilt, width, height, 3);
 }
 
-/* Copies a view into its tile, or blackens a tile after the last view (the last quilt of this size
- * may have had more). */
+/* Copies a view to its tile, or blackens a tile after the last view (the previous quilt of this
+ * size may have had more). */
 static void fill_tile(const lf_views8 *views, int tile, int x, int y, lf_image8 *quilt)
 {
     for (int row = 0; row < views->height; row++) {
@@ -325,7 +325,7 @@ lf_status lf_sim_writer_flush(lf_sim_writer *w, int timeout_ms)
     pthread_mutex_lock(&w->lock);
     w->hurry = true;
     if (w->progress.written != w->progress.shown)
-        w->progress.attempted = w->progress.written; /* what failed before is tried once more */
+        w->progress.attempted = w->progress.written; /* retries what failed before */
     pthread_cond_signal(&w->wake);
     while ((w->owed.n > 0 || untried(w)) && in_time)
         in_time = lf_cond_wait_until(&w->idle, &w->lock, end);
@@ -334,7 +334,7 @@ lf_status lf_sim_writer_flush(lf_sim_writer *w, int timeout_ms)
     bool failed = w->owed.failed || w->progress.written != w->progress.shown;
     if (done)
         w->owed.failed = false;
-    pthread_cond_signal(&w->wake); /* it waits without a due time while hurrying */
+    pthread_cond_signal(&w->wake); /* while hurrying it waits without a due time */
     pthread_mutex_unlock(&w->lock);
     return !done ? LF_E_TIMEOUT : failed ? LF_E_IO : LF_OK;
 }
@@ -377,7 +377,7 @@ static lf_status make_pictures(lf_sim_writer *w, const lf_calibration *c, double
         return status;
     status = lf_optics_create(c, eye_deg, &w->optics, NULL);
     if (status != LF_OK)
-        return status == LF_E_ARG ? LF_OK : status; /* lf_sim_writer_problem tells */
+        return status == LF_E_ARG ? LF_OK : status; /* lf_sim_writer_problem reports it */
     int width, height;
     lf_optics_size(w->optics, &width, &height);
     return lf_image8_init(&w->view, width, height, 3);

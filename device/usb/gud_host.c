@@ -11,16 +11,16 @@
 #define WHERE "GUD display"
 
 enum {
-    ASK_MS = 1000,        /* for a question */
-    OPEN_MS = 3000,       /* for all questions together */
-    STOP_MS = 200,        /* for switching off, which nobody waits for */
-    SET_MS = 5000,        /* for what may switch a panel on: as the kernel's driver */
-    MOVE_MS = 3000,       /* without a byte moved: as the kernel's driver */
-    BAND_BYTES = 4 << 20, /* as most displays' buffers; a larger one would not go faster */
+    ASK_MS = 1000,        /* per query */
+    OPEN_MS = 3000,       /* for all queries together */
+    STOP_MS = 200,        /* for switching off */
+    SET_MS = 5000,        /* for requests that may switch a panel on, as in the kernel's driver */
+    MOVE_MS = 3000,       /* without any byte moved, as in the kernel's driver */
+    BAND_BYTES = 4 << 20, /* the buffer size of most displays; a larger one is not faster */
     MAX_ANSWER = LF_GUD_MAX_MODES * LF_GUD_MODE_BYTES + 1,
 };
 
-/* A band on its way. */
+/* A band being sent. */
 typedef struct packet {
     int band;
     lf_gud_buffer announce;
@@ -31,7 +31,7 @@ typedef struct packet {
 
 struct lf_gud_host {
     lf_usb_link *link;
-    double open_until; /* lf_time_now at which asking ends */
+    double open_until; /* deadline of the queries (lf_time_now) */
     bool stopping;
     lf_gud_descriptor descriptor;
     lf_gud_format format;
@@ -40,12 +40,12 @@ struct lf_gud_host {
     uint8_t edid[LF_GUD_MAX_EDID + 1];
     int n_modes;
     lf_gud_mode modes[LF_GUD_MAX_MODES];
-    lf_gud_state state; /* properties from open on; mode from choose on */
+    lf_gud_state state; /* properties are set by open, mode by choose */
     lf_gud_plan *plan;
-    size_t capacity;   /* bytes of a packet */
-    packet packets[2]; /* one is filled while the other is on the wire */
+    size_t capacity;   /* size of a packet */
+    packet packets[2]; /* one is filled while the other is being sent */
     void *lz4_state;
-    bool announce; /* a display of whole frames must be told again what comes */
+    bool announce; /* a FULL_UPDATE display needs SET_BUFFER again */
     lf_gud_host_counters counters;
 };
 
@@ -57,7 +57,7 @@ static lf_status failed(lf_usb_result result, const char *what, lf_error *err)
                         lf_usb_result_text(result));
 }
 
-/* The display's own word for what went wrong with `what`; LF_OK when it has nothing against it. */
+/* The display's status after `what`; LF_OK if it reports none. */
 static lf_status check_status(lf_gud_host *host, const char *what, lf_error *err)
 {
     uint8_t status = 0;
@@ -78,19 +78,19 @@ static lf_status check_status(lf_gud_host *host, const char *what, lf_error *err
     return LF_OK;
 }
 
-/* After a STALL the status tells why. */
+/* After a STALL the status holds the reason. */
 static lf_status refused(lf_gud_host *host, lf_usb_result result, const char *what, lf_error *err)
 {
     lf_status status = result == LF_USB_STALL ? check_status(host, what, err) : LF_OK;
     return status != LF_OK ? status : failed(result, what, err);
 }
 
-/* data[n] holds one byte more than is allowed, so that too long answers show. */
+/* data[n] is one byte larger than allowed, so that answers that are too long are detected. */
 static lf_usb_result ask(lf_gud_host *host, uint8_t request, uint8_t *data, size_t n, size_t *out_n)
 {
     uint16_t connector = request >= LF_GUD_GET_CONNECTOR_PROPERTIES ? host->connector : 0;
     *out_n = 0;
-    /* a display may take its time, but not over every answer */
+    /* a display may be slow, but not at every answer */
     if (lf_time_now() > host->open_until)
         return LF_USB_TIMEOUT;
     return host->link->ops->control(host->link, true, request, connector, data, n, out_n, ASK_MS);
@@ -103,7 +103,7 @@ static lf_status get(lf_gud_host *host, uint8_t request, const char *what, uint8
     return result == LF_USB_OK ? LF_OK : refused(host, result, what, err);
 }
 
-/* As get, for what small displays do not have: a refusal is an empty answer. */
+/* Like get, for data that small displays lack: a refusal counts as an empty answer. */
 static lf_status get_optional(lf_gud_host *host, uint8_t request, const char *what, uint8_t *data,
                               size_t n, size_t *out_n, lf_error *err)
 {
@@ -367,7 +367,7 @@ lf_status lf_gud_host_alive(lf_gud_host *host)
 
 /* ----------------------------------------------------------------------------------- updates -- */
 
-/* Fills a packet with a band: compressed where that is shorter. */
+/* Fills a packet with a band, compressed if that is shorter. */
 static void pack(lf_gud_host *host, const lf_image8 *frame, int band, packet *p)
 {
     lf_rect r = lf_gud_plan_band(host->plan, band);
@@ -396,7 +396,7 @@ static void pack(lf_gud_host *host, const lf_image8 *frame, int band, packet *p)
     p->announce.compressed_length = (uint32_t)packed;
 }
 
-/* Announces a packet and puts it on the wire. */
+/* Announces a packet and starts sending it. */
 static lf_status begin(lf_gud_host *host, const packet *p, lf_error *err)
 {
     if (!wants_whole_frames(host) || host->announce) {
@@ -424,7 +424,7 @@ static lf_status end(lf_gud_host *host, const packet *p, lf_error *err)
     return LF_OK;
 }
 
-/* Packs each band while the one before it is on the wire. */
+/* Packs each band while the one before is being sent. */
 static lf_status send_bands(lf_gud_host *host, const lf_image8 *frame, int n, lf_error *err)
 {
     lf_status status = LF_OK;

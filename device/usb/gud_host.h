@@ -1,11 +1,11 @@
 /* The host of a GUD display over any link: its description, mode and updates.
  *
  *     lf_gud_host_open -> lf_gud_host_choose
- *     -> (lf_gud_host_start -> lf_gud_host_update …)* -> lf_gud_host_stop -> destroy
+ *     -> (lf_gud_host_start -> lf_gud_host_update …)* -> lf_gud_host_stop -> destroy.
  *
- * Open and choose only query the display and change nothing on it. gud.h checks all data of the
- * display before use. No query is repeated, no wait is unlimited, and no allocation is larger than
- * a frame of LF_MAX_SIDE squared.
+ * Open and choose only query the display and change nothing on it. All data of the display is
+ * checked by gud.h before use. No query is repeated, no wait is unlimited, and no allocation is
+ * larger than a frame of LF_MAX_SIDE squared.
  *
  * Threads: an object and its link belong to one thread at a time. Private to device/, its tests and
  * bench. */

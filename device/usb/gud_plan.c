@@ -6,24 +6,24 @@
 #include "base/alloc.h"
 
 enum {
-    /* Rendering changes rows of the views, each of which is a few rows of the panel from side to
-       side. */
+    /* Wide, because rendering changes rows of the views, each of which covers a few panel rows from
+     * side to side. */
     TILE_WIDTH = 256,
     TILE_HEIGHT = 4,
-    /* What announcing a band costs, in pixels: a third of a millisecond at 40 MB/s. Bands that are
-     * joined for no more pixels than that save time. */
+    /* Cost of announcing a band, in pixels: a third of a millisecond at 40 MB/s. Joining bands for
+     * at most this many extra pixels saves time. */
     ANNOUNCE_PIXELS = 4096,
-    /* Tiles between two changed ones of a row that are sent along. */
+    /* Largest gap of unchanged tiles in a row that is sent along. */
     MAX_GAP = 1,
 };
 
 #define UNKNOWN 0 /* no tile has this hash */
 
-/* Tiles that are sent together, some of them unchanged. One of a single row of tiles may be cut
+/* Tiles that are sent together, some of them unchanged. A run of a single tile row may be divided
  * into several bands. */
 typedef struct run {
     lf_rect rect;
-    int column, n_columns, row, n_rows; /* in tiles: all that rect touches */
+    int column, n_columns, row, n_rows; /* in tiles: all tiles that rect touches */
     int bands_left;
 } run;
 
@@ -34,11 +34,11 @@ typedef struct band {
 
 struct lf_gud_plan {
     int width, height, columns, rows;
-    /* [rows][columns] hash of what is on the display, and of the new frame */
+    /* [rows][columns] hashes of the display's contents, and of the new frame */
     uint64_t *shown, *wanted;
-    lf_rect *damage; /* [rows][columns] what is to be sent of a tile; width 0 = nothing */
+    lf_rect *damage; /* [rows][columns] part of a tile to send; width 0 = none */
     run *runs;       /* [rows * columns] */
-    int *newest;     /* [columns] the last run that has tiles there, -1 = none */
+    int *newest;     /* [columns] the last run with tiles there, -1 = none */
     band *bands;     /* [max_bands] */
     int n_runs, n_bands, max_bands;
 };
@@ -55,7 +55,7 @@ lf_status lf_gud_plan_create(int width, int height, lf_gud_plan **out)
     plan->columns = (width + TILE_WIDTH - 1) / TILE_WIDTH;
     plan->rows = (height + TILE_HEIGHT - 1) / TILE_HEIGHT;
     size_t n = (size_t)plan->columns * (size_t)plan->rows;
-    plan->max_bands = (int)n * TILE_HEIGHT; /* every row of every tile by itself */
+    plan->max_bands = (int)n * TILE_HEIGHT; /* worst case: every row of every tile is a band */
     plan->shown = lf_calloc(n, sizeof *plan->shown);
     plan->wanted = lf_calloc(n, sizeof *plan->wanted);
     plan->damage = lf_calloc(n, sizeof *plan->damage);
@@ -91,8 +91,8 @@ void lf_gud_plan_forget(lf_gud_plan *plan)
 
 /* -------------------------------------------------------------------------------------- hash -- */
 
-/* For a given word a bijection of h, and for a given h one of the word: rows that differ in one
- * word never meet. */
+/* A bijection of h for a fixed word, and of the word for a fixed h: rows that differ in one word
+ * never have the same hash. */
 static uint64_t mix(uint64_t h, uint64_t word)
 {
     h = (h ^ word) * UINT64_C(0x9e3779b97f4a7c15);
@@ -106,7 +106,7 @@ static uint64_t word_at(const uint8_t *p)
     return word;
 }
 
-/* Four chains that do not wait for one another. */
+/* Four independent chains, for speed. */
 static void hash_row(uint64_t h[4], const uint8_t *p, size_t n)
 {
     for (; n >= 32; p += 32, n -= 32)
@@ -160,7 +160,7 @@ static lf_rect intersection(lf_rect a, lf_rect b)
                      least(a.y + a.height, b.y + b.height) - y};
 }
 
-/* Smallest rectangle around both; one of width 0 is nothing. */
+/* Smallest rectangle around both; width 0 is empty. */
 static lf_rect around(lf_rect a, lf_rect b)
 {
     if (a.width == 0)
@@ -179,7 +179,8 @@ static void touch(lf_gud_plan *plan, lf_rect r)
         }
 }
 
-/* Takes back the damage of a tile that shows this already; widens it where nothing is known. */
+/* Removes the damage of a tile that already shows these pixels; widens it if its contents are
+ * unknown. */
 static void compare_tile(lf_gud_plan *plan, const lf_image8 *frame, int column, int row)
 {
     int i = row * plan->columns + column;
@@ -211,7 +212,7 @@ static size_t area(lf_rect r)
     return (size_t)r.width * (size_t)r.height;
 }
 
-/* Joins a run with one further up when both together cost no more, and are one band. */
+/* Joins a run with one above it if the joined run costs no more and is one band. */
 static bool extend_run(run *above, const run *r, size_t max_pixels)
 {
     lf_rect both = around(above->rect, r->rect);
@@ -225,7 +226,7 @@ static bool extend_run(run *above, const run *r, size_t max_pixels)
     return true;
 }
 
-/* Which run has the tiles of r from now on: one further up, or r itself. */
+/* Returns the run that now has the tiles of r: one above it, or r itself. */
 static int place_run(lf_gud_plan *plan, const run *r, size_t max_pixels)
 {
     for (int column = r->column, tried = -1; column < r->column + r->n_columns; column++) {
@@ -240,7 +241,7 @@ static int place_run(lf_gud_plan *plan, const run *r, size_t max_pixels)
     return plan->n_runs++;
 }
 
-/* The changed tiles of a row from `column` on, with gaps that are not worth a band. */
+/* The changed tiles of a row from `column` on, including gaps that are not worth a band. */
 static run run_from(const lf_gud_plan *plan, int row, int column)
 {
     const lf_rect *damage = plan->damage + row * plan->columns;
@@ -254,7 +255,7 @@ static run run_from(const lf_gud_plan *plan, int row, int column)
     return r;
 }
 
-/* Joins the damage of each tile row, then tile rows. */
+/* Joins damage within each tile row, then tile rows. */
 static void find_runs(lf_gud_plan *plan, size_t max_pixels)
 {
     plan->n_runs = 0;
@@ -317,8 +318,7 @@ lf_rect lf_gud_plan_band(const lf_gud_plan *plan, int i)
     return plan->bands[i].rect;
 }
 
-/* Writes down what the tiles of a run show: what is wanted where something changed, or that nothing
- * is known. */
+/* Records what the tiles of a run show: the new pixels where they changed, or unknown. */
 static void set_shown(lf_gud_plan *plan, const run *r, bool known)
 {
     for (int row = r->row; row < r->row + r->n_rows; row++)

@@ -46,7 +46,7 @@ static void write64(uint8_t *p, uint64_t value)
     write32(p + 4, (uint32_t)(value >> 32));
 }
 
-/* A list of entries of `size` bytes, at most max of them. */
+/* Counts the entries of `size` bytes in a list, at most max. */
 static lf_status count_entries(const char *what, size_t n, size_t size, size_t max, int *out_n,
                                lf_error *err)
 {
@@ -159,7 +159,7 @@ lf_status lf_gud_formats_choose(const uint8_t *data, size_t n, lf_gud_format *ou
 
 lf_status lf_gud_connectors_count(const uint8_t *data, size_t n, int *out_n, lf_error *err)
 {
-    (void)data; /* type and flags decide nothing here */
+    (void)data; /* type and flags are not used */
     int count = 0;
     lf_status status =
         count_entries("connectors", n, LF_GUD_CONNECTOR_BYTES, LF_GUD_MAX_CONNECTORS, &count, err);
@@ -171,7 +171,7 @@ lf_status lf_gud_connectors_count(const uint8_t *data, size_t n, int *out_n, lf_
     return LF_OK;
 }
 
-/* Others would not know what a property means whose value quiltd gives back. */
+/* quiltd returns only properties whose meaning it knows. */
 static bool known_property(uint16_t id)
 {
     return (id >= 1 && id <= LF_GUD_PROPERTY_BACKLIGHT) || id == LF_GUD_PROPERTY_ROTATION;
@@ -189,7 +189,8 @@ lf_status lf_gud_properties_read(const uint8_t *data, size_t n, lf_gud_state *st
         const uint8_t *p = data + i * LF_GUD_PROPERTY_BYTES;
         lf_gud_property property = {read16(p), read64(p + 2)};
         if (property.id == LF_GUD_PROPERTY_ROTATION)
-            property.value = LF_GUD_ROTATE_0; /* what was listed is the set of what it can do */
+            /* the listed value is the set of supported rotations */
+            property.value = LF_GUD_ROTATE_0;
         if (known_property(property.id))
             state->properties[state->n_properties++] = property;
     }
@@ -364,7 +365,7 @@ size_t lf_gud_state_write(const lf_gud_state *state, uint8_t out[LF_GUD_STATE_MA
 
 /* ------------------------------------------------------------------------------------ pixels -- */
 
-/* v in 0..255 on a scale of max, to the nearest. */
+/* Scales v in 0..255 to 0..max, to nearest. */
 static unsigned int narrow(unsigned int v, unsigned int max)
 {
     return (v * max + 127) / 255;

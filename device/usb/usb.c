@@ -1,11 +1,12 @@
 /* Displays with an open protocol over USB: usb = the first GUD display found, usb:BUS-PORT = the
- * one plugged in there (usb:1-4.2). One that the kernel's own driver shows on is left to it: the
- * display output that it has made is opened instead, as drm does, and the device says so by being
- * one of drm's.
+ * one at that port (usb:1-4.2).
  *
- * The display's mode is set by the first push, in the device's own thread, which also asks an idle
- * display every now and then whether it is still there. A display that keeps failing is given time
- * before the failure is told, and gets its mode anew. */
+ * A display used by the kernel's driver is left to it: the driver's display output is opened
+ * instead, as by drm, and the resulting device is a drm device.
+ *
+ * The first push sets the display's mode, in the device's own thread. This thread also checks at
+ * intervals whether an idle display is still connected. If a display keeps failing, it gets time
+ * before the failure is reported, and its mode is set again. */
 #include "device/usb/usb.h"
 
 #include <inttypes.h>
@@ -23,9 +24,9 @@ enum {
     IDLE_MS = 1000,
     DESTROY_MS = 900,
     MAX_PLACES = 16,
-    FIRST_PAUSE_MS = 10, /* after a failure; then twice as long each time … */
+    FIRST_PAUSE_MS = 10, /* after a failure, doubling each time … */
     MAX_PAUSE_MS = 300,  /* … up to this */
-    PATIENCE = 3,        /* failures in a row until the mode is set anew */
+    PATIENCE = 3,        /* failures in a row until the mode is set again */
 };
 
 typedef struct usb_device {
@@ -40,9 +41,9 @@ typedef struct usb_device {
     /* the device's thread */
     lf_gud_host *host;
     bool started;
-    int failures;   /* in a row, without a band shown */
-    uint64_t bytes; /* told so far */
-    uint64_t bands; /* shown when the last push ended */
+    int failures;   /* failures in a row, without a band shown */
+    uint64_t bytes; /* bytes reported so far */
+    uint64_t bands; /* bands shown at the end of the last push */
 } usb_device;
 
 static usb_device *usb_of(lf_device *device)
@@ -103,7 +104,7 @@ static void take_push(usb_device *usb)
         usb->bytes = counters.bytes;
 }
 
-/* A display that nobody talks to does not tell that it was pulled out. */
+/* An unplugged display is only noticed by sending a request. */
 static bool look_after(usb_device *usb)
 {
     if (lf_gud_host_alive(usb->host) != LF_E_NODEV)
@@ -135,7 +136,7 @@ static void *usb_main(void *context)
 
 /* -------------------------------------------------------------------------------------- open -- */
 
-/* What the display says of itself, as far as it does. */
+/* Reads the display's identification, if it has one. */
 static void read_edid(usb_device *usb)
 {
     size_t n = 0;
@@ -143,7 +144,7 @@ static void read_edid(usb_device *usb)
     const uint8_t *edid = lf_gud_host_edid(usb->host, &n);
     if (lf_edid_parse(edid, n, &usb->edid, NULL) != LF_OK)
         usb->edid = (lf_edid){0};
-    /* an EDID has no room for more than 4095 pixels */
+    /* an EDID cannot hold more than 4095 pixels */
     if (lf_gud_host_preferred(usb->host, &mode)) {
         usb->edid.width_px = mode.hdisplay;
         usb->edid.height_px = mode.vdisplay;
@@ -159,7 +160,7 @@ static lf_status find_calibration(usb_device *usb, const lf_calibration *given, 
     return LF_OK;
 }
 
-/* What open promises of a display that answers nonsense or not at all: LF_E_FORMAT is for
+/* The status of open for a display with invalid or no answers: LF_E_FORMAT is reserved for
  * calibrations. */
 static lf_status status_of_display(lf_status status)
 {

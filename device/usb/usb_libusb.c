@@ -1,7 +1,7 @@
-/* The link over libusb 1.0. Everything goes through asynchronous transfers and one loop of events
- * in the caller's thread, so that all can be cancelled. Bulk data go in pieces, several in flight:
- * a single large transfer would be slower than the bus, or refused, because all programs share
- * usbcore.usbfs_memory_mb (16 MiB when nobody has changed it). */
+/* The link over libusb 1.0. It uses only asynchronous transfers and one event loop in the caller's
+ * thread, so that everything can be cancelled. Bulk data is sent in pieces, several in flight. A
+ * single large transfer would be slower than the bus, or be refused, because all programs share
+ * usbcore.usbfs_memory_mb (16 MiB by default). */
 #include <assert.h>
 #include <dirent.h>
 #include <libusb.h>
@@ -38,14 +38,14 @@ typedef struct usb_link {
     uint8_t interface, endpoint;
     bool claimed;
     atomic_bool cancelled;
-    /* what is under way: one control transfer, or bulk pieces */
+    /* transfers in progress: one control transfer, or bulk pieces */
     struct libusb_transfer *control, *bulk[MAX_IN_FLIGHT];
     uint8_t control_buffer[LIBUSB_CONTROL_SETUP_SIZE + MAX_CONTROL];
     int in_flight;
-    lf_usb_result result; /* the first thing that went wrong */
-    const uint8_t *data;  /* … and of bulk: what has not been submitted yet */
+    lf_usb_result result; /* the first error */
+    const uint8_t *data;  /* … and for bulk: the data not submitted yet */
     size_t left;
-    uint64_t moved; /* bytes, or ends of transfers: that something goes on */
+    uint64_t moved; /* bytes moved or transfers ended: a sign of progress */
 } usb_link;
 
 static usb_link *usb_of(lf_usb_link *link)
@@ -91,8 +91,7 @@ static lf_usb_result result_of_transfer(const struct libusb_transfer *t)
     }
 }
 
-/* Writes down the first failure and takes back all that is in flight; their callbacks still come.
- */
+/* Records the first failure and cancels all transfers in flight; their callbacks still come. */
 static void give_up(usb_link *usb, lf_usb_result why)
 {
     if (usb->result != LF_USB_OK)
@@ -101,7 +100,7 @@ static void give_up(usb_link *usb, lf_usb_result why)
     usb->left = 0;
     (void)libusb_cancel_transfer(usb->control);
     for (int i = 0; i < MAX_IN_FLIGHT; i++)
-        (void)libusb_cancel_transfer(usb->bulk[i]); /* refused for those that are not in flight */
+        (void)libusb_cancel_transfer(usb->bulk[i]); /* fails for transfers that are not in flight */
 }
 
 /* Sends the next piece of data in this transfer. */
@@ -118,7 +117,7 @@ static void submit_piece(usb_link *usb, struct libusb_transfer *t)
     } else if (error != LIBUSB_ERROR_NO_MEM || usb->in_flight == 0) {
         give_up(usb, result_of_error(error));
     }
-    /* else memory is short: the pieces in flight carry on alone */
+    /* otherwise memory is short, and the pieces in flight continue alone */
 }
 
 static void LIBUSB_CALL piece_ended(struct libusb_transfer *t)
@@ -145,8 +144,8 @@ static void LIBUSB_CALL control_ended(struct libusb_transfer *t)
         give_up(usb, result);
 }
 
-/* Runs callbacks until nothing is in flight; gives up when nothing moves for timeout_ms or somebody
- * cancels. */
+/* Runs callbacks until no transfer is in flight; cancels if nothing moves for timeout_ms or on
+ * request. */
 static lf_usb_result wait_for_end(usb_link *usb, int timeout_ms)
 {
     double limit = timeout_ms / 1000.0, until = lf_time_now() + limit;
@@ -168,7 +167,7 @@ static lf_usb_result wait_for_end(usb_link *usb, int timeout_ms)
     return usb->result;
 }
 
-/* What stands in the control buffer. */
+/* Runs the transfer in the control buffer. */
 static lf_usb_result run_control(usb_link *usb, int timeout_ms)
 {
     if (atomic_load(&usb->cancelled))
@@ -221,10 +220,10 @@ static void usb_bulk_begin(lf_usb_link *link, const uint8_t *data, size_t n)
         submit_piece(usb, usb->bulk[i]);
 }
 
-/* The system's own call for it waits up to 5 s for a display that does not answer, and nothing ends
- * it early: the display is asked before, by a request that has an end, and the system only when it
- * has answered. It takes the system's call too, without which the host would go on counting packets
- * where it was (USB 2.0, 9.4.5: the display begins anew). */
+/* Clears a halt. The system's call waits up to 5 s for a display that does not answer, and cannot
+ * be ended early. So the display gets a request with a time limit first, and the system's call
+ * follows only if it answered. That call is needed too: without it the host would continue its
+ * packet count, while the display restarts at 0 (USB 2.0, 9.4.5). */
 static lf_usb_result clear_halt(usb_link *usb)
 {
     libusb_fill_control_setup(usb->control_buffer, LIBUSB_RECIPIENT_ENDPOINT,
@@ -251,7 +250,7 @@ static void usb_cancel(lf_usb_link *link)
     libusb_interrupt_event_handler(usb->context);
 }
 
-/* Takes half-made links. */
+/* Accepts half-made links. */
 static void usb_close(lf_usb_link *link)
 {
     usb_link *usb = usb_of(link);
@@ -259,7 +258,7 @@ static void usb_close(lf_usb_link *link)
     for (int i = 0; i < MAX_IN_FLIGHT; i++)
         libusb_free_transfer(usb->bulk[i]);
     if (usb->claimed)
-        /* fails when it is unplugged */
+        /* fails if unplugged */
         (void)libusb_release_interface(usb->handle, usb->interface);
     if (usb->handle)
         libusb_close(usb->handle);
@@ -285,7 +284,7 @@ static bool known_ids(const struct libusb_device_descriptor *d)
            (d->idVendor == 0x04d8 && d->idProduct == 0xef7e);
 }
 
-/* The first interface that can be a display's. */
+/* The first interface that may be a display's. */
 static bool find_interface(const struct libusb_config_descriptor *config, lf_usb_place *place)
 {
     for (int i = 0; i < config->bNumInterfaces; i++) {
@@ -307,7 +306,7 @@ static bool find_interface(const struct libusb_config_descriptor *config, lf_usb
     return false;
 }
 
-/* "1-4.2", as the kernel names it. False for the host controllers themselves. */
+/* "1-4.2", as the kernel names it. False: a host controller. */
 static bool find_address(libusb_device *device, char out[40])
 {
     uint8_t ports[MAX_PORTS];
@@ -318,7 +317,7 @@ static bool find_address(libusb_device *device, char out[40])
     return n > 0;
 }
 
-/* A string of the device as the kernel has read it: asking the device itself could take long. */
+/* A string of the device in the kernel's copy, because querying the device could take long. */
 static void read_string(const char *address, const char *name, char *out, size_t size)
 {
     char path[128], text[256];
@@ -332,7 +331,7 @@ static void read_string(const char *address, const char *name, char *out, size_t
     lf_device_text(out, size, text);
 }
 
-/* Name of the driver that has the interface, empty when none. */
+/* The name of the interface's driver, empty = none. */
 static void find_driver(const lf_usb_place *place, int configuration, char *out, size_t size)
 {
     char path[128], target[PATH_MAX];
@@ -344,7 +343,7 @@ static void find_driver(const lf_usb_place *place, int configuration, char *out,
     lf_device_text(out, size, slash ? slash + 1 : target);
 }
 
-/* The name of an entry of a folder that begins so; the first of several. */
+/* The first entry of a folder whose name has this prefix. */
 static bool find_entry(const char *folder, const char *prefix, char out[NAME_MAX + 1])
 {
     bool found = false;
@@ -361,8 +360,7 @@ static bool find_entry(const char *folder, const char *prefix, char out[NAME_MAX
     return found;
 }
 
-/* The display output that the kernel's driver has made of the interface: the first connector of its
- * card. */
+/* The display output of the kernel's driver for the interface: the first connector of its card. */
 static void find_output(int configuration, lf_usb_place *place)
 {
     char folder[128], card[NAME_MAX + 1], below[sizeof folder + sizeof card], prefix[NAME_MAX + 2],
@@ -409,7 +407,7 @@ static void find_problem(libusb_device *device, int configuration, lf_usb_place 
         say_forbidden(place);
 }
 
-/* False when the device is no display. */
+/* False: not a display. */
 static bool describe(libusb_device *device, lf_usb_place *out)
 {
     struct libusb_device_descriptor d;
@@ -468,8 +466,8 @@ static bool is_address(const char *text)
     }
 }
 
-/* The device at this address, with a reference; "" = the first without a problem, else the first.
- * NULL = none. */
+/* The device at this address, with a reference; "" = the first without a problem, otherwise the
+ * first. NULL = none. */
 static libusb_device *find_device(libusb_context *context, const char *address,
                                   lf_usb_place *out_place)
 {

@@ -9,7 +9,7 @@
 #include "base/thread.h"
 #include "device/device_table.h"
 
-/* Who has SDL. */
+/* Protects the ownership of SDL. */
 static pthread_mutex_t turn_lock = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t turn_over = PTHREAD_COND_INITIALIZER;
 static bool in_use;
@@ -26,7 +26,7 @@ static bool take_turn(int wait_ms)
                                    .tv_nsec = (long)(end % LF_NS_PER_S)};
     int e = 0;
     pthread_mutex_lock(&turn_lock);
-    /* a condition that is made by its initializer knows no other clock by itself */
+    /* a condition with a static initializer uses the default clock */
     while (in_use && e == 0)
         e = pthread_cond_clockwait(&turn_over, &turn_lock, CLOCK_MONOTONIC, &until);
     bool mine = !in_use;
@@ -88,8 +88,8 @@ lf_status lf_sdl_no_answer(int timeout_ms, lf_error *err)
                         timeout_ms);
 }
 
-/* The driver of the desktop that is there, never another: SDL's last resort is to take a display
- * output over. */
+/* Uses only the driver of the running desktop: as a last resort SDL would take over a display
+ * output. */
 static int connect_desktop(const lf_sdl *sdl)
 {
     if (is_set("SDL_VIDEODRIVER"))
@@ -127,7 +127,7 @@ lf_status lf_sdl_begin(const lf_sdl *sdl, int wait_ms, lf_error *err)
 void lf_sdl_end(const lf_sdl *sdl)
 {
     sdl->VideoQuit();
-    sdl->TLSCleanup(); /* the thread is none of SDL's making */
+    sdl->TLSCleanup(); /* SDL did not create this thread */
     end_turn();
 }
 
@@ -151,8 +151,7 @@ int lf_sdl_monitors(const lf_sdl *sdl, lf_sdl_monitor out[LF_SDL_MONITORS])
     return n > 0 ? n : 0;
 }
 
-/* A question, which belongs to who asks and to the thread that finds out; the last of the two frees
- * it. */
+/* A query owned by both the asking and the answering thread; the last one frees it. */
 typedef struct question {
     lf_sdl sdl;
     int wait_ms;
@@ -198,7 +197,7 @@ static void *find_out(void *context)
     return NULL;
 }
 
-/* NULL = out of memory. Nobody joins the thread: it may never end. */
+/* NULL = out of memory. The thread is not joined: it may never end. */
 static question *make_question(const lf_sdl *sdl, int wait_ms)
 {
     pthread_t thread;

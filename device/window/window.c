@@ -1,10 +1,9 @@
-/* The panel as a monitor of a desktop: window (the monitor whose name has LKG, else the one of the
- * calibration's size), window:NAME (the monitor whose name has NAME). A borderless full-screen
- * window by SDL2, of which what has changed is uploaded and which is presented at the display's own
- * pace.
+/* A panel as a monitor of a desktop: window (the monitor whose name contains LKG, otherwise the one
+ * of the calibration's size), window:NAME (the monitor whose name contains NAME).
  *
- * All of SDL happens in a thread of the device's own. SDL has no descriptor to wait for the
- * desktop's events with: while nothing is pushed they are looked at ten times a second. */
+ * A borderless full-screen SDL2 window; changes are uploaded, and it is presented at the display's
+ * refresh. All SDL calls are in a thread of the device. SDL has no descriptor for the desktop's
+ * events, so an idle window polls them ten times a second. */
 #include <ctype.h>
 #include <poll.h>
 #include <stdio.h>
@@ -18,8 +17,8 @@
 #include "device/pixels.h"
 #include "device/window/sdl.h"
 
-/* TURN_MS: for a list that looks at the desktop, and is quick. PROBE_MS, DESKTOP_MS, END_MS: for a
- * desktop that is asked for its monitors, for a window, and to take it back. */
+/* TURN_MS: waiting for another thread that lists monitors, which is quick. PROBE_MS, DESKTOP_MS,
+ * END_MS: limits for the desktop to list monitors, open a window, and close it. */
 enum {
     LOOK_MS = 100,
     NAME = 128,
@@ -30,25 +29,25 @@ enum {
 };
 
 typedef struct window_device {
-    lf_handover handover; /* first */
+    lf_handover handover; /* must be first */
 
-    /* immutable after open; monitor is written by the thread before */
+    /* immutable after open; the thread writes monitor before that */
     lf_calibration calibration;
-    lf_origin origin;   /* of the calibration */
+    lf_origin origin;   /* source of the calibration */
     char wanted[NAME];  /* the argument */
-    char monitor[NAME]; /* its name, sanitised */
+    char monitor[NAME]; /* name of the monitor, sanitised */
     lf_sdl sdl;
 
-    /* the device's thread */
+    /* owned by the device's thread */
     SDL_Window *window;
     SDL_Renderer *renderer;
-    SDL_Texture *texture; /* what the panel shows */
-    bool lost;            /* the graphics driver has forgotten it */
+    SDL_Texture *texture; /* the panel's picture */
+    bool lost;            /* the graphics driver has lost it */
 
-    /* under handover.lock, told through handover.ended */
-    bool left;     /* nobody waits any more: the device is its thread's to free */
-    bool over;     /* the thread has given the desktop back */
-    bool answered; /* the window is there, or why not */
+    /* under handover.lock, signalled by handover.ended */
+    bool left;     /* nobody waits any more: the thread must free the device */
+    bool over;     /* the thread has released the desktop */
+    bool answered; /* open has a result */
     lf_status status;
     lf_error why;
 } window_device;
@@ -65,7 +64,7 @@ static const window_device *const_window_of(const lf_device *device)
 
 /* ---------------------------------------------------------------------------------- monitors -- */
 
-/* Number of the monitor to show on; -1 = none. By its name, then, unless one was asked for, by its
+/* The index of the monitor to use; -1 = none. Chosen by name; then, unless a name was given, by
  * size. */
 static int choose_monitor(const window_device *w, const lf_sdl_monitor *monitors, int n)
 {
@@ -80,8 +79,8 @@ static int choose_monitor(const window_device *w, const lf_sdl_monitor *monitors
     return -1;
 }
 
-/* When a monitor goes desktops move its windows to another, which may be a Looking Glass too: with
- * a lens of its own. */
+/* When a monitor disappears, desktops move its windows to another one, which may be a Looking Glass
+ * with another lens. */
 static bool monitor_is_there(const window_device *w)
 {
     lf_sdl_monitor monitors[LF_SDL_MONITORS];
@@ -192,7 +191,7 @@ static bool upload(window_device *w, const lf_rect *r)
     return true;
 }
 
-/* Pixel for pixel from the top left corner, whatever size the window has. */
+/* Presents pixel for pixel from the top left corner, whatever the window's size. */
 static bool present(window_device *w)
 {
     const SDL_Rect to = {0, 0, w->calibration.screen_width_px, w->calibration.screen_height_px};
@@ -214,7 +213,7 @@ static void show_push(window_device *w)
     }
     if (h->n_rects > 0)
         good = good && present(w);
-    if (w->lost) { /* these rectangles are not all that is missing */
+    if (w->lost) { /* more than these rectangles is missing */
         w->lost = false;
         lf_handover_end(h, false, 0);
         return;
@@ -227,7 +226,7 @@ static void show_push(window_device *w)
     lf_handover_end(h, good, bytes);
 }
 
-/* False when the monitor is gone. */
+/* False: the monitor is gone. */
 static bool read_events(window_device *w)
 {
     SDL_Event event;
@@ -248,7 +247,7 @@ static bool read_events(window_device *w)
     return there;
 }
 
-/* Lets open go on; false when that has not waited for it. */
+/* Lets open continue; false: it no longer waits. */
 static bool answer(window_device *w, lf_status status, const lf_error *why)
 {
     pthread_mutex_lock(&w->handover.lock);
@@ -261,7 +260,7 @@ static bool answer(window_device *w, lf_status status, const lf_error *why)
     return wanted;
 }
 
-/* Lets destroy go on; false when nobody has waited for it. */
+/* Lets destroy continue; false: nobody waits. */
 static bool tell_over(window_device *w)
 {
     pthread_mutex_lock(&w->handover.lock);
@@ -319,7 +318,7 @@ static lf_edid edid_of(const lf_sdl_monitor *monitor)
     return edid;
 }
 
-/* What the desktop says of the monitor that its name stands for; zeroed when there is none. */
+/* The desktop's data of the named monitor; zeroed = none. */
 static lf_status ask_desktop(const window_device *w, lf_edid *out, lf_error *err)
 {
     lf_sdl_monitor monitors[LF_SDL_MONITORS];
@@ -334,7 +333,7 @@ static lf_status ask_desktop(const window_device *w, lf_edid *out, lf_error *err
     return LF_OK;
 }
 
-/* Before the window is there: its size is the lens's. */
+/* Before the window exists, because its size is the calibration's. */
 static lf_status find_calibration(window_device *w, const lf_calibration *given, lf_error *err)
 {
     lf_edid display;
@@ -370,8 +369,8 @@ static lf_status take_sdl(window_device *w, const lf_sdl *given, lf_error *err)
     return LF_OK;
 }
 
-/* Until the thread has set *word. False: the desktop does not answer, and w now belongs to its
- * thread, which nobody joins. */
+/* Waits until the thread has set *word. False: the desktop does not answer, and w now belongs to
+ * its thread, which is not joined. */
 static bool wait_for_thread(window_device *w, const bool *word, int timeout_ms)
 {
     pthread_t thread = w->handover.thread;
@@ -432,7 +431,7 @@ static lf_status window_open(const char *argument, const lf_calibration *calibra
     return lf_window_open(NULL, argument, calibration, out_device, err);
 }
 
-/* Monitors that say that they are a Looking Glass; nothing else may "auto" open a window on. */
+/* Monitors that identify themselves as a Looking Glass; "auto" opens windows on no others. */
 static int window_probe(lf_device_info *out, int max)
 {
     lf_sdl sdl;

@@ -1,6 +1,6 @@
-/* The loops of quilt/ over every sample of a frame, behind a table of functions with one file per
- * instruction set. kernel_c.c is the reference, which the others must equal to the bit. base/cpu.h
- * selects the table. Private to quilt/. */
+/* The loops of quilt/ over every sample of a frame: a table of functions, with one file per
+ * instruction set. The reference is kernel_c.c, which the others must equal to the bit. The table
+ * in use is selected by base/cpu.h. Private to quilt/. */
 #ifndef LF_QUILT_KERNEL_H
 #define LF_QUILT_KERNEL_H
 
@@ -11,10 +11,10 @@
 /* Bytes that lf_quilt_kernels.interlace may read past the last sample. */
 #define LF_INTERLACE_SLACK 3
 
-/* Parameters for the views of the subpixels of a row. phase = (across + along) * pitch - center in
- * lens periods. z = fract(phase), or 1 - fract(phase) if from_right, clamped into the open
- * interval, times n_views. across[i] belongs to subpixel i, along[i % 6] to its parity and
- * channel. */
+/* Parameters for the views of the subpixels of a row. The phase is (across + along) * pitch -
+ * center in lens periods. From it follows z = fract(phase), or 1 - fract(phase) if from_right,
+ * clamped into the open interval and multiplied by n_views. The element across[i] belongs to
+ * subpixel i, along[i % 6] to its parity and channel. */
 typedef struct lf_places {
     const double *across;
     double along[6];

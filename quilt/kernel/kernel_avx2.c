@@ -1,11 +1,11 @@
-/* The kernels for AVX2: gathers of eight. What is left of a row goes to the plain ones. */
+/* The kernels for AVX2, with gathers of eight. The plain C kernels process the rest of a row. */
 #if defined(__x86_64__)
 
 #include <immintrin.h>
 
 #include "quilt/kernel/kernel_place.h"
 
-/* 32 lanes of 32 bits, each a byte, in order. */
+/* Packs 32 lanes of 32 bits, each holding a byte, in order. */
 static inline __m256i pack(__m256i a, __m256i b, __m256i c, __m256i d)
 {
     const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
@@ -38,7 +38,7 @@ static void interlace(size_t n, const uint8_t *view, const uint16_t *place, uint
     lf_quilt_kernels_c.interlace(n - i, view + i, place + i, stride, from, out + i);
 }
 
-/* Place times n_views of four subpixels, cut to a whole number. */
+/* Position times n_views of four subpixels, truncated. */
 static inline __m128i views_of(const lf_places *p, size_t i, __m256d along)
 {
     __m256d phase = _mm256_mul_pd(_mm256_add_pd(_mm256_loadu_pd(p->across + i), along),
@@ -51,7 +51,7 @@ static inline __m128i views_of(const lf_places *p, size_t i, __m256d along)
     return _mm256_cvttpd_epi32(_mm256_mul_pd(z, _mm256_set1_pd(p->n_views)));
 }
 
-/* Twelve is the first multiple of the lanes after which parity and channel come again. */
+/* Twelve is the smallest multiple of the lanes with the same pattern of parity and channel. */
 #define ROUND 12
 
 static inline void round_of(const lf_places *p, const __m256d along[3], size_t i, __m128i out[3])
@@ -73,7 +73,7 @@ static void views8(const lf_places *places, size_t n, uint8_t *out)
     __m256d along[3];
     along_of(places, along);
     size_t i = 0;
-    for (; i + 16 <= n; i += ROUND) { /* 16 are written, 12 are meant */
+    for (; i + 16 <= n; i += ROUND) { /* writes 16, of which 12 count */
         __m128i v[3];
         round_of(places, along, i, v);
         __m128i last = _mm_packus_epi32(v[2], v[2]);
@@ -106,7 +106,7 @@ static inline __m256i codes(const lf_tone_table *t, const float *in)
     const __m256i low = _mm256_set1_epi32(t->low), mask = _mm256_set1_epi32((1 << t->shift) - 1);
     const __m128i shift = _mm_cvtsi32_si128(t->shift);
     __m256i bits = _mm256_loadu_si256((const __m256i *)(const void *)in);
-    /* NaN lies above infinity */
+    /* NaN sorts above infinity */
     bits = _mm256_andnot_si256(_mm256_cmpgt_epi32(bits, _mm256_set1_epi32(0x7f800000)), bits);
     bits = _mm256_sub_epi32(
         _mm256_min_epi32(_mm256_max_epi32(bits, low), _mm256_set1_epi32(t->high)), low);

@@ -1,4 +1,4 @@
-/* The kernels in plain C: what the others are held against. */
+/* The kernels in plain C: the reference for the others. */
 #include <string.h>
 
 #include "quilt/kernel/kernel_place.h"
@@ -25,8 +25,8 @@ static void views16(const lf_places *places, size_t n, uint16_t *out)
 #define INFINITY_BITS 0x7f800000
 #define BLOCK_SAMPLES 256
 
-/* In two loops, as only the first becomes vector code. Of floats above 0 the bits order as the
- * floats do; all others (and NaN) become the lowest. */
+/* Two loops, because only the first can be vectorised. Bits of floats above 0 have the order of the
+ * floats; all other values (and NaN) become the lowest. */
 static void tone(const lf_tone_table *table, size_t n, const float *in, uint8_t *out)
 {
     const uint32_t *entries = table->entries;

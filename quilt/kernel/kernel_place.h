@@ -7,8 +7,8 @@
 
 #include "quilt/kernel/kernel.h"
 
-/* Position across the cone, 0..1, for a phase in lens periods; the clamp is that of
- * lf_view_of_subpixel's sources. */
+/* Position across the cone, 0..1, for a phase in lens periods; clamped as in the sources of
+ * lf_view_of_subpixel. */
 static inline double lf_place_of(double phase, bool from_right)
 {
     double f = phase - floor(phase);

@@ -1,10 +1,10 @@
-/* Which view a subpixel shows depends on the panel alone, so the nearest filter looks it up: one
- * byte a subpixel (two over 256 views), made once by the oracle's own operations in the oracle's
- * order.
+/* The view of a subpixel depends only on the panel, so the nearest filter looks it up. The table
+ * has one byte per subpixel (two over 256 views), computed once with the same operations in the
+ * same order as the reference.
  *
- * Subpixels side by side show views far apart in memory, in no order that a cache foresees. So the
- * piece of all views that a few panel rows and columns draw from (a strip) is first copied
- * together, in order, to where a core's own cache holds it. */
+ * Neighbouring subpixels show views far apart in memory, in an order that no cache predicts. So the
+ * data of all views for a few panel rows and columns (a strip) is first copied, in order, into a
+ * size that fits a core's own cache. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -15,42 +15,42 @@
 
 #define MAX_VIEWS 65535
 #define BAND_ROWS 64
-/* Of a strip of all views: well below a core's own cache, addressed by 16 bits. Measured: the
- * longer the runs that are copied the better, what misses the nearest cache costs less. */
+/* Bytes of all views in a strip: well below a core's own cache, and addressable by 16 bits.
+ * Measured: longer copied runs are faster, and misses of the nearest cache cost less. */
 #define STRIP_BYTES 61440
-/* Views of so many times more samples than the panel has are read where they lie: copying would
- * touch what nobody shows. */
+/* If the views have this many times more samples than the panel, they are read in place: copying
+ * would touch unused data. */
 #define MAX_SAMPLES_PER_SUBPIXEL 16
-/* Aspects closer than this are the same one, rounded in a file name. */
+/* Aspects closer than this are equal: file names round them. */
 #define SAME_ASPECT 1e-3
 
-/* looking-glass.md sections 3.2 and 3.3: what the formulas need of a calibration. */
+/* The numbers that the formulas of lf_view_of_subpixel (quilt.h) derive from a calibration. */
 typedef struct lens {
     double width, height; /* panel pixels */
     double pitch;         /* lens periods across the panel's width */
     double tilt, center;
     double subpixel; /* width of a subpixel in panel widths, signed */
     bool from_right; /* z = 1 - fract */
-    int red;         /* subpixel of red: 0, or 2 where the panel is BGR; blue has the other */
+    int red;         /* subpixel of red: 0, or 2 if the panel is BGR; blue has the other */
     int pattern, n_cells;
     const float (*cells)[3][2]; /* borrowed; NULL = stripes */
 } lens;
 
-/* Where a panel column or row lies in the views: nearest sample, and the two samples and weight of
- * the linear filter. */
+/* Position of a panel column or row in the views: the nearest sample, and the two samples and
+ * weight of the linear filter. */
 typedef struct sample {
     int nearest; /* -1: outside, black */
     int low, high;
-    double weight; /* of high */
+    double weight; /* weight of high */
 } sample;
 
-/* Panel columns [x0, x1) and the piece of a view's row that they show. */
+/* Panel columns [x0, x1) and the part of a view's row that they show. */
 typedef struct strip {
     int x0, x1;
     size_t first_byte, n_bytes;
 } strip;
 
-/* Cells come again after two columns and this many rows. */
+/* Cells repeat after two columns and this many rows. */
 #define CELL_ROWS 4
 
 struct lf_interlacer {
@@ -60,15 +60,15 @@ struct lf_interlacer {
     lf_filter filter;
     sample *columns;       /* [screen width] */
     int32_t *column_bytes; /* [screen width] offset of the nearest sample in a row of a view */
-    int first_x, end_x;    /* columns that show anything */
+    int first_x, end_x;    /* range of columns that are not black */
     sample *rows;          /* [screen height], from the top */
     /* [CELL_ROWS][screen width][3] phase position along x, in panel widths */
     double *across;
-    /* nearest: [screen height][screen width][3] uint8_t, or uint16_t where wide */
+    /* nearest: [screen height][screen width][3] uint8_t, or uint16_t if wide */
     void *views;
     bool wide;
-    strip *strips;    /* [n_strips]; none where views are read where they lie */
-    uint16_t *places; /* [screen width][3] of a subpixel in its strip's piece of a view */
+    strip *strips;    /* [n_strips]; none if views are read in place */
+    uint16_t *places; /* [screen width][3] offset of a subpixel in its strip's part of a view */
     int n_strips;
     uint32_t strip_stride; /* bytes from view to view in a strip's copy */
     const lf_quilt_kernels *kernels;
@@ -79,7 +79,7 @@ static bool is_first_version(const lf_calibration *c)
     return strcmp(c->config_version, "1.0") == 0;
 }
 
-/* The vendor's software never reads invView but on the first generation. */
+/* The vendor's software reads invView only for the first generation. */
 static bool counts_from_right(const lf_calibration *c, lf_invert invert)
 {
     if (invert != LF_INVERT_AUTO)
@@ -106,7 +106,7 @@ static lens lens_of(const lf_calibration *c, lf_invert invert)
     };
 }
 
-/* looking-glass.md section 3.4; y from the bottom. */
+/* CellPatternMode, as in weave.py of suchanek/quiltwright; y from the bottom. */
 static int cell_of(const lens *l, int x, int y)
 {
     int cell = 0;
@@ -159,9 +159,9 @@ int lf_view_of_subpixel(const lf_calibration *calibration, int n_views, lf_inver
 
 /* ------------------------------------------------------------------------------------ create -- */
 
-/* n samples of a panel axis that shows `size` view samples over `share` of its length, centred.
- * Multiplied first, so that pixels whose middle lies on a border between samples fall on its right
- * side whatever n is. */
+/* Maps n samples of a panel axis to `size` view samples over `share` of its length, centred.
+ * Multiplies first, so that pixels whose middle is on a border between samples fall on its right
+ * side for every n. */
 static void map_axis(sample *samples, int n, int size, double share)
 {
     for (int i = 0; i < n; i++) {
@@ -208,7 +208,7 @@ static void map_across(lf_interlacer *it)
                 *to++ = position_x(&it->lens, cell_of(&it->lens, x, y), x, c);
 }
 
-/* One row of the panel as the formulas see it. */
+/* Parameters of the formulas for one panel row. */
 static lf_places places_of_row(const lf_interlacer *it, int row)
 {
     int y = it->calibration.screen_height_px - 1 - row;
@@ -235,7 +235,7 @@ static void map_views(lf_interlacer *it)
     }
 }
 
-/* Strips of as many samples as STRIP_BYTES hold of all views. */
+/* Divides the columns into strips of as many samples as fit STRIP_BYTES for all views. */
 static void map_strips(lf_interlacer *it)
 {
     int first = it->columns[it->first_x].nearest,
@@ -269,18 +269,18 @@ static lf_status check(const lf_calibration *c, int n_views, int view_width, int
 {
     if (c->screen_width_px < 1 || c->screen_width_px > LF_MAX_SIDE || c->screen_height_px < 1 ||
         c->screen_height_px > LF_MAX_SIDE)
-        return lf_error_set(err, LF_E_ARG, "panel", "%dx%d pixels (expected 1 to %d a side)",
+        return lf_error_set(err, LF_E_ARG, "panel", "%dx%d pixels; expected 1 to %d per side",
                             c->screen_width_px, c->screen_height_px, LF_MAX_SIDE);
     if (!(c->pitch > 0) || !(c->dpi > 0) || !(fabs(c->slope) > 0) || !isfinite(c->center) ||
         c->n_cells > LF_MAX_CELLS)
         return lf_error_set(err, LF_E_ARG, "panel",
-                            "pitch, slope, center or DPI of the calibration make no lens");
+                            "the calibration has an invalid pitch, slope, center or DPI");
     if (n_views < 1 || n_views > MAX_VIEWS || view_width < 1 || view_height < 1)
-        return lf_error_set(err, LF_E_ARG, "panel", "%d views of %dx%d pixels (expected 1 to %d)",
-                            n_views, view_width, view_height, MAX_VIEWS);
+        return lf_error_set(err, LF_E_ARG, "panel",
+                            "%d views of %dx%d pixels; expected 1 to %d views", n_views, view_width,
+                            view_height, MAX_VIEWS);
     if (!(aspect >= 0) || isinf(aspect))
-        return lf_error_set(err, LF_E_ARG, "panel", "aspect %g (expected a number above 0)",
-                            aspect);
+        return lf_error_set(err, LF_E_ARG, "panel", "aspect %g; expected a number above 0", aspect);
     return LF_OK;
 }
 
@@ -303,8 +303,8 @@ static lf_status allocate(lf_interlacer *it, lf_error *err)
         whole = it->views;
     }
     return whole ? LF_OK
-                 : lf_error_set(err, LF_E_NOMEM, "panel", "no memory for a panel of %zux%zu pixels",
-                                width, height);
+                 : lf_error_set(err, LF_E_NOMEM, "panel",
+                                "not enough memory for a panel of %zux%zu pixels", width, height);
 }
 
 lf_status lf_interlacer_create(const lf_calibration *calibration, int n_views, int view_width,
@@ -356,7 +356,7 @@ void lf_interlacer_destroy(lf_interlacer *interlacer)
 
 /* --------------------------------------------------------------------------------- interlace -- */
 
-/* The body of both widths of the table; inlined, so that each has a loop without the question. */
+/* The body for both table widths; inlined, so that each has a loop without the test. */
 static inline __attribute__((always_inline)) void
 copy_row(const lf_interlacer *it, const lf_views8 *views, int row, bool wide, uint8_t *restrict out)
 {
@@ -376,7 +376,7 @@ copy_row(const lf_interlacer *it, const lf_views8 *views, int row, bool wide, ui
     }
 }
 
-/* Panel rows [row0, row1), all of which show row `row` of the views, by strips. */
+/* Interlaces panel rows [row0, row1), which all show row `row` of the views, by strips. */
 static void interlace_rows(const lf_interlacer *it, const lf_views8 *views, lf_image8 *out,
                            int row0, int row1)
 {

@@ -3,10 +3,10 @@
 
 #include "quilt/quilt.h"
 
-#define MAX_TILES 256 /* a side */
+#define MAX_TILES 256 /* per side */
 #define MIN_TILE_PX 64
 
-/* Which tiles of a frame differ; on the stack, so that the steady state allocates nothing. */
+/* The differing tiles of a frame; on the stack, so that steady state allocates nothing. */
 typedef struct tile_grid {
     int columns, rows; /* 1..MAX_TILES */
     int tile_px;
@@ -17,7 +17,7 @@ typedef struct frame_pair {
     const lf_image8 *before, *after;
 } frame_pair;
 
-/* Do the pixels [x0, x1) of a row differ? */
+/* True if the pixels [x0, x1) of a row differ. */
 static bool differ(const frame_pair *f, int y, int x0, int x1)
 {
     size_t channels = (size_t)f->after->channels, from = (size_t)x0 * channels;
@@ -31,8 +31,7 @@ static int least(int a, int b)
     return a < b ? a : b;
 }
 
-/* Reads each frame once where nothing changed; where a tile is known to have changed, no more of
- * it. */
+/* Reads unchanged tiles once, and no more of a tile that is known to have changed. */
 static void mark_row(const frame_pair *f, tile_grid *grid, int y, int *n_left)
 {
     bool *changed = grid->changed[y / grid->tile_px];
@@ -64,7 +63,7 @@ static void mark_tiles(const frame_pair *f, tile_grid *grid)
     }
 }
 
-/* Tiles of twice the size, changed where one of their four was. */
+/* Doubles the tile size; a tile has changed if one of its four had. */
 static void coarsen(tile_grid *grid)
 {
     int columns = (grid->columns + 1) / 2, rows = (grid->rows + 1) / 2;
@@ -84,7 +83,7 @@ static void coarsen(tile_grid *grid)
     grid->tile_px *= 2;
 }
 
-/* Adds a run of tiles, or lengthens the rectangle that ends just above it with the same columns. */
+/* Adds a run of tiles, or extends the rectangle just above it with the same columns. */
 static bool add_run(lf_rect *rects, int *n, int max_rects, int x, int y, int width)
 {
     for (int i = *n - 1; i >= 0; i--) {
@@ -99,8 +98,7 @@ static bool add_run(lf_rect *rects, int *n, int max_rects, int x, int y, int wid
     return true;
 }
 
-/* Rectangles of tiles that cover the changed ones exactly; -1 when there are more than max_rects.
- */
+/* Covers the changed tiles exactly with rectangles; -1: more than max_rects. */
 static int cover(const tile_grid *grid, lf_rect *rects, int max_rects)
 {
     int n = 0;
@@ -116,7 +114,7 @@ static int cover(const tile_grid *grid, lf_rect *rects, int max_rects)
     return n;
 }
 
-/* From tiles to pixels, and in on all sides to the outermost differences. */
+/* Converts tiles to pixels, and shrinks all sides to the outermost differences. */
 static void tighten(const frame_pair *f, int tile_px, lf_rect *rect)
 {
     int x0 = rect->x * tile_px, x1 = least((rect->x + rect->width) * tile_px, f->after->width);

@@ -1,12 +1,12 @@
-/* What a panel makes of its codes, turned round: the last step before a picture is sent. */
+/* The inverse of a panel's response: the last step before a picture is sent. */
 #include <assert.h>
 #include <math.h>
 
 #include "quilt/quilt.h"
 
-#define MAX_THROW 1000.0 /* between what channels of a white are, at most */
+#define MAX_THROW 1000.0 /* largest ratio between the channels of a white */
 
-/* CIE daylight (15:2004), of a nominal temperature: 6500 is D65. */
+/* CIE daylight (15:2004) of a nominal temperature: 6500 is D65. */
 static void white_of_day(double kelvin, double out_xy[2])
 {
     double t = kelvin * 1.4388 / 1.438, x;
@@ -18,7 +18,7 @@ static void white_of_day(double kelvin, double out_xy[2])
     out_xy[1] = -3.0 * x * x + 2.870 * x - 0.275;
 }
 
-/* How much of each primary of Rec. 709 the panel's white holds, where its own has 1 of each. */
+/* The amount of each primary of Rec. 709 in the panel's white; 1 each for D65. */
 static bool white_of(const lf_response *response, double out[3])
 {
     static const double from_xyz[3][3] = {{3.2404542, -1.5371385, -0.4985314},
@@ -55,12 +55,12 @@ lf_status lf_response_codes(const lf_response *response, lf_codes *out, lf_error
 {
     double white[3];
     if (response->white > 0.0 && (response->white_x > 0.0 || response->white_y > 0.0))
-        return lf_error_set(err, LF_E_ARG, "white", "a temperature or x and y, not both");
+        return lf_error_set(err, LF_E_ARG, "white", "give a temperature or x and y, not both");
     if ((response->white_x > 0.0) != (response->white_y > 0.0))
-        return lf_error_set(err, LF_E_ARG, "white", "x and y belong together");
+        return lf_error_set(err, LF_E_ARG, "white", "x and y must be given together");
     if (!white_of(response, white))
         return lf_error_set(err, LF_E_ARG, "white",
-                            "x %g, y %g: no panel's red, green and blue add up to that",
+                            "x %g, y %g is not a colour that red, green and blue can mix",
                             response->white_x, response->white_y);
     double least = fmin(white[0], fmin(white[1], white[2]));
     lf_codes codes = {.same = true};

@@ -13,7 +13,7 @@
 #define LEAST_BAND_MM 2.0
 #define LEAST_GRATING_MM 10.0
 #define TICK_MM 0.2
-#define GAP 0.1 /* of a band */
+#define GAP 0.1 /* fraction of a band */
 
 /* ------------------------------------------------------------------------------------ layout -- */
 
@@ -25,23 +25,26 @@ static lf_status check(const lf_print *print, lf_error *err)
     if (print->chart_range == 0.0 || print->chart_step == 0.0)
         return lf_error_set(err, LF_E_ARG, "chart", "a chart needs range and step (lpi)");
     if (!(print->chart_step > 0.0 && print->chart_step <= print->chart_range))
-        return lf_error_set(err, LF_E_ARG, "chart", "step %g: expected one above 0 and up to %g",
+        return lf_error_set(err, LF_E_ARG, "chart",
+                            "step %g; expected above 0 and at most the range, %g",
                             print->chart_step, print->chart_range);
     if (print->lpi - print->chart_range < 5.0)
-        return lf_error_set(err, LF_E_ARG, "chart", "range %g: expected pitches of at least 5 lpi",
+        return lf_error_set(err, LF_E_ARG, "chart",
+                            "range %g is too large; expected pitches of at least 5 lpi",
                             print->chart_range);
     if (lf_print_dpi_across(print) < 2.0 * (print->lpi + print->chart_range))
         return lf_error_set(err, LF_E_ARG, "chart",
-                            "%g lpi at %.10g dpi: expected at least 2 pixels a line",
+                            "%g lpi at %.10g dpi has too few pixels; expected at least 2 per line",
                             print->lpi + print->chart_range, lf_print_dpi_across(print));
     if (print->n_views > 0 || print->bleed_mm != 0.0 || print->phase_mm != 0.0 || print->reverse ||
         print->marks || print->stripes != LF_STRIPES_FRACTIONAL)
-        return lf_error_set(err, LF_E_ARG, "chart",
-                            "takes no views, bleed, phase, stripes, reverse and marks");
+        return lf_error_set(
+            err, LF_E_ARG, "chart",
+            "a chart cannot be combined with views, bleed, phase, stripes, reverse or marks");
     return LF_OK;
 }
 
-/* How many decimals it takes to write every pitch. */
+/* The number of decimals needed to write every pitch. */
 static int decimals_of(const lf_print *print)
 {
     int n = 0;
@@ -71,11 +74,10 @@ lf_status lf_chart_layout(const lf_print *print, lf_chart *out, lf_error *err)
     chart.top = HEADER_MM;
     chart.band_height = (chart.height - HEADER_MM - FOOTER_MM) / (2.0 * steps + 1.0);
     if (chart.band_height < LEAST_BAND_MM)
-        return lf_error_set(
-            err, LF_E_ARG, "chart",
-            "%g bands over %g mm: expected at least %g mm a band, with %g mm beside "
-            "them; a larger print, a smaller range or a larger step",
-            2.0 * steps + 1.0, chart.height, LEAST_BAND_MM, HEADER_MM + FOOTER_MM);
+        return lf_error_set(err, LF_E_ARG, "chart",
+                            "%g bands do not fit into %g mm (%g mm each, plus %g mm); use a larger "
+                            "print or step, or a smaller range",
+                            2.0 * steps + 1.0, chart.height, LEAST_BAND_MM, HEADER_MM + FOOTER_MM);
     chart.n_bands = 2 * (int)steps + 1;
     chart.decimals = decimals_of(print);
     chart.label_height = fmin(TEXT_MM, 0.7 * chart.band_height);
@@ -85,8 +87,8 @@ lf_status lf_chart_layout(const lf_print *print, lf_chart *out, lf_error *err)
     chart.half_ruler = 5.0 * floor(fmin(chart.width - 2.0 * MARGIN_MM, 100.0) / 10.0);
     if (2.0 * chart.half_width < LEAST_GRATING_MM)
         return lf_error_set(err, LF_E_ARG, "chart",
-                            "%g mm along the bands: expected at least %.3g mm", chart.width,
-                            chart.width - 2.0 * chart.half_width + LEAST_GRATING_MM);
+                            "the print has %g mm along the bands; expected at least %.3g mm",
+                            chart.width, chart.width - 2.0 * chart.half_width + LEAST_GRATING_MM);
     *out = chart;
     return LF_OK;
 }
@@ -105,7 +107,7 @@ double lf_chart_lpi(const lf_chart *chart, int band)
 
 /* --------------------------------------------------------------------------------------- ink -- */
 
-/* How much ink lies left of x on a grating with a line about 0, half a pitch wide. */
+/* The ink to the left of x on a grating with a line around 0, half a pitch wide. */
 static double ink_before(double x, double pitch)
 {
     const double t = x / pitch + 0.25, line = floor(t);
@@ -121,7 +123,7 @@ static bool header_ink(const lf_chart *chart, double x, double y)
     return lf_label_ink(text, TEXT_MM, x + 0.5 * lf_label_width(text, TEXT_MM), y - MARGIN_MM);
 }
 
-/* The ruler: a tick every 10 mm, the outer ones longer, and what it measures in all. */
+/* The ruler: a tick every 10 mm, longer ones at the ends, and its total length. */
 static double footer_ink(const lf_chart *chart, double x0, double x1, double y)
 {
     const double tick =
@@ -168,8 +170,9 @@ double lf_chart_ink(const lf_chart *chart, double x0, double x1, double y)
 typedef struct drawing {
     lf_chart chart;
     int width, height;
-    double right, down; /* mm of a pixel */
-    bool turned; /* horizontal lenses: by 90 degrees, the chart's right is the print's lower end */
+    double right, down; /* size of a pixel in mm */
+    bool turned; /* horizontal lenses: rotated by 90 degrees, the chart's right is the print's lower
+                  * end */
 } drawing;
 
 static void draw_row(void *context, int y, float *row)

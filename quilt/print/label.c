@@ -6,7 +6,7 @@
 #define COLUMNS 5
 #define ROWS 7
 
-/* A row a byte, the leftmost square the highest of five bits. */
+/* One byte per row; the leftmost square is the highest of five bits. */
 static const char characters[] = "0123456789.%lpidmx";
 static const uint8_t font[sizeof characters - 1][ROWS] = {
     {0x0e, 0x11, 0x13, 0x15, 0x19, 0x11, 0x0e}, /* 0 */

@@ -36,7 +36,7 @@ lf_marks lf_marks_of(const lf_print *print, const lf_print_shape *shape)
     };
 }
 
-/* How much of a pixel about x lies on a line of this width about `at`. */
+/* The fraction of a pixel around x on a line of this width around `at`. */
 static double on_line(double pixel, double x, double at, double width)
 {
     const double half = 0.5 * pixel;
@@ -44,7 +44,7 @@ static double on_line(double pixel, double x, double at, double width)
     return fmax(covered, 0.0) / pixel;
 }
 
-/* mm of a pixel across the lenses, and along them. */
+/* Size of a pixel in mm, across the lenses and along them. */
 static double pixel_across(const lf_marks *marks)
 {
     return marks->horizontal ? marks->down : marks->right;
@@ -60,7 +60,7 @@ static bool within(double x, double from, double to)
     return x >= from && x < to;
 }
 
-/* Beyond the ends of the lenses; out is how far from the bleed. */
+/* Ink beyond the ends of the lenses; out: distance from the bleed. */
 static double end_ink(const lf_marks *marks, double across, double out)
 {
     if (within(out, STRIP_FROM, STRIP_TO) && fabs(across) < marks->trim_across - 1.0) {
@@ -73,11 +73,11 @@ static double end_ink(const lf_marks *marks, double across, double out)
                : 0.0;
 }
 
-/* Beyond the first or last lens. */
+/* Ink beyond the first or last lens. */
 static double side_ink(const lf_marks *marks, double out, double along)
 {
     const double x = out - REGISTER_AT, radius = hypot(x, along);
-    /* a pixel of the ring, which runs in every direction, is as wide as the finer of both */
+    /* for the ring, which has all directions, a pixel is the finer of both sizes */
     const double finer = fmin(marks->right, marks->down);
     double ink = on_line(finer, radius, REGISTER_RADIUS, LINE_MM);
     if (fabs(along) < REGISTER_ARM)
@@ -87,7 +87,7 @@ static double side_ink(const lf_marks *marks, double out, double along)
     return ink;
 }
 
-/* Lines on the trim edges, outside of the bleed. */
+/* Ink of the lines on the trim edges, outside the bleed. */
 static double crop_ink(const lf_marks *marks, double across, double along)
 {
     double ink = 0.0;

@@ -16,7 +16,7 @@ char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size)
     return buf;
 }
 
-/* With more, stripes are so narrow that neighbouring views ghost. */
+/* With more views, stripes are so narrow that neighbouring views ghost. */
 #define VIEWS_A_PIXEL 0.8
 
 static lf_status check_views(const lf_print *print, const char **out_warning, lf_error *err)
@@ -24,14 +24,15 @@ static lf_status check_views(const lf_print *print, const char **out_warning, lf
     const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
     const int most = (int)fmax(floor(pixels_per_lens + 0.5), 1.0);
     if (print->n_views < 1 || print->n_views > most)
-        return lf_error_set(
-            err, LF_E_ARG, "print",
-            "%d views: a lens of %g lpi has %.4g pixels at %.10g dpi, expected 1 to %d",
-            print->n_views, print->lpi, pixels_per_lens, lf_print_dpi_across(print), most);
+        return lf_error_set(err, LF_E_ARG, "print",
+                            "%d views are not possible: a lens of %g lpi has %.4g pixels at %.10g "
+                            "dpi; expected 1 to %d views",
+                            print->n_views, print->lpi, pixels_per_lens, lf_print_dpi_across(print),
+                            most);
     if (out_warning)
         *out_warning = print->n_views > 2 && print->n_views > VIEWS_A_PIXEL * pixels_per_lens + 1e-9
-                           ? "more than 0.8 dpi/lpi views: neighbouring views ghost; fewer views "
-                             "or a finer raster are cleaner"
+                           ? "with more than 0.8 dpi/lpi views, neighbouring views show as ghosts; "
+                             "use fewer views or a higher resolution"
                            : NULL;
     return LF_OK;
 }
@@ -42,12 +43,12 @@ lf_status lf_print_check(const lf_print *print, const char **out_warning, lf_err
     if (status != LF_OK)
         return status;
     if (!(print->view_aspect >= 0.0 && print->view_aspect <= 1000.0))
-        return lf_error_set(err, LF_E_ARG, "print", "aspect of the views %g: expected 0 to 1000",
+        return lf_error_set(err, LF_E_ARG, "print", "the views have aspect %g; expected 0 to 1000",
                             print->view_aspect);
     if (print->chart_range != 0.0 || print->chart_step != 0.0)
-        return lf_error_set(err, LF_E_ARG, "print", "range and step: expected for charts alone");
+        return lf_error_set(err, LF_E_ARG, "print", "range and step are for charts only");
     if (print->rolled && !print->horizontal)
-        return lf_error_set(err, LF_E_ARG, "print", "a rolled rig: expected horizontal lenses");
+        return lf_error_set(err, LF_E_ARG, "print", "a rolled rig needs horizontal lenses");
     return check_views(print, out_warning, err);
 }
 
@@ -56,14 +57,14 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
 {
     if (print->n_views > n_most)
         return lf_error_set_at(err, LF_E_ARG, where, 0, pointer,
-                               "%d views asked for, but there are only %d", print->n_views, n_most);
+                               "%d views requested, but only %d exist", print->n_views, n_most);
     if (print->n_views > 0)
         return LF_OK;
     const double pixels_per_lens = lf_print_dpi_across(print) / print->lpi;
     if (pixels_per_lens < 1.5 && n_most > 1)
         return lf_error_set(err, LF_E_ARG, where,
                             "a lens of %g lpi has %.3g pixels at %.10g dpi, too few for 2 views; "
-                            "give fewer lenses or a finer raster",
+                            "use a lower lpi or higher dpi",
                             print->lpi, pixels_per_lens, lf_print_dpi_across(print));
     const double clean = fmax(2, floor(VIEWS_A_PIXEL * pixels_per_lens + 1e-9));
     print->n_views = (int)fmin(clean, n_most);
@@ -72,11 +73,12 @@ lf_status lf_print_choose_views(lf_print *print, int n_most, const char *where, 
 
 /* ------------------------------------------------------------------------------------- shape -- */
 
-/* The lenses whose cells overlap the raster: lens k's is [phase + (k - 1/2) p, phase + (k + 1/2)
- * p]. */
+/* The lenses whose cells overlap the raster; the cell of lens k is [phase + (k - 1/2) p, phase + (k
+ * + 1/2) p]. */
 static void lenses_of(const lf_print *print, int raster_across, int *out_first, int *out_last)
 {
-    const double half = 0.5 * raster_across * print->lpi / lf_print_dpi_across(print); /* lenses */
+    /* in lenses */
+    const double half = 0.5 * raster_across * print->lpi / lf_print_dpi_across(print);
     const double phase = print->phase_mm * print->lpi / 25.4;
     *out_first = (int)floor(-half - phase + 0.5);
     *out_last = (int)ceil(half - phase + 0.5) - 1;
@@ -121,7 +123,7 @@ typedef struct line_key {
     int view, lens;
 } line_key;
 
-/* One print being written. */
+/* State of writing a print. */
 typedef struct job {
     const lf_print *print;
     lf_print_shape shape;
@@ -132,7 +134,7 @@ typedef struct job {
     /* vertical: [n_views][n_lenses][3] of this row; horizontal: [3][n_along][3], the stripes of
      * this row */
     float *samples;
-    line_key held[3]; /* horizontal: what the three lines of samples hold */
+    line_key held[3]; /* horizontal: the contents of the three lines of samples */
 } job;
 
 static lf_status job_init(job *j, const lf_views32 *views, const lf_tone *tone)
@@ -185,8 +187,8 @@ static void vertical_row(job *j, int y, float *row)
     }
 }
 
-/* The line of one stripe, read once: rows that follow each other share stripes. A line that this
- * row needs is never replaced, since it needs at most three and there are three. */
+/* The line of one stripe, cached because consecutive rows share stripes. A line that this row needs
+ * is never replaced, since it needs at most three and there are three. */
 static const float *stripe_line(job *j, const lf_stripe_mix *mix, int slot)
 {
     const size_t line_size = (size_t)j->shape.n_along * 3;

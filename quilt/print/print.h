@@ -1,9 +1,11 @@
 /* Private to the print_*.c files: the parts of the lenticular print (quilt.h has the conventions).
  *
- * views -> lines of display light at lens resolution (print_views.c) -> stripes (print_stripes.c)
- * -> device colour (print_colour.c) -> TIFF (print_tiff.c) and manifest (print_manifest.c); print.c
- * runs them; chart.c draws the pitch test chart on a page of its own. Objects are used by one
- * thread. */
+ *   views -> lines of display light at lens resolution (print_views.c) -> stripes
+ *   (print_stripes.c) -> device colour (print_colour.c) -> TIFF (print_tiff.c) and manifest
+ *   (print_manifest.c).
+ *
+ * All steps are run by print.c; the pitch test chart is drawn by chart.c on a page of its own.
+ * Objects are used by one thread. */
 #ifndef LF_QUILT_PRINT_H
 #define LF_QUILT_PRINT_H
 

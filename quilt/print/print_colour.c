@@ -10,23 +10,23 @@
 #define MAX_PROFILE_BYTES (16U << 20)
 #define BLOCK 512 /* pixels converted at once */
 
-/* The 8-bit and 16-bit encoders find their place by the bits of the float: a fixed number of bins
- * an octave. */
+/* The 8-bit and 16-bit encoders index by the bits of the float, with a fixed number of bins per
+ * octave. */
 #define LOW8 0x1p-13F /* below the first rounding border, 0.5 / 255 / 12.92 */
-#define LOW16 0x1p-9F /* below the end of the curve's straight part */
-#define SHIFT8 16     /* 128 bins an octave: at most two code values a bin */
-#define SHIFT16 13    /* 1024 bins an octave: linear interpolation is good to 3e-8 */
+#define LOW16 0x1p-9F /* below the end of the curve's linear part */
+#define SHIFT8 16     /* 128 bins per octave: at most two code values per bin */
+#define SHIFT16 13    /* 1024 bins per octave: linear interpolation is accurate to 3e-8 */
 #define BINS8 (13 * 128 + 1)
 #define BINS16 (9 * 1024 + 2)
 
 struct lf_print_colour {
     int bits, channels;
     size_t profile_size;
-    unsigned char *profile; /* lf_calloc */
+    unsigned char *profile; /* released with lf_free */
     char name[128];
     cmsContext context;
-    cmsHTRANSFORM transform; /* NULL = sRGB by the tables below */
-    char complaint[256];     /* what Little CMS said last */
+    cmsHTRANSFORM transform; /* NULL = sRGB with the tables below */
+    char complaint[256];     /* last message of Little CMS */
     uint8_t start8[BINS8];
     float border8[257]; /* code k begins here; the last is never reached */
     float curve16[BINS16];
@@ -58,8 +58,8 @@ static float float_of_bits(uint32_t bits)
     return v;
 }
 
-/* The least float that rounds to code k or above: inverting the curve comes within a few floats of
- * it. */
+/* The least float that rounds to code k or above; inverting the curve gives it within a few
+ * floats. */
 static float border_of(int k)
 {
     float border = (float)linear_from_srgb((k - 0.5) / 255.0);
@@ -164,7 +164,7 @@ static lf_status make_srgb(lf_print_colour *colour, lf_error *err)
             status = LF_OK;
     }
     if (status == LF_OK) {
-        /* The creation date, which would make equal prints differ: 2000-01-01. */
+        /* The creation date is fixed, so that equal prints do not differ: 2000-01-01. */
         static const unsigned char date[12] = {0x07, 0xd0, 0, 1, 0, 1};
         memcpy(colour->profile + 24, date, sizeof date);
         snprintf(colour->name, sizeof colour->name, "sRGB");
@@ -188,7 +188,7 @@ static cmsHPROFILE linear_rec709(cmsContext context)
     return profile;
 }
 
-/* RGB and CMYK profiles of something that can be printed on or shown. */
+/* Accepts RGB and CMYK profiles of devices that print or display. */
 static lf_status check_profile(lf_print_colour *colour, cmsHPROFILE profile, const char *path,
                                lf_error *err)
 {
@@ -196,7 +196,7 @@ static lf_status check_profile(lf_print_colour *colour, cmsHPROFILE profile, con
     const cmsProfileClassSignature kind = cmsGetDeviceClass(profile);
     if (space != cmsSigRgbData && space != cmsSigCmykData)
         return lf_error_set(err, LF_E_FORMAT, path,
-                            "a profile for colours other than RGB or CMYK: expected one of these");
+                            "unsupported colour space of the profile; expected RGB or CMYK");
     if (kind != cmsSigDisplayClass && kind != cmsSigOutputClass && kind != cmsSigColorSpaceClass)
         return lf_error_set(err, LF_E_FORMAT, path,
                             "expected the profile of a display, a printer or a colour space");
@@ -211,7 +211,7 @@ static lf_status make_transform(lf_print_colour *colour, cmsHPROFILE profile, co
     const cmsUInt32Number flags =
         cmsFLAGS_NOCACHE | cmsFLAGS_NOOPTIMIZE | cmsFLAGS_BLACKPOINTCOMPENSATION;
     cmsHPROFILE scene = linear_rec709(colour->context);
-    /* Floats on both sides: 16 bits of linear light would be too coarse in the darks. */
+    /* Floats on both sides, because 16 bits of linear light are too coarse in dark tones. */
     if (scene)
         colour->transform =
             cmsCreateTransformTHR(colour->context, scene, TYPE_RGB_FLT, profile,
@@ -226,7 +226,7 @@ static lf_status make_transform(lf_print_colour *colour, cmsHPROFILE profile, co
     return LF_OK;
 }
 
-/* A complaint of lcms without what the error says already. */
+/* A message of lcms without the part that the error already contains. */
 static const char *reason_of(const char *complaint)
 {
     static const char said[] = "not an ICC profile, ";

@@ -32,8 +32,7 @@ static void hash_bytes(const void *data, size_t size, char out[static HEX_SIZE])
     hex_digest(&hash, out);
 }
 
-/* The file as it can be read; a descriptor given for writing only is opened once more. -1 when it
- * cannot be. */
+/* A readable descriptor of the file; a write-only one is opened again. -1: not possible. */
 static int open_to_read(const lf_outfile *file)
 {
     const int flags = fcntl(file->fd, F_GETFL);
@@ -58,7 +57,7 @@ static bool hash_descriptor(int fd, struct sha256_ctx *hash, uint8_t *buffer, in
     }
 }
 
-/* false when the file cannot be read back. */
+/* False: the file cannot be read back. */
 static bool hash_file(const lf_outfile *file, char out[static HEX_SIZE], int64_t *out_size)
 {
     uint8_t *buffer = lf_calloc(1, READ_BYTES);
@@ -87,7 +86,7 @@ static json_t *file_part(const lf_outfile *tiff)
     return json_pack("{s:s?, s:I, s:s}", "name", name, "bytes", (json_int_t)size, "sha256", hash);
 }
 
-/* One number where both are the same, whole where it is. */
+/* One number if both are equal, as an integer if possible. */
 static json_t *both_ways(double right, double down)
 {
     if (right != down)
@@ -95,7 +94,7 @@ static json_t *both_ways(double right, double down)
     return right == floor(right) ? json_integer((json_int_t)right) : json_real(right);
 }
 
-/* Boxes are in the file as it is, marks included. */
+/* Boxes are in the final file, with marks. */
 static json_t *size_part(const lf_print *print, const lf_print_shape *shape)
 {
     const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
@@ -115,8 +114,7 @@ static json_t *size_part(const lf_print *print, const lf_print_shape *shape)
                      left * right_mm + print->width_mm, top * down_mm + print->height_mm);
 }
 
-/* Views in the order of the stripes of a cell in the file as it is, from left to right (top to
- * bottom). */
+/* Views in the order of a cell's stripes in the final file, from left to right (top to bottom). */
 static json_t *order_part(const lf_print *print)
 {
     json_t *order = json_array();
@@ -147,7 +145,7 @@ static json_t *stripe_part(const lf_print *print, const json_t *options)
                      "view_0", print->horizontal ? "topmost camera" : "leftmost camera");
 }
 
-/* Where a picture of another shape lies: its size, and its middle from that of the print. */
+/* Placement of a picture of another shape: its size, and its middle relative to the print's. */
 static json_t *photo_part(const lf_print_source *source)
 {
     const lf_photo_place *place = &source->place;
@@ -168,7 +166,7 @@ static json_t *source_part(const lf_print_facts *facts)
         "{s:i, s:[i,i], s:b, s:s, s:o, s:o?, s:f, s:s}", "views", views->n_views, "view_px",
         views->width, views->height, "resampled", facts->source->resampled, "sampling",
         facts->source->resampled ? "area average where smaller, linear where larger"
-                                 : "one sample a lens, the printer's rows",
+                                 : "one sample per lens, the printer's rows",
         "shown", shown, "photo", photo_part(facts->source), "exposure", facts->run->exposure,
         "tonemap", facts->run->tonemap ? facts->run->tonemap : "srgb");
 }
@@ -187,7 +185,7 @@ static json_t *colour_part(const lf_print_facts *facts, const json_t *options)
                      (json_int_t)size);
 }
 
-/* A line that may hold the name of a file, which is any bytes. */
+/* A line that may contain a file name, which may be any bytes. */
 static json_t *line_of(char *text)
 {
     json_t *line = json_string(text);
@@ -204,10 +202,10 @@ static json_t *warning_part(const lf_print_facts *facts)
     if (warnings && facts->warning)
         json_array_append_new(warnings, json_string(facts->warning));
     if (warnings && facts->print->parallax_lenses > 1.0) {
-        snprintf(
-            text, sizeof text,
-            "points shift by up to %.2f lenses from view to view: depth beyond 1 lens breaks up",
-            facts->print->parallax_lenses);
+        snprintf(text, sizeof text,
+                 "points shift by up to %.2f lenses between views; objects that shift by more than "
+                 "1 look broken",
+                 facts->print->parallax_lenses);
         json_array_append_new(warnings, json_string(text));
     }
     const lf_image_notes *notes = facts->run->notes;
@@ -216,7 +214,7 @@ static json_t *warning_part(const lf_print_facts *facts)
     return warnings;
 }
 
-/* What a print has and a chart has not. */
+/* The members of a print that a chart does not have. */
 static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
 {
     return json_pack("{s:o, s:o, s:o}", "lens", lens_part(facts->print, facts->shape, options),
@@ -226,9 +224,9 @@ static json_t *picture_parts(const lf_print_facts *facts, const json_t *options)
 lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile *tiff,
                                   lf_outfile *manifest, lf_error *err)
 {
-    static const char advice[] = "Print at 100 %: no scaling, no fit to page, no borderless "
-                                 "enlargement, no sharpening and no colour "
-                                 "adjustment by the driver; the raster is the printer's own.";
+    static const char advice[] =
+        "Print at 100 %, without scaling, fit to page, borderless enlargement, sharpening or "
+        "colour adjustment by the driver. The raster is the printer's own.";
     const char *where = manifest->path ? manifest->path : "print manifest";
     json_t *options = lf_param_json(lf_print_params, facts->print);
     json_t *settings = facts->run->settings ? json_deep_copy(facts->run->settings) : NULL;
@@ -249,7 +247,7 @@ lf_status lf_print_manifest_write(const lf_print_facts *facts, const lf_outfile 
     json_decref(root);
     json_decref(options);
     if (!text)
-        return lf_error_set(err, LF_E_NOMEM, where, "out of memory, or a name that is not UTF-8");
+        return lf_error_set(err, LF_E_NOMEM, where, "out of memory, or a name is not UTF-8");
     status = lf_outfile_write(manifest, text, strlen(text), err);
     if (status == LF_OK)
         status = lf_outfile_write(manifest, "\n", 1, err);

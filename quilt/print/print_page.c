@@ -1,4 +1,4 @@
-/* A TIFF made row by row: what prints and charts share. */
+/* A TIFF written row by row, for prints and charts. */
 #include <string.h>
 
 #include "base/alloc.h"
@@ -14,7 +14,7 @@ static void mirror_row(float *row, int width)
     }
 }
 
-/* One strip: rows of linear light, then device values. */
+/* Makes one strip: rows of linear light, then device values. */
 static void make_strip(const lf_print_page *page, const lf_print_colour *colour, int y, int rows,
                        float *row, unsigned char *strip, size_t row_bytes)
 {

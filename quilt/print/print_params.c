@@ -1,8 +1,8 @@
-/* What people set of a print, and the names of it. */
+/* The user's options of a print, and their names. */
 #include "quilt/print/print.h"
 
 #define PLACE(field) .place = offsetof(lf_print, field)
-/* Said by two options. */
+/* Used by two options. */
 #define LPI .argument = "LPI", PLACE(lpi), .unit = "lpi", .low = 5, .high = 600
 #define DPI                                                                                        \
     .argument = "DPI", PLACE(dpi), .type = LF_PARAM_RASTER, .unit = "dpi", .low = 50, .high = 9600
@@ -19,19 +19,19 @@ static const char *const bits[] = {"8", "16", NULL};
 /* clang-format off */
 const lf_param lf_print_params[] = {
     {.name = "lpi", .option = "print", .joined = "@", LPI, .required = true,
-     .help = "lenticular print into OUT.tif; LPI is the measured visual pitch, e.g. 60.13@600; "
-             "DPI may be XxY, across the page and down it, 60.13@720x1440",
-     .about = "measured visual pitch of the lens sheet; of a chart: pitch in its middle"},
+     .help = "lenticular print, OUT.tif: visual pitch @ resolution, such as 60.13@600 or "
+             "60.13@720x1440",
+     .about = "measured visual pitch of the lens sheet; middle pitch of a chart"},
     {.name = "dpi", .option = "print", DPI, .initial = 600,
-     .about = "resolution of the printer; \"XxY\": across the page and down it"},
+     .about = "resolution of the printer; \"XxY\": across and down the page"},
     {.option = "chart", .joined = "+-", LPI,
-     .help = "instead of a picture, a chart: bands of lines at pitches to find the sheet's by"},
+     .help = "print a pitch test chart instead of an image, to find the sheet's pitch"},
     {.name = "range", .option = "chart", .joined = "/", .argument = "RANGE", PLACE(chart_range),
      .unit = "lpi", .low = 1e-4, .high = 100,
-     .about = "of a chart: how far its pitches go below and above the one in its middle"},
+     .about = "chart: largest difference from its middle pitch"},
     {.name = "step", .option = "chart", .joined = "@", .argument = "STEP", PLACE(chart_step),
      .unit = "lpi", .low = 1e-4, .high = 100,
-     .about = "of a chart: how much the pitch changes from band to band"},
+     .about = "chart: pitch difference between neighbouring bands"},
     {.option = "chart", DPI},
     {.name = "width", .option = "print-size", .joined = "x", .argument = "W", PLACE(width_mm),
      .unit = "mm", .low = 1, .high = 5000, .required = true, .help = "trim size of the print",
@@ -40,33 +40,30 @@ const lf_param lf_print_params[] = {
      .unit = "mm", .low = 1, .high = 5000, .required = true,
      .about = "trim height of the print"},
     {.name = "views", PLACE(n_views), .type = LF_PARAM_WHOLE, .low = 1, .high = 1920,
-     .about = "views under a lens (0.8 dpi / lpi, whole, and at least 2)"},
+     .about = "views per lens (0.8 dpi / lpi, rounded down, at least 2)"},
     {.name = "stripes", .option = "stripes", .argument = "NAME", PLACE(stripes),
      .type = LF_PARAM_WORD, .words = stripes,
-     .about = "how stripes of views fall on the printer's dots"},
+     .about = "how stripes of views are mapped to printer dots"},
     {.name = "phase", .option = "phase", .argument = "MM", PLACE(phase_mm),
      .unit = "mm", .low = -100, .high = 100,
-     .help = "moves the lens in the middle of the print to the right"},
+     .help = "shift of the middle lens to the right"},
     {.name = "orientation", .option = "orientation", .argument = "NAME", PLACE(horizontal),
-     .type = LF_PARAM_SWITCH, .words = orientations, .help = "of the lenses",
-     .about = "orientation of the lenses"},
+     .type = LF_PARAM_SWITCH, .words = orientations, .help = "orientation of the lenses"},
     {.name = "bleed", .option = "bleed", .argument = "MM", PLACE(bleed_mm),
-     .unit = "mm", .low = 0, .high = 100, .help = "on every side, rendered",
-     .about = "rendered margin on every side"},
+     .unit = "mm", .low = 0, .high = 100, .help = "rendered margin on every side"},
     {.name = "icc", .option = "icc", .argument = "FILE", PLACE(icc_path),
      .type = LF_PARAM_TEXT, .help = "colour profile of the print (sRGB)",
      .about = "ICC file with the colour profile of the print (sRGB)"},
     {.name = "bits", .option = "bits", .argument = "8|16", PLACE(bits),
-     .type = LF_PARAM_WHOLE, .words = bits, .initial = 8, .help = "of a channel",
-     .about = "bits of a channel"},
+     .type = LF_PARAM_WHOLE, .words = bits, .initial = 8, .help = "bits per channel"},
     {.name = "compress", .option = "compress", .argument = "NAME", PLACE(compress),
      .type = LF_PARAM_WORD, .words = compress, .about = "compression of the TIFF file"},
     {.name = "reverse", .option = "reverse", PLACE(reverse),
-     .type = LF_PARAM_SWITCH, .help = "views from first to last under a lens"},
+     .type = LF_PARAM_SWITCH, .help = "order the views under a lens from first to last"},
     {.name = "mirror", .option = "mirror", PLACE(mirror),
-     .type = LF_PARAM_SWITCH, .help = "the whole print mirrored, for the back of the sheet"},
+     .type = LF_PARAM_SWITCH, .help = "mirror the whole print, for the back of the sheet"},
     {.name = "marks", .option = "marks", PLACE(marks),
-     .type = LF_PARAM_SWITCH, .help = "register and alignment marks, 8 mm more on every side"},
+     .type = LF_PARAM_SWITCH, .help = "add register and alignment marks, 8 mm on every side"},
     {0},
 };
 /* clang-format on */

@@ -2,8 +2,8 @@
 
 #include "quilt/print/print.h"
 
-/* Borders closer to a pixel's edge or centre than this, in stripes, count as on it: rounding of
- * doubles stays below 1e-10 at 10^5 stripes, and 1e-9 stripe is less than a picometre. */
+/* A border this close to a pixel's edge or centre, in stripes, counts as on it. Rounding of doubles
+ * stays below 1e-10 at 10^5 stripes, and 1e-9 stripe is less than a picometre. */
 #define SNAP 1e-9
 
 static double snapped(double s)
@@ -12,8 +12,8 @@ static double snapped(double s)
     return fabs(s - whole) < SNAP ? whole : s;
 }
 
-/* Stripe coordinate of a position in pixels from the raster's left edge: whole numbers are borders,
- * stripe 0 is the leftmost of lens 0's cell. */
+/* The stripe coordinate of a position in pixels from the raster's left edge. Whole numbers are
+ * borders; stripe 0 is the leftmost of lens 0's cell. */
 static double stripe_coordinate(const lf_print *print, int raster_across, double pixel)
 {
     const double dpi = lf_print_dpi_across(print);
@@ -29,7 +29,7 @@ static void put_stripe(const lf_print *print, const lf_print_shape *shape, doubl
     const double cell = floor(stripe / print->n_views);
     const int m = (int)(stripe - cell * print->n_views);
     const int lens = (int)cell - shape->first_lens;
-    /* A snapped edge can name the cell beside the raster, with weight 0. */
+    /* A snapped edge can select the cell next to the raster, with weight 0. */
     out->lens[slot] = lens < 0 ? 0 : lens >= shape->n_lenses ? shape->n_lenses - 1 : lens;
     out->view[slot] = print->reverse ? m : print->n_views - 1 - m;
     out->weight[slot] = (float)weight;

@@ -17,9 +17,9 @@ struct lf_print_tiff {
     TIFF *tiff;
     lf_outfile *file;
     int rows_per_strip;
-    double dpi[2];  /* across the page and down it */
-    bool at_end;    /* what is written is the directory */
-    lf_error error; /* the first thing that went wrong; status LF_OK = none */
+    double dpi[2];  /* across the page and down */
+    bool at_end;    /* libtiff is writing the directory */
+    lf_error error; /* the first error; status LF_OK = none */
 };
 
 /* ----------------------------------------------------------------- libtiff's way to the file -- */
@@ -42,7 +42,7 @@ static tmsize_t read_bytes(thandle_t handle, void *data, tmsize_t n)
     return read(tiff->file->fd, data, (size_t)n);
 }
 
-/* The fraction of the least denominator that a resolution is, as decimals say it: 4064 / 5. */
+/* The fraction with the smallest denominator for a decimal resolution: 4064 / 5. */
 static void exact_fraction(double dpi, uint32_t out[2])
 {
     uint32_t below = 1;
@@ -68,10 +68,10 @@ static void fraction_of(double dpi, unsigned char out[8])
         out[i] = (unsigned char)(exact[i / 4] >> 8 * (i % 4));
 }
 
-/* libtiff keeps a resolution as a float: where that is none, the fraction that it writes becomes
- * the one that was asked for. data: what libtiff is about to write, little endian; the directory
- * comes last: how many entries it has, then 12 bytes each and where values of 8 bytes stand, of a
- * BigTIFF 20 with such values within. */
+/* libtiff stores a resolution as a float. If that is not exact, the fraction it writes is replaced
+ * by the requested one. data: bytes that libtiff is about to write, little endian; the directory
+ * comes last. It has a count of entries, then 12 bytes per entry, with the positions of 8-byte
+ * values. In a BigTIFF an entry has 20 bytes and contains such values. */
 static void put_fractions(lf_print_tiff *tiff, unsigned char *data, size_t n)
 {
     enum { X_RESOLUTION = 282 };
@@ -113,7 +113,7 @@ static toff_t seek_to(thandle_t handle, toff_t offset, int whence)
     return (toff_t)at;
 }
 
-/* The descriptor stays with the lf_outfile. */
+/* The lf_outfile keeps the descriptor. */
 static int close_nothing(thandle_t handle)
 {
     (void)handle;
@@ -140,7 +140,7 @@ static int keep_error(TIFF *handle, void *context, const char *module, const cha
     if (tiff->error.status == LF_OK)
         lf_error_set(&tiff->error, LF_E_IO, file_name(tiff->file), "cannot write the TIFF: %s",
                      text);
-    return 1; /* not for libtiff's global handler, which prints */
+    return 1; /* keeps it from libtiff's global handler, which prints */
 }
 
 static int ignore_warning(TIFF *handle, void *context, const char *module, const char *format,
@@ -156,7 +156,7 @@ static int ignore_warning(TIFF *handle, void *context, const char *module, const
     return 1;
 }
 
-/* Copies what went wrong; something always did. */
+/* Copies the error; there always is one. */
 static lf_status report(const lf_print_tiff *tiff, lf_error *err)
 {
     if (tiff->error.status == LF_OK)
@@ -207,8 +207,8 @@ static bool set_tags(const lf_print_tiff *out, const lf_print_page *page,
            TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, page->description);
 }
 
-/* Bytes that the file may grow to: LZW turns a byte into at most 12 bits, deflate adds less than a
- * hundredth. */
+/* The largest possible size of the file: LZW turns a byte into at most 12 bits, deflate adds less
+ * than a hundredth. */
 static double largest_size(const lf_print *print, double raster_bytes, size_t profile_size)
 {
     static const double growth[] = {

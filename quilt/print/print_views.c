@@ -4,12 +4,12 @@
 #include "base/alloc.h"
 #include "quilt/print/print.h"
 
-/* Aspects closer than this are the same one, rounded in a file's name. */
+/* Aspects closer than this are equal: file names round them. */
 #define SAME_ASPECT 1e-3
 
 /* ------------------------------------------------------------------------------------ source -- */
 
-/* Which way the samples of a view lie in memory. */
+/* Sets the strides of a view's samples. */
 static void set_axes(lf_print_source *source, const lf_print *print)
 {
     const lf_views32 *views = source->views;
@@ -38,8 +38,8 @@ static lf_status identity_filters(lf_print_source *source, const lf_print_shape 
     return status;
 }
 
-/* How a picture lies on the raster, in mm. With bleed, what shows no border inside of the trim size
- * covers it all. */
+/* The placement of a picture on the raster, in mm. With bleed, a picture without a border inside
+ * the trim size covers the whole raster. */
 static lf_photo_place lay(const lf_print *print, const lf_print_shape *shape)
 {
     const double right_mm = 25.4 / print->dpi, down_mm = 25.4 / lf_print_dpi_down(print);
@@ -48,13 +48,13 @@ static lf_photo_place lay(const lf_print *print, const lf_print_shape *shape)
                  slack_height = 2 * print->bleed_mm + fmax(down_mm, SAME_ASPECT * height);
     if (!(print->view_aspect > 0.0))
         return (lf_photo_place){.width = width, .height = height};
-    /* A rolled rig's picture lies on its side. */
+    /* A rolled rig's picture is on its side. */
     const double aspect = print->rolled ? 1.0 / print->view_aspect : print->view_aspect;
     return lf_photo_lay(&print->photo, aspect, width, height, slack_width, slack_height);
 }
 
-/* A lens or dot at the edge of the raster reaches beyond it, and yet is no border where the picture
- * reaches it as well. */
+/* A lens or dot at the edge of the raster extends beyond it, but this is no border if the picture
+ * also reaches the edge. */
 static void no_border(lf_axis_filter *filter)
 {
     for (int i = 0; i < filter->n_out; i++)
@@ -117,7 +117,7 @@ lf_status lf_print_source_init(lf_print_source *source, const lf_print *print,
     return status;
 }
 
-/* Dots of the print for a pixel of the views, along the lenses. */
+/* Dots of the print per pixel of the views, along the lenses. */
 static double scale_along(const lf_print *print, const lf_views32 *views,
                           const lf_photo_place *place)
 {
@@ -135,18 +135,17 @@ void lf_print_note_laid(const lf_print *print, const lf_views32 *views, lf_image
     const lf_photo_place place = lay(print, &shape);
     const double scale = scale_along(print, views, &place);
     if (place.cut > 0)
-        lf_image_note(
-            notes,
-            "%.0f %% of the picture, whose aspect is %.4g, are cut for a print of %g x %g "
-            "mm (photo fit shows it whole)",
-            100 * place.cut, print->view_aspect, print->width_mm, print->height_mm);
+        lf_image_note(notes,
+                      "%.0f %% of the image (aspect %.4g) is cropped for a print of %g x %g mm "
+                      "(photo fit shows it whole)",
+                      100 * place.cut, print->view_aspect, print->width_mm, print->height_mm);
     if (place.beside > 0 || place.above > 0)
         lf_image_note(notes,
-                      "the picture, whose aspect is %.4g, is whole on a print of %g x %g mm: white "
-                      "borders of %.1f mm %s (photo fill cuts it instead)",
+                      "the image (aspect %.4g) is whole on a print of %g x %g mm, with white "
+                      "borders of %.1f mm %s (photo fill crops it)",
                       print->view_aspect, print->width_mm, print->height_mm,
                       place.beside + place.above,
-                      place.beside > 0 ? "beside it" : "above and below");
+                      place.beside > 0 ? "left and right" : "above and below");
     if (scale > 2 || scale < 0.5)
         lf_image_note(notes, "views of %dx%d pixels are scaled by %.3g along the lenses",
                       views->width, views->height, scale);
@@ -171,9 +170,9 @@ static float finite_or_zero(float v)
     return isfinite(v) ? v : 0.0F;
 }
 
-/* Where the samples of a line lie in a view. */
+/* Position of a line's samples in a view. */
 typedef struct line_place {
-    size_t step, tap_step; /* from sample to sample, and to those that a sample is mixed of */
+    size_t step, tap_step; /* strides from sample to sample, and between its taps */
     int n;
 } line_place;
 
@@ -192,7 +191,7 @@ static void add_codes(const uint8_t *in, const float *light, const line_place *p
             line[3 * s + c] += weight * light[in[(size_t)s * place->step + (size_t)c]];
 }
 
-/* One line of a view: samples, each the weighted mix of others. */
+/* Gathers one line of a view; each sample is the weighted sum of taps. */
 static void gather_line(const lf_views32 *views, int view, const line_place *place,
                         const lf_axis_filter *filter, int i, float *line)
 {
@@ -207,7 +206,7 @@ static void gather_line(const lf_views32 *views, int view, const line_place *pla
     }
 }
 
-/* Paper where the picture does not reach. */
+/* Adds paper white outside the picture. */
 static void add_border(const lf_print_source *source, const lf_axis_filter *filter, float inside,
                        float *out)
 {

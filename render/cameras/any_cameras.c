@@ -17,12 +17,11 @@ enum { MVPT, VPT, N_ENTRIES };
 
 static const lf_integrator_entry entries[N_ENTRIES] = {
     [MVPT] = {.name = "mvpt",
-              .what = "every path serves all views that see it",
+              .what = "all views share paths",
               .shares = true,
               .remembers = true, /* contributions between rows, during a pass */
               .supports = SUPPORT},
-    [VPT] = {
-        .name = "vpt", .what = "every view for itself", .remembers = true, .supports = SUPPORT}};
+    [VPT] = {.name = "vpt", .what = "each view alone", .remembers = true, .supports = SUPPORT}};
 
 /* Paths that find how bright it gets. */
 #define PILOT_PATHS 1024

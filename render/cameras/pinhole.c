@@ -20,8 +20,8 @@ static lf_status aim(lf_pinhole *out, const lf_view_camera *from, const double o
     if (!(across > 1e-12 * ahead * lf_length_double(from->up)) ||
         !(from->fov_y > 0.0 && from->fov_y < 3.1))
         return lf_error_set(err, LF_E_ARG, "camera.views",
-                            "camera %d stands on its target, or up is along its line of sight, or "
-                            "fov_y is not above 0 and below 178 degrees",
+                            "camera %d is at its target, or up is parallel to its view direction, "
+                            "or fov_y is not between 0 and 178 degrees",
                             number);
     out->eye = lf_to_vec3(eye);
     out->forward = scaled(forward, 1.0 / ahead);

@@ -152,9 +152,9 @@ const char *lf_film_refusal(const lf_film *film, const lf_film *b)
 {
     if (memcmp(film->picture, b->picture, sizeof film->picture) != 0 ||
         !lf_film_has_layout(film, &b->layout))
-        return "of another scene, camera or settings";
+        return "from another scene, camera or settings";
     if (memcmp(film->sky, b->sky, sizeof film->sky) != 0)
-        return "of this scene under another sky";
+        return "from this scene with another sky";
     return NULL;
 }
 

@@ -185,13 +185,13 @@ static lf_status check_streams(const lf_film *film, const lf_film *from, lf_erro
         int row = a ? overlap(a, b, film->height) : film->height;
         if (row < film->height)
             return lf_error_set(err, LF_E_STATE, "film",
-                                "both have samples of seed %llu, stream %u in row %d",
+                                "both films have samples of seed %llu, stream %u in row %d",
                                 (unsigned long long)b->seed, b->number, row);
         n += !a;
     }
     return n <= LF_FILM_MAX_STREAMS
                ? LF_OK
-               : lf_error_set(err, LF_E_STATE, "film", "together more than %d random streams",
+               : lf_error_set(err, LF_E_STATE, "film", "the sum has more than %d random streams",
                               LF_FILM_MAX_STREAMS);
 }
 
@@ -212,7 +212,8 @@ static lf_status check(const lf_film *film, const lf_film *from, lf_error *err)
 {
     int full = overflow(film, from);
     if (full < film->height)
-        return lf_error_set(err, LF_E_STATE, "film", "together row %d has too many samples", full);
+        return lf_error_set(err, LF_E_STATE, "film", "row %d of the sum has too many samples",
+                            full);
     return check_streams(film, from, err);
 }
 
@@ -231,7 +232,7 @@ lf_status lf_film_mix(lf_film *film, const lf_film *from, lf_error *err)
     int index;
     if (!lf_film_alike(film, from))
         return lf_error_set(err, LF_E_STATE, "film",
-                            "cannot be mixed: of other views, or kept differently");
+                            "films with other views or another layout cannot be mixed");
     lf_status status = check(film, from, err);
     for (int i = 0; i < from->n_streams && status == LF_OK; i++)
         if (lf_film_stream_at(film, from->streams[i].seed, from->streams[i].number, &index) !=
@@ -261,6 +262,6 @@ lf_status lf_film_mix(lf_film *film, const lf_film *from, lf_error *err)
 lf_status lf_film_add(lf_film *film, const lf_film *from, lf_error *err)
 {
     const char *refusal = lf_film_refusal(film, from);
-    return refusal ? lf_error_set(err, LF_E_STATE, "film", "cannot be added: %s", refusal)
+    return refusal ? lf_error_set(err, LF_E_STATE, "film", "cannot add a film %s", refusal)
                    : lf_film_mix(film, from, err);
 }

@@ -129,14 +129,14 @@ static lf_status read_content(int fd, unsigned char head[HEAD_BYTES], const lf_f
 {
     if (memcmp(head, part->name, 4) != 0 ||
         get_u64(&(cursor){head + 8}) != part->n_made + part->n_bulk)
-        return lf_error_set(err, LF_E_FORMAT, "state", "where part %s should be, something else is",
-                            part->name);
+        return lf_error_set(err, LF_E_FORMAT, "state",
+                            "expected part %s, found other data; the file is damaged", part->name);
     lf_status status = read_all(fd, part->made, part->n_made, err);
     if (status == LF_OK)
         status = read_all(fd, part->bulk, part->n_bulk, err);
     if (status == LF_OK && get_u32(&(cursor){head + 4}) != checksum(part, head + 8))
         return lf_error_set(err, LF_E_FORMAT, "state",
-                            "part %s was changed: its checksum does not fit", part->name);
+                            "part %s is damaged: its checksum does not match", part->name);
     return status;
 }
 
@@ -246,11 +246,11 @@ static lf_status read_start(int fd, lf_error *err)
     if (status != LF_OK)
         return status;
     if (memcmp(start, magic, sizeof magic) != 0)
-        return lf_error_set(err, LF_E_FORMAT, "state", "this is no saved picture");
+        return lf_error_set(err, LF_E_FORMAT, "state", "this is not a saved image");
     uint32_t version = get_u32(&(cursor){start + sizeof magic});
     if (version != LF_FILM_VERSION)
         return lf_error_set(err, LF_E_STATE, "state",
-                            "the saved picture has version %u, this program reads version %d",
+                            "the saved image has version %u, but this program reads version %d",
                             version, LF_FILM_VERSION);
     return LF_OK;
 }
@@ -288,7 +288,7 @@ static lf_status read_identity(int fd, lf_film *out, lf_error *err)
     for (int i = 0; i < 2 && status == LF_OK; i++)
         status = read_part(fd, &parts[i], err);
     if (status == LF_OK && !get_layout((cursor){layout_bytes}, &out->layout, out->sky))
-        return lf_error_set(err, LF_E_FORMAT, "state", "its layout is impossible");
+        return lf_error_set(err, LF_E_FORMAT, "state", "its layout is invalid");
     return status;
 }
 
@@ -300,7 +300,7 @@ static lf_status read_empty(int fd, const lf_film *like, lf_film *out, lf_error 
         return status;
     const char *refusal = like ? lf_film_refusal(like, &given) : NULL;
     if (refusal)
-        return lf_error_set(err, LF_E_STATE, "state", "the saved picture is %s", refusal);
+        return lf_error_set(err, LF_E_STATE, "state", "the saved image is %s", refusal);
     if (lf_film_init(out, &given.layout) != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, "state", "not enough memory to read it");
     memcpy(out->picture, given.picture, sizeof given.picture);
@@ -338,8 +338,7 @@ static lf_status read_stream(int fd, unsigned char head[HEAD_BYTES], lf_film *fi
         for (int row = 0; row < film->height && status == LF_OK; row++) {
             film->streams[index].rows[row] = get_counts(&c);
             if (!lf_film_counts_possible(&film->streams[index].rows[row]))
-                status =
-                    lf_error_set(err, LF_E_FORMAT, "state", "row %d has impossible counts", row);
+                status = lf_error_set(err, LF_E_FORMAT, "state", "row %d has invalid counts", row);
         }
     }
     lf_free(whole.made);
@@ -383,7 +382,7 @@ static lf_status read_row(int fd, unsigned char head[HEAD_BYTES], lf_film *film,
         for (int h = 0; h < 2; h++)
             given[h] += film->streams[i].rows[number].visits[h];
     if (!lf_film_row_possible(&state) || given[0] != state.visits[0] || given[1] != state.visits[1])
-        return lf_error_set(err, LF_E_FORMAT, "state", "row %u has impossible counts", number);
+        return lf_error_set(err, LF_E_FORMAT, "state", "row %u has invalid counts", number);
     memmove(film->data + (size_t)number * film->row_bytes, whole.bulk, whole.n_bulk);
     film->rows[number] = state;
     *row = (int)number;
@@ -396,7 +395,7 @@ static lf_status read_end(int fd, unsigned char head[HEAD_BYTES], lf_error *err)
     lf_status status = read_content(fd, head, &(lf_film_part){.name = "END "}, err);
     return status != LF_OK || read(fd, &more, 1) == 0
                ? status
-               : lf_error_set(err, LF_E_FORMAT, "state", "something stands behind its end");
+               : lf_error_set(err, LF_E_FORMAT, "state", "the file has data after its end");
 }
 
 static lf_status read_rest(int fd, lf_film *film, lf_error *err)

@@ -222,10 +222,10 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
 {
     const lf_choices *choices = &input->settings->choices;
     if (lf_media_path_depth_bound(input->scene) > LF_MAX_NULL_DEPTH)
-        return lf_error_set(err, LF_E_ARG, "integrator",
-                            "%s renders no media of more than 2900 mean free paths of their "
-                            "largest extinction",
-                            table[index]->entry.name);
+        return lf_error_set(
+            err, LF_E_ARG, "integrator",
+            "%s supports media of at most 2900 mean free paths at their largest extinction",
+            table[index]->entry.name);
     lf_general *g = lf_calloc(1, sizeof *g);
     if (!g)
         return LF_E_NOMEM;
@@ -244,7 +244,7 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     lf_status status =
         g->shift && g->selection
             ? lf_rig_init(&g->rig, input->settings, input->scene->origin, err)
-            : lf_error_set(err, LF_E_ARG, "integrator", "no such shift or selection");
+            : lf_error_set(err, LF_E_ARG, "integrator", "unknown shift or selection");
     const bool delta = lf_has(&g->seen, LF_TRAIT_MIRRORS);
     const lf_integrator_needs needs = {.layout = {.n_views = g->rig.n_views,
                                                   .width = g->rig.width,

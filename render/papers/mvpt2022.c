@@ -96,7 +96,7 @@ const lf_general_kind lf_general_mismvpt = {
     .weigh = weigh};
 const lf_general_kind lf_general_amvpt2022 = {
     .entry = {.name = "amvpt2022",
-              .what = "mvpt2022 with more paths where the error is",
+              .what = "mvpt2022 with more paths where the error is larger",
               .shares = true,
               .takes = LF_PAPERS_TAKES(SHIFT) | LF_PAPERS_TAKES(SELECTION),
               .remembers = true,

@@ -11,7 +11,8 @@
 static const lf_param params[] = {
     [LF_PAPERS_SHIFT] = {
      .option = "shift", .argument = "NAME", CHOICE(SHIFT), .word_at = lf_shift_name,
-     .help = "those of 2022: how null collisions go from view to view (optical-stretch)",
+     .help = "integrators of 2022: how null collisions are shifted to other views "
+             "(optical-stretch)",
      .about = "shifts"},
     [LF_PAPERS_SELECTION] = {
      .option = "selection", .argument = "NAME", CHOICE(SELECTION), .word_at = lf_selection_name,
@@ -19,11 +20,11 @@ static const lf_param params[] = {
      .about = "selections"},
     [LF_PAPERS_REUSE] = {
      .option = "reuse", .argument = "NAME", CHOICE(REUSE), .word_at = lf_reuse_name,
-     .help = "restir, mvrestir: which reservoirs a pixel looks into (both)",
+     .help = "restir, mvrestir: reservoir reuse (both)",
      .about = "reuse of reservoirs"},
     [LF_PAPERS_WEIGHTS] = {
      .option = "weights", .argument = "NAME", CHOICE(WEIGHTS), .word_at = lf_reuse_weights_name,
-     .help = "restir, mvrestir: what they count (unbiased)",
+     .help = "restir, mvrestir: reservoir weights (unbiased)",
      .about = "weights of reservoirs"},
     {0},
 };

@@ -232,8 +232,8 @@ static lf_status make_history(lf_restir *s, const lf_film_layout *layout, lf_err
         return LF_OK;
     if (row * sizeof(lf_restir_pixel) > MAX_BYTES / rows)
         return lf_error_set(err, LF_E_ARG, "integrator",
-                            "reservoirs of %d views of %dx%d would take more than 2 GiB: --reuse "
-                            "spatial keeps none",
+                            "reservoirs of %d views of %dx%d pixels need more than 2 GiB; use "
+                            "--reuse spatial, which keeps none",
                             layout->n_views, layout->width, layout->height);
     s->rows = lf_calloc(rows, sizeof *s->rows);
     s->all_pixels = lf_calloc(rows * row, sizeof *s->all_pixels);
@@ -248,17 +248,15 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
     const lf_render_settings *settings = input->settings;
     if (lf_max_depth(input->scene, settings->max_depth) > LF_MAX_PATH_VERTICES)
         return lf_error_set(err, LF_E_ARG, "integrator",
-                            "%s renders no paths of more than 16 vertices (--max-depth 16 or less)",
+                            "%s supports paths of at most 16 vertices; use --max-depth 16 or less",
                             entries[index].name);
     const int reuse = settings->choices.of[LF_PAPERS_REUSE],
               weights = settings->choices.of[LF_PAPERS_WEIGHTS];
     if (!lf_reuse_name(reuse) || !lf_reuse_weights_name(weights))
-        return lf_error_set(err, LF_E_ARG, "integrator", "no such reuse or weights");
+        return lf_error_set(err, LF_E_ARG, "integrator", "unknown reuse or weights");
     if (reuses[reuse].beside == LF_RESTIR_BLOCKS && weights != LF_REUSE_UNBIASED)
-        return lf_error_set(
-            err, LF_E_ARG, "integrator",
-            "--reuse %s has no biased weights: without its balance they have a pole",
-            reuses[reuse].name);
+        return lf_error_set(err, LF_E_ARG, "integrator",
+                            "--reuse %s supports only --weights unbiased", reuses[reuse].name);
     lf_restir *s = lf_calloc(1, sizeof *s);
     if (!s)
         return LF_E_NOMEM;

@@ -25,8 +25,9 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
 {
     const lf_camera *c = &s->camera;
     if (c->list)
-        return lf_error_set(err, LF_E_ARG, "camera.views",
-                            "cameras listed one by one are no rig: an arc, a track or a grid is");
+        return lf_error_set(
+            err, LF_E_ARG, "camera.views",
+            "cameras listed one by one do not form a rig; use an arc, a track or a grid");
     lf_status status = lf_rig_check_size(s, err);
     if (status != LF_OK)
         return status;
@@ -38,9 +39,10 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
     if (c->first_view < 0 || (c->all_views > 0 && c->all_views < c->first_view + c->n_views))
         return lf_error_set(err, LF_E_ARG, "camera.views", "a part is not within its track");
     if (!(c->track >= 0.0))
-        return lf_error_set(err, LF_E_ARG, "camera.views", "a track must not be shorter than 0");
+        return lf_error_set(err, LF_E_ARG, "camera.views",
+                            "the length of a track must not be negative");
     if (!isfinite(c->rise) || !(c->rows_step >= 0.0 && isfinite(c->rows_step)))
-        return lf_error_set(err, LF_E_ARG, "camera.views", "a row must not be infinitely high");
+        return lf_error_set(err, LF_E_ARG, "camera.views", "the height of a row must be finite");
     if (!(c->lens_radius >= 0.0))
         return lf_error_set(err, LF_E_ARG, "camera.lens_radius", "must not be negative");
     if (!(c->view_blur >= 0.0 && c->view_blur <= LF_MAX_VIEW_BLUR))
@@ -48,7 +50,7 @@ static lf_status check(const lf_render_settings *s, lf_error *err)
                             LF_MAX_VIEW_BLUR);
     if (c->view_blur > 0.0 && c->lens_radius > 0.0)
         return lf_error_set(err, LF_E_ARG, "camera.view_blur",
-                            "does not go with a lens_radius: one lens at a time");
+                            "cannot be combined with lens_radius; remove one of them");
     return LF_OK;
 }
 

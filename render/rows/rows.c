@@ -308,7 +308,8 @@ static void skipped(const void *state, json_t *out)
     else if (rows->frame.n == 0)
         json_object_set_new(out, "volumes", json_string("none in front of the cameras: no slices"));
     if (rows->rig.lens_radius == 0.0f && rows->rig.blur == 0.0f && rows->rig.blur_up == 0.0f)
-        json_object_set_new(out, "lens", json_string("pinhole cameras: no points on it are drawn"));
+        json_object_set_new(out, "lens",
+                            json_string("pinhole cameras: no lens points are sampled"));
 }
 
 const lf_integrator lf_integrator_rows = {.skips = LF_SKIP_ALL,

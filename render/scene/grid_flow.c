@@ -263,8 +263,8 @@ static lf_status find_box(flowing *f, const lf_affine from[3], lf_error *err)
     }
     if (n_bricks > MOST_BRICKS)
         return lf_error_set(err, LF_E_NOMEM, "grid",
-                            "its velocities spread it over %d x %d x %d voxels: more than can be "
-                            "looked through",
+                            "its velocities spread it over %d x %d x %d voxels, which are too "
+                            "many; use lower velocities or a shorter shutter",
                             LF_BRICK * f->n[0], LF_BRICK * f->n[1], LF_BRICK * f->n[2]);
     f->wanted = lf_calloc((size_t)n_bricks, sizeof *f->wanted);
     return f->wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
@@ -335,10 +335,10 @@ static lf_status make_steps(flowing *f, lf_error *err)
     const uint64_t bytes = (find_used(f) + (uint64_t)f->flow->n) * LF_BRICK_STRIDE * each;
     lf_status status = LF_OK;
     if (bytes > LF_GRID_MAX_BYTES)
-        return lf_error_set(err, LF_E_NOMEM, "grid",
-                            "its %d steps take %.1f GiB; the limit is %d GiB: fewer \"steps\" take "
-                            "less",
-                            f->flow->n, (double)bytes / (1 << 30), (int)(LF_GRID_MAX_BYTES >> 30));
+        return lf_error_set(
+            err, LF_E_NOMEM, "grid",
+            "its %d steps need %.1f GiB, but the limit is %d GiB; use fewer \"steps\"", f->flow->n,
+            (double)bytes / (1 << 30), (int)(LF_GRID_MAX_BYTES >> 30));
     for (int k = 0; k < f->flow->n && status == LF_OK; k++) {
         f->out->n = k + 1;
         status = make_step(f, k, err);
@@ -445,9 +445,9 @@ lf_status lf_grid_flow(const lf_grid *grid, const lf_flow *flow, lf_grid_steps *
     lf_status status = LF_E_NOMEM;
     if (f.out && lf_pool_create(0, &pool) == LF_OK) {
         atomic_init(&f.out->refs, 1);
-        status = relate(&f, from)
-                     ? LF_OK
-                     : lf_error_set(err, LF_E_FORMAT, "grid", "the map of a grid flattens space");
+        status = relate(&f, from) ? LF_OK
+                                  : lf_error_set(err, LF_E_FORMAT, "grid",
+                                                 "the transform of the grid is singular");
         if (status == LF_OK) {
             find_reach(&f);
             status = find_box(&f, from, err);

@@ -91,9 +91,9 @@ lf_status lf_grid_sum(const lf_grid *a, const lf_grid *b, lf_grid **out_grid, lf
     double map[12];
     lf_grid *sum = NULL;
     if (!offset_of(a, b, p.at[1]))
-        return lf_error_set(err, LF_E_FORMAT, "grid",
-                            "the voxels of grids that are added are not in the same places; two "
-                            "volumes can be of different ones");
+        return lf_error_set(
+            err, LF_E_FORMAT, "grid",
+            "the voxels of the added grids do not coincide; use one volume per grid");
     for (int i = 0; i < 3; i++) {
         int64_t first = p.at[1][i] < 0 ? p.at[1][i] : 0, end = p.at[1][i] + b->size[i];
         size[i] = (end > a->size[i] ? end : a->size[i]) - first;

@@ -17,7 +17,7 @@ static const lf_trait_entry table[] = {
     {LF_TRAIT_MIRRORS, OF_SURFACES, "mirrors, smooth coats and smooth glass", SOME},
     {LF_TRAIT_VIEW_LOBES, 0, "lobes that depend on the view", SOME},
     {LF_TRAIT_EMISSION, OF_SURFACES, "surfaces that emit", SOME},
-    {LF_TRAIT_OVERLAPS, OF_SURFACES, "lamps in one place with other faces", SOME},
+    {LF_TRAIT_OVERLAPS, OF_SURFACES, "area lights that coincide with other faces", SOME},
     {LF_TRAIT_ALPHA, OF_SURFACES, "alpha", "the scene has such surfaces"},
     {LF_TRAIT_THIN_GLASS, OF_SURFACES, "thin glass", SOME},
     {LF_TRAIT_ROUGH_GLASS, OF_SURFACES, "rough glass", SOME},
@@ -42,7 +42,7 @@ static const lf_trait_entry table[] = {
     {LF_TRAIT_LENS, 0, "depth of field", "the camera has a lens_radius"},
     {LF_TRAIT_VIEW_BLUR, 0, "view_blur", "the camera has some"},
     {LF_TRAIT_LISTED_CAMERAS, 0, "cameras listed one by one", SOME},
-    {LF_TRAIT_FEATURES, 0, "reconstruction and depth", "the picture is reconstructed or has depth"},
+    {LF_TRAIT_FEATURES, 0, "denoising and depth", "the image is denoised or has depth"},
 };
 #define N_ROWS (int)(sizeof table / sizeof table[0])
 _Static_assert(N_ROWS == LF_N_TRAITS, "a row for every bit");

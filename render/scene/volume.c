@@ -18,20 +18,18 @@ lf_status lf_grid_create(const int64_t size[3], const double local_to_file[12], 
     for (int i = 0; i < 12; i++)
         if (!(fabs(local_to_file[i]) <= LF_MAX_COORDINATE))
             return lf_error_set(err, LF_E_FORMAT, "grid",
-                                "its map into the world holds %g; at most %g is possible",
+                                "its transform has a value of %g; expected at most %g",
                                 local_to_file[i], LF_MAX_COORDINATE);
     for (int i = 0; i < 3; i++) {
         if (size[i] < 1 || size[i] > LF_GRID_MAX_SIDE)
-            return lf_error_set(err, LF_E_FORMAT, "grid",
-                                "%lld voxels along %c; 1 to %d are possible", (long long)size[i],
-                                "xyz"[i], LF_GRID_MAX_SIDE);
+            return lf_error_set(err, LF_E_FORMAT, "grid", "%lld voxels along %c; expected 1 to %d",
+                                (long long)size[i], "xyz"[i], LF_GRID_MAX_SIDE);
         n *= (uint64_t)((size[i] + 1 + LF_BRICK - 1) / LF_BRICK);
     }
     if (n * (sizeof(uint32_t) + sizeof(float)) > LF_GRID_MAX_BYTES)
         return lf_error_set(err, LF_E_NOMEM, "grid",
-                            "%lld x %lld x %lld voxels are more than fit in %d GiB",
-                            (long long)size[0], (long long)size[1], (long long)size[2],
-                            (int)(LF_GRID_MAX_BYTES >> 30));
+                            "%lld x %lld x %lld voxels do not fit into %d GiB", (long long)size[0],
+                            (long long)size[1], (long long)size[2], (int)(LF_GRID_MAX_BYTES >> 30));
     lf_grid *grid = lf_calloc(1, sizeof *grid);
     if (!grid)
         goto fail;
@@ -87,7 +85,7 @@ lf_status lf_grid_allocate(lf_grid *grid, lf_error *err)
         grid->values = lf_calloc((size_t)n_bricks + 1, LF_BRICK_STRIDE * sizeof(float));
     if (!grid->values)
         return lf_error_set(err, LF_E_NOMEM, "grid",
-                            "%.1f GiB of voxels are wanted; the limit is %d GiB",
+                            "the voxels need %.1f GiB, but the limit is %d GiB",
                             (double)bytes / (1 << 30), (int)(LF_GRID_MAX_BYTES >> 30));
     grid->n_bricks = n_bricks;
     return LF_OK;
@@ -107,14 +105,13 @@ lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *places, const flo
     size_t length = index_length(grid);
     for (size_t i = 0; i < n; i++) {
         if (places[i] >= length || (i > 0 && places[i] <= places[i - 1]))
-            return lf_error_set(err, LF_E_FORMAT, "grid",
-                                "bricks lie outside, or twice at a place");
+            return lf_error_set(err, LF_E_FORMAT, "grid", "bricks are out of range or repeated");
         grid->index[places[i]] = 1;
     }
     if (!are_within(values, n * LF_BRICK_STRIDE, is_signed ? -FLT_MAX : 0.0f))
         return lf_error_set(err, LF_E_FORMAT, "grid", "%s",
-                            is_signed ? "velocities are finite"
-                                      : "densities are finite and not negative");
+                            is_signed ? "velocities must be finite"
+                                      : "densities must be finite and not negative");
     lf_status status = lf_grid_allocate(grid, err);
     if (status != LF_OK)
         return status;

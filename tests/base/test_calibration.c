@@ -161,10 +161,10 @@ static void hostile_texts_are_refused(void **state)
     assert_refused("[1]", 3, "", 0, "object");
     static const char huge[] =
         "{\"pitch\":52,\"slope\":-7,\"center\":0,\"DPI\":324,\"screenW\":8192,\"screenH\":8193}";
-    assert_refused(huge, strlen(huge), "/screenW", 1, "no panel has more");
+    assert_refused(huge, strlen(huge), "/screenW", 1, "are too many for a panel");
     assert_refused("{\n\n\"pitch\": oops}", 17, "", 3, "not JSON");
     assert_refused("{" GOOD "} x", sizeof "{" GOOD "} x" - 1, "", 1,
-                   "something stands behind the JSON object");
+                   "text follows the JSON object");
     static char deep[LF_CALIBRATION_MAX_BYTES];
     memset(deep, '[', sizeof deep);
     assert_refused(deep, sizeof deep, "", 1, "not JSON");

@@ -108,13 +108,13 @@ static const lf_format_row rows[] = {
     KEY("invView", "used", SAID("invView", "0")),
     KEY("flipImageX", "used", SAID("flipImageX", "1")),
     KEY("flipImageY", "warned", SAID("flipImageY", "1"),
-        "what it says of flipImageY has no effect"),
+        "these keys have no effect: flipImageY"),
     KEY("flipImageY 0", "ignored", SAID("flipImageY", "{\"value\": 0.0}")),
     KEY("flipSubp", "used", SAID("flipSubp", "1")),
-    KEY("fringe", "warned", SAID("fringe", "2"), "what it says of fringe has no effect"),
+    KEY("fringe", "warned", SAID("fringe", "2"), "these keys have no effect: fringe"),
     KEY("fringe 0", "ignored", SAID("fringe", "0.0")),
     KEY("verticalAngle", "warned", SAID("verticalAngle", "3"),
-        "what it says of verticalAngle has no effect"),
+        "these keys have no effect: verticalAngle"),
     KEY("verticalAngle 0", "ignored", SAID("verticalAngle", "0")),
     KEY("CellPatternMode", "used", SAID("CellPatternMode", "2")),
     KEY("cellPatternMode", "used", SAID("cellPatternMode", "2")),
@@ -136,14 +136,14 @@ static const lf_format_row rows[] = {
     KEY("quiltWidth, quiltHeight, columns, rows", "used",
         SAID("defaultQuilt", QUILT("quiltWidth", "quiltHeight", "columns", "rows"))),
     KEY("a defaultQuilt that is none", "warned", SAID("defaultQuilt", "{\"tileX\": 5}"),
-        "its defaultQuilt is not used"),
+        "ignored its defaultQuilt"),
     KEY("calibration", "used", .whole = "{\"calibration\": " OTHER "}"),
     KEY("calibration as a text", "used",
         .whole = "{\"calibration\": \"{\\\"pitch\\\": 40, \\\"slope\\\": -7, "
                  "\\\"center\\\": 0, \\\"DPI\\\": 324, \\\"screenW\\\": 1536, "
                  "\\\"screenH\\\": 2048}\"}"),
     KEY("any other key", "warned", SAID("lensRadius", "3"),
-        "what it says of lensRadius has no effect"),
+        "these keys have no effect: lensRadius"),
     KEY("a key that is missing", "refused", SAID("pitch", NULL),
         "expected a number from 1 to 1000"),
     KEY("a number out of range", "refused", SAID("DPI", "0"), "expected a number from 1 to 10000"),
@@ -152,7 +152,8 @@ static const lf_format_row rows[] = {
     KEY("no JSON", "refused", .whole = "pitch=50", .words = "not JSON"),
     KEY("a byte order mark", "ignored", .whole = "\xef\xbb\xbf" PLAIN),
     KEY("NUL bytes behind", "ignored", .whole = PLAIN "\0\0\0", .n = sizeof PLAIN + 2),
-    KEY("UTF-16", "refused", .whole = "\xff\xfe{", .words = "is UTF-16 text; save it as UTF-8"),
+    KEY("UTF-16", "refused", .whole = "\xff\xfe{",
+        .words = "the file is UTF-16 text; save it as UTF-8"),
 };
 /* clang-format on */
 

@@ -60,7 +60,7 @@ static void size_limits_hold(void **state)
     size_t size = 77;
     const char *path = lf_test_write(*state, "a", "some text");
     lf_assert_status(lf_file_read(path, NULL, 8, &data, &size, &err), LF_E_FORMAT, NULL);
-    assert_non_null(strstr(err.what, "9 bytes, expected at most 8"));
+    assert_non_null(strstr(err.what, "the file has 9 bytes; expected at most 8"));
     assert_null(data);
     assert_int_equal(size, 77);
 }

@@ -276,11 +276,11 @@ static void an_exr_of_several_pictures_is_refused_with_their_names(void **state)
     const char *const two[] = {"G", "R"}, *const normals[] = {"N.X", "N.Y", "N.Z"},
                       *const layers[] = {"a.B", "a.G", "a.R", "b.B", "b.G", "b.R"};
     make_core_exr(path, two, 2, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
-    lf_picture_refused(path, "without the channels R, G, B or Y; it has G, R.");
+    lf_picture_refused(path, "none of the channels R, G, B and Y; found G, R;");
     make_core_exr(path, normals, 3, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
-    lf_picture_refused(path, "it has N.X, N.Y, N.Z.");
+    lf_picture_refused(path, "found N.X, N.Y, N.Z;");
     make_core_exr(path, layers, 6, EXR_PIXEL_FLOAT, EXR_COMPRESSION_ZIP);
-    lf_picture_refused(path, "it has a.B, a.G, a.R, b.B, b.G, b.R.");
+    lf_picture_refused(path, "found a.B, a.G, a.R, b.B, b.G, b.R;");
 }
 
 /* A float may be larger than any half: infinity is then as bright as the brightest. */

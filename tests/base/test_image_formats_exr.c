@@ -118,7 +118,7 @@ static void no_pixels(const lf_format_row *row)
                                  .type = EXR_FLOAT,
                                  .attributes = {{"pixelAspectRatio", "float", none, sizeof none}}};
     (void)row;
-    expect(&part, 1, "pixelAspectRatio is no shape of pixels", plain, 1e-7);
+    expect(&part, 1, "pixelAspectRatio is not a valid pixel aspect ratio", plain, 1e-7);
 }
 
 static void oblong_pixels(const lf_format_row *row)
@@ -171,7 +171,7 @@ static void other_type(const lf_format_row *row)
                                  .value = PLAIN,
                                  .type = EXR_FLOAT,
                                  .attributes = {{"chromaticities", "string", "ACEScg", 6}}};
-    expect(&part, 1, "chromaticities is of the type string", plain, 1e-7);
+    expect(&part, 1, "ignored chromaticities, which has the unexpected type string", plain, 1e-7);
 }
 
 /* The first is the one without a prefix. */
@@ -185,7 +185,7 @@ static void views(const lf_format_row *row)
         .value = PLAIN,
         .type = EXR_FLOAT,
         .attributes = {{"multiView", "stringvector", names, sizeof names}}};
-    expect(&part, 1, "views that are not read: right", plain, 1e-7);
+    expect(&part, 1, "ignored views: right", plain, 1e-7);
 }
 
 /* Though its channels have one. */
@@ -202,7 +202,7 @@ static void first_view(const lf_format_row *row)
     exr_write(file(), &part, 1);
     lf_image32 image = lf_picture_metadata(file(), &meta);
     lf_pixel_is(&image, 0, 0, plain, 1e-7);
-    assert_non_null(strstr(meta.notes.text, "channels that are not read: l.B, l.G, l.R\n"));
+    assert_non_null(strstr(meta.notes.text, "ignored channels: l.B, l.G, l.R\n"));
     lf_image32_finish(&image);
 }
 
@@ -251,7 +251,7 @@ static const part_case more = {
     {.channels = {"B", "G", "R", "Z", "n.X"}, .value = {0.1f, 0.1f, 0.8f, 9, 9}, .type = EXR_FLOAT},
     {0.8, 0.1, 0.1},
     1e-7,
-    "channels that are not read: Z, n.X"};
+    "ignored channels: Z, n.X"};
 static const part_case backwards = {
     {.channels = RGB_CHANNELS, .value = PLAIN, .type = EXR_FLOAT, .order = 1},
     {0.8, 0.1, 0.1},
@@ -264,7 +264,7 @@ static const part_case beside = {{.channels = RGB_CHANNELS,
                                   .display = {0, 0, 5, 5}},
                                  {0, 0, 0},
                                  0,
-                                 "beside the display window: the picture is black"};
+                                 "outside the display window; the image is black"};
 
 static void several_layers(const lf_format_row *row)
 {
@@ -272,7 +272,7 @@ static void several_layers(const lf_format_row *row)
     const exr_part_bytes part = {.channels = {"a.B", "a.G", "a.R", "b.B", "b.G", "b.R"},
                                  .type = EXR_FLOAT};
     exr_write(file(), &part, 1);
-    lf_picture_refused(file(), "it has a.B, a.G, a.R, b.B, b.G, b.R.");
+    lf_picture_refused(file(), "found a.B, a.G, a.R, b.B, b.G, b.R;");
 }
 
 static void chroma(const lf_format_row *row)
@@ -309,7 +309,7 @@ static void not_finite(const lf_format_row *row)
         }                                                                                          \
     }
 static const part_case infinite = {
-    ODD(INFINITY, 1, 2), {65504, 1, 2}, 0, "1 pixel is not finite: +Inf is taken as 65504"};
+    ODD(INFINITY, 1, 2), {65504, 1, 2}, 0, "1 pixel is not finite; +Inf is read as 65504"};
 static const part_case nans = {ODD(NAN, -INFINITY, 2), {0, 0, 2}, 0, "1 pixel is not finite"};
 
 /* ------------------------------------------------------------------------------------- parts -- */
@@ -324,8 +324,8 @@ static void parts(const lf_format_row *row)
 {
     (void)row;
     const exr_part_bytes a[] = {colours_part, depth_part}, b[] = {depth_part, colours_part};
-    expect(a, 2, "channels that are not read: depth: Z", plain, 1e-7);
-    expect(b, 2, "channels that are not read: depth: Z", plain, 1e-7);
+    expect(a, 2, "ignored channels: depth: Z", plain, 1e-7);
+    expect(b, 2, "ignored channels: depth: Z", plain, 1e-7);
 }
 
 static void view_of_part(const lf_format_row *row)
@@ -336,7 +336,7 @@ static void view_of_part(const lf_format_row *row)
     two[1].attributes[0] = (exr_attribute_bytes){"view", "string", "right", 5};
     two[1].name = "other";
     two[1].value[0] = two[1].value[1] = two[1].value[2] = 5;
-    expect(two, 2, "not read: other: B, other: G, other: R", plain, 1e-7);
+    expect(two, 2, "ignored channels: other: B, other: G, other: R", plain, 1e-7);
 }
 
 static void deep(const lf_format_row *row)
@@ -344,7 +344,7 @@ static void deep(const lf_format_row *row)
     (void)row;
     const exr_part_bytes part = {.channels = RGB_CHANNELS, .type = EXR_HALF, .deep = true};
     exr_write(file(), &part, 1);
-    lf_picture_refused(file(), "a deep EXR");
+    lf_picture_refused(file(), "deep EXR files are not supported");
 }
 
 static void one_name(const lf_format_row *row)

@@ -74,15 +74,18 @@ static const hdr_case on_a_line = {RGBE "PRIMARIES=0.1 0.1 0.2 0.2 0.3 0.3 0.33 
                                    PIXEL,
                                    {0.78125, 0.09765625, 0.09765625},
                                    0,
-                                   "PRIMARIES span no"};
+                                   "PRIMARIES are degenerate"};
 static const hdr_case few = {RGBE "PRIMARIES=0.64 0.33" END,
                              PIXEL,
                              {0.78125, 0.09765625, 0.09765625},
                              0,
-                             "not eight numbers"};
+                             "not have eight numbers"};
 static const hdr_case aspect = {RGBE "PIXASPECT=1\nPIXASPECT=0.5" END, PIXEL, PLAIN};
-static const hdr_case no_aspect = {
-    RGBE "PIXASPECT=x" END, PIXEL, {0.78125, 0.09765625, 0.09765625}, 0, "PIXASPECT is no shape"};
+static const hdr_case no_aspect = {RGBE "PIXASPECT=x" END,
+                                   PIXEL,
+                                   {0.78125, 0.09765625, 0.09765625},
+                                   0,
+                                   "PIXASPECT is not a valid pixel aspect ratio"};
 static const hdr_case gamma_said = {
     RGBE "GAMMA=2.2" END, PIXEL, {0.78125, 0.09765625, 0.09765625}, 0, "GAMMA=2.2"};
 static const hdr_case words = {

@@ -136,8 +136,8 @@ static void marker(const lf_format_row *row)
 static const segment upright = SEGMENT(0xe1, "Exif\0\0" TIFF_OF("\x12\1", "\1"), NULL);
 static const segment turned = SEGMENT(0xe1, "Exif\0\0" TIFF_OF("\x12\1", "\6"), NULL);
 static const segment odd =
-    SEGMENT(0xe1, "Exif\0\0" TIFF_OF("\x12\1", "\x9"), "EXIF orientation 9 is unknown");
-static const segment no_exif = SEGMENT(0xe1, "Exif\0\0II*\0\xff\0\0\0", "the EXIF is broken");
+    SEGMENT(0xe1, "Exif\0\0" TIFF_OF("\x12\1", "\x9"), "unknown EXIF orientation 9");
+static const segment no_exif = SEGMENT(0xe1, "Exif\0\0II*\0\xff\0\0\0", "the EXIF data is damaged");
 /* a folder of one entry that leads to another of one */
 static const segment adobe_rgb =
     SEGMENT(0xe1,
@@ -145,7 +145,7 @@ static const segment adobe_rgb =
             "\2\0\0\0\0\0\0\0",
             "EXIF colour space 2 (Adobe RGB)");
 static const segment xmp = SEGMENT(0xe1, "http://ns.adobe.com/xap/1.0/\0<x/>", NULL);
-static const segment mpf = SEGMENT(0xe2, "MPF\0II*\0\x8\0\0\0", "further pictures");
+static const segment mpf = SEGMENT(0xe2, "MPF\0II*\0\x8\0\0\0", "further images");
 static const segment jfxx = SEGMENT(0xe0, "JFXX\0\x13\1\1\1\2\3", NULL);
 static const segment photoshop = SEGMENT(0xed, "Photoshop 3.0\0", NULL);
 static const segment comment = SEGMENT(0xfe, "words", NULL);
@@ -204,7 +204,7 @@ static void no_density(const lf_format_row *row)
 {
     (void)row;
     patch(0xe0, 12, "\0\1\2\0", 4);
-    expect(ycc.rgb, "the density is no shape of pixels");
+    expect(ycc.rgb, "the density is not a valid pixel aspect ratio");
 }
 
 /* tests/base/test_image_orientation.c looks at the pixels */
@@ -249,7 +249,7 @@ static void two_components(const lf_format_row *row)
 {
     (void)row;
     lf_picture_jpeg(file(), 16, 16, 2, JCS_UNKNOWN);
-    lf_picture_refused(file(), "2 components (expected grey, RGB or CMYK)");
+    lf_picture_refused(file(), "2 components; expected grey, RGB or CMYK");
 }
 
 static const lf_format_row rows[] = {

@@ -177,8 +177,8 @@ static const chunk_case turned = {
     NULL, "eXIf"};
 static const chunk_case odd = {
     BYTES('M', 'M', 0, '*', 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, 9, 0, 0, 0, 0, 0, 0),
-    "EXIF orientation 9 is unknown", "eXIf"};
-static const chunk_case no_exif = {BYTES('M', 'M', 0, '*', 0, 0, 0, 99), "the EXIF is broken",
+    "unknown EXIF orientation 9", "eXIf"};
+static const chunk_case no_exif = {BYTES('M', 'M', 0, '*', 0, 0, 0, 99), "the EXIF data is damaged",
                                    "eXIf"};
 /* a folder of one entry that leads to another of one */
 static const chunk_case adobe_rgb = {BYTES('M', 'M', 0, '*', 0, 0, 0, 8, 0, 1, 0x87, 0x69, 0, 4, 0,
@@ -186,8 +186,9 @@ static const chunk_case adobe_rgb = {BYTES('M', 'M', 0, '*', 0, 0, 0, 8, 0, 1, 0
                                            0, 2, 0, 0, BE(0)),
                                      "EXIF colour space 2 (Adobe RGB)", "eXIf"};
 static const chunk_case oblong = {BYTES(BE(100), BE(200), 0), NULL, NULL};
-static const chunk_case sliver = {BYTES(BE(0), BE(200), 0), "pHYs is no shape of pixels", "pHYs"};
-static const chunk_case animation = {BYTES(BE(5), BE(0)), "an animation of 5 frames", NULL};
+static const chunk_case sliver = {BYTES(BE(0), BE(200), 0),
+                                  "pHYs is not a valid pixel aspect ratio", "pHYs"};
+static const chunk_case animation = {BYTES(BE(5), BE(0)), "animation of 5 frames", NULL};
 static const chunk_case stereo = {BYTES(0), "side by side", NULL};
 static const chunk_case calibration = {BYTES('x', 0, BE(0), BE(255), 0, 2, 'm', 0, '0', 0, '1'),
                                        "pCAL", NULL};

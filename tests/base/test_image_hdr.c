@@ -103,7 +103,7 @@ static void a_bad_hdr_says_what_is_wrong(void **state)
         {"#?RADIANCE\n\n-Y 0 +X 1\nabcd", "0"},
         {"#?RADIANCE\n\n-Y 60000 +X 60000\nabcd", "60000x60000"},
         {"#?RADIANCE\n\n-Y 1 +X 2\nabcd", "too early"},
-        {"#?RADIANCE\n\n-Y 1 +X 2\n\1\1\1\2", "before the first"},
+        {"#?RADIANCE\n\n-Y 1 +X 2\n\1\1\1\2", "precedes the first"},
         {"#?RADIANCE\n\n-Y 1 +X 2\nabcd\1\1\1\2", "longer than"},
         {"#?RADIANCE\nno end", "header"},
     };

@@ -153,7 +153,7 @@ static void a_webp_comes_back_as_it_was(void **state)
     assert_memory_equal(p.rgba, rgba, sizeof rgba);
     lf_free(p.rgba);
     for (size_t cut = 12; cut < n; cut += 7)
-        refuse(file, cut, "WebP: damaged or cut off");
+        refuse(file, cut, "WebP: the file is damaged or cut off");
     WebPFree(file);
     n = WebPEncodeRGB(rgba, W, H, 3 * W, 90, &file);
     p = decode(file, n);
@@ -196,7 +196,7 @@ static void sizes_that_are_lies_are_refused(void **state)
         uint32_t width, height;
         const char *what;
     } cases[] = {
-        {0, 2, "PNG"}, {70000, 2, "PNG"}, {65536, 65536, "at most"}, {20000, 20000, "cannot"}};
+        {0, 2, "PNG"}, {70000, 2, "PNG"}, {65536, 65536, "at most"}, {20000, 20000, "do not fit"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const uint32_t size[2] = {__builtin_bswap32(cases[i].width),
                                   __builtin_bswap32(cases[i].height)};
@@ -218,7 +218,7 @@ static void a_webp_of_a_few_bytes_asks_for_no_gigabyte(void **state)
     size_t n = WebPEncodeLosslessRGB((uint8_t[]){1, 2, 3}, 1, 1, 3, &file);
     assert_true(n > 25 && memcmp(file + 12, "VP8L", 4) == 0 && file[20] == 0x2f);
     memcpy(file + 21, &size, 4);
-    refuse(file, n, "16383x16383 pixels cannot be in a file of");
+    refuse(file, n, "16383x16383 pixels do not fit into a file of");
     WebPFree(file);
 }
 
@@ -226,9 +226,9 @@ static void other_files_are_named_or_said_to_be_none(void **state)
 {
     (void)state;
     static const char ktx2[] = "\xabKTX 20\xbb\r\n\x1a\nand more";
-    refuse(ktx2, sizeof ktx2 - 1, "KTX2 is not read");
-    refuse("", 0, "not a picture (expected PNG, JPEG or WebP)");
-    refuse("BM and a bitmap", 15, "not a picture");
+    refuse(ktx2, sizeof ktx2 - 1, "KTX2 images are not supported");
+    refuse("", 0, "not an image; expected PNG, JPEG or WebP");
+    refuse("BM and a bitmap", 15, "not an image");
 }
 
 int main(void)

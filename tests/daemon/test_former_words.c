@@ -3,8 +3,7 @@
 #include "tests/daemon/live.h"
 #include "tests/daemon/quiltrender.h"
 
-/* ------------------------------------------------------------------------------------ options --
- */
+/* ----------------------------------------------------------------------------------- options -- */
 
 #define LINE "%s -o %s/%s.png --quilt 3x2 --view-size 20x12 --passes 2 --overwrite %s"
 
@@ -48,8 +47,7 @@ static void help_names_current_options_alone(void **state)
     assert_null(strstr(o.out, "--near-is"));
 }
 
-/* ------------------------------------------------------------------------------------ clients --
- */
+/* ----------------------------------------------------------------------------------- clients -- */
 
 static json_t *status_of(live_client *c)
 {

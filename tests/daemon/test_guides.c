@@ -127,7 +127,7 @@ static void a_print_says_how_deep_it_is(void **state)
     lf_assert_ok(
         lf_file_read(lf_test_path(f->folder, "deep.json"), NULL, 1 << 20, &manifest, &n, &err),
         &err);
-    assert_non_null(memmem(manifest, n, "lenses from view to view", 24));
+    assert_non_null(memmem(manifest, n, "lenses between views", 20));
     lf_free(manifest);
 }
 

@@ -409,9 +409,9 @@ static void a_scene_is_read_again_when_what_it_includes_changes(void **state)
 
 static void what_is_neither_scene_nor_picture_is_refused(void **state)
 {
-    static const char *const wrong[][2] = {{".", "no pictures in this folder"},
-                                           {"notes.txt", "this is neither a scene"},
-                                           {"empty.json", "this is neither a scene"},
+    static const char *const wrong[][2] = {{".", "the folder has no images"},
+                                           {"notes.txt", "expected a scene"},
+                                           {"empty.json", "expected a scene"},
                                            {"broken.json", "expected near"}};
     (void)state;
     live l;

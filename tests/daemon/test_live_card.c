@@ -124,10 +124,9 @@ static void a_file_that_cannot_be_shown_is_named_with_the_reason(void **state)
  * to do, and not the folders; quiltd goes on, and another scene can be loaded. */
 static void a_file_out_of_reach_is_told_with_what_to_do(void **state)
 {
-    static const char words[] = "Cannot show far.json:2: knot.obj: lies outside the folders that "
-                                "quiltd may read; start quiltd with --allow-path DIR, or load the "
-                                "scene with quiltctl (again, if the file was passed by a client "
-                                "that is gone)";
+    static const char words[] =
+        "Cannot show far.json:2: knot.obj: outside the folders that quiltd may read; load the "
+        "scene with quiltctl, again if needed, or start quiltd with --allow-path DIR";
     (void)state;
     live l;
     live_client c;

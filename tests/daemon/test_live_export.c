@@ -295,7 +295,7 @@ static void answers_name_the_file_that_is_meant(void **state)
             const json_t *params = json_object_get(message, "params");
             told = json_string_value(json_object_get(json_object_get(params, "error"), "message"));
             if (told) {
-                assert_non_null(strstr(told, "not a regular file open for writing"));
+                assert_non_null(strstr(told, "expected a regular file that is open for writing"));
                 assert_ptr_equal(strstr(told, kinds[i][1]), told);
             }
             json_decref(message);

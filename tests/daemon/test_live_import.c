@@ -73,8 +73,8 @@ static void a_reader_that_crashes_leaves_the_picture(void **state)
     json_t *answer = failure_of(&c, "scene.load", json_pack("{s:s}", "file", "mesh.json"), -32002);
     assert_message(answer, "mesh.json:2: /meshes/m/file: ");
     answer = failure_of(&c, "scene.load", json_pack("{s:s}", "file", "mesh.json"), -32002);
-    assert_message(answer, "a.obj: the reader ended by signal 11; the file is damaged or not what "
-                           "it claims");
+    assert_message(answer, "a.obj: the file reader was ended by signal 11; the file is damaged or "
+                           "in another format than its name says");
     assert_true(live_number(&c, "status", NULL, "generation") == 1);
     live_wait(&c, "complete");
     live_close(&c);
@@ -152,7 +152,7 @@ static void a_reader_has_the_time_that_the_daemon_was_told(void **state)
     /* whoever waits for the picture of a scene that is refused hears why, before or after */
     for (int i = 0; i < 2; i++)
         assert_message(failure_of(&c, "wait", json_pack("{s:s}", "for", "coarse"), -32002),
-                       "a.obj: reading takes longer than 1 s (--import-time");
+                       "a.obj: reading all files takes longer than 1 s; raise --import-time");
     assert_string_equal(live_status_text(&c, "state"), "error");
     live_close(&c);
     live_finish(&l);

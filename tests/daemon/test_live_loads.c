@@ -338,7 +338,7 @@ static void a_half_closed_asker_gets_its_answer(void **state)
         json_decref(told);
     }
     lf_test_write(l.folder, "go", "");
-    assert_fails(live_answer(&half), "the reader ended without a word");
+    assert_fails(live_answer(&half), "the file reader ended without a message");
     assert_succeeds(live_answer(&other));
     END(&l, &half, &other, &third);
 }

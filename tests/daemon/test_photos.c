@@ -59,15 +59,15 @@ static void a_print_tells_what_it_cut_and_scaled(void **state)
     qr_run(&o, "%s -o %s/cut.tif --print 60@300 --print-size 20x20 --photo fill", f->quilt,
            f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "33 % of the picture, whose aspect is 1.5, are cut"));
+    assert_non_null(strstr(o.err, "33 % of the image (aspect 1.5) is cropped"));
     manifest = manifest_of(f, "cut.json");
-    assert_warned(manifest, f->quilt, "33 % of the picture");
+    assert_warned(manifest, f->quilt, "33 % of the image");
     json_decref(manifest);
     qr_run(&o, "%s -o %s/turned.tif --print 60@300 --print-size 20x30 --photo-rotate auto",
            f->quilt, f->folder);
     assert_int_equal(o.code, 0);
     assert_null(strstr(o.err, "border"));
-    assert_null(strstr(o.err, "cut"));
+    assert_null(strstr(o.err, "cropped"));
 }
 
 /* A name that is no UTF-8 is told of all the same. */
@@ -81,7 +81,8 @@ static void a_print_tells_of_pictures_of_any_name(void **state)
     qr_succeed("%s/mixed -o %s/mixed.tif --print 60@300 --print-size 20x8", f->folder, f->folder);
     json_t *manifest = manifest_of(f, "mixed.json");
     snprintf(path, sizeof path, "%s/mixed", f->folder);
-    assert_warned(manifest, path, "1 of 2 pictures are not 60x24 as a.png is: b??.png (60x40)");
+    assert_warned(manifest, path,
+                  "1 of 2 images do not have the 60x24 pixels of a.png: b??.png (60x40)");
     json_decref(manifest);
 }
 
@@ -98,7 +99,7 @@ static void a_panel_is_covered_where_it_is_said(void **state)
         qr_run(&o, "%s -o %s/wide.png --panel %s --aspect 3%s", f->quilt, f->folder, f->calibration,
                fill ? " --photo fill" : "");
         assert_int_equal(o.code, 0);
-        assert_int_equal(!!strstr(o.err, "50 % of the picture, whose aspect is 3, are cut"), fill);
+        assert_int_equal(!!strstr(o.err, "50 % of the image (aspect 3) is cropped"), fill);
         lf_assert_ok(lf_image8_read(lf_test_path(f->folder, "wide.png"), NULL, &image, &err), &err);
         int light = 0;
         for (int x = 0; x < 3 * image.width; x++)
@@ -126,12 +127,12 @@ static const wrong_case wrong_cases[] = {
     {"none.glb", NULL, "", 1, "none.glb: cannot open"},
     {"none.vdb", NULL, "", 1, "none.vdb: cannot open"},
     {"none/", NULL, "", 1, ": cannot open"},
-    {"nothing", "/", "", 1, "no pictures in this folder"},
-    {"folder.png", "/", "", 1, "no pictures in this folder"},
-    {"folder.json", "/", "", 1, "no pictures in this folder"},
-    {"words.png", "words", "", 1, "not a picture, though its name"},
-    {"empty_qs1x1a1.png", "", "", 1, "not a picture, though its name"},
-    {"words.exr", "words", "", 1, "not a picture, though its name"},
+    {"nothing", "/", "", 1, "the folder has no images"},
+    {"folder.png", "/", "", 1, "the folder has no images"},
+    {"folder.json", "/", "", 1, "the folder has no images"},
+    {"words.png", "words", "", 1, "not an image, although its name"},
+    {"empty_qs1x1a1.png", "", "", 1, "not an image, although its name"},
+    {"words.exr", "words", "", 1, "not an image, although its name"},
     {"cut_qs1x1a1.png", "\x89PNG\r\n\x1a\n", "", 1, "PNG: "},
     {"cut_qs1x1a1.jpg", "\xff\xd8\xff", "", 1, "JPEG: "},
     {"cut_qs1x1a1.exr", "v/1\1\2", "", 1, "EXR: "},
@@ -145,8 +146,8 @@ static const wrong_case wrong_cases[] = {
     {"words.stl", "words", "", 1, "words.stl: cannot be read as a mesh: "},
     {"words.ply", "words", "", 1, "words.ply: cannot be read as a mesh: "},
     {"cut.json", "{\"quiltd\": 1,", "", 1, "cut.json:1: "},
-    {"words.json", "words", "", 1, "neither a scene"},
-    {"words.txt", "words", "", 1, "neither a scene"},
+    {"words.json", "words", "", 1, "expected a scene"},
+    {"words.txt", "words", "", 1, "expected a scene"},
     {"mesh.json", "{\"quiltd\": 1, \"meshes\": {\"a\": {\"file\": \"gone.glb\"}}}", "", 1,
      "gone.glb: cannot open"},
     {"card_qs3x2a1.5.png", "=", PRINT " --icc %s/fog.json", 1, "not an ICC profile: invalid"},

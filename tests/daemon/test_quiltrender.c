@@ -33,11 +33,12 @@ static const struct {
     {"-o %D/x.tif --chart 60+-0.5/0.1@600 --print-size 60x60 --state s",
      "--state: cannot be combined with --chart"},
     {"%S --state-info %D/s", "--state-info: renders nothing"},
-    {"%S -o %D/.png", "there is no name before the ending .png"},
-    {"%S -o %D/.exr --reconstruct off", "there is no name before the ending .exr"},
-    {"-o %D/.tif --chart 60+-0.5/0.1@600 --print-size 60x60", "no name before the ending .tif"},
-    {"%S -o %D/x\x1by.png", "holds no control characters or line ends"},
-    {"%S -o %D/x\x01y/", "holds no control characters or line ends"},
+    {"%S -o %D/.png", "expected a file name before the ending .png"},
+    {"%S -o %D/.exr --reconstruct off", "expected a file name before the ending .exr"},
+    {"-o %D/.tif --chart 60+-0.5/0.1@600 --print-size 60x60",
+     "expected a file name before the ending .tif"},
+    {"%S -o %D/x\x1by.png", "must not contain control characters or line breaks"},
+    {"%S -o %D/x\x01y/", "must not contain control characters or line breaks"},
     {"%S -o %D/x.tif", "a print with --print"},
     {"%S -o %D/x.png --shiny", "--shiny: unknown option"},
     {"%S -o %D/x.png --views many", "--views: expects a whole number"},
@@ -62,7 +63,7 @@ static const struct {
     {"%S -o %D/x.tif --print 60@600", "needs --print-size"},
     {"%S -o %D/x.tif --print 60 --print-size 20x20", "--print: expects"},
     {"%S -o %D/x.tif --print 60@600,5 --print-size 20x20",
-     "DPI a number from 50 to 9600 dpi, or XxY of two"},
+     "DPI a number from 50 to 9600 dpi, or two as XxY"},
     {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --bits 12", "--bits: expects 8 or 16"},
     {"%S -o %D/x.tif --print 60@600 --print-size 20x20 --compress zip",
      "--compress: expects none, lzw or deflate"},
@@ -291,6 +292,8 @@ static void stats_have_the_stated_keys_and_nothing_made_up(void **state)
                                        "rel_mse_bound",
                                        "error",
                                        "error_bound",
+                                       "denoised_error",
+                                       "denoised_error_bound",
                                        "shown_error",
                                        "shown_error_bound",
                                        "rays_traced",
@@ -464,9 +467,9 @@ static void what_a_scene_lacks_is_a_line_on_stderr(void **state)
         lf_test_write(f->folder, "bare.json", "{\"meshes\": {\"m\": {\"file\": \"bare.obj\"}}}"));
     qr_run(&o, "%s --spp 1 --views 2 --quilt 2x1 --view-size 8x8 -o %s/bare.png", scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "bare.obj: 1 picture is left out: the mesh has no texture "
-                                  "coordinates"));
-    assert_non_null(strstr(o.err, "bare.json: no light shines here"));
+    assert_non_null(
+        strstr(o.err, "bare.obj: 1 texture is left out: the mesh has no texture coordinates"));
+    assert_non_null(strstr(o.err, "bare.json: the scene has no light"));
 }
 
 /* What is framed does not ask how far away the camera was. */
@@ -532,7 +535,8 @@ static void a_camera_fits_one_thing(void **state)
         lf_quilt_finish(&fits[i]);
     qr_run(&o, "%s --fit fgo -o %s/fit_d.png " SMALL " --views 2", f->scene, f->folder);
     assert_int_equal(o.code, 2);
-    assert_non_null(strstr(o.err, "no mesh or volume \"fgo\" is there; did you mean \"fog\"?"));
+    assert_non_null(
+        strstr(o.err, "the scene has no mesh or volume \"fgo\"; did you mean \"fog\"?"));
 }
 
 /* A scene of that camera and light, and what is said of its picture. */
@@ -588,7 +592,7 @@ static void cameras_in_a_list_are_views(void **state)
         {"x.exr --aov depth", "--aov: is not supported"},
         {"x.exr --reconstruct on", "--denoise on: is not supported"},
         {"x_%04d.png --turntable 3", "--turntable: is not supported"},
-        {"x.png --fit", "need an arc, a track or a grid"},
+        {"x.png --fit", "do not form a rig"},
         {"x.png --rgbd right", "need an arc, a track or a grid"}};
     const qr_files *f = *state;
     char list[PATH_MAX];

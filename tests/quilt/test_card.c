@@ -114,9 +114,9 @@ static void an_error_with_its_remedy_is_whole(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) {
         snprintf(text, sizeof text,
-                 "Cannot show a_scene_of_mine.json:12: exploding_barrel.glb: lies outside the "
-                 "folders that quiltd may read; start quiltd with --allow-path DIR, or load the "
-                 "scene with quiltctl (again, if the file was passed by a client that is gone)");
+                 "Cannot show a_scene_of_mine.json:12: exploding_barrel.glb: outside the folders "
+                 "that quiltd may read; load the scene with quiltctl, again if needed, or start "
+                 "quiltd with --allow-path DIR");
         lf_card_size(panels[i][0], panels[i][1], &width, &height);
         lf_image8 whole = card_of(text, width, height);
         text[strlen(text) - 1] = '!';

@@ -184,7 +184,7 @@ static void a_folder_is_one_view_a_picture_in_name_order(void **state)
     for (int is_float = 0; is_float < 2; is_float++) {
         char folder[256], name[64];
         snprintf(folder, sizeof folder, "%s/%s", (const char *)*state,
-                 is_float ? "floats" : "bytes");
+                 is_float ? "floating-point images" : "bytes");
         assert_int_equal(mkdir(folder, 0700), 0);
         for (int view = 6; view >= 0; view--) {
             lf_outfile file;
@@ -223,7 +223,7 @@ static void a_folder_is_one_view_a_picture_in_name_order(void **state)
         lf_layout layout = layout_of(1, 1, 1); /* of another kind */
         save_quilt(lf_test_path(folder, "view_007.exr"), false, &layout);
         lf_assert_status(lf_quilt_read(folder, NULL, 0, 0, &q, &err), LF_E_FORMAT, &err);
-        assert_non_null(strstr(err.what, "floats"));
+        assert_non_null(strstr(err.what, "floating-point images"));
     }
 }
 
@@ -240,7 +240,7 @@ static void what_is_no_quilt_is_refused(void **state)
     lf_assert_status(lf_quilt_read(scene, NULL, 2, 2, &q, &err), LF_E_FORMAT, &err);
     lf_assert_status(lf_quilt_read(none, NULL, 0, 0, &q, &err), LF_E_IO, &err);
     lf_assert_status(lf_quilt_read(empty, NULL, 0, 0, &q, &err), LF_E_FORMAT, &err);
-    assert_non_null(strstr(err.what, "no pictures"));
+    assert_non_null(strstr(err.what, "no images"));
 }
 
 static void quilts_outside_the_roots_are_not_read(void **state)
@@ -291,7 +291,7 @@ static void what_pictures_say_in_vain_is_noted(void **state)
 {
     static const char plain[] = "#?RADIANCE\n\n-Y 1 +X 2\nabcdabcd",
                       said[] = "#?RADIANCE\nGAMMA=2\n\n-Y 1 +X 2\nabcdabcd",
-                      line[] = "GAMMA=2 is not used: the numbers are taken as linear light\n";
+                      line[] = "ignored GAMMA=2; the values are read as linear light\n";
     assert_notes(lf_test_write(*state, "plain_qs2x1a1.hdr", plain), "");
     assert_notes(lf_test_write(*state, "said_qs2x1a1.hdr", said), line);
     assert_int_equal(mkdir(lf_test_path(*state, "noted"), 0700), 0);

@@ -42,23 +42,23 @@ static const print_case print_cases[] = {
     {{.position = LEFT},
      false,
      {{10, 9, "---"}, {310, 590, "rg-"}, {590, 9, "r--"}, {610, 9, "rgb"}},
-     "25.4 mm beside"},
+     "25.4 mm left and right"},
     {{.position = RIGHT},
      false,
      {{590, 9, "rgb"}, {610, 9, "---"}, {910, 9, "r--"}, {1190, 590, "rg-"}},
-     "25.4 mm beside"},
+     "25.4 mm left and right"},
     {{.mode = LF_PHOTO_FILL},
      false,
      {{10, 9, "---"}, {10, 290, "---"}, {10, 310, "-g-"}, {1190, 590, "rg-"}},
-     "50 % of the picture"},
+     "50 % of the image"},
     {{.mode = LF_PHOTO_FILL, .position = TOP},
      false,
      {{10, 9, "---"}, {10, 590, "---"}, {590, 590, "---"}, {610, 9, "r--"}},
-     "50 % of the picture"},
+     "50 % of the image"},
     {{.mode = LF_PHOTO_FILL, .position = BOTTOM},
      true,
      {{10, 9, "-g-"}, {10, 590, "-g-"}, {590, 590, "-g-"}, {610, 9, "rg-"}},
-     "50 % of the picture"},
+     "50 % of the image"},
 };
 
 static void assert_light(const lf_printed *printed, int x, int y, const char *light)
@@ -123,7 +123,7 @@ static void what_has_the_shape_of_the_trimmed_sheet_covers_the_bleed(void **stat
     }
     lf_print_note_laid(&print, &views, &notes);
     notes.text[notes.length] = '\0';
-    assert_null(strstr(notes.text, "cut"));
+    assert_null(strstr(notes.text, "cropped"));
     assert_null(strstr(notes.text, "border"));
     lf_free(data);
 }
@@ -190,9 +190,10 @@ static void pictures_of_other_sizes_are_laid_onto_the_first_s(void **state)
         assert_row(&q, view, 0, 40, red);
         assert_row(&q, view, 40, 80, blue);
     }
-    assert_told(&q, "2 of 4 pictures are not 80x40 as a1.png is: a2.png (40x40), a3.png (240x120)");
-    assert_told(&q, "1 of them scaled down by more than 2, a3.png most: by 3");
-    assert_null(strstr(q.notes.text, "of them cut"));
+    assert_told(&q, "2 of 4 images do not have the 80x40 pixels of a1.png: a2.png (40x40), a3.png "
+                    "(240x120)");
+    assert_told(&q, "1 of them are scaled down by more than 2, a3.png most, by 3");
+    assert_null(strstr(q.notes.text, "of them are cropped"));
     lf_quilt_finish(&q);
     read_folder(folder, (lf_photo){.on_paper = true}, &q);
     assert_row(&q, 1, 0, 20, white);
@@ -206,7 +207,7 @@ static void pictures_of_other_sizes_are_laid_onto_the_first_s(void **state)
     read_folder(folder, (lf_photo){.mode = LF_PHOTO_FILL}, &q);
     assert_row(&q, 1, 0, 39, red);
     assert_row(&q, 1, 41, 80, blue);
-    assert_told(&q, "1 of them cut, a2.png most: 50 % of it");
+    assert_told(&q, "1 of them are cropped, a2.png most, by 50 %");
     lf_quilt_finish(&q);
 }
 
@@ -223,10 +224,10 @@ static void what_many_pictures_lose_is_told_in_a_line(void **state)
         save_halves(folder, name, 30 - i / 4, 10);
     }
     read_folder(folder, (lf_photo){0}, &q);
-    assert_told(&q, "60 of 61 pictures are not 80x40 as a.png is: b00_with_");
-    assert_told(&q, " ...; they are scaled whole, with borders (photo fill cuts them instead)");
-    assert_told(&q, "60 of them scaled up by more than 2, b");
-    assert_told(&q, ".png most: by 4");
+    assert_told(&q, "60 of 61 images do not have the 80x40 pixels of a.png: b00_with_");
+    assert_told(&q, " ...; they are scaled to fit, with borders (photo fill crops them instead)");
+    assert_told(&q, "60 of them are scaled up by more than 2, b");
+    assert_told(&q, ".png most, by 4");
     lf_quilt_finish(&q);
 }
 
@@ -299,7 +300,7 @@ static void a_panel_is_covered_by_what_is_cut_to_whole_pixels(void **state)
         assert_row(&q, 0, 0, 20, i == 2 ? blue : red);
         assert_row(&q, 0, 20, 40, i == 1 ? red : blue);
         q.notes.text[q.notes.length] = '\0';
-        assert_told(&q, "50 % of the picture");
+        assert_told(&q, "50 % of the image");
         lf_quilt_finish(&q);
     }
     photo.mode = LF_PHOTO_FIT;

@@ -297,7 +297,7 @@ static void the_option_takes_one_number_or_two(void **state)
         lf_print print = {.bits = 8};
         lf_error err = {0};
         if (lf_param_from_text(row, bad[i], &print, &err) != LF_E_ARG ||
-            !strstr(err.what, "DPI a number from 50 to 9600 dpi, or XxY of two"))
+            !strstr(err.what, "DPI a number from 50 to 9600 dpi, or two as XxY"))
             fail_msg("%s: \"%s\"", bad[i], err.what);
         assert_true(print.dpi == 0 && print.lpi == 0);
     }

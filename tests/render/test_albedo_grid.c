@@ -79,10 +79,10 @@ static void what_is_no_albedo_is_refused(void **state)
     } bad[] = {
         {"colours.vdb", "{\"grid\": \"Ce\"}", "no grid \"Ce.x\", nor a vector grid \"Ce\""},
         {"colours.vdb", "{\"red\": \"red\"}", "\"green\" is missing"},
-        {"colours.vdb", "{\"grid\": \"Cd\", \"blue\": \"blue\"}", "says all channels"},
+        {"colours.vdb", "{\"grid\": \"Cd\", \"blue\": \"blue\"}", "already sets all channels"},
         {"colours.vdb", "{\"grids\": \"Cd\"}", "unknown key"},
         {"names.vdb", "{\"red\": \"density[1]\", \"green\": \"density\", \"blue\": \"density\"}",
-         "an albedo is at most 1"},
+         "expected at most 1 for an albedo"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char path[PATH_MAX], text[PATH_MAX + 512], relative[64];

@@ -167,7 +167,7 @@ static void a_track_that_is_none_is_refused(void **state)
         {"{'track': {'length': 0}}", "/track/length", "out of range"},
         {"{'track': {'length': 1, 'count': 3000}}", "/track/count", "out of range: 1 to 2048"},
         {"{'track': {'length': 1, 'count': 1999}}", "/track/count",
-         "no equal parts of 64 to 256 each: 1998 are"},
+         "cannot be divided into equal parts of 64 to 256 cameras; 1998 can"},
         {"{'track': {'length': 1, 'window': 'one'}}", "/track/window", "did you mean \"own\"?"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

@@ -87,9 +87,9 @@ static void wrong_lists_are_refused_where_they_are_wrong(void **state)
         {"'views': {'list': [{'position': [0, 0, 1], 'cone': 3}]}", "/camera/views/list/0/cone",
          "unknown key"},
         {"'views': {'list': [{'position': [0, 0, 1]}, {'position': [0, 0, 0]}]}",
-         "/camera/views/list/1/position", "stands on its target"},
+         "/camera/views/list/1/position", "is at its target"},
         {"'views': {'list': [{'position': [0, 3, 0]}]}", "/camera/views/list/0/up",
-         "line of sight"},
+         "view direction"},
         {"'views': {'list': [{'position': [0, 0, 1], 'fov_y': 170}]}", "/camera/views/list/0/fov_y",
          "160"},
         {"'views': {'path': {'through': [{'position': [0, 0, 1]}]}}", "/camera/views/path/through",
@@ -99,9 +99,8 @@ static void wrong_lists_are_refused_where_they_are_wrong(void **state)
          "/camera/views/path", "at view 1"},
         {"'views': {'circle': {'count': 300}}", "/camera/views/circle/count", "256"},
         {"'views': {'circle': {}, 'list': []}", "/camera/views", "or {\"circle\""},
-        {"'view_blur': 1, 'views': {'circle': {}}", "/camera/view_blur", "no neighbours"},
-        {"'position': [0, 0, 0], 'views': {'circle': {}}", "/camera/position",
-         "stands on its target"},
+        {"'view_blur': 1, 'views': {'circle': {}}", "/camera/view_blur", "cannot have view_blur"},
+        {"'position': [0, 0, 0], 'views': {'circle': {}}", "/camera/position", "is at its target"},
         {"'from': {'mesh': 'm'}, 'views': {'circle': {}}", "/camera/from", "one by one"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         char text[512];

@@ -145,7 +145,7 @@ static void what_a_sky_says_in_vain_is_told_once_and_again_when_shared(void **st
              *again = scene_of(*state, "sky.exr", scene);
     assert_ptr_equal(scene->lights[0].environment, again->lights[0].environment);
     lf_scene_unref(scene);
-    assert_one_line(again, "sky.exr: whiteLuminance 80 is not used");
+    assert_one_line(again, "sky.exr: ignored whiteLuminance 80");
     assert_seen(seen(again, 1, 2, 3), 0.8, 0.1, 0.1, 1e-7);
     lf_scene_unref(again);
 }

@@ -353,7 +353,8 @@ static void it_lies_beneath_the_roots_and_is_what_it_ends_as(void **state)
     /* which is JSON, too */
     assert_refused(lf_test_write(inside, "s.gltf", "{\"quiltd\": 1}"), NULL, LF_E_FORMAT,
                    "no triangles");
-    assert_refused(lf_test_write(inside, "s.fbx", "Kaydara"), NULL, LF_E_FORMAT, "nor does it end");
+    assert_refused(lf_test_write(inside, "s.fbx", "Kaydara"), NULL, LF_E_FORMAT,
+                   "or a volume (.vdb)");
     lf_roots_finish(&roots);
     lf_test_folder_remove(inside);
     lf_test_folder_remove(outside);

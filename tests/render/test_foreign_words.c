@@ -10,20 +10,20 @@ typedef struct foreign {
 } foreign;
 
 static const foreign materials[] = {
-    {"glass", "say \"principled\" with \"transmission\": 1",
+    {"glass", "use \"principled\" with \"transmission\": 1",
      "{'type': 'principled', 'transmission': 1}"},
     {"thindielectric", "and \"glass\": \"sheet\"",
      "{'type': 'principled', 'transmission': 1, 'glass': 'sheet'}"},
-    {"mirror", "say \"conductor\" with \"roughness\": 0", "{'type': 'conductor', 'roughness': 0}"},
-    {"matte", "say \"diffuse\"", "{'type': 'diffuse'}"},
+    {"mirror", "use \"conductor\" with \"roughness\": 0", "{'type': 'conductor', 'roughness': 0}"},
+    {"matte", "use \"diffuse\"", "{'type': 'diffuse'}"},
     {"emissive", "any type with an \"emission\"", "{'emission': 1}"},
     {"velvet", "expected one of diffuse, conductor, plastic", "{}"},
 };
 
 static const foreign lights[] = {
-    {"sun", "say \"distant\"", "{'type': 'distant', 'direction': [0, -1, 0], 'irradiance': 1}"},
-    {"dome", "say \"environment\"", "{'type': 'environment', 'radiance': 1}"},
-    {"omni", "say \"point\"", "{'type': 'point', 'intensity': 1}"},
+    {"sun", "use \"distant\"", "{'type': 'distant', 'direction': [0, -1, 0], 'irradiance': 1}"},
+    {"dome", "use \"environment\"", "{'type': 'environment', 'radiance': 1}"},
+    {"omni", "use \"point\"", "{'type': 'point', 'intensity': 1}"},
     {"laser", "expected one of environment", "{'type': 'environment', 'radiance': 1}"},
 };
 
@@ -72,16 +72,16 @@ static void keys_of_other_things_are_answered_in_words_that_are_taken(void **sta
 {
     (void)state;
     static const foreign_key keys[] = {
-        {"lights", "{'type': 'point', 'power': 40}", "power", "say \"intensity\", in W/sr"},
+        {"lights", "{'type': 'point', 'power': 40}", "power", "use \"intensity\", in W/sr"},
         {"lights", "{'type': 'spot', 'power': 40}", "power", "divided by 4 pi"},
         {"lights", "{'type': 'sphere', 'radius': 1, 'intensity': 4}", "intensity",
-         "say \"power\", in W, or \"radiance\""},
-        {"lights", "{'type': 'distant', 'radiance': 4}", "radiance", "say \"irradiance\""},
+         "use \"power\", in W, or \"radiance\""},
+        {"lights", "{'type': 'distant', 'radiance': 4}", "radiance", "use \"irradiance\""},
         {"lights", "{'type': 'point', 'color': [1, 0, 0]}", "color", "[red, green, blue]"},
-        {"materials", "{'color': [1, 0, 0]}", "color", "say \"albedo\""},
+        {"materials", "{'color': [1, 0, 0]}", "color", "use \"albedo\""},
         {"volumes", "{'shape': 'box', 'velocity': 'vel'}", "velocity",
-         "unknown key \"velocity\" of a shape: it goes with a volume's \"file\" only"},
-        {"volumes", "{'shape': 'sphere', 'scale': 2}", "scale", "only; say \"density\""},
+         "unknown key \"velocity\" of a shape; only a volume with a \"file\" has it"},
+        {"volumes", "{'shape': 'sphere', 'scale': 2}", "scale", "has it; use \"density\""},
     };
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
         char pointer[64];

@@ -34,10 +34,11 @@ static void the_file_has_the_number_of_the_frame_or_what_the_sequence_says(void 
     assert_says(slow, 2, "/volumes/v/file", "a_0101.vdb");
     assert_says(slow, 3, "/volumes/v/file", "a_0102.vdb");
     assert_says(back, 3, "/volumes/v/file", "a1.vdb");
-    assert_says(back, 4, "/volumes/v", "in frame 4 the file's number would be -3");
+    assert_says(back, 4, "/volumes/v",
+                "the number of the file would be out of range in frame 4: -3");
     assert_says(cents, 101, "/volumes/v/file", "a29.vdb");
     assert_says("{\"file\": \"a.vdb\", \"sequence\": {\"first\": 2}}", 1, "/volumes/v/sequence",
-                "no place for a number");
+                "needs a field for the frame number");
 }
 
 /* Of frame 1 nothing is read that only others need. */
@@ -107,7 +108,7 @@ static void a_hole_holds_the_file_before_it_or_nothing(void **state)
     const char *held =
         lf_test_write(*state, "held.json", "{\"volumes\": {\"v\": {\"file\": \"c_%d.vdb\"}}}");
     lf_scene *scene = load_frame(held, 3);
-    assert_true(has_warned(scene, "c_3.vdb: the file is missing: frame 3 shows c_1.vdb"));
+    assert_true(has_warned(scene, "c_3.vdb: the file is missing; frame 3 shows c_1.vdb"));
     assert_true(lf_scene_bounds(scene, "v", box));
     lf_assert_ok(lf_scene_check_frame(scene, 2, &err), &err);
     /* behind the last file nothing is held */
@@ -123,7 +124,7 @@ static void a_hole_holds_the_file_before_it_or_nothing(void **state)
                                      "\"empty\"}}}}"),
                        2);
     assert_true(
-        has_warned(scene, "c_2.vdb: the file is missing: volume \"v\" is empty in frame 2"));
+        has_warned(scene, "c_2.vdb: the file is missing; volume \"v\" is empty in frame 2"));
     assert_false(lf_scene_bounds(scene, "v", box));
     lf_scene_unref(scene);
 }

@@ -53,13 +53,13 @@ static void variants(const lf_format_row *row)
         desc.variant = names[i];
         lf_assert_ok(gltf_read_as(&text, rest, &desc, &data, &err), &err);
         assert_int_equal(data.triangle_material[0], i == 2);
-        assert_true(gltf_warns(&data, "2 variants: the file's own look is shown") == (i == 0));
+        assert_true(gltf_warns(&data, "2 variants are not shown") == (i == 0));
         lf_mesh_data_finish(&data);
     }
     lf_mesh_data data = {0};
     desc.variant = "dusk";
     assert_int_equal(gltf_read_as(&text, rest, &desc, &data, &err), LF_E_ARG);
-    assert_string_equal(err.what, "no variant \"dusk\"; there are \"day\", \"night\"");
+    assert_string_equal(err.what, "no variant \"dusk\"; expected one of \"day\", \"night\"");
     lf_mesh_data_finish(&data);
     (void)row;
 }
@@ -146,23 +146,23 @@ static const lf_format_row rows[] = {
     TOLD("KHR_materials_pbrSpecularGlossiness.diffuseFactor",
          MATERIAL(
              ",'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':[0,1,0,1]}}"),
-         "specular and glossiness are made into"),
+         "specular-glossiness is converted to"),
     TOLD(
         "KHR_materials_pbrSpecularGlossiness.diffuseTexture",
         MATERIAL(
             ",'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseTexture':{'index':0}}}"),
-        "specular and glossiness are made into"),
+        "specular-glossiness is converted to"),
     TOLD("KHR_materials_pbrSpecularGlossiness.specularFactor",
          MATERIAL(
              ",'extensions':{'KHR_materials_pbrSpecularGlossiness':{'specularFactor':[0,1,0]}}"),
-         "specular and glossiness are made into"),
+         "specular-glossiness is converted to"),
     TOLD("KHR_materials_pbrSpecularGlossiness.glossinessFactor",
          MATERIAL(",'extensions':{'KHR_materials_pbrSpecularGlossiness':{'glossinessFactor':0.5}}"),
-         "specular and glossiness are made into"),
+         "specular-glossiness is converted to"),
     TOLD("KHR_materials_pbrSpecularGlossiness.specularGlossinessTexture",
          MATERIAL(",'extensions':{'KHR_materials_pbrSpecularGlossiness':{'"
                   "specularGlossinessTexture':{'index':0}}}"),
-         "textures of thickness, and of specular and glossiness, are not read"),
+         "textures of thickness and of specular-glossiness are not supported"),
     USED("KHR_materials_sheen.sheenColorFactor",
          MATERIAL(",'extensions':{'KHR_materials_sheen':{'sheenColorFactor':[1,0,0]}}"), ""),
     USED("KHR_materials_sheen.sheenColorTexture",
@@ -230,7 +230,7 @@ static const lf_format_row rows[] = {
     TOLD("KHR_lights_punctual other types",
          MORE(",'nodes':[{'mesh':0,'extensions':{'KHR_lights_punctual':{'light':0}}}],'extensions':"
               "{'KHR_lights_punctual':{'lights':[{'type':'area'}]}}"),
-         "1 light is left out: no such type"),
+         "1 light is left out: its type is unknown"),
     USED("KHR_lights_punctual.color",
          MORE(",'nodes':[{'mesh':0,'extensions':{'KHR_lights_punctual':{'light':0}}}],'extensions':"
               "{'KHR_lights_punctual':{'lights':[{'type':'point','color':[1,0,0]}]}}"),
@@ -267,7 +267,7 @@ static const lf_format_row rows[] = {
     TOLD("KHR_texture_basisu",
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")
              MORE(",'textures':[{'extensions':{'KHR_texture_basisu':{'source':0}}}]"),
-         "textures that are in KTX2 alone are not read"),
+         "textures in KTX2 only are not supported"),
     USED("KHR_texture_transform.offset",
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'extensions':{'KHR_"
                   "texture_transform':{'offset':[0.5,0]}}}}"),
@@ -319,76 +319,76 @@ static const lf_format_row rows[] = {
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")
              MORE(",'extensionsUsed':['EXT_texture_avif'],'textures':[{'extensions':{'EXT_texture_"
                   "avif':{'source':0}}}]"),
-         "the extension EXT_texture_avif of 1 texture is not known here"),
+         "the extension EXT_texture_avif of 1 texture is not supported"),
     TOLD("MSFT_texture_dds",
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")
              MORE(",'extensionsUsed':['MSFT_texture_dds'],'textures':[{'extensions':{'MSFT_texture_"
                   "dds':{'source':0}}}]"),
-         "the extension MSFT_texture_dds of 1 texture is not known here"),
+         "the extension MSFT_texture_dds of 1 texture is not supported"),
     TOLD("EXT_lights_image_based",
          MORE(",'extensionsUsed':['EXT_lights_image_based'],'scenes':[{'nodes':[0],'extensions':{'"
               "EXT_lights_image_based':{}}}]"),
-         "the extension EXT_lights_image_based of 1 scene is not known here"),
+         "the extension EXT_lights_image_based of 1 scene is not supported"),
     TOLD("EXT_lights_ies",
          MORE(",'extensionsUsed':['EXT_lights_ies'],'nodes':[{'mesh':0,'extensions':{'EXT_lights_"
               "ies':{}}}]"),
-         "the extension EXT_lights_ies of 1 node is not known here"),
+         "the extension EXT_lights_ies of 1 node is not supported"),
     TOLD("MSFT_lod",
          MORE(",'extensionsUsed':['MSFT_lod'],'nodes':[{'mesh':0,'extensions':{'MSFT_lod':{}}}]"),
-         "the extension MSFT_lod of 1 node is not known here"),
+         "the extension MSFT_lod of 1 node is not supported"),
     TOLD("MSFT_packing_normalRoughnessMetallic",
          MATERIAL(",'extensions':{'MSFT_packing_normalRoughnessMetallic':{}}")
              MORE(",'extensionsUsed':['MSFT_packing_normalRoughnessMetallic']"),
-         "the extension MSFT_packing_normalRoughnessMetallic of 1 material is not known here"),
+         "the extension MSFT_packing_normalRoughnessMetallic of 1 material is not supported"),
     TOLD("MSFT_packing_occlusionRoughnessMetallic",
          MATERIAL(",'extensions':{'MSFT_packing_occlusionRoughnessMetallic':{}}")
              MORE(",'extensionsUsed':['MSFT_packing_occlusionRoughnessMetallic']"),
-         "the extension MSFT_packing_occlusionRoughnessMetallic of 1 material is not known here"),
+         "the extension MSFT_packing_occlusionRoughnessMetallic of 1 material is not supported"),
     TOLD("NV_materials_mdl",
          MATERIAL(",'extensions':{'NV_materials_mdl':{}}")
              MORE(",'extensionsUsed':['NV_materials_mdl']"),
-         "the extension NV_materials_mdl of 1 material is not known here"),
+         "the extension NV_materials_mdl of 1 material is not supported"),
     TOLD("ADOBE_materials_clearcoat_specular",
          MATERIAL(",'extensions':{'ADOBE_materials_clearcoat_specular':{}}")
              MORE(",'extensionsUsed':['ADOBE_materials_clearcoat_specular']"),
-         "the extension ADOBE_materials_clearcoat_specular of 1 material is not known here"),
+         "the extension ADOBE_materials_clearcoat_specular of 1 material is not supported"),
     TOLD("KHR_materials_subsurface",
          MATERIAL(",'extensions':{'KHR_materials_subsurface':{}}")
              MORE(",'extensionsUsed':['KHR_materials_subsurface']"),
-         "the extension KHR_materials_subsurface of 1 material is not known here"),
+         "the extension KHR_materials_subsurface of 1 material is not supported"),
     TOLD("KHR_materials_volume_scatter",
          MATERIAL(",'extensions':{'KHR_materials_volume_scatter':{}}")
              MORE(",'extensionsUsed':['KHR_materials_volume_scatter']"),
-         "the extension KHR_materials_volume_scatter of 1 material is not known here"),
+         "the extension KHR_materials_volume_scatter of 1 material is not supported"),
     TOLD("KHR_gaussian_splatting",
          PRIMITIVE(",'extensions':{'KHR_gaussian_splatting':{}}")
              MORE(",'extensionsUsed':['KHR_gaussian_splatting']"),
-         "the extension KHR_gaussian_splatting of 1 mesh is not known here"),
+         "the extension KHR_gaussian_splatting of 1 mesh is not supported"),
     TOLD("EXT_structural_metadata",
          PRIMITIVE(",'extensions':{'EXT_structural_metadata':{}}")
              MORE(",'extensionsUsed':['EXT_structural_metadata']"),
-         "the extension EXT_structural_metadata of 1 mesh is not known here"),
+         "the extension EXT_structural_metadata of 1 mesh is not supported"),
     TOLD("EXT_mesh_features",
          PRIMITIVE(",'extensions':{'EXT_mesh_features':{}}")
              MORE(",'extensionsUsed':['EXT_mesh_features']"),
-         "the extension EXT_mesh_features of 1 mesh is not known here"),
+         "the extension EXT_mesh_features of 1 mesh is not supported"),
     TOLD("CESIUM_primitive_outline",
          PRIMITIVE(",'extensions':{'CESIUM_primitive_outline':{}}")
              MORE(",'extensionsUsed':['CESIUM_primitive_outline']"),
-         "the extension CESIUM_primitive_outline of 1 mesh is not known here"),
+         "the extension CESIUM_primitive_outline of 1 mesh is not supported"),
     TOLD("KHR_audio_emitter",
          MORE(",'extensionsUsed':['KHR_audio_emitter'],'extensions':{'KHR_audio_emitter':{}}"),
-         "the extension KHR_audio_emitter is not known here"),
+         "the extension KHR_audio_emitter is not supported"),
     TOLD("KHR_interactivity",
          MORE(",'extensionsUsed':['KHR_interactivity'],'extensions':{'KHR_interactivity':{}}"),
-         "the extension KHR_interactivity is not known here"),
+         "the extension KHR_interactivity is not supported"),
     TOLD("KHR_physics_rigid_bodies",
          MORE(",'extensionsUsed':['KHR_physics_rigid_bodies'],'extensions':{'KHR_physics_rigid_"
               "bodies':{}}"),
-         "the extension KHR_physics_rigid_bodies is not known here"),
+         "the extension KHR_physics_rigid_bodies is not supported"),
     TOLD("AGI_articulations",
          MORE(",'extensionsUsed':['AGI_articulations'],'extensions':{'AGI_articulations':{}}"),
-         "the extension AGI_articulations is not known here"),
+         "the extension AGI_articulations is not supported"),
 };
 
 static void the_table_of_extensions_is_what_the_reader_does(void **state)

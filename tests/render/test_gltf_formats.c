@@ -103,22 +103,21 @@ static void glb_header(const lf_format_row *row)
     lf_error err = {0};
     (void)row;
     assert_int_equal(read_glb((way){.binary = true, .version = 3}, &data, &err), LF_E_FORMAT);
-    assert_non_null(strstr(err.what, "GLB of version 3; expected 2"));
+    assert_non_null(strstr(err.what, "GLB version 3; expected 2"));
 }
 
 /* ------------------------------------------------------------------------------------- table -- */
 
 static const lf_format_row rows[] = {
-    REFUSED("asset.version", MORE(",'asset':{'version':'1.0'}"),
-            "glTF of version 1.0; expected 2.0"),
+    REFUSED("asset.version", MORE(",'asset':{'version':'1.0'}"), "glTF version 1.0; expected 2.0"),
     REFUSED("asset.minVersion", MORE(",'asset':{'version':'2.0','minVersion':'2.1'}"),
-            "glTF of version 2.1; expected 2.0"),
+            "glTF version 2.1; expected 2.0"),
     IGNORED("asset.generator", MORE(",'asset':{'version':'2.0','generator':'x'}"), ""),
     IGNORED("asset.copyright", MORE(",'asset':{'version':'2.0','copyright':'x'}"), ""),
     TOLD("extensionsUsed", MORE(",'extensionsUsed':['XX_any']"),
-         "the extension XX_any is not known here"),
+         "the extension XX_any is not supported"),
     REFUSED("extensionsRequired", MORE(",'extensionsRequired':['XX_any']"),
-            "not known here: XX_any"),
+            "not supported: XX_any"),
     IGNORED("extras",
             PRIMITIVE(",'extras':[4]") NODE(",'extras':{'b':2}") MATERIAL(",'extras':3")
                 MORE(",'extras':{'a':1}"),
@@ -132,7 +131,7 @@ static const lf_format_row rows[] = {
     TOLD("scenes",
          MORE(",'nodes':[{'mesh':0},{'mesh':0,'translation':[5,0,0]}],'scenes':[{'nodes':[0]},{'"
               "nodes':[1]}]"),
-         "2 scenes: the first is shown"),
+         "of 2 scenes, the first is shown"),
     USED("scenes.nodes", MORE(",'nodes':[{'mesh':0},{'mesh':0}],'scenes':[{'nodes':[0,1]}]"),
          MORE(",'nodes':[{'mesh':0},{'mesh':0}]")),
     USED("nodes.children", MORE(",'nodes':[{'children':[1],'translation':[1,0,0]},{'mesh':0}]"),
@@ -173,7 +172,7 @@ static const lf_format_row rows[] = {
          ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
     TOLD("primitives.attributes without the TEXCOORD_n of a texture",
          ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
-         "1 part lacks the texture coordinates of its pictures: they count as 0"),
+         "1 part lacks the texture coordinates of its textures; 0 is used"),
     USED("primitives.attributes.TEXCOORD_1",
          ATTRIBUTES(",'TEXCOORD_1':2")
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':1}}"),
@@ -181,7 +180,7 @@ static const lf_format_row rows[] = {
              MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':1}}")),
     TOLD("primitives.attributes.TEXCOORD_n",
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':2}}"),
-         "a texture by a third set"),
+         "a texture with a third set"),
     USED("primitives.attributes.COLOR_0", ATTRIBUTES(",'COLOR_0':3"), ""),
     TOLD("primitives.attributes.COLOR_n", ATTRIBUTES(",'COLOR_0':3,'COLOR_1':3"),
          "1 part has more colours than COLOR_0"),
@@ -216,12 +215,12 @@ static const lf_format_row rows[] = {
         "primitives.attributes.JOINTS_n",
         ATTRIBUTES(",'JOINTS_0':4,'WEIGHTS_0':5,'JOINTS_2':4,'WEIGHTS_2':5") MORE(
             ",'nodes':[{'mesh':0,'skin':0},{'translation':[1,2,3]},{}],'skins':[{'joints':[1,2]}]"),
-        "1 part has more than eight joints a vertex"),
+        "1 part has more than eight joints per vertex"),
     TOLD(
         "primitives.attributes.WEIGHTS_n",
         ATTRIBUTES(",'JOINTS_0':4,'WEIGHTS_0':5,'JOINTS_2':4,'WEIGHTS_2':5") MORE(
             ",'nodes':[{'mesh':0,'skin':0},{'translation':[1,2,3]},{}],'skins':[{'joints':[1,2]}]"),
-        "1 part has more than eight joints a vertex"),
+        "1 part has more than eight joints per vertex"),
     IGNORED("primitives.attributes._X", ATTRIBUTES(",'_BATCH':3"), ""),
     USED("primitives.indices", PRIMITIVE(",'indices':6"), ""),
     USED("primitives.material",
@@ -303,8 +302,8 @@ static const lf_format_row rows[] = {
          ATTRIBUTES("," BARE) MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
     USED("accessors.type VEC3", ATTRIBUTES(",'COLOR_0':34"), ""),
     USED("accessors.type VEC4", ATTRIBUTES(",'COLOR_0':3"), ""),
-    REFUSED("accessors.type MAT2", ATTRIBUTES(",'NORMAL':35"), "no such type or componentType"),
-    REFUSED("accessors.type MAT3", ATTRIBUTES(",'NORMAL':36"), "no such type or componentType"),
+    REFUSED("accessors.type MAT2", ATTRIBUTES(",'NORMAL':35"), "unknown type or componentType"),
+    REFUSED("accessors.type MAT3", ATTRIBUTES(",'NORMAL':36"), "unknown type or componentType"),
     USED("accessors.type MAT4",
          ATTRIBUTES(",'JOINTS_0':4,'WEIGHTS_0':5")
              MORE(",'nodes':[{'mesh':0,'skin':0},{'translation':[1,2,3]},{}],'skins':[{'joints':[1,"
@@ -319,12 +318,12 @@ static const lf_format_row rows[] = {
     USED("accessors.sparse", MORE(",'meshes':[{'primitives':[{'attributes':{'POSITION':19}}]}]"),
          MORE(",'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]")),
     ROW("bufferViews.buffer", "used", refused_as_used,
-        MORE(",'bufferViews':[{'buffer':9,'byteLength':48}]"), "buffers[9] is not there"),
+        MORE(",'bufferViews':[{'buffer':9,'byteLength':48}]"), "buffers[9] does not exist"),
     USED("bufferViews.byteOffset",
          MORE(",'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]"),
          MORE(",'meshes':[{'primitives':[{'attributes':{'POSITION':21}}]}]")),
     ROW("bufferViews.byteLength", "used", refused_as_used,
-        MORE(",'bufferViews':[{'buffer':0,'byteLength':8}]"), "where there are 8"),
+        MORE(",'bufferViews':[{'buffer':0,'byteLength':8}]"), "but its buffer view has 8"),
     USED("bufferViews.byteStride",
          MORE(",'meshes':[{'primitives':[{'attributes':{'POSITION':23}}]}]"),
          MORE(",'meshes':[{'primitives':[{'attributes':{'POSITION':21}}]}]")),
@@ -332,10 +331,11 @@ static const lf_format_row rows[] = {
             MORE(",'meshes':[{'primitives':[{'attributes':{'POSITION':38}}]}]"),
             MORE(",'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]")),
     ROW("buffers.uri", "used", refused_as_used,
-        MORE(",'buffers':[{'uri':'gone.bin','byteLength':36}]"), "\"gone.bin\" is not to be had"),
+        MORE(",'buffers':[{'uri':'gone.bin','byteLength':36}]"),
+        "the file \"gone.bin\" is missing or may not be read"),
     ROW("buffers.byteLength", "used", refused_as_used,
         MORE(",'buffers':[{'uri':'data:;base64,AAAA','byteLength':99999}]"),
-        "a buffer of 99999 bytes, where there are 3"),
+        "a buffer needs 99999 bytes but has 3"),
     USED("textures.source",
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")
              MORE(",'textures':[{'source':0}]"),
@@ -419,7 +419,7 @@ static const lf_format_row rows[] = {
     TOLD("images.uri",
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")
              MORE(",'images':[{'uri':'gone.png'},{'uri':'gone.png'}]"),
-         "picture \"gone.png\" is not to be had"),
+         "texture \"gone.png\" is missing or may not be read"),
     ROW("images.bufferView", "used", picture,
         MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")
             MORE(",'images':[{'bufferView':38,'mimeType':'image/png'}]"),
@@ -454,7 +454,7 @@ static const lf_format_row rows[] = {
     USED("materials.alphaMode OPAQUE", MATERIAL(",'alphaMode':'OPAQUE'"),
          MATERIAL(",'alphaMode':'BLEND'")),
     TOLD("materials.alphaMode of any other name", MATERIAL(",'alphaMode':'WEIRD'"),
-         "its alphaMode is not known here: opaque"),
+         "its alphaMode is unknown; the material is opaque"),
     USED("materials.alphaMode MASK", MATERIAL(",'alphaMode':'MASK'"), ""),
     USED("materials.alphaMode BLEND", MATERIAL(",'alphaMode':'BLEND'"), ""),
     USED("materials.alphaCutoff", MATERIAL(",'alphaMode':'MASK','alphaCutoff':1.5"),
@@ -467,7 +467,7 @@ static const lf_format_row rows[] = {
          MATERIAL(",'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}")),
     TOLD("animations",
          MORE(",'animations':[{'channels':[],'samplers':[]},{'channels':[],'samplers':[]}]"),
-         "2 animations: the first is shown"),
+         "of 2 animations, the first is shown"),
     USED("animations.channels.target.path translation",
          MORE(",'animations':[{'channels':[{'sampler':0,'target':{'node':0,'path':'translation'}}],"
               "'samplers':[{'input':11,'output':12}]}]"),

@@ -105,8 +105,8 @@ static void a_shutter_blurs_nodes_and_lights_and_tells_of_materials(void **state
     lf_assert_close((double)scene->lights[0].intensity.x * LF_LUMENS_PER_WATT, 1.75, 1e-5, 0);
     assert_int_equal(scene->warnings.n, 1);
     assert_non_null(strstr(lf_warnings_at(&scene->warnings, 0),
-                           "mesh \"m\": its look changes while the shutter is open; it stays as it "
-                           "is when that opens"));
+                           "mesh \"m\": its look changes while the shutter is open; it is rendered "
+                           "as at shutter open"));
     lf_scene_unref(scene);
 }
 

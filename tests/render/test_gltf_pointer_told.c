@@ -26,10 +26,10 @@ static void what_a_pointer_cannot_move_is_told_and_stays(void **state)
     static const struct {
         const char *pointer, *sampler, *why;
     } cases[] = {
-        {"/materials/1/pbrMetallicRoughness/roughnessFactor", NUMBERS, "nothing of that name"},
-        {"/materials/4294967296/alphaCutoff", NUMBERS, "nothing of that name"},
-        {"/materials/99999999999999999999999/alphaCutoff", NUMBERS, "nothing of that name"},
-        {"/materials/18446744073709551616/alphaCutoff", NUMBERS, "nothing of that name"},
+        {"/materials/1/pbrMetallicRoughness/roughnessFactor", NUMBERS, "no such object"},
+        {"/materials/4294967296/alphaCutoff", NUMBERS, "no such object"},
+        {"/materials/99999999999999999999999/alphaCutoff", NUMBERS, "no such object"},
+        {"/materials/18446744073709551616/alphaCutoff", NUMBERS, "no such object"},
         {"/meshes/0/weights/99999999999999999999999", NUMBERS, "no such morph target"},
         {"/meshes/0/weights/2", NUMBERS, "no such morph target"},
         {"/meshes/1/weights/0", NUMBERS, "no such morph target"},
@@ -47,23 +47,23 @@ static void what_a_pointer_cannot_move_is_told_and_stays(void **state)
         {"/materials/0/emissiveTexture/extensions/KHR_texture_transform/texCoord", NUMBERS,
          "does not read"},
         {"/materials/0/extensions/KHR_texture_transform/scale", NUMBERS, "does not read"},
-        {BASE, NUMBERS, "values of 1 components; 4 are expected"},
-        {ROUGH, "{'input':3,'output':4}", "values of 4 components; 1 are expected"},
-        {ROUGH, "{'input':3,'output':6}", "3 values for 2 moments"},
-        {ROUGH, "{'input':3,'output':7}", "4 values for 2 moments"},
-        {ROUGH, "{'input':6,'output':5}", "2 values for 3 moments"},
+        {BASE, NUMBERS, "values have 1 components; expected 4"},
+        {ROUGH, "{'input':3,'output':4}", "values have 4 components; expected 1"},
+        {ROUGH, "{'input':3,'output':6}", "3 values for 2 times"},
+        {ROUGH, "{'input':3,'output':7}", "4 values for 2 times"},
+        {ROUGH, "{'input':6,'output':5}", "2 values for 3 times"},
         {ROUGH, "{'input':6,'output':6}", "not finite"},
-        {ROUGH, "{'input':3,'output':99}", "accessors[99] is not there"},
-        {ROUGH, "{'input':4294967296,'output':5}", "is not there"},
-        {ROUGH, "{'input':3,'output':8}", "accessors[8] ends after"},
-        {ROUGH, "{'input':3,'output':9}", "no such type"},
-        {ROUGH, "{}", "is not there"},
-        {ROUGH, "7", "is not there"},
-        {ROUGH, "", "is not there"},
+        {ROUGH, "{'input':3,'output':99}", "accessors[99] does not exist"},
+        {ROUGH, "{'input':4294967296,'output':5}", "does not exist"},
+        {ROUGH, "{'input':3,'output':8}", "accessors[8] needs"},
+        {ROUGH, "{'input':3,'output':9}", "unknown type"},
+        {ROUGH, "{}", "does not exist"},
+        {ROUGH, "7", "does not exist"},
+        {ROUGH, "", "does not exist"},
         {"/nodes/0/extensions/KHR_node_visibility/visible", NUMBERS, "unsigned bytes"},
-        {"/nodes/1/extensions/KHR_node_visibility/visible", NUMBERS, "nothing of that name"},
+        {"/nodes/1/extensions/KHR_node_visibility/visible", NUMBERS, "no such object"},
         {"/nodes/1/weights", NUMBERS, "1 weights for 0 morph targets"},
-        {"/cameras/1/perspective/yfov", NUMBERS, "nothing of that name"},
+        {"/cameras/1/perspective/yfov", NUMBERS, "no such object"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char channel[512], words[512];
@@ -113,9 +113,9 @@ static void many_channels_are_one_warning(void **state)
         lf_mesh_data data = read_channels(&text, channels, NUMBERS);
         assert_true(gltf_warns(
             &data, kind ? "9999 animation channels are left out, the first is "
-                          "/materials/0/alphaCutoff: another channel moves the same"
+                          "/materials/0/alphaCutoff: another channel animates the same property"
                         : "10000 animation channels are left out, the first is "
-                          "/materials/1/alphaCutoff: the file has nothing of that name"));
+                          "/materials/1/alphaCutoff: the file has no such object"));
         lf_assert_close((double)data.materials[0].alpha_cutoff, kind ? 0.25 : 0.5, 0, 1e-6);
         lf_mesh_data_finish(&data);
     }
@@ -145,7 +145,7 @@ static void of_channels_that_move_the_same_the_first_counts(void **state)
         lf_mesh_data data =
             read_channels(&text, channels, "{'input':10,'output':11},{'input':10,'output':12}");
         assert_true(gltf_warns(&data, "1 animation channel is left out, /nodes/0/translation: "
-                                      "another channel moves the same"));
+                                      "another channel animates the same property"));
         lf_assert_close(corner_of(&data, 0)[0] - corner_of(&still, 0)[0], first ? 7 : 5, 0, 1e-6);
         lf_mesh_data_finish(&data);
         lf_mesh_data_finish(&still);
@@ -185,8 +185,9 @@ static void interpolations_that_nobody_knows_are_told(void **state)
     gltf_text text = {0};
     put_hostile(&text);
     lf_mesh_data data = follow(&text, BASE, ",'interpolation':'BEZIER'", 0.25);
-    assert_true(gltf_warns(&data, "1 animation channels have interpolations that are not known "
-                                  "here, the first is \"BEZIER\": taken as LINEAR"));
+    assert_true(gltf_warns(
+        &data,
+        "1 animation channels have unknown interpolations, first \"BEZIER\"; LINEAR is used"));
     lf_assert_close((double)data.materials[0].albedo.z, 0.25, 0, 1e-6);
     lf_mesh_data_finish(&data);
 }
@@ -197,8 +198,8 @@ static void other_animations_are_told_by_name(void **state)
     gltf_text text = {0};
     put_hostile(&text);
     lf_mesh_data data = read_at(&text, ",'animations':[{'name':'Walk'},{},{'name':'a\\nb'}]", 0);
-    assert_true(gltf_warns(&data, "3 animations: the first is shown (animation.clip of the mesh "
-                                  "shows another): \"Walk\", 1, \"a?b\""));
+    assert_true(gltf_warns(&data, "of 3 animations, the first is shown; to choose another, set "
+                                  "animation.clip of the mesh: \"Walk\", 1, \"a?b\""));
     lf_mesh_data_finish(&data);
 }
 

@@ -286,7 +286,7 @@ static void instances_stand_in_their_node(void **state)
         &text,
         "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],'nodes':[{'mesh':0,"
         "'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':2}}}}]",
-        "EXT_mesh_gpu_instancing: TRANSLATION of 60000 elements");
+        "EXT_mesh_gpu_instancing: TRANSLATION has 60000 elements");
 }
 
 static void a_part_without_normals_is_flat_beside_one_that_has_some(void **state)
@@ -450,17 +450,17 @@ static void what_points_beyond_is_refused_in_words(void **state)
     static const struct {
         const char *primitive, *words;
     } cases[] = {
-        {"'attributes':{'POSITION':0},'indices':1", "vertices that are not finite or not there"},
-        {"'attributes':{'POSITION':2}", "ends after 48 bytes, where there are 36"},
-        {"'attributes':{'POSITION':3}", "bufferViews[7] is not there"},
-        {"'attributes':{'POSITION':9}", "accessors[9] is not there"},
-        {"'attributes':{'POSITION':-1}", "is not there"},
-        {"'attributes':{'POSITION':0,'NORMAL':4}", "NORMAL of 2 elements"},
-        {"'attributes':{'POSITION':0,'TEXCOORD_0':0}", "TEXCOORD_0 of 3 components; expected 2"},
+        {"'attributes':{'POSITION':0},'indices':1", "missing or non-finite vertices"},
+        {"'attributes':{'POSITION':2}", "needs 48 bytes, but its buffer view has 36"},
+        {"'attributes':{'POSITION':3}", "bufferViews[7] does not exist"},
+        {"'attributes':{'POSITION':9}", "accessors[9] does not exist"},
+        {"'attributes':{'POSITION':-1}", "does not exist"},
+        {"'attributes':{'POSITION':0,'NORMAL':4}", "NORMAL has 2 elements"},
+        {"'attributes':{'POSITION':0,'TEXCOORD_0':0}", "TEXCOORD_0 has 3 components; expected 2"},
         {"'attributes':{'POSITION':5}", "5000000 elements without a bufferView"},
-        {"'attributes':{'POSITION':6}", "70000 positions, 0 indices, some without a bufferView"},
-        {"'attributes':{'POSITION':7}", "elements of 12 bytes, 4 bytes apart"},
-        {"'attributes':{'POSITION':0},'mode':7", "no such mode"},
+        {"'attributes':{'POSITION':6}", "some of 70000 positions and 0 indices have no bufferView"},
+        {"'attributes':{'POSITION':7}", "elements of 12 bytes, but a stride of 4 bytes"},
+        {"'attributes':{'POSITION':0},'mode':7", "unknown mode"},
         {"'attributes':{}", "no triangles"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char rest[512];
@@ -491,9 +491,10 @@ static void what_is_odd_is_left_out_or_cut_and_counted(void **state)
     assert_int_equal(data.n_triangles, 3); /* two of four, one of two */
     assert_true(gltf_warns(&data, "1 triangle is left out: an index has no vertex"));
     assert_true(gltf_warns(&data, "2 of 6 triangles are left out: a vertex is not finite"));
-    assert_true(gltf_warns(&data, "3 vertices have normals, texture coordinates or colours out of "
-                                  "range: cut"));
-    assert_true(gltf_warns(&data, "1 part names a material that is not there: grey"));
+    assert_true(gltf_warns(
+        &data,
+        "3 vertices have normals, texture coordinates or colours out of range; they are clamped"));
+    assert_true(gltf_warns(&data, "1 part has a missing material; it is grey"));
     assert_int_equal(data.warnings.n, 4);
     assert_true(data.uvs[2] == 0 && data.uvs[4] == LF_MAX_UV && data.uvs[6] == -LF_MAX_UV);
     assert_true(data.colours[4] == 1 && data.colours[8] == 0 && data.colours[13] == 0);
@@ -511,8 +512,8 @@ static void nodes_that_are_no_tree_are_refused(void **state)
         {"{'mesh':0,'children':[1]},{'children':[0]}", "in a loop"},
         {"{'mesh':0,'children':[0]}", "in a loop"},
         {"{'children':[2]},{'children':[2]},{'mesh':0}", "nodes[2] is a child of two others"},
-        {"{'mesh':0,'children':[7]}", "a node of a number that is not there, but 1 are"},
-        {"{'mesh':3}", "nodes[0]: meshes[3] is not there, but 1 are"}};
+        {"{'mesh':0,'children':[7]}", "a node index is out of range; the file has 1 nodes"},
+        {"{'mesh':3}", "nodes[0]: meshes[3] does not exist; the file has 1"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char rest[512];
         snprintf(rest, sizeof rest, ONE_MESH ",'scenes':[{'nodes':[0]}],'nodes':[%s]",
@@ -529,7 +530,7 @@ static void extensions_that_it_requires_must_be_known(void **state)
     gltf_assert_refused(&text,
                         ONE_MESH ",'extensionsRequired':['KHR_materials_ior','XX_a','YY_b']"
                                  "," GLTF_ONE_NODE,
-                        "extensions of glTF that are not known here: XX_a, YY_b");
+                        "glTF extensions that are not supported: XX_a, YY_b");
     lf_mesh_data data =
         gltf_read(&text, ONE_MESH ",'extensionsRequired':['KHR_materials_ior']," GLTF_ONE_NODE);
     assert_int_equal(data.n_triangles, 1);
@@ -591,8 +592,8 @@ static void a_clip_that_is_not_there_is_refused_with_those_that_are(void **state
     (void)state;
     static const lf_clip clips[] = {{.name = "down", .chosen = true},
                                     {.number = 2, .chosen = true}};
-    static const char *const words[] = {"no animation \"down\"; there are 0, \"up\"",
-                                        "no animation 2; there are 0, \"up\""};
+    static const char *const words[] = {"no animation \"down\"; expected one of 0, \"up\"",
+                                        "no animation 2; expected one of 0, \"up\""};
     lf_mesh_desc desc = gltf_desc();
     lf_mesh_data data = {0};
     lf_error err = {0};
@@ -610,7 +611,7 @@ static void a_clip_that_is_not_there_is_refused_with_those_that_are(void **state
     static const char still[] =
         "'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]," GLTF_ONE_NODE;
     assert_int_equal(gltf_read_as(&text, still, &desc, &data, &err), LF_E_ARG);
-    assert_string_equal(err.what, "no animation 2: nothing moves in this file");
+    assert_string_equal(err.what, "no animation 2; the file has no animations");
     lf_mesh_data_finish(&data);
     desc.clip = (lf_clip){.seconds = 3};
     lf_assert_ok(gltf_read_as(&text, still, &desc, &data, &err), &err);

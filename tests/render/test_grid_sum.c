@@ -1,8 +1,8 @@
 /* Grids that are added: every voxel is the sum of theirs, wherever the two lie to each other; what
- * does not fit is refused; and the picture of a volume of two grids is that of two volumes of one
- * grid each in the same place, in two answers of mvpt against vpt, means over blocks of 16 x 16
- * pixels of each view by Welch's test, replicates being seeds. Negative control: one grid alone is
- * rejected. */
+ * does not fit is refused; and the picture of a volume of two grids is that of one volume per grid
+ * of one grid each in the same place, in two answers of mvpt against vpt, means over blocks of 16 x
+ * 16 pixels of each view by Welch's test, replicates being seeds. Negative control: one grid alone
+ * is rejected. */
 #include "tests/testing.h"
 
 #include <limits.h>
@@ -76,7 +76,7 @@ static void other_places_are_refused(void **state)
     between->local_to_file[0][3] += 0.1;
     assert_int_equal(lf_grid_sum(a, stretched, &sum, &err), LF_E_FORMAT);
     assert_int_equal(lf_grid_sum(a, between, &sum, &err), LF_E_FORMAT);
-    assert_non_null(strstr(err.what, "two volumes"));
+    assert_non_null(strstr(err.what, "one volume per grid"));
     assert_null(sum);
     lf_grid_unref(a);
     lf_grid_unref(stretched);

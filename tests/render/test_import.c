@@ -63,13 +63,14 @@ static void assert_says(const char *folder, const char *mode, lf_status expected
 static void a_reader_that_ends_is_an_error_of_the_file(void **state)
 {
     assert_says(*state, "abort", LF_E_FORMAT,
-                "the reader ended by signal 6; the file is damaged or not what it claims");
-    assert_says(*state, "segv", LF_E_FORMAT, "the reader ended by signal 11");
-    assert_says(*state, "exit", LF_E_FORMAT, "the reader ended without a word");
-    assert_says(*state, "garbage", LF_E_FORMAT, "the reader ended without a word");
+                "the file reader was ended by signal 6; the file is damaged or in another format "
+                "than its name says");
+    assert_says(*state, "segv", LF_E_FORMAT, "the file reader was ended by signal 11");
+    assert_says(*state, "exit", LF_E_FORMAT, "the file reader ended without a message");
+    assert_says(*state, "garbage", LF_E_FORMAT, "the file reader ended without a message");
     assert_says(*state, "nothing", LF_E_FORMAT, "not sealed");
     assert_says(*state, "unsealed", LF_E_FORMAT, "not sealed");
-    assert_says(*state, "status", LF_E_FORMAT, "failed without a reason");
+    assert_says(*state, "status", LF_E_FORMAT, "failed without giving a reason");
     assert_says(*state, "words", LF_E_NOMEM, "too much \\x1b[2J of it");
 }
 
@@ -168,9 +169,9 @@ static void looks_of_lies_are_refused(void **state)
     for (size_t i = 0; i < sizeof fake_lies_of_looks / sizeof *fake_lies_of_looks; i++)
         assert_says(*state, fake_lies_of_looks[i], LF_E_FORMAT, "the reader's answer");
     for (size_t i = 0; i < sizeof fake_lies_of_lights / sizeof *fake_lies_of_lights; i++)
-        assert_says(*state, fake_lies_of_lights[i], LF_E_FORMAT, "no such lights");
+        assert_says(*state, fake_lies_of_lights[i], LF_E_FORMAT, "invalid lights");
     for (size_t i = 0; i < sizeof fake_lies_of_cameras / sizeof *fake_lies_of_cameras; i++)
-        assert_says(*state, fake_lies_of_cameras[i], LF_E_FORMAT, "no such cameras");
+        assert_says(*state, fake_lies_of_cameras[i], LF_E_FORMAT, "invalid cameras");
 }
 
 /* ... in the words of the part itself, not those of whatever stood in memory. */
@@ -183,14 +184,14 @@ static void parts_of_lies_are_refused(void **state)
     assert_int_equal(data.n_parts, 1);
     lf_mesh_data_finish(&data);
     for (size_t i = 0; i < sizeof fake_lies_of_parts / sizeof *fake_lies_of_parts; i++)
-        assert_says(*state, fake_lies_of_parts[i], LF_E_FORMAT, "the reader's answer has no such");
+        assert_says(*state, fake_lies_of_parts[i], LF_E_FORMAT, "the reader's answer has invalid");
 }
 
 static void words_of_a_material_that_are_lies_are_refused(void **state)
 {
     static const char *const lies[] = {"cover", "solid", "glow", "skin", "milk", "first"};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; i++)
-        assert_says(*state, lies[i], LF_E_FORMAT, "no such material");
+        assert_says(*state, lies[i], LF_E_FORMAT, "invalid material");
 }
 
 static void scalars_out_of_their_range_are_refused(void **state)
@@ -200,7 +201,7 @@ static void scalars_out_of_their_range_are_refused(void **state)
         for (int i = 0; i < 3; i++) {
             char lie[64];
             snprintf(lie, sizeof lie, "%s %s", how[i], (*row)->name);
-            assert_says(*state, lie, LF_E_FORMAT, "no such material");
+            assert_says(*state, lie, LF_E_FORMAT, "invalid material");
         }
 }
 
@@ -333,16 +334,18 @@ static void a_reader_that_hangs_is_ended_when_its_time_is_over(void **state)
 {
     double start = lf_time_now();
     lf_import_limit(0, 1);
-    assert_says(*state, "sleep", LF_E_TIMEOUT, "reading takes longer than 1 s (--import-time");
+    assert_says(*state, "sleep", LF_E_TIMEOUT,
+                "reading all files takes longer than 1 s; raise --import-time");
     assert_true(lf_time_now() - start >= 1.0);
-    assert_says(*state, "spin", LF_E_TIMEOUT, "reading takes longer than 1 s (--import-time");
+    assert_says(*state, "spin", LF_E_TIMEOUT,
+                "reading all files takes longer than 1 s; raise --import-time");
     /* asking for files for ever is no other way to stay, nor is not to listen */
     lf_mesh_data data;
     lf_error err;
     lf_assert_status(import_by(*state, "deaf", &data, &err), LF_E_PATH, &err);
     lf_mesh_data_finish(&data);
     assert_says(*state, "begabsent.mtl", LF_E_TIMEOUT,
-                "reading takes longer than 1 s (--import-time");
+                "reading all files takes longer than 1 s; raise --import-time");
     lf_import_limit(0, LF_IMPORT_SECONDS);
 }
 
@@ -493,11 +496,11 @@ static void hostile_files_end_in_one_line(void **state)
         {"ascii_54_hang.ply", "the file ends at byte 26017; expected the rest of the PLY header"},
         {"ascii_99.ply", "line 195: not a number"},
         {"binary_123_hang.ply", "the file ends at byte 17165; expected the rest of the PLY header"},
-        {"box01_197_memory.glb", "cannot be read as a mesh: a GLB file of 4294967295 bytes, where "
-                                 "there are 3838"},
+        {"box01_197_memory.glb",
+         "cannot be read as a mesh: the GLB file needs 4294967295 bytes but has 3838"},
         {"cut_off.ply", "the file ends at byte 172; expected a number"},
         {"densityAndHeat_65_hang.vdb",
-         "takes more memory than a reader may have (--import-memory)"},
+         "needs more memory than file readers may use; raise --import-memory"},
         {"texture_before_material.obj", ""}};
     lf_import_limit((uint64_t)512 << 20, 2);
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {

@@ -91,7 +91,7 @@ static void the_first_failure_ends_the_other_readers(void **state)
     lf_assert_status(load(folder, scene_of_files(folder, 64), &err), LF_E_FORMAT, &err);
     fake_use(folder, NULL);
     assert_string_equal(err.pointer, "/meshes/m00.obj/file");
-    assert_non_null(strstr(err.what, "the reader ended without a word"));
+    assert_non_null(strstr(err.what, "the file reader ended without a message"));
     assert_true(count_starts(folder) <= MOST_READERS);
     lf_test_folder_remove(folder);
 }
@@ -273,7 +273,7 @@ static void the_limit_is_that_of_all_files_together(void **state)
     lf_import_limit(0, LF_IMPORT_SECONDS);
     fake_use(folder, NULL);
     assert_non_null(
-        strstr(err.what, "reading takes longer than 2 s (--import-time, all files together)"));
+        strstr(err.what, "reading all files takes longer than 2 s; raise --import-time"));
     assert_true(count_starts(folder) <= 2 * MOST_READERS);
     lf_test_folder_remove(folder);
 }

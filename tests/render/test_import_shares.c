@@ -331,7 +331,7 @@ static void whether_landlock_helps_is_told(void **state)
         skip();
     }
     assert_int_equal(known, LF_LANDLOCK_REFUSED);
-    assert_int_equal(count_of(log, "readers of files go without Landlock"), 1);
+    assert_int_equal(count_of(log, "file readers run without Landlock"), 1);
     assert_int_equal(where_it_fails(folder, ENOSYS, log, sizeof log), LF_LANDLOCK_OFF);
     assert_int_equal(where_it_fails(folder, EOPNOTSUPP, log, sizeof log), LF_LANDLOCK_OFF);
     assert_int_equal(count_of(log, "Landlock"), 0);

@@ -126,26 +126,26 @@ static void what_is_no_place_is_refused(void **state)
     lf_test_write(folder, "text.npy", "no numbers");
     assert_refused(folder, "\"words.csv\"", "3, 4, 7, 8, 10, 12 or 16 numbers");
     assert_refused(folder, "\"ragged.csv\"", "line 2 has");
-    assert_refused(folder, "\"empty.csv\"", "no place in this file");
-    assert_refused(folder, "\"flat.csv\"", "line 1 is no place");
-    assert_refused(folder, "\"thin.csv\"", "line 2 is no place");
-    assert_refused(folder, "\"far.csv\"", "line 2 is no place");
+    assert_refused(folder, "\"empty.csv\"", "the file has no instances");
+    assert_refused(folder, "\"flat.csv\"", "line 1 is not a valid instance");
+    assert_refused(folder, "\"thin.csv\"", "line 2 is not a valid instance");
+    assert_refused(folder, "\"far.csv\"", "line 2 is not a valid instance");
     assert_refused(folder, "\"wide.csv\"",
                    "instance 1, counted from 0, has coordinates up to 1.8e+09");
-    assert_refused(folder, "\"short.npy\"", "another place");
-    assert_refused(folder, "\"still.npy\"", "place 0 is no place");
-    assert_refused(folder, "\"nan.npy\"", "place 0 is no place");
+    assert_refused(folder, "\"short.npy\"", "another instance");
+    assert_refused(folder, "\"still.npy\"", "place 0 is not a valid instance");
+    assert_refused(folder, "\"nan.npy\"", "place 0 is not a valid instance");
     assert_refused(folder, "\"whole.npy\"", "float32 or float64");
-    assert_refused(folder, "\"shape.npy\"", "another shape");
-    assert_refused(folder, "\"turned.npy\"", "another shape");
-    assert_refused(folder, "\"pairs.npy\"", "another shape");
-    assert_refused(folder, "\"deep.npy\"", "another shape");
-    assert_refused(folder, "\"huge.npy\"", "another shape");
+    assert_refused(folder, "\"shape.npy\"", "wrong shape");
+    assert_refused(folder, "\"turned.npy\"", "wrong shape");
+    assert_refused(folder, "\"pairs.npy\"", "wrong shape");
+    assert_refused(folder, "\"deep.npy\"", "wrong shape");
+    assert_refused(folder, "\"huge.npy\"", "wrong shape");
     assert_refused(folder, "\"text.npy\"", "does not begin");
     assert_refused(folder, "\"places.txt\"", "unknown kind of file");
-    assert_refused(folder, "[]", "no place at all");
+    assert_refused(folder, "[]", "the list is empty");
     assert_refused(folder, "[[1, 2, 3]]", "12 or 16 numbers");
-    assert_refused(folder, "[{ \"scale\": [1, 0, 1] }]", "flattens space");
+    assert_refused(folder, "[{ \"scale\": [1, 0, 1] }]", "singular");
     assert_refused(folder, "[[1,0,0,0, 0,1,0,0, 0,0,1,\"x\"]]", "expected a number");
 }
 

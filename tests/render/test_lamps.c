@@ -129,8 +129,7 @@ static void a_lamp_in_the_place_of_another_is_one_lamp(void **state)
     (void)state;
     lf_scene *scene = floor_below(".", lamps[1]);
     assert_true(lf_has(scene, LF_TRAIT_OVERLAPS) &&
-                strstr(lf_scene_warning(scene, 0),
-                       "mesh \"a\": faces of it that glow lie in one place with faces of"));
+                strstr(lf_scene_warning(scene, 0), "emissive mesh \"a\" coincides with faces of"));
     lf_scene_unref(scene);
     assert_true(same_light(".", lamps, 1.01));
 }

@@ -125,7 +125,7 @@ static void a_spot_whose_direction_has_no_length_is_refused(void **state)
         "{\"lights\": {\"s\": {\"type\": \"spot\", \"blend\": 1.5}}}",
         "{\"lights\": {\"s\": {\"type\": \"spot\", \"cone\": 30}}}",
     };
-    static const char *const words[] = {"no length", "out of range: 0.1 to 180",
+    static const char *const words[] = {"must not be zero", "out of range: 0.1 to 180",
                                         "out of range: 0 to 1", "unknown key \"cone\""};
     for (int i = 0; i < 4; i++) {
         lf_scene *scene = NULL;

@@ -231,7 +231,7 @@ static void strips_normals_and_materials_of_ply(void **state)
     lf_assert_close(data.normals[1], 0.6, 1e-6, 0);
     lf_assert_close(data.normals[2], 0.8, 1e-6, 0);
     lf_assert_close(data.materials[data.triangle_material[1]].albedo.y, 0.4, 1e-6, 0);
-    assert_non_null(strstr(lf_warnings_at(&data.warnings, 0), "has colours of vertices"));
+    assert_non_null(strstr(lf_warnings_at(&data.warnings, 0), "has vertex colours"));
     lf_mesh_data_finish(&data);
 }
 
@@ -271,20 +271,23 @@ static void ply_that_is_not_whole_says_where(void **state)
     static const struct {
         const char *content, *expected;
     } cases[] = {
-        {"plyx\n", "not PLY, whose first line is \"ply\""},
+        {"plyx\n", "not a PLY file, because its first line is not \"ply\""},
         {"ply\nformat ascii 1.0\n",
          "the file ends at byte 21; expected the rest of the PLY header"},
         {"ply\nformat utf8 1.0\n", "line 2 of the PLY header: expected ascii"},
-        {"ply\nelement vertex many\n", "line 2 of the PLY header: expected an element's name"},
-        {"ply\nproperty float x\n", "line 2 of the PLY header: a property before any element"},
+        {"ply\nelement vertex many\n",
+         "line 2 of the PLY header: expected the name and the number of an element"},
+        {"ply\nproperty float x\n",
+         "line 2 of the PLY header: a property before the first element"},
         {"ply\nelement vertex 1\nproperty real x\n", "line 3 of the PLY header: expected a type"},
-        {"ply\nelement vertex 1\nproperty list float int x\n", "expected a whole type"},
-        {"ply\nelement vertex 1\nproperty float x\nend_header\n0 0 0 0\n", "vertices have no y"},
+        {"ply\nelement vertex 1\nproperty list float int x\n", "expected an integer type"},
+        {"ply\nelement vertex 1\nproperty float x\nend_header\n0 0 0 0\n",
+         "the vertices have no property y"},
         {"ply\nelement face 1\nproperty list uchar int vertex_index\nend_header\n3 0 1 2\n",
-         "faces before the vertices"},
+         "the faces come before the vertices"},
         {"ply\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
          "element face 1\nproperty uchar n\nend_header\n0 0 0\n3\n",
-         "faces have no list called vertex_indices"},
+         "the faces have no list vertex_indices"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         text content = {.n = 0};
@@ -294,10 +297,10 @@ static void ply_that_is_not_whole_says_where(void **state)
     /* a point cloud, an index, a word, a file that was cut off in download */
     static const struct {
         const char *body, *expected;
-    } bodies[] = {{"3 0 1 4\n", "all faces (1) name vertices that there are not"},
+    } bodies[] = {{"3 0 1 4\n", "all faces (1) refer to missing vertices"},
                   {"3 0 1 x\n", "line 16: not a number"},
-                  {"3 0 1 1.5\n", "all faces (1) name vertices that there are not"},
-                  {"-3 0 1 2\n", "line 16: not the length of a list"},
+                  {"3 0 1 1.5\n", "all faces (1) refer to missing vertices"},
+                  {"-3 0 1 2\n", "line 16: expected the length of a list"},
                   {"3 0 1", "expected a number"},
                   {"2 0 1\n", "no triangles in this file"}};
     for (size_t i = 0; i < sizeof bodies / sizeof *bodies; i++) {
@@ -382,7 +385,7 @@ static void stl_that_is_not_whole_says_where(void **state)
     make_binary_stl(&content, "a cube");
     content.n -= 30;
     assert_says(*state, "a.stl", &content,
-                "the header promises 12 triangles, the file has room for 11");
+                "the header announces 12 triangles, but the file has room for 11");
     content.n = 50;
     assert_says(*state, "a.stl", &content, "not STL, text (\"solid\") or binary");
     make_text_stl(&content, "\n");
@@ -390,10 +393,11 @@ static void stl_that_is_not_whole_says_where(void **state)
     assert_says(*state, "a.stl", &content, "expected the rest of a facet");
     static const struct {
         const char *content, *expected;
-    } cases[] = {{"solid a\nvertex 0 0 0\n", "line 2: a vertex outside of a facet"},
+    } cases[] = {{"solid a\nvertex 0 0 0\n", "line 2: a vertex outside a facet"},
                  {"solid a\nfacet\nvertex 0 0\n", "line 3: expected three numbers"},
-                 {"solid a\nfacet\nvertex 0 0 0\nendfacet\n", "line 4: a facet ends"},
-                 {"solid a\nfacet\nfacet\n", "line 3: expected a vertex, or the facet's end"},
+                 {"solid a\nfacet\nvertex 0 0 0\nendfacet\n",
+                  "line 4: a facet with fewer than three corners"},
+                 {"solid a\nfacet\nfacet\n", "line 3: expected a vertex or the end of the facet"},
                  {"solid a\nhello\n", "line 2: expected solid, facet"},
                  {"solid a\nendsolid\n", "no triangles in this file"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -427,7 +431,7 @@ static void a_missing_library_hides_no_error(void **state)
 {
     text content = {.n = 0};
     say(&content, "mtllib gone.mtl\nv 0 0 0\nv 1 0\n");
-    assert_says(*state, "a.obj", &content, "line 3: expected three numbers behind v");
+    assert_says(*state, "a.obj", &content, "line 3: expected three numbers after v");
 }
 
 static void materials_are_not_asked_for_where_the_scene_has_one(void **state)

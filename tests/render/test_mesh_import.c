@@ -389,7 +389,7 @@ static void malformed_files_are_refused_in_words(void **state)
     assert_refused("points.obj", folder, LF_E_FORMAT, "no triangles in this file");
     assert_refused("flat.obj", folder, LF_E_FORMAT, "no usable triangle");
     assert_refused("short.ply", folder, LF_E_FORMAT,
-                   "promises at least 800000000 bytes of elements, the file has 76");
+                   "announces at least 800000000 bytes of elements, but the file has 76");
     assert_refused("short.glb", folder, LF_E_FORMAT, "cannot be read as a mesh");
     assert_refused("garbage.stl", folder, LF_E_FORMAT, "cannot be read as a mesh");
     assert_refused("no.gltf", folder, LF_E_FORMAT, "");

@@ -124,13 +124,13 @@ static void a_wrong_animation_is_told_where_it_is_said(void **state)
 {
     write_files(*state);
     assert_refused(*state, "\"file\": \"walk.gltf\", \"animation\": {\"clip\": \"run\"}",
-                   "/meshes/m/animation", "no animation \"run\"; there are 0, \"up\"");
+                   "/meshes/m/animation", "no animation \"run\"; expected one of 0, \"up\"");
     assert_refused(*state, "\"file\": \"still.gltf\", \"animation\": {\"clip\": 0}",
-                   "/meshes/m/animation", "nothing moves in this file");
+                   "/meshes/m/animation", "the file has no animations");
     assert_refused(*state, "\"file\": \"a.obj\", \"animation\": {}", "/meshes/m/animation",
-                   "only what a glTF file holds moves");
+                   "only glTF files can have animations");
     assert_refused(*state, "\"shape\": \"cube\", \"animation\": {}", "/meshes/m/animation",
-                   "only what a glTF file holds moves");
+                   "only glTF files can have animations");
     assert_refused(*state, "\"file\": \"walk.gltf\", \"animation\": {\"clip\": 0.5}",
                    "/meshes/m/animation/clip", "whole number");
     assert_refused(*state, "\"file\": \"walk.gltf\", \"animation\": {\"fast\": true}",
@@ -142,9 +142,9 @@ static void a_wrong_variant_is_told_where_it_is_said(void **state)
 {
     write_files(*state);
     assert_refused(*state, "\"file\": \"still.gltf\", \"variant\": \"night\"", "/meshes/m/variant",
-                   "no variant \"night\": this file has none");
+                   "no variant \"night\"; the file has no variants");
     assert_refused(*state, "\"file\": \"a.obj\", \"variant\": \"night\"", "/meshes/m/variant",
-                   "only a glTF file has variants");
+                   "only glTF files can have variants");
     assert_refused(*state, "\"file\": \"still.gltf\", \"variant\": 3", "/meshes/m/variant", "");
 }
 

@@ -55,7 +55,7 @@ static void note(outcome *to, lf_status status, const lf_error *err)
     assert_true(status == LF_OK || (err->what[0] && err->where[0]));
     if (status == LF_OK)
         to->read++;
-    else if (strstr(err->what, "the reader ended"))
+    else if (strstr(err->what, "the file reader was ended"))
         to->crashed++;
     else if (status == LF_E_TIMEOUT)
         to->late++;

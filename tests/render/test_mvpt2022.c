@@ -229,7 +229,7 @@ static void mismvpt_is_algorithm_1(void **state)
     settings.integrator = "mismvpt";
     lf_error err = {0};
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(err.what, "mismvpt knows no selections");
+    assert_string_equal(err.what, "mismvpt does not support --selection; remove the option");
     settings.choices.of[LF_PAPERS_SELECTION] = 0;
     lf_assert_ok(lf_renderer_restart(r, fog, &settings, &err), &err);
     lf_test_passes(r, 3);
@@ -273,15 +273,13 @@ static void what_it_does_not_know_is_refused(void **state)
     lf_error err = {0};
     settings.choices.of[LF_PAPERS_SHIFT] = 1;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(err.what, "vpt knows no shifts");
+    assert_string_equal(err.what, "vpt does not support --shift; remove the option");
     settings.choices.of[LF_PAPERS_SHIFT] = 0;
     settings.integrator = "mvpt2022";
     settings.features = true;
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
-    assert_string_equal(
-        err.what,
-        "mvpt2022 does not support reconstruction and depth; the picture is reconstructed "
-        "or has depth; use one of mvpt, vpt, amvpt");
+    assert_string_equal(err.what, "mvpt2022 does not support denoising and depth; the image is "
+                                  "denoised or has depth; use one of mvpt, vpt, amvpt");
     settings.features = false;
     lf_scene *emissive = lf_test_scene(LF_TEST_FIRES("3", ""));
     lf_assert_status(lf_renderer_restart(r, emissive, &settings, &err), LF_E_ARG, &err);

@@ -550,8 +550,8 @@ static void what_does_not_count_is_told(void **state)
                between[] = OPEN_LAYERS(FILE("bottle") ", " WATER("0.3"), "",
                                        "") ", 'camera': { 'position': [0, 0, 0.4] } }";
     assert_false(tells(*state, whole, "as if in air"));
-    assert_true(tells(*state, open, "mesh \"lid\": glass that stands in other glass"));
-    assert_true(tells(*state, inside, "camera: stands inside of the mesh \"water\""));
+    assert_true(tells(*state, open, "mesh \"lid\" is glass in or around other glass"));
+    assert_true(tells(*state, inside, "the camera is inside the mesh \"water\""));
     assert_false(tells(*state, between, "as if in air"));
 }
 

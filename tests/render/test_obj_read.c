@@ -155,11 +155,11 @@ static void what_is_wrong_is_told_by_its_line(void **state)
     static const char *const wrong[][2] = {
         {"v 0 0 0\nv 1 0\n", "line 2: expected three numbers"},
         {"v 0 0 0\nvn 1 x 0\n", "line 2: expected three numbers"},
-        {"v 0 3.1+e2 0\n", "line 1: expected three numbers behind v, found \"3.1+e2\""},
-        {"v 0 0x10 0\n", "line 1: expected three numbers behind v, found \"0x10\""},
-        {"v 1 2 3 red\n", "line 1: expected three numbers behind v, found \"red\""},
-        {"v 0 0 0\nvn 0 0 1up\n", "line 2: expected three numbers behind vn, found \"1up\""},
-        {"vt 0 .\n", "line 1: expected numbers behind vt, found \".\""},
+        {"v 0 3.1+e2 0\n", "line 1: expected three numbers after v, found \"3.1+e2\""},
+        {"v 0 0x10 0\n", "line 1: expected three numbers after v, found \"0x10\""},
+        {"v 1 2 3 red\n", "line 1: expected three numbers after v, found \"red\""},
+        {"v 0 0 0\nvn 0 0 1up\n", "line 2: expected three numbers after vn, found \"1up\""},
+        {"vt 0 .\n", "line 1: expected numbers after vt, found \".\""},
         {SQUARE "f 1 2 99999999999999999999\n", "line 5: expected numbers such as"},
         {SQUARE "f 1 2 three\n", "line 5: expected numbers such as"},
         {SQUARE "f 1/1/1/1 2 3\n", "line 5: expected numbers such as"},
@@ -191,8 +191,8 @@ static void what_is_not_there_is_left_out_and_counted(void **state)
     assert_int_equal(soup.n_triangles, 1);
     for (int c = 0; c < 3; c++)
         assert_true(soup.normals_of[c] == LF_NO_NORMAL);
-    assert_true(warns(&soup, "corners that name normals that there are not (2) have none"));
-    assert_true(warns(&soup, "1 corner names texture coordinates that there are not"));
+    assert_true(warns(&soup, "corners that refer to missing normals (2) have none"));
+    assert_true(warns(&soup, "1 corner refers to missing texture coordinates"));
     lf_soup_finish(&soup);
 }
 

@@ -79,12 +79,12 @@ static void a_parcel_that_is_no_such_thing_is_refused(void **state)
         {NULL, WHOLE, ALL & ~F_SEAL_SHRINK, "not sealed"},
         {NULL, WHOLE, ALL & ~F_SEAL_SEAL, "not sealed"},
         {NULL, 20, ALL, "cut off"},
-        {NULL, sizeof(lf_parcel_header) + 8, ALL, "outside"},
-        {end_outside, WHOLE, ALL, "outside"},
-        {overflow, WHOLE, ALL, "outside"},
-        {begin_outside, WHOLE, ALL, "outside"},
-        {begin_in_the_header, WHOLE, ALL, "outside"},
-        {begin_between, WHOLE, ALL, "outside"},
+        {NULL, sizeof(lf_parcel_header) + 8, ALL, "out of range"},
+        {end_outside, WHOLE, ALL, "out of range"},
+        {overflow, WHOLE, ALL, "out of range"},
+        {begin_outside, WHOLE, ALL, "out of range"},
+        {begin_in_the_header, WHOLE, ALL, "out of range"},
+        {begin_between, WHOLE, ALL, "out of range"},
         {be_another_version, WHOLE, ALL, "another version"},
         {NULL, WHOLE, ALL, NULL}, /* the negative control */
     };

@@ -157,11 +157,11 @@ static void what_cannot_be_placed_is_told(void **state)
     snprintf(text, sizeof text, "{'camera': {'fit': 1}, %s", cube);
     assert_refused(text, "/camera/fit", "expected true, false or the name");
     snprintf(text, sizeof text, "{'camera': {'fit': true, 'from': {'mesh': 'cube'}}, %s", cube);
-    assert_refused(text, "/camera/fit", "does not go with \"from\"");
+    assert_refused(text, "/camera/fit", "\"fit\" and \"from\" both place the camera");
     snprintf(text, sizeof text,
              "{'camera': {'fit': true, 'views': {'track': {'count': 9, 'length': 2}}}, %s", cube);
-    assert_refused(text, "/camera/fit", "only goes with a number");
-    assert_refused("{'camera': {'fit': true}}", "/camera/fit", "could be framed");
+    assert_refused(text, "/camera/fit", "needs a number");
+    assert_refused("{'camera': {'fit': true}}", "/camera/fit", "no object to frame");
     assert_refused("{'meshes': {'floor': {'shape': 'sphere', 'ground': true}}}", "/meshes/floor",
                    "needs a \"transform\"");
 }

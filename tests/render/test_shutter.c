@@ -511,7 +511,7 @@ static void volumes_that_flatten_are_refused(void **state)
         json_t *doc = json_loads(text, 0, NULL);
         lf_status status = lf_scene_from_json(doc, ".", "t", NULL, NULL, &scene, &err);
         assert_int_equal(status, turn == 90 ? LF_OK : LF_E_FORMAT);
-        assert_true(turn == 90 || strstr(err.what, "flattens while the shutter is open"));
+        assert_true(turn == 90 || strstr(err.what, "collapses while the shutter is open"));
         lf_scene_unref(scene);
         json_decref(doc);
     }

@@ -275,11 +275,13 @@ static const struct {
     {"no last end", without_the_last_end, NULL},
     {"NUL behind", with_nul_behind, NULL},
     {"NUL for blanks", with_nul_for_blanks, NULL},
-    {"UTF-16, little endian", in_utf16_le, "is UTF-16 text; save it as UTF-8"},
-    {"UTF-16, big endian", in_utf16_be, "is UTF-16 text; save it as UTF-8"},
-    {"UTF-16 without a mark", in_utf16_le_without_a_mark, "is UTF-16 text; save it as UTF-8"},
-    {"UTF-16, big, without", in_utf16_be_without_a_mark, "is UTF-16 text; save it as UTF-8"},
-    {"UTF-32", in_utf32_le, "is UTF-32 text; save it as UTF-8"},
+    {"UTF-16, little endian", in_utf16_le, "the file is UTF-16 text; save it as UTF-8"},
+    {"UTF-16, big endian", in_utf16_be, "the file is UTF-16 text; save it as UTF-8"},
+    {"UTF-16 without a mark", in_utf16_le_without_a_mark,
+     "the file is UTF-16 text; save it as UTF-8"},
+    {"UTF-16, big, without", in_utf16_be_without_a_mark,
+     "the file is UTF-16 text; save it as UTF-8"},
+    {"UTF-32", in_utf32_le, "the file is UTF-32 text; save it as UTF-8"},
 };
 
 static void every_reader_takes_every_way_of_writing(void **state)

@@ -113,7 +113,7 @@ static void what_glows_by_a_picture_glows_there_alone(void **state)
     assert_true(data.materials[0].emission.x == 1);
     lf_mesh_data_finish(&data);
     data = square_of(*state, "Ke 3 3 3\nmap_Ke gone.png");
-    assert_told(&data, "material \"x\": picture \"gone.png\": not there");
+    assert_told(&data, "material \"x\": texture \"gone.png\": missing");
     assert_true(data.materials[0].emission.x == 0 && !data.textures);
     lf_mesh_data_finish(&data);
 }
@@ -123,14 +123,14 @@ static void what_is_not_to_be_had_is_told_once_a_material(void **state)
     lf_test_write(*state, "broken.png", "\x89PNG\r\n\x1a\nand nothing else");
     lf_test_write(*state, "a.ktx2", "\xabKTX 20\xbb\r\n\x1a\n");
     static const char *const lines[][2] = {
-        {"map_Kd gone.png", "picture \"gone.png\": not there, or not to be read"},
-        {"map_Kd gone.png\nnorm lost.png\nmap_Ke no.png", "picture \"gone.png\""},
-        {"map_Kd broken.png", "picture \"broken.png\": PNG: "},
-        {"map_Kd a.ktx2", "picture \"a.ktx2\": KTX2 is not read"},
-        {"map_Kd x.mtl", "picture \"x.mtl\": not a picture (expected PNG, JPEG or WebP)"},
-        {"map_Kd /etc/passwd", "picture \"passwd\": not there, or not to be read"},
-        {"map_Kd ../../gone.png", "picture \"gone.png\": not there"},
-        {"map_Ns gone.png", "textures of anything but colour"}};
+        {"map_Kd gone.png", "texture \"gone.png\": missing, or may not be read"},
+        {"map_Kd gone.png\nnorm lost.png\nmap_Ke no.png", "texture \"gone.png\""},
+        {"map_Kd broken.png", "texture \"broken.png\": PNG: "},
+        {"map_Kd a.ktx2", "texture \"a.ktx2\": KTX2 images are not supported"},
+        {"map_Kd x.mtl", "texture \"x.mtl\": not an image; expected PNG, JPEG or WebP"},
+        {"map_Kd /etc/passwd", "texture \"passwd\": missing, or may not be read"},
+        {"map_Kd ../../gone.png", "texture \"gone.png\": missing"},
+        {"map_Ns gone.png", "only textures of colour"}};
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         char text[256];
         snprintf(text, sizeof text, "Kd 0.25 0 0\n%s", lines[i][0]);
@@ -239,7 +239,7 @@ static void vertices_are_joined_by_their_coordinates_too(void **state)
         lf_mesh_data data = import_named(*state, "x.obj", LF_NORMALS_FILE);
         assert_int_equal(data.n_vertices, cases[i].n);
         if (i == 2)
-            assert_told(&data, "2 corners name texture coordinates that there are not");
+            assert_told(&data, "2 corners refer to missing texture coordinates");
         else
             assert_silent(&data);
         lf_mesh_data_finish(&data);
@@ -268,7 +268,7 @@ static void a_mesh_without_coordinates_has_no_pictures(void **state)
     lf_test_write(*state, "x.mtl", "newmtl x\nKd 0.5 0 0\nKe 9 9 9\nmap_Kd a.png\nmap_Ke a.png\n");
     lf_test_write(*state, "x.obj", "mtllib x.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl x\nf 1 2 3\n");
     lf_mesh_data data = import_named(*state, "x.obj", LF_NORMALS_FILE);
-    assert_told(&data, "2 pictures are left out: the mesh has no texture coordinates");
+    assert_told(&data, "2 textures are left out: the mesh has no texture coordinates");
     assert_true(data.materials[0].albedo.x == 0.5f && data.materials[0].emission.x == 0);
     assert_true(!data.textures && data.n_pictures == 0 && data.n_files == 2);
     lf_mesh_data_finish(&data);
@@ -343,7 +343,7 @@ static void a_bump_map_that_holds_normals_is_one(void **state)
     assert_true(data.textures[0].slot[LF_SLOT_NORMAL].scale == 0.5f && data.tangents);
     lf_mesh_data_finish(&data);
     data = square_of(*state, "map_Bump h.png");
-    assert_told(&data, "textures of anything but colour");
+    assert_told(&data, "only textures of colour");
     assert_true(!data.textures && !data.tangents && data.n_pictures == 0);
     lf_mesh_data_finish(&data);
 }
@@ -364,7 +364,7 @@ static void a_gltf_file_does_without_pictures_that_are_not_to_be_had(void **stat
     for (int i = 0; i < 2; i++) {
         char text[2048], words[64];
         snprintf(text, sizeof text, format, names[i]);
-        snprintf(words, sizeof words, "picture \"%s\" is not to be had: ", names[i]);
+        snprintf(words, sizeof words, "texture \"%s\" is missing or may not be read; ", names[i]);
         lf_test_write(*state, "x.gltf", text);
         lf_mesh_data data = import_named(*state, "x.gltf", LF_NORMALS_FILE);
         assert_int_equal(data.n_triangles, 1);
@@ -446,7 +446,7 @@ static void points_of_two_colours_stay_two(void **state)
     /* where not all have one nobody has */
     lf_test_write(*state, "c.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n");
     data = import_named(*state, "c.obj", LF_NORMALS_FILE);
-    assert_told(&data, "colours of vertices are not used: not every vertex has one");
+    assert_told(&data, "vertex colours are ignored because not every vertex has one");
     assert_true(!data.colours && data.materials[0].albedo.x == 0.5f);
     lf_mesh_data_finish(&data);
 }
@@ -481,11 +481,11 @@ static void a_ply_names_its_texture_in_a_comment(void **state)
         lf_mesh_data_finish(&data);
     }
     lf_mesh_data data = ply_of(*state, TEXTURE, "", "", "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
-    assert_told(&data, "1 picture is left out: the mesh has no texture coordinates");
+    assert_told(&data, "1 texture is left out: the mesh has no texture coordinates");
     lf_mesh_data_finish(&data);
     data =
         ply_of(*state, "comment TextureFile gone.png\n", cases[0].of_vertices, "", cases[0].body);
-    assert_told(&data, "a.ply: picture \"gone.png\": not there");
+    assert_told(&data, "a.ply: texture \"gone.png\": missing");
     assert_true(data.materials[0].albedo.x == 0.5f && !data.textures);
     lf_mesh_data_finish(&data);
 }

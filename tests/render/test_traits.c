@@ -396,7 +396,7 @@ static bool hold(int row, int n, const lf_integrator_entry *entry, bool listed, 
     if (!!r != !(has & ~entry->supports))
         fail_msg("%s by %s: %s", t->trait, entry->name, r ? "rendered" : err.what);
     snprintf(who, sizeof who, "%s%s", entry->name,
-             settings.camera.list ? " of cameras listed one by one" : "");
+             settings.camera.list ? " with cameras listed one by one" : "");
     if (!r)
         assert_refused(&err, who, has & ~entry->supports, t->trait);
     if (r && view)

@@ -143,7 +143,7 @@ static void units_that_nobody_knows_are_refused(void **state)
         "{\"volumes\": {\"v\": {\"shape\": \"box\", \"units\": \"in\"}}}",
     };
     static const char *const words[] = {"expected one of mm, cm, m, km, in, ft", "string",
-                                        "only what is in a file has units", "unknown key"};
+                                        "only a mesh from a file has units", "unknown key"};
     for (int i = 0; i < 4; i++) {
         lf_scene *scene = NULL;
         lf_error err;

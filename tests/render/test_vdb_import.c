@@ -210,15 +210,16 @@ static void case_23_what_is_no_density_is_refused_in_words(void **state)
     (void)state;
     const char *kinds = data_file("kinds.vdb");
     assert_refused(kinds, "velocity", LF_E_FORMAT,
-                   "a density is float, half or double; the file holds");
+                   "a density is float, half or double; the file has");
     assert_refused(kinds, "velocity", LF_E_FORMAT, "flags (int32)");
     assert_refused(kinds, "flags", LF_E_FORMAT, "velocity (vec3s)");
     assert_refused(kinds, "mask", LF_E_FORMAT, "mask (bool)");
-    assert_refused(kinds, "density", LF_E_FORMAT, "no grid \"density\"; the file holds");
-    assert_refused(data_file("values.vdb"), "negative", LF_E_FORMAT,
-                   "grid negative is below 0 at 1 of 1 active voxels (down to -0.5): it looks like "
-                   "a level set; give it the class \"level set\"");
-    assert_refused(data_file("odd.vdb"), "distance", LF_E_FORMAT, "it looks like a level set");
+    assert_refused(kinds, "density", LF_E_FORMAT, "no grid \"density\"; the file has");
+    assert_refused(
+        data_file("values.vdb"), "negative", LF_E_FORMAT,
+        "grid negative is negative in 1 of 1 active voxels (down to -0.5); set its class to "
+        "\"level set\"");
+    assert_refused(data_file("odd.vdb"), "distance", LF_E_FORMAT, "set its class to \"level set\"");
     assert_refused(data_file("frustum.vdb"), "density", LF_E_FORMAT, "not affine");
     assert_refused(data_file("sizes.vdb"), "far", LF_E_FORMAT, "voxels along x");
     assert_refused(data_file("sizes.vdb"), "full", LF_E_NOMEM, "68719476736 active voxels");
@@ -276,14 +277,15 @@ static void a_warning_counts_the_odd_voxels_of_each_grid(void **state)
     static const char glows[] = "'scale': 1, 'emission': {'grid': 'heat', 'scale': 1}",
                       sum[] = "'grid': ['density', 'heat']", moves[] = "'velocity': 'wind'";
     assert_int_equal(
-        count_warnings(glows, "grid density: voxels below 0 (3, down to -0.001) count as 0"), 1);
+        count_warnings(glows, "grid density: voxels below 0 (3, down to -0.001) are read as 0"), 1);
     assert_int_equal(
-        count_warnings(glows, "grid density: voxels that are not finite (3) count as 0"), 1);
+        count_warnings(glows, "grid density: voxels that are not finite (3) are read as 0"), 1);
     assert_int_equal(
-        count_warnings(glows, "grid heat: voxels below 0 (3, down to -0.001) count as 0"), 1);
+        count_warnings(glows, "grid heat: voxels below 0 (3, down to -0.001) are read as 0"), 1);
     assert_int_equal(
-        count_warnings(sum, "grid density+heat: voxels below 0 (6, down to -0.001) count as 0"), 1);
-    assert_int_equal(count_warnings(moves, "velocities that are not finite (1) count as 0"), 1);
+        count_warnings(sum, "grid density+heat: voxels below 0 (6, down to -0.001) are read as 0"),
+        1);
+    assert_int_equal(count_warnings(moves, "velocities that are not finite (1) are read as 0"), 1);
 }
 
 /* The first n bytes of a file, as another file. */

@@ -59,7 +59,7 @@ static int count_warnings(const said *s, const char *keys, const char *words, in
     lf_assert_ok(lf_scene_from_json(doc, "/", "t", NULL, NULL, &scene, &err), &err);
     for (int i = 0; lf_scene_warning(scene, i); i++) {
         n += !!strstr(lf_scene_warning(scene, i), words);
-        all += !strstr(lf_scene_warning(scene, i), "grids that no volume is made of");
+        all += !strstr(lf_scene_warning(scene, i), "unused grids: ");
     }
     lf_scene_unref(scene);
     json_decref(doc);
@@ -203,7 +203,7 @@ static const lf_format_row rows[] = {
     ROW("class level set", "used", a_level_set_is_fog, "level_set.vdb", "density", NULL),
     ROW("class staggered", "used", faces_are_places, "flows.vdb", "faces", NULL),
     ROW("signed distances without a class", "refused", is_refused, "odd.vdb", "distance",
-        "it looks like a level set"),
+        "set its class to \"level set\""),
     ROW("float", "used", is_used, "said.vdb", "density", NULL),
     ROW("is_saved_as_half_float", "used", is_used, "said.vdb", "half", NULL),
     ROW("double", "used", is_used, "said.vdb", "double", NULL),
@@ -219,23 +219,23 @@ static const lf_format_row rows[] = {
     ROW("translation", "used", is_a_place, "said.vdb", "moved", NULL),
     ROW("voxel size", "used", is_a_place, "said.vdb", "scaled", NULL),
     ROW("a frustum", "refused", is_refused, "said.vdb", "frustum",
-        "has a frustum or another map that is not affine"),
+        "has a frustum or another transform that is not affine"),
     ROW("names", "used", is_used, "said.vdb", "fog", NULL),
     ROW("two grids of one name", "used", is_used, "said.vdb", "density[1]", NULL),
     ROW("a grid that no volume is made of", "warned", is_told, "said.vdb", "density",
-        "grids that no volume is made of: "),
+        "unused grids: "),
     ROW("a name that is not there", "refused", is_refused, "said.vdb", "smoke",
-        "no grid \"smoke\"; the file holds density"),
+        "no grid \"smoke\"; the file has density"),
     ROW("a grid that shares another's tree", "used", is_used, "said.vdb", "shared", NULL),
     ROW("active tiles", "used", is_used, "said.vdb", "tile", NULL),
     ROW("inactive voxels", "ignored", is_ignored, "said.vdb", "inactive", NULL),
     ROW("background", "warned", is_told, "said.vdb", "background",
-        "grid background: its background of 0.25 counts as 0"),
+        "grid background: its background of 0.25 is read as 0"),
     ROW("an empty grid", "warned", is_told, "said.vdb", "empty", "is empty"),
     ROW("a voxel below 0", "warned", is_told, "odd.vdb", "density",
-        "voxels below 0 (3, down to -0.001) count as 0"),
+        "voxels below 0 (3, down to -0.001) are read as 0"),
     ROW("a voxel that is not finite", "warned", is_told, "odd.vdb", "density",
-        "voxels that are not finite (3) count as 0"),
+        "voxels that are not finite (3) are read as 0"),
     ROW("creator", "ignored", is_ignored, "said.vdb", "words", NULL),
     ROW("is_local_space", "ignored", is_ignored, "said.vdb", "words", NULL),
     ROW("any other metadata", "ignored", is_ignored, "said.vdb", "words", NULL),

@@ -300,16 +300,18 @@ static void warn(const struct aiScene *scene, const lf_mesh_desc *desc, lf_warni
         unsigned n;
         const char *one, *many;
     } unused[] = {
-        {scene->mNumCameras, "camera is not used: of such files none is read",
-         "cameras are not used: of such files none is read"},
-        {scene->mNumLights, "light is not used: of such files none is read",
-         "lights are not used: of such files none is read"},
-        {scene->mNumAnimations, "animation is not used", "animations are not used"},
-        {boned, "part with bones is shown as it is without",
-         "parts with bones are shown as they are without"},
+        {scene->mNumCameras,
+         "camera is ignored because cameras of this file format are not supported",
+         "cameras are ignored because cameras of this file format are not supported"},
+        {scene->mNumLights, "light is ignored because lights of this file format are not supported",
+         "lights are ignored because lights of this file format are not supported"},
+        {scene->mNumAnimations, "animation is ignored", "animations are ignored"},
+        {boned, "part with bones is shown without them", "parts with bones are shown without them"},
         {desc->material < 0 ? coloured : 0,
-         "part has colours of vertices, which are not used: such files have them of materials",
-         "parts have colours of vertices, which are not used: such files have them of materials"},
+         "part has vertex colours, which are ignored; in this file format materials have the "
+         "colours",
+         "parts have vertex colours, which are ignored; in this file format materials have the "
+         "colours"},
         {beside, "point or line is left out", "points and lines are left out"}};
     for (size_t i = 0; i < sizeof unused / sizeof *unused; i++)
         lf_warnings_count(warnings, LF_HERE, unused[i].n, unused[i].one, unused[i].many);

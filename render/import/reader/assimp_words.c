@@ -101,9 +101,9 @@ void lf_3ds_warn(int fd, const char *path, lf_warnings *warnings)
                 {0x1301, "1301 background"},
                 {0x2100, "2100 ambient light"},
                 {0x2201, "2201 fog"},
-                {0x2301, "2301 fog of layers"},
-                {0x2302, "2302 fog of layers"},
-                {0x2303, "2303 fog of layers"},
+                {0x2301, "2301 layered fog"},
+                {0x2302, "2302 layered fog"},
+                {0x2303, "2303 layered fog"},
                 {0x4010, "4010 hidden object"},
                 {0xa085, "a085 wire frame"},
                 {0xa33a, "a33a second texture"}};
@@ -117,7 +117,7 @@ void lf_3ds_warn(int fd, const char *path, lf_warnings *warnings)
         for (size_t i = 0; i < sizeof lost / sizeof *lost; i++)
             if (c.what == lost[i].what)
                 lf_leave_out(&list, lost[i].name, strlen(lost[i].name));
-    lf_left_out_warn(&list, "chunks that are left out", warnings);
+    lf_left_out_warn(&list, "ignored chunks", warnings);
 }
 
 static bool refuse_chunks(int fd, const char *path, int64_t size, lf_error *err)
@@ -126,22 +126,22 @@ static bool refuse_chunks(int fd, const char *path, int64_t size, lf_error *err)
     int64_t room;
     if (!read_chunk(fd, 0, &c)) {
         (void)lf_error_set(err, LF_E_FORMAT, path,
-                           "cannot be read as a mesh: %lld bytes, less than a 3DS file has",
+                           "cannot be read as a mesh: %lld bytes are too few for a 3DS file",
                            (long long)size);
         return true;
     }
     if (c.what != MAIN && c.what != PROJECT && c.what != EDITOR) {
         (void)lf_error_set(err, LF_E_FORMAT, path,
-                           "cannot be read as a mesh: not 3DS, which begins with the chunk 4d4d; "
-                           "this file begins with %04x",
+                           "cannot be read as a mesh: a 3DS file begins with chunk 4d4d, but this "
+                           "file begins with %04x",
                            c.what);
         return true;
     }
     if (!find_fault(fd, size, &c, &room))
         return false;
     (void)lf_error_set(err, LF_E_FORMAT, path,
-                       "cannot be read as a mesh: the 3DS chunk %04x at byte %lld says that it has "
-                       "%lld bytes, where there are %lld; the file is cut off or damaged",
+                       "cannot be read as a mesh: 3DS chunk %04x at byte %lld needs %lld bytes but "
+                       "has %lld; the file is cut off or damaged",
                        c.what, (long long)c.at, (long long)(c.end - c.at), (long long)room);
     return true;
 }
@@ -153,7 +153,7 @@ void lf_assimp_refuse(int fd, const char *path, const char *source, lf_error *er
     if (is_3ds && fstat(fd, &info) == 0 && refuse_chunks(fd, path, (int64_t)info.st_size, err))
         return;
     (void)lf_error_set(err, LF_E_FORMAT, path,
-                       "cannot be read as a mesh%s; the library that reads %s says: %s",
-                       is_3ds ? ": its 3DS chunks hold something else than they should" : "",
+                       "cannot be read as a mesh%s; the library for %s reports: %s",
+                       is_3ds ? ": the contents of its 3DS chunks are invalid" : "",
                        is_3ds ? "3DS" : "this format", source);
 }

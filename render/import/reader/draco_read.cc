@@ -53,7 +53,7 @@ lf_status copy_triangles(const draco::Mesh &mesh, lf_draco_mesh *out, lf_error *
         const draco::Mesh::Face &face = mesh.face(draco::FaceIndex(static_cast<uint32_t>(t)));
         for (size_t c = 0; c < 3; c++) {
             if (face[c].value() >= out->n_points)
-                return refuse(err, "a triangle of a vertex that is not there");
+                return refuse(err, "a triangle refers to a missing vertex");
             out->triangles[3 * t + c] = face[c].value();
         }
     }
@@ -65,12 +65,12 @@ lf_status copy_attribute(const draco::Mesh &mesh, lf_draco_attribute *out, lf_er
     const draco::PointAttribute *from = mesh.GetAttributeByUniqueId(out->id);
     out->type = from ? type_of(from->data_type()) : 0;
     if (out->type == 0)
-        return refuse(err, "an attribute that is not there, or of a type that glTF has not");
+        return refuse(err, "an attribute is missing or has a type that glTF does not have");
     out->components = static_cast<unsigned>(from->num_components());
     out->bytes = out->components * static_cast<unsigned>(draco::DataTypeLength(from->data_type()));
     size_t n = mesh.num_points();
     if (out->components == 0 || from->byte_stride() < static_cast<int64_t>(out->bytes))
-        return refuse(err, "an attribute without components");
+        return refuse(err, "an attribute has no components");
     out->data = static_cast<unsigned char *>(std::malloc(n * out->bytes + 1));
     if (!out->data)
         return no_memory(err);
@@ -79,7 +79,7 @@ lf_status copy_attribute(const draco::Mesh &mesh, lf_draco_attribute *out, lf_er
             from->mapped_index(draco::PointIndex(static_cast<uint32_t>(i)));
         if (value.value() >= from->size() ||
             !from->IsAddressValid(from->GetAddress(value) + out->bytes - 1))
-            return refuse(err, "an attribute with too few values");
+            return refuse(err, "an attribute has too few values");
         std::memcpy(out->data + i * out->bytes, from->GetAddress(value), out->bytes);
     }
     return LF_OK;
@@ -96,7 +96,7 @@ lf_status read(const unsigned char *data, size_t size, size_t most, lf_draco_att
         return refuse(err, decoded.status().error_msg());
     const draco::Mesh &mesh = *decoded.value();
     if (mesh.num_points() == 0 || mesh.num_points() > most || mesh.num_faces() > most)
-        return refuse(err, "no points, or too many");
+        return refuse(err, "the mesh has no points, or too many");
     lf_status status = copy_triangles(mesh, out, err);
     for (size_t i = 0; i < n && status == LF_OK; i++)
         status = copy_attribute(mesh, &attributes[i], err);

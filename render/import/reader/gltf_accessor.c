@@ -54,12 +54,12 @@ static lf_status find_elements(lf_gltf *gltf, const json_t *place, uint64_t acce
     uint64_t end = offset + (count - 1) * (uint64_t)stride + each;
     if (stride < each)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "accessors[%llu]: elements of %zu bytes, %zu bytes apart",
+                            "accessors[%llu] has elements of %zu bytes, but a stride of %zu bytes",
                             (unsigned long long)accessor, each, stride);
     if (end > view.size)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "cannot be read as a mesh: accessors[%llu] ends after %llu bytes, "
-                            "where there are %zu",
+                            "cannot be read as a mesh: accessors[%llu] needs %llu bytes, but its "
+                            "buffer view has %zu",
                             (unsigned long long)accessor, (unsigned long long)end, view.size);
     *out = view.data + offset;
     *out_stride = stride;
@@ -98,7 +98,7 @@ static lf_status check_places(const lf_gltf_accessor *a, uint64_t number, lf_err
         if (sparse_place(a, i) >= a->count ||
             (i > 0 && sparse_place(a, i) <= sparse_place(a, i - 1)))
             return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                                "accessors[%llu]: its sparse indices do not ascend below %zu",
+                                "accessors[%llu]: its sparse indices must ascend and be below %zu",
                                 (unsigned long long)number, a->count);
     return LF_OK;
 }
@@ -112,9 +112,10 @@ static lf_status open_sparse(lf_gltf *gltf, const json_t *sparse, uint64_t numbe
     size_t stride, each = a->components * size_of(a->type);
     a->sparse_type = (lf_gltf_type)lf_gltf_whole(places, "componentType", 0);
     if (count == 0 || count > a->count || !is_unsigned(a->sparse_type))
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "accessors[%llu]: no such sparse elements; 1 to %zu are possible",
-                            (unsigned long long)number, a->count);
+        return lf_error_set(
+            err, LF_E_FORMAT, LF_HERE,
+            "accessors[%llu]: invalid sparse elements; expected 1 to %zu with unsigned indices",
+            (unsigned long long)number, a->count);
     lf_status status = find_elements(gltf, places, number, count, size_of(a->sparse_type), false,
                                      &a->sparse_places, &stride, err);
     if (status == LF_OK)
@@ -134,10 +135,10 @@ static lf_status open_elements(lf_gltf *gltf, const json_t *json, uint64_t numbe
     if (json_object_get(json, "bufferView"))
         status = find_elements(gltf, json, number, a->count, each, true, &a->data, &a->stride, err);
     else if (a->count > MOST_ZEROS)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "accessors[%llu]: %zu elements without a bufferView; at most %llu are "
-                            "possible",
-                            (unsigned long long)number, a->count, (unsigned long long)MOST_ZEROS);
+        return lf_error_set(
+            err, LF_E_FORMAT, LF_HERE,
+            "accessors[%llu] has %zu elements without a bufferView; expected at most %llu",
+            (unsigned long long)number, a->count, (unsigned long long)MOST_ZEROS);
     return status == LF_OK && sparse ? open_sparse(gltf, sparse, number, a, err) : status;
 }
 
@@ -150,16 +151,17 @@ lf_status lf_gltf_accessor_open(lf_gltf *gltf, uint64_t number, lf_gltf_accessor
                           .type = (lf_gltf_type)lf_gltf_whole(json, "componentType", 0),
                           .normalised = json_is_true(json_object_get(json, "normalized"))};
     if (!json)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "accessors[%llu] is not there, but %zu are",
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "accessors[%llu] does not exist; the file has %zu",
                             (unsigned long long)number, lf_gltf_count(gltf->json, "accessors"));
     if (count == 0 || count > MOST_ELEMENTS)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "accessors[%llu] of %llu elements; 1 to %llu are possible",
+                            "accessors[%llu] has %llu elements; expected 1 to %llu",
                             (unsigned long long)number, (unsigned long long)count,
                             (unsigned long long)MOST_ELEMENTS);
     if (a.components == 0 || size_of(a.type) == 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "accessors[%llu]: no such type or componentType",
+                            "accessors[%llu] has an unknown type or componentType",
                             (unsigned long long)number);
     a.count = (size_t)count;
     lf_status status = open_elements(gltf, json, number, &a, err);

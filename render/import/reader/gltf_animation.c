@@ -78,8 +78,8 @@ void lf_gltf_warn_of_clips(const lf_gltf *gltf, const lf_clip *clip, lf_warnings
     list_clips(animations, names, sizeof names);
     lf_gltf_line(names, line, sizeof line);
     lf_warnings_add(warnings, LF_HERE,
-                    "%zu animations: the first is shown (animation.clip of the mesh shows "
-                    "another): %s",
+                    "of %zu animations, the first is shown; to choose another, set animation.clip "
+                    "of the mesh: %s",
                     json_array_size(animations), line);
 }
 
@@ -92,10 +92,10 @@ static lf_status refuse_clip(const lf_clip *clip, const json_t *animations, lf_e
         snprintf(source, sizeof source, "%d", clip->number);
     list_clips(animations, names, sizeof names);
     if (json_array_size(animations) == 0)
-        return lf_error_set(err, LF_E_ARG, LF_HERE, "no animation %s: nothing moves in this file",
+        return lf_error_set(err, LF_E_ARG, LF_HERE, "no animation %s; the file has no animations",
                             source);
-    return lf_error_set(err, LF_E_ARG, LF_HERE, "no animation %s; there %s %s", source,
-                        json_array_size(animations) == 1 ? "is" : "are", names);
+    return lf_error_set(err, LF_E_ARG, LF_HERE, "no animation %s; expected one of %s", source,
+                        names);
 }
 
 /* out NULL: there is no animation, and none was requested. */

@@ -17,7 +17,7 @@ static lf_status no_memory(lf_error *err)
 static lf_status too_short(const char *what, uint64_t has, uint64_t room, lf_error *err)
 {
     return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                        "cannot be read as a mesh: %s %llu bytes, where there are %llu", what,
+                        "cannot be read as a mesh: %s needs %llu bytes but has %llu", what,
                         (unsigned long long)has, (unsigned long long)room);
 }
 
@@ -66,7 +66,7 @@ static lf_status decode_base64(const char *text, lf_gltf_bytes *out, lf_error *e
         if (digit < 0) {
             free(data);
             return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                                "byte %zu of a data uri is no digit of base64",
+                                "byte %zu of a data URI is not a base64 digit",
                                 (size_t)(at - text));
         }
         bits = bits << 6 | (uint32_t)digit;
@@ -115,9 +115,11 @@ static lf_status open_file(const lf_gltf *gltf, const char *uri, bool needed, in
     if (path)
         status = needed ? lf_ask_for_file(path, out_fd) : lf_try_for_file(path, out_fd);
     if (status != LF_OK)
-        status = lf_error_set(
-            err, status == LF_E_NOMEM ? LF_E_NOMEM : LF_E_PATH, LF_HERE,
-            status == LF_E_NOMEM ? "out of memory" : "\"%.200s\" is not to be had", uri);
+        status =
+            lf_error_set(err, status == LF_E_NOMEM ? LF_E_NOMEM : LF_E_PATH, LF_HERE,
+                         status == LF_E_NOMEM ? "out of memory"
+                                              : "the file \"%.200s\" is missing or may not be read",
+                         uri);
     lf_free(folder);
     lf_free(name);
     lf_free(path);
@@ -133,7 +135,7 @@ static lf_status fetch_file(const lf_gltf *gltf, const char *uri, uint64_t least
     if (status != LF_OK)
         return status;
     uint64_t size = fstat(fd, &info) == 0 ? (uint64_t)info.st_size : 0;
-    status = size < least ? too_short("a buffer of", least, size, err)
+    status = size < least ? too_short("a buffer", least, size, err)
                           : read_part(fd, 0, least > 0 ? least : size, out, err);
     close(fd);
     return status;
@@ -148,11 +150,11 @@ lf_status lf_gltf_fetch(const lf_gltf *gltf, const char *uri, uint64_t least, lf
     const char *text = strstr(uri, written);
     lf_gltf_bytes bytes;
     if (!text)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "a data uri without base64");
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "a data URI is not in base64");
     lf_status status = decode_base64(text + strlen(written), &bytes, err);
     if (status == LF_OK && bytes.size < least) {
         free(bytes.data);
-        status = too_short("a buffer of", least, bytes.size, err);
+        status = too_short("a buffer", least, bytes.size, err);
     }
     if (status == LF_OK)
         *out = bytes;
@@ -175,8 +177,9 @@ static lf_status load_buffer(lf_gltf *gltf, size_t number, lf_error *err)
     }
     if (number > 0 || !gltf->has_binary)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "buffers[%zu] has no uri, and the file no such part", number);
-    return length > gltf->binary ? too_short("a buffer of", length, gltf->binary, err)
+                            "buffers[%zu] has no uri, and the file has no binary chunk for it",
+                            number);
+    return length > gltf->binary ? too_short("a buffer", length, gltf->binary, err)
                                  : read_part(gltf->fd, gltf->binary_at, length, out, err);
 }
 
@@ -185,7 +188,8 @@ lf_status lf_gltf_buffer_bytes(lf_gltf *gltf, uint64_t number, uint64_t offset, 
 {
     lf_status status = LF_OK;
     if (number >= gltf->n_buffers)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "buffers[%llu] is not there, but %zu are",
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "buffers[%llu] does not exist; the file has %zu",
                             (unsigned long long)number, gltf->n_buffers);
     lf_gltf_bytes *buffer = &gltf->buffers[number];
     if (!buffer->data)
@@ -193,7 +197,7 @@ lf_status lf_gltf_buffer_bytes(lf_gltf *gltf, uint64_t number, uint64_t offset, 
     if (status != LF_OK)
         return status;
     if (offset > buffer->size || n > buffer->size - offset)
-        return too_short("a part of a buffer that ends after", offset + n, buffer->size, err);
+        return too_short("the buffer of a buffer view", offset + n, buffer->size, err);
     *out = buffer->data + offset;
     return LF_OK;
 }
@@ -219,10 +223,11 @@ lf_status lf_gltf_view_open(lf_gltf *gltf, uint64_t number, lf_gltf_view *out, l
     lf_status status = LF_OK;
     if (!view)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "bufferViews[%llu] is not there, but %zu are",
+                            "bufferViews[%llu] does not exist; the file has %zu",
                             (unsigned long long)number, gltf->n_views);
     if (found.stride > 65536)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "bufferViews[%llu]: a byteStride of %zu",
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "bufferViews[%llu] has a byteStride of %zu; expected at most 65536",
                             (unsigned long long)number, found.stride);
     if (compressed) {
         if (!gltf->views[number].data)

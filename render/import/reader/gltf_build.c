@@ -343,7 +343,7 @@ lf_status lf_gltf_fill(lf_gltf_build *build, lf_error *err)
     }
     if (status == LF_OK && (build->n_triangles > LF_MAX_TRIANGLES ||
                             build->n_vertices > 3 * (int64_t)LF_MAX_TRIANGLES))
-        status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d triangles in all its nodes",
+        status = lf_error_set(err, LF_E_NOMEM, LF_HERE, "its nodes have more than %d triangles",
                               LF_MAX_TRIANGLES);
     if (status == LF_OK)
         status = lf_mesh_allocate(build->data, build->n_vertices, build->n_triangles, normals, err);

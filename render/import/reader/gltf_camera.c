@@ -85,10 +85,10 @@ lf_status lf_gltf_cameras(const lf_gltf *gltf, const lf_gltf_nodes *nodes, lf_me
         out->cameras.n++;
     }
     lf_warnings_count(&out->warnings, LF_HERE, (long long)n_odd,
-                      "camera is left out: it looks nowhere",
-                      "cameras are left out: they look nowhere");
+                      "camera is left out: its direction is invalid",
+                      "cameras are left out: their directions are invalid");
     lf_warnings_count(&out->warnings, LF_HERE, (long long)n_left,
-                      "camera is left out, there are too many",
-                      "cameras are left out, there are too many");
+                      "camera is left out because the file has too many",
+                      "cameras are left out because the file has too many");
     return LF_OK;
 }

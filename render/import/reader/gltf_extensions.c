@@ -85,8 +85,8 @@ static void warn_of(const unknown *u, lf_warnings *warnings)
             at +=
                 (size_t)snprintf(users + at, sizeof users - at, "%s%zu %s", at > 0 ? ", " : " of ",
                                  u->n[i], u->n[i] == 1 ? things[i].one : things[i].many);
-    lf_warnings_add(warnings, LF_HERE, "the extension %.80s%s is not known here: left out", u->name,
-                    users);
+    lf_warnings_add(warnings, LF_HERE, "the extension %.80s%s is not supported; it is left out",
+                    u->name, users);
 }
 
 void lf_gltf_warn_of_extensions(const lf_gltf *gltf, lf_warnings *warnings)
@@ -108,6 +108,6 @@ void lf_gltf_warn_of_extensions(const lf_gltf *gltf, lf_warnings *warnings)
         warn_of(&s.found[k], warnings);
     if (s.has_more)
         lf_warnings_add(warnings, LF_HERE,
-                        "more than %d extensions are not known here: the others are left out, too",
+                        "more than %d extensions are not supported; the others are left out, too",
                         MOST);
 }

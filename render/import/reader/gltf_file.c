@@ -16,7 +16,7 @@
 static lf_status refuse(lf_error *err, const char *what, uint64_t has, uint64_t room)
 {
     return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                        "cannot be read as a mesh: %s %llu bytes, where there are %llu", what,
+                        "cannot be read as a mesh: %s needs %llu bytes but has %llu", what,
                         (unsigned long long)has, (unsigned long long)room);
 }
 
@@ -48,17 +48,17 @@ static lf_status find_chunks(lf_gltf *gltf, lf_error *err)
     uint32_t header[3] = {0}, chunk[2];
     (void)read_words(gltf->fd, 0, header, 3);
     if (header[2] > gltf->size)
-        return refuse(err, "a GLB file of", header[2], gltf->size);
+        return refuse(err, "the GLB file", header[2], gltf->size);
     if (header[1] != 2)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "cannot be read as a mesh: GLB of version %u; expected 2", header[1]);
+                            "cannot be read as a mesh: GLB version %u; expected 2", header[1]);
     for (uint64_t at = sizeof header, end = header[2];
          at + sizeof chunk <= end && read_words(gltf->fd, at, chunk, 2);) {
         at += sizeof chunk;
         if (chunk[0] > end - at && !is_kind(chunk[1]) && gltf->length > 0)
             break;
         if (chunk[0] > end - at)
-            return refuse(err, "a chunk of", chunk[0], end - at);
+            return refuse(err, "a chunk", chunk[0], end - at);
         if (chunk[1] == JSON_CHUNK && gltf->length == 0) {
             gltf->begin = at;
             gltf->length = chunk[0];
@@ -95,7 +95,7 @@ static lf_status no_json(const json_error_t *wrong, lf_error *err)
                             "cannot be read as a mesh: line %d of its JSON: %s", wrong->line,
                             wrong->text);
     return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                        "cannot be read as a mesh: neither a JSON object nor GLB that holds one");
+                        "cannot be read as a mesh: neither a JSON object nor a GLB file");
 }
 
 static lf_status load_json(lf_gltf *gltf, lf_error *err)
@@ -165,7 +165,7 @@ static lf_status check_version(const json_t *asset, lf_error *err)
     else if (!version[0] || strncmp(version, "2.", 2) == 0)
         return LF_OK;
     return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                        "cannot be read as a mesh: glTF of version %.16s; expected 2.0", version);
+                        "cannot be read as a mesh: glTF version %.16s; expected 2.0", version);
 }
 
 static lf_status check_required(const lf_gltf *gltf, lf_error *err)
@@ -180,7 +180,7 @@ static lf_status check_required(const lf_gltf *gltf, lf_error *err)
     }
     if (names[0])
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "it requires extensions of glTF that are not known here: %s", names);
+                            "it requires glTF extensions that are not supported: %s", names);
     return LF_OK;
 }
 

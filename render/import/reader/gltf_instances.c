@@ -25,11 +25,11 @@ lf_status lf_gltf_instances_open(lf_gltf *gltf, const json_t *node, lf_gltf_inst
                                        to, err);
         if (status == LF_OK && (to->components != parts[i].components ||
                                 (out->n > 0 && to->count != out->n) || !to->data))
-            status =
-                lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                             LF_GLTF_INSTANCING ": %s of %zu elements, %u components each, where "
-                                                "none lie in the file or others are expected",
-                             parts[i].name, to->count, to->components);
+            status = lf_error_set(
+                err, LF_E_FORMAT, LF_HERE,
+                LF_GLTF_INSTANCING
+                ": %s has %zu elements of %u components, which are not in the file or do not match",
+                parts[i].name, to->count, to->components);
         out->n = to->count;
     }
     return status;

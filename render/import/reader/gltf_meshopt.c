@@ -61,8 +61,8 @@ lf_status lf_gltf_decompress(const json_t *extension, const unsigned char *data,
                 .stride = (size_t)lf_gltf_whole(extension, "byteStride", 0)};
     if (!fits(&p) || p.count == 0 || p.count > (BEST_RATIO * size + LEAST_ROOM) / p.stride)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "bufferViews[%llu]: no such EXT_meshopt_compression, or more elements "
-                            "than fit in %zu bytes",
+                            "bufferViews[%llu]: invalid EXT_meshopt_compression, or too many "
+                            "elements for %zu bytes",
                             (unsigned long long)view, size);
     unsigned char *bytes = malloc(p.count * p.stride);
     if (!bytes)
@@ -70,7 +70,7 @@ lf_status lf_gltf_decompress(const json_t *extension, const unsigned char *data,
     if (!decode(&p, data, size, bytes)) {
         free(bytes);
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "bufferViews[%llu]: EXT_meshopt_compression that cannot be decoded",
+                            "bufferViews[%llu]: its EXT_meshopt_compression cannot be decoded",
                             (unsigned long long)view);
     }
     *out = (lf_gltf_bytes){bytes, p.count * p.stride};

@@ -60,7 +60,7 @@ static lf_status for_each(const json_t *array, lf_gltf_nodes *nodes, uint32_t fr
         double number = json_is_number(value) ? json_number_value(value) : -1;
         if (!(number >= 0 && number < (double)nodes->n))
             return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                                "a node of a number that is not there, but %zu are", nodes->n);
+                                "a node index is out of range; the file has %zu nodes", nodes->n);
         status = call(nodes, from, (uint32_t)number, err);
     }
     return status;
@@ -89,7 +89,8 @@ static lf_status show_scene(const lf_gltf *gltf, lf_gltf_nodes *nodes, lf_error 
     if (scene)
         return for_each(json_object_get(scene, "nodes"), nodes, 0, show, err);
     if (json_object_get(gltf->json, "scene"))
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "scenes[%llu] is not there, but %zu are",
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "scenes[%llu] does not exist; the file has %zu",
                             (unsigned long long)number, lf_gltf_count(gltf->json, "scenes"));
     for (size_t i = 0; i < nodes->n; i++)
         nodes->node[i].is_shown = nodes->node[i].parent == LF_GLTF_NONE;

@@ -238,7 +238,7 @@ static lf_status put_switch(const place *p, lf_error *err)
     float v[4];
     if (p->sampler.values.type != LF_GLTF_UINT8 || p->sampler.course != LF_GLTF_STEP)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "true and false must be unsigned bytes, and STEP");
+                            "true and false need unsigned bytes and STEP interpolation");
     lf_status status = value_of(p, 0, v, err);
     return status == LF_OK ? put(p, json_boolean(v[0] != 0), err) : status;
 }
@@ -302,8 +302,8 @@ static lf_status put_value(const place *p, lf_error *err)
     const size_t each = p->property->kind == WEIGHTS ? s->each : 1,
                  n = each * s->times.count * (s->course == LF_GLTF_CUBIC ? 3 : 1);
     if (s->values.count != n)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%zu values for %zu moments",
-                            s->values.count, s->times.count);
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%zu values for %zu times", s->values.count,
+                            s->times.count);
     switch (p->property->kind) {
     case WEIGHTS:
         return put_weights(p, err);
@@ -356,7 +356,7 @@ static lf_status follow(following *f, const json_t *channel, const char *pointer
     }
     p.owner = find_owner(f->gltf->json, copy, &p.key);
     if (!json_is_object(p.owner))
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "the file has nothing of that name");
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "the file has no such object");
     lf_status status =
         lf_gltf_sampler_open(f->gltf, sampled, p.property->components, &p.sampler, err);
     if (status != LF_OK)
@@ -433,7 +433,7 @@ static lf_status look_at(following *f, const json_t *channel, lf_error *err)
                           : pointer[0] != '/' ? "it has no pointer"
                                               : NULL;
     if (!problem && again) {
-        problem = "another channel moves the same";
+        problem = "another channel animates the same property";
         if (!points && json_object_set_new(target, "path", json_string("")) != 0)
             return no_memory(err); /* lf_gltf_animate passes it by */
     }
@@ -456,10 +456,10 @@ static void warn(const following *f, lf_warnings *warnings)
                         "%zu animation channels are left out, the first is %s: %s", f->n_left,
                         f->first, f->why);
     if (f->n_odd > 0)
-        lf_warnings_add(warnings, LF_HERE,
-                        "%zu animation channels have interpolations that are not known here, the "
-                        "first is \"%s\": taken as LINEAR",
-                        f->n_odd, f->odd);
+        lf_warnings_add(
+            warnings, LF_HERE,
+            "%zu animation channels have unknown interpolations, first \"%s\"; LINEAR is used",
+            f->n_odd, f->odd);
 }
 
 lf_status lf_gltf_follow_pointers(lf_gltf *gltf, const lf_gltf_playing *playing,

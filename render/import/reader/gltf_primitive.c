@@ -37,12 +37,11 @@ static lf_status open_attribute(lf_gltf *gltf, const json_t *attributes,
     if (status != LF_OK || a->count == 0)
         return status;
     if (a->components < wanted->least || a->components > wanted->most)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: %s of %u components; expected %u",
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: %s has %u components; expected %u",
                             place, wanted->name, a->components, wanted->most);
     if (n_vertices > 0 && a->count != n_vertices)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "%s: %s of %zu elements, where there are %zu vertices", place,
-                            wanted->name, a->count, n_vertices);
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: %s has %zu elements for %zu vertices",
+                            place, wanted->name, a->count, n_vertices);
     return LF_OK;
 }
 
@@ -91,7 +90,7 @@ static lf_status check_indices(lf_gltf_primitive *p, const char *place, lf_error
     if (a->type == LF_GLTF_FLOAT || a->type == LF_GLTF_INT8 || a->type == LF_GLTF_INT16 ||
         a->components != 1)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "%s: indices of type %d; expected 5121, 5123 or 5125", place,
+                            "%s: indices have componentType %d; expected 5121, 5123 or 5125", place,
                             (int)a->type);
     for (size_t i = 0; i < a->count; i++)
         p->n_wrong_normals += lf_gltf_integer(a, i) >= p->position.count;
@@ -103,7 +102,7 @@ static lf_status check_there(const lf_gltf_primitive *p, const char *place, lf_e
     if (lf_gltf_is_there(&p->position) && lf_gltf_is_there(&p->indices))
         return LF_OK;
     return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                        "%s: %zu positions, %zu indices, some without a bufferView", place,
+                        "%s: some of %zu positions and %zu indices have no bufferView", place,
                         p->position.count, p->indices.count);
 }
 
@@ -116,8 +115,8 @@ static lf_status open_targets(lf_gltf *gltf, const json_t *json, lf_gltf_primiti
     if (n == 0)
         return LF_OK;
     if (n > LF_GLTF_MOST_TARGETS)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: %zu morph targets; at most %d", place,
-                            n, LF_GLTF_MOST_TARGETS);
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: %zu morph targets; expected at most %d",
+                            place, n, LF_GLTF_MOST_TARGETS);
     p->targets = calloc(n, sizeof *p->targets);
     if (!p->targets)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
@@ -172,9 +171,10 @@ lf_status lf_gltf_find_variant(const lf_gltf *gltf, const char *name, uint32_t *
         }
     list_variants(variants, names, sizeof names);
     if (json_array_size(variants) == 0)
-        return lf_error_set(err, LF_E_ARG, LF_HERE, "no variant \"%s\": this file has none", name);
-    return lf_error_set(err, LF_E_ARG, LF_HERE, "no variant \"%s\"; there %s %s", name,
-                        json_array_size(variants) == 1 ? "is" : "are", names);
+        return lf_error_set(err, LF_E_ARG, LF_HERE, "no variant \"%s\"; the file has no variants",
+                            name);
+    return lf_error_set(err, LF_E_ARG, LF_HERE, "no variant \"%s\"; expected one of %s", name,
+                        names);
 }
 
 /* Counts triangles, and elements that are not triangles. */
@@ -204,7 +204,7 @@ static lf_status open_primitive(lf_gltf *gltf, const json_t *json, uint32_t vari
     p->mode = (unsigned)lf_gltf_whole(json, "mode", TRIANGLES);
     p->material = material_of(json, variant);
     if (p->mode >= MODES)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: no such mode; expected 0 to 6", place);
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%s: unknown mode; expected 0 to 6", place);
     p->lost = lost_of(json);
     p->lacks_material =
         p->material != LF_GLTF_NONE && p->material >= lf_gltf_count(gltf->json, "materials");
@@ -250,8 +250,9 @@ lf_status lf_gltf_mesh_open(lf_gltf *gltf, uint32_t number, uint32_t variant, lf
     size_t n = json_array_size(primitives);
     char place[PLACE_LENGTH];
     if (!json)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "meshes[%u] is not there, but %zu are",
-                            number, lf_gltf_count(gltf->json, "meshes"));
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "meshes[%u] does not exist; the file has %zu", number,
+                            lf_gltf_count(gltf->json, "meshes"));
     out->primitives = calloc(n + 1, sizeof *out->primitives);
     if (!out->primitives)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");

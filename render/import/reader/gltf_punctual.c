@@ -97,11 +97,12 @@ lf_status lf_gltf_lights(const lf_gltf *gltf, const lf_gltf_nodes *nodes, lf_mes
         else
             n_left++;
     }
-    lf_warnings_count(&out->warnings, LF_HERE, (long long)n_odd,
-                      "light is left out: no such type, or it shines nowhere",
-                      "lights are left out: no such type, or they shine nowhere");
+    lf_warnings_count(
+        &out->warnings, LF_HERE, (long long)n_odd,
+        "light is left out: its type is unknown or its direction is invalid",
+        "lights are left out: their types are unknown or their directions are invalid");
     if (n_left > 0)
-        lf_warnings_add(&out->warnings, LF_HERE, "%zu %s left out: %d are possible", n_left,
-                        n_left == 1 ? "light is" : "lights are", LF_MAX_PUNCTUAL);
+        lf_warnings_add(&out->warnings, LF_HERE, "%zu %s left out; at most %d are supported",
+                        n_left, n_left == 1 ? "light is" : "lights are", LF_MAX_PUNCTUAL);
     return LF_OK;
 }

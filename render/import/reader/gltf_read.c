@@ -46,8 +46,8 @@ static lf_status open_meshes(reading *r, lf_error *err)
             continue;
         if (node->mesh >= r->n_meshes)
             return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                                "nodes[%zu]: meshes[%u] is not there, but %zu are", i, node->mesh,
-                                r->n_meshes);
+                                "nodes[%zu]: meshes[%u] does not exist; the file has %zu", i,
+                                node->mesh, r->n_meshes);
         if (!r->meshes[node->mesh].primitives)
             status =
                 lf_gltf_mesh_open(&r->gltf, node->mesh, r->variant, &r->meshes[node->mesh], err);
@@ -144,14 +144,12 @@ static void warn_of_choices(const reading *r)
     const size_t n_variants =
         lf_gltf_count(lf_gltf_extension(json, "KHR_materials_variants"), "variants");
     if (lf_gltf_count(json, "scenes") > 1)
-        lf_warnings_add(w, LF_HERE, "%zu scenes: the %s is shown", lf_gltf_count(json, "scenes"),
+        lf_warnings_add(w, LF_HERE, "of %zu scenes, the %s is shown", lf_gltf_count(json, "scenes"),
                         json_object_get(json, "scene") ? "default one" : "first");
     if (!r->build.desc->variant && r->build.desc->material < 0)
         lf_warnings_count(w, LF_HERE, (long long)n_variants,
-                          "variant: the file's own look is shown (variant of the mesh shows "
-                          "another)",
-                          "variants: the file's own look is shown (variant of the mesh shows "
-                          "another)");
+                          "variant is not shown; to choose it, set variant of the mesh",
+                          "variants are not shown; to choose one, set variant of the mesh");
 }
 
 static void warn_of_attributes(const reading *r, lf_warnings *w)
@@ -159,16 +157,14 @@ static void warn_of_attributes(const reading *r, lf_warnings *w)
     static const struct {
         const char *one, *many;
     } lost[LF_GLTF_LOST_KINDS] = {
-        [LF_GLTF_LOST_COLOURS] = {"part has more colours than COLOR_0, which are not used",
-                                  "parts have more colours than COLOR_0, which are not used"},
+        [LF_GLTF_LOST_COLOURS] = {"part has more colours than COLOR_0, which are ignored",
+                                  "parts have more colours than COLOR_0, which are ignored"},
         [LF_GLTF_LOST_JOINTS] =
-            {"part has more than eight joints a vertex: the others are left out",
-             "parts have more than eight joints a vertex: the others are left "
-             "out"},
-        [LF_GLTF_LOST_MORPHS] = {"part has morph targets of texture coordinates or colours, which "
-                                 "are not used",
-                                 "parts have morph targets of texture coordinates or colours, "
-                                 "which are not used"}};
+            {"part has more than eight joints per vertex; the others are left out",
+             "parts have more than eight joints per vertex; the others are left out"},
+        [LF_GLTF_LOST_MORPHS] = {
+            "part has morph targets of texture coordinates or colours, which are ignored",
+            "parts have morph targets of texture coordinates or colours, which are ignored"}};
     for (int i = 0; i < LF_GLTF_LOST_KINDS; i++)
         lf_warnings_count(w, LF_HERE, (long long)r->n_lost[i], lost[i].one, lost[i].many);
 }
@@ -181,18 +177,19 @@ static void warn(const reading *r)
     lf_warnings_count(w, LF_HERE, r->build.n_beside, "point or line is left out",
                       "points and lines are left out");
     lf_warnings_count(w, LF_HERE, r->build.n_unmapped,
-                      "part lacks the texture coordinates of its pictures: they count as 0",
-                      "parts lack the texture coordinates of their pictures: they count as 0");
+                      "part lacks the texture coordinates of its textures; 0 is used",
+                      "parts lack the texture coordinates of their textures; 0 is used");
     lf_warnings_count(w, LF_HERE, r->build.n_wrong_normals,
                       "triangle is left out: an index has no vertex",
                       "triangles are left out: an index has no vertex");
-    lf_warnings_count(w, LF_HERE, r->build.n_odd,
-                      "vertex has a normal, texture coordinates or a colour out of range: cut",
-                      "vertices have normals, texture coordinates or colours out of range: cut");
+    lf_warnings_count(
+        w, LF_HERE, r->build.n_odd,
+        "vertex has a normal, texture coordinates or a colour out of range; they are clamped",
+        "vertices have normals, texture coordinates or colours out of range; they are clamped");
     if (r->build.desc->material < 0)
         lf_warnings_count(w, LF_HERE, (long long)r->n_lacking,
-                          "part names a material that is not there: grey",
-                          "parts name materials that are not there: grey");
+                          "part has a missing material; it is grey",
+                          "parts have missing materials; they are grey");
     warn_of_attributes(r, w);
     lf_gltf_warn_of_extensions(&r->gltf, w);
 }
@@ -202,7 +199,7 @@ static lf_status complete(reading *r, lf_error *err)
     lf_mesh_data *data = r->build.data;
     if (r->build.n_triangles == 0 && r->build.n_beside > 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "no triangles in this file, but points and lines alone: %lld",
+                            "no triangles in this file, only points and lines: %lld",
                             (long long)r->build.n_beside);
     lf_status status =
         lf_mesh_complete_twins(data, r->build.desc, r->build.n_triangles, r->build.same, err);

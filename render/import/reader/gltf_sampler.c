@@ -108,12 +108,11 @@ lf_status lf_gltf_sampler_open(lf_gltf *gltf, const json_t *json, unsigned compo
         return status;
     if (s->values.components != components)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "animated values of %u components; %u are expected",
+                            "the animated values have %u components; expected %u",
                             s->values.components, components);
     s->each = s->values.count / (s->times.count * (s->course == LF_GLTF_CUBIC ? 3 : 1));
     if (s->each < 1 || s->each > MOST_WEIGHTS)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "an animation has %zu values for %zu moments", s->values.count,
-                            s->times.count);
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "an animation has %zu values for %zu times",
+                            s->values.count, s->times.count);
     return LF_OK;
 }

@@ -153,10 +153,10 @@ static lf_status allocate(lf_gltf_build *build, size_t *out_room, lf_error *err)
 
 static lf_status tell_left(lf_mesh_data *data, size_t n_left, lf_error *err)
 {
-    static const char why[] = "they flatten space, or have coordinates beyond";
+    static const char why[] = "their transforms are singular, or their coordinates exceed";
     if (data->n_instances == 0)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "no instance is left of %zu: %s %g", n_left,
-                            why, LF_MAX_REACH);
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "none of %zu instances can be used: %s %g",
+                            n_left, why, LF_MAX_REACH);
     lf_warnings_add(&data->warnings, LF_HERE, "%zu of %zu instances %s left out: %s %g", n_left,
                     n_left + (size_t)data->n_instances, n_left == 1 ? "is" : "are", why,
                     LF_MAX_REACH);

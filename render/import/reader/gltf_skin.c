@@ -12,7 +12,7 @@ static lf_status take_joint(const lf_gltf_accessor *inverse, const lf_gltf_nodes
     lf_affine bound;
     if (!(node >= 0 && node < (double)nodes->n))
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "joint %zu of a skin is a node that is not there, but %zu are", i,
+                            "joint %zu of a skin is out of range; the file has %zu nodes", i,
                             nodes->n);
     if (i < inverse->count)
         lf_gltf_floats(inverse, i, 16, m);
@@ -31,7 +31,7 @@ lf_status lf_gltf_skin_open(lf_gltf *gltf, const lf_gltf_nodes *nodes, uint32_t 
     lf_status status = LF_OK;
     *out = (lf_gltf_skin){.n = json_array_size(joints)};
     if (out->n == 0)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "skins[%u] is not there, or has no joints",
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "skins[%u] does not exist or has no joints",
                             number);
     if (json_object_get(json, "inverseBindMatrices"))
         status = lf_gltf_accessor_open(

@@ -122,17 +122,17 @@ static void warn_of(const lf_gltf *gltf, uint32_t number, bool missing, const ch
     const char *uri = lf_gltf_text(image, "uri"), *name = lf_gltf_text(image, "name"),
                *called = uri[0] && strncmp(uri, "data:", 5) != 0 ? uri : name;
     if (missing)
-        lf_warnings_add(&out->warnings, LF_HERE,
-                        "picture \"%.200s\" is not to be had: the colours beside it count alone",
-                        called);
+        lf_warnings_add(
+            &out->warnings, LF_HERE,
+            "texture \"%.200s\" is missing or may not be read; the material is used without it",
+            called);
     else if (called[0])
         lf_warnings_add(&out->warnings, LF_HERE,
-                        "picture \"%.200s\": %s; left out, the colours beside it count alone",
-                        called, what);
+                        "texture \"%.200s\": %s; the material is used without it", called, what);
     else
         lf_warnings_add(&out->warnings, LF_HERE,
-                        "picture %u (images[%u]): %s; left out, the colours beside it count alone",
-                        number, number, what);
+                        "texture %u (images[%u]): %s; the material is used without it", number,
+                        number, what);
 }
 
 static void find_picture(lf_gltf *gltf, uint32_t image, uint32_t *found, lf_mesh_data *out)

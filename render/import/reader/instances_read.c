@@ -61,14 +61,13 @@ static lf_status take(lf_instance_list *out, const double *v, int columns, const
                       int64_t number, lf_error *err)
 {
     if (out->n == LF_MAX_INSTANCES)
-        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d places", LF_MAX_INSTANCES);
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d instances", LF_MAX_INSTANCES);
     if (!lf_grow(&out->map, &out->room, out->n + 1, sizeof *out->map))
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
     if (!map_of(v, columns, &out->map[out->n]))
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "%s %lld is no place: expected finite numbers up to %g, none that "
-                            "flatten space (a scale of 0, or below %g), no quaternion of 0, 0 0 0 "
-                            "1 as the fourth row of a matrix",
+                            "%s %lld is not a valid instance; expected numbers up to %g, scales "
+                            "from %g, a non-zero quaternion, fourth matrix row 0 0 0 1",
                             what, (long long)number, LF_MAX_COORDINATE, 1.0 / LF_MAX_INVERSE);
     out->n++;
     return LF_OK;
@@ -92,17 +91,17 @@ static int numbers_of(char *line, double *out)
 /* The line number is in the text, because the position in errors is in the scene. */
 static lf_status refuse_line(const lf_input *in, int n, int columns, lf_error *err)
 {
-    char found[32] = "something that is no number";
+    char found[32] = "a word that is not a number";
     if (n >= 0 && n <= MOST_COLUMNS)
         snprintf(found, sizeof found, "%d numbers", n);
     else if (n > MOST_COLUMNS)
         snprintf(found, sizeof found, "more than %d numbers", MOST_COLUMNS);
-    return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                        columns == n || columns < 0
-                            ? "line %lld has %s: expected 3, 4, 7, 8, 10, 12 or 16 numbers"
-                            : "line %lld has %s: expected 3, 4, 7, 8, 10, 12 or 16 numbers, the "
-                              "same in every line",
-                        (long long)in->line, found);
+    return lf_error_set(
+        err, LF_E_FORMAT, LF_HERE,
+        columns == n || columns < 0
+            ? "line %lld has %s; expected 3, 4, 7, 8, 10, 12 or 16 numbers"
+            : "line %lld has %s; expected 3, 4, 7, 8, 10, 12 or 16 numbers, as many in every line",
+        (long long)in->line, found);
 }
 
 static lf_status read_csv(lf_input *in, lf_instance_list *out, lf_error *err)
@@ -137,7 +136,7 @@ typedef struct npy {
 
 static lf_status refuse(const char *what, lf_error *err)
 {
-    return lf_error_set(err, LF_E_FORMAT, LF_HERE, "an .npy file %s", what);
+    return lf_error_set(err, LF_E_FORMAT, LF_HERE, "the .npy file %s", what);
 }
 
 /* The value of a key in the header's dictionary. */
@@ -183,7 +182,7 @@ static lf_status read_header(lf_input *in, npy *out, lf_error *err)
 {
     const unsigned char *start = lf_input_bytes(in, 8);
     if (!start || memcmp(start, "\x93NUMPY", 6) != 0)
-        return refuse("that does not begin as one", err);
+        return refuse("does not begin with the NumPy magic bytes", err);
     const size_t wide = start[6] == 1 ? 2 : 4;
     const unsigned char *size = lf_input_bytes(in, wide);
     size_t n = 0;
@@ -191,19 +190,19 @@ static lf_status read_header(lf_input *in, npy *out, lf_error *err)
         n |= (size_t)size[i] << 8 * i;
     const unsigned char *text = size && n <= MOST_HEADER ? lf_input_bytes(in, n) : NULL;
     if (!text)
-        return refuse("without its header", err);
+        return refuse("has no complete header", err);
     char header[MOST_HEADER + 1];
     memcpy(header, text, n);
     header[n] = '\0';
     const char *type = value_of(header, "descr");
     out->is_double = strncmp(type + (*type != '\0'), "<f8", 3) == 0;
     if (!out->is_double && strncmp(type + (*type != '\0'), "<f4", 3) != 0)
-        return refuse("of other numbers than float32 or float64 (little endian)", err);
+        return refuse("has the wrong type; expected float32 or float64 (little endian)", err);
     if (strncmp(value_of(header, "fortran_order"), "False", 5) != 0)
-        return refuse("in the order of columns: save numpy.ascontiguousarray of it", err);
+        return refuse("is in column order; save numpy.ascontiguousarray of it", err);
     if (!read_shape(value_of(header, "shape"), out))
-        return refuse("of another shape than (places, 3, 4), (places, 4, 4) or (places, columns) "
-                      "with 3, 4, 7, 8, 10, 12 or 16 columns",
+        return refuse("has the wrong shape; expected (N, 3, 4), (N, 4, 4) or (N, C) with C = 3, 4, "
+                      "7, 8, 10, 12 or 16",
                       err);
     return LF_OK;
 }
@@ -217,7 +216,7 @@ static lf_status read_npy(lf_input *in, lf_instance_list *out, lf_error *err)
         const unsigned char *bytes = lf_input_bytes(in, each);
         double v[MOST_COLUMNS] = {0};
         if (!bytes)
-            return lf_input_ended(in, "another place", err);
+            return lf_input_ended(in, "another instance", err);
         for (size_t i = 0; i < file.columns; i++) {
             float single;
             if (file.is_double) {
@@ -241,7 +240,7 @@ lf_status lf_instances_read(const char *path, int fd, lf_instance_list *out, lf_
             lf_path_has_ending(path, ".npy") ? read_npy(&in, out, err) : read_csv(&in, out, err);
     lf_input_close(&in);
     if (status == LF_OK && out->n == 0)
-        status = lf_error_set(err, LF_E_FORMAT, LF_HERE, "no place in this file");
+        status = lf_error_set(err, LF_E_FORMAT, LF_HERE, "the file has no instances");
     return status;
 }
 

@@ -82,7 +82,7 @@ static lf_status open_picture(const char *path, const char *beside, int *out_fd,
     if (lf_try_for_file(path, out_fd) == LF_OK ||
         (strcmp(path, beside) != 0 && lf_try_for_file(beside, out_fd) == LF_OK))
         return LF_OK;
-    return lf_error_set(err, LF_E_IO, LF_HERE, "not there, or not to be read");
+    return lf_error_set(err, LF_E_IO, LF_HERE, "missing, or may not be read");
 }
 
 lf_status lf_map_decode(int fd, lf_texels *out, lf_error *err)
@@ -117,7 +117,7 @@ static void warn_once(map_reading *r, const lf_map *map, const char *what)
         return;
     r->told[map->source] = true;
     lf_warnings_add(&r->out->warnings, LF_HERE,
-                    "%s%.40s%spicture \"%s\": %s; left out, what stands beside it counts alone",
+                    "%s%.40s%stexture \"%s\": %s; the material is used without it",
                     source->name[0] ? "material \"" : "", source->name,
                     source->name[0] ? "\": " : "", last_name(map->path), what);
 }
@@ -130,7 +130,7 @@ static lf_status find_file(map_reading *r, const lf_map *map, picture_file **out
         if (strcmp(r->files[i].path, map->path) != 0)
             continue;
         if (r->files[i].picture == 0)
-            warn_once(r, map, "not there, or no picture");
+            warn_once(r, map, "missing, or not an image");
         return LF_OK;
     }
     lf_error why = {0};
@@ -138,7 +138,7 @@ static lf_status find_file(map_reading *r, const lf_map *map, picture_file **out
     **out = (picture_file){.path = map->path};
     lf_status status = read_picture(map, r->out, &why);
     if (status == LF_E_NOMEM)
-        return lf_error_set(err, status, LF_HERE, "picture \"%s\": %s", last_name(map->path),
+        return lf_error_set(err, status, LF_HERE, "texture \"%s\": %s", last_name(map->path),
                             why.what);
     if (status == LF_OK)
         (*out)->picture = (uint32_t)r->out->n_pictures;
@@ -205,7 +205,7 @@ static void take_cover(map_reading *r, const lf_map *map, picture_file *mask)
         return;
     }
     if (beneath->cover && strcmp(beneath->cover, map->path) != 0) {
-        warn_once(r, map, "it is one of several that cover one picture");
+        warn_once(r, map, "another texture already gives the opacity of this one's base");
         return;
     }
     if (beneath == mask) {
@@ -355,6 +355,6 @@ void lf_maps_drop(const lf_map *maps, size_t n_maps, lf_source_material *source,
             source[maps[i].source].emission = lf_v3(0, 0, 0);
     }
     lf_warnings_count(warnings, LF_HERE, (long long)n,
-                      "picture is left out: the mesh has no texture coordinates",
-                      "pictures are left out: the mesh has no texture coordinates");
+                      "texture is left out: the mesh has no texture coordinates",
+                      "textures are left out: the mesh has no texture coordinates");
 }

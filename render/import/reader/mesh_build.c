@@ -17,7 +17,8 @@ lf_status lf_mesh_allocate(lf_mesh_data *data, int64_t n_vertices, int64_t n_tri
                            bool normals, lf_error *err)
 {
     if (n_triangles > LF_MAX_TRIANGLES || n_vertices > 3 * (int64_t)LF_MAX_TRIANGLES)
-        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "%lld triangles; at most %d are possible",
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE,
+                            "%lld triangles are too many; expected at most %d",
                             (long long)n_triangles, LF_MAX_TRIANGLES);
     data->positions = lf_calloc((size_t)n_vertices, 3 * sizeof *data->positions);
     data->triangles = lf_calloc((size_t)n_triangles, 3 * sizeof *data->triangles);
@@ -144,13 +145,13 @@ lf_status lf_mesh_complete_twins(lf_mesh_data *data, const lf_mesh_desc *desc, i
     if (n_triangles == 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE, "no triangles in this file");
     if (data->n_triangles == 0)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "no usable triangle: all %lld have no area, or vertices that are not "
-                            "finite or not there",
-                            (long long)n_triangles);
+        return lf_error_set(
+            err, LF_E_FORMAT, LF_HERE,
+            "no usable triangles: all %lld have no area, or missing or non-finite vertices",
+            (long long)n_triangles);
     if (data->n_broken > 0)
         lf_warnings_add(&data->warnings, LF_HERE,
-                        "%d of %lld triangles %s left out: a vertex is not finite, or beyond %g",
+                        "%d of %lld triangles %s left out: a vertex is not finite or beyond %g",
                         data->n_broken, (long long)n_triangles, data->n_broken == 1 ? "is" : "are",
                         LF_MAX_COORDINATE);
     if (desc->normals == LF_NORMALS_SMOOTH)

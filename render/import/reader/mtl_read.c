@@ -375,19 +375,18 @@ static lf_status take_line(mtl *m, char *line, lf_error *err)
 static void warn_of_rest(const mtl *m, const char *name)
 {
     char what[160];
-    snprintf(what, sizeof what, "%.80s: statements that are left out", name);
+    snprintf(what, sizeof what, "%.80s: ignored statements", name);
     lf_left_out_warn(&m->statements, what, &m->soup->warnings);
     snprintf(what, sizeof what,
-             "%.80s: statements that do not say numbers (the first in line %lld) are left out",
-             name, (long long)m->wrong_line);
+             "%.80s: ignored statements without their numbers (first in line %lld)", name,
+             (long long)m->wrong_line);
     lf_left_out_warn(&m->wrong, what, &m->soup->warnings);
-    snprintf(what, sizeof what, "%.80s: textures without the name of a picture are left out", name);
+    snprintf(what, sizeof what, "%.80s: ignored textures without a file name", name);
     lf_left_out_warn(&m->nameless, what, &m->soup->warnings);
     if (m->n_more > 0)
         lf_warnings_add(&m->soup->warnings, LF_HERE,
-                        "%.80s: lines with more numbers than are known (%lld): what is behind is "
-                        "left out",
-                        name, (long long)m->n_more);
+                        "%.80s: surplus numbers at the end of lines (%lld) are ignored", name,
+                        (long long)m->n_more);
 }
 
 lf_status lf_mtl_read(int fd, const char *folder, const char *name, lf_soup *soup, lf_error *err)

@@ -81,7 +81,7 @@ static lf_status take_point(obj *o, const char *at, lf_error *err)
 {
     double v[6];
     int n;
-    lf_status status = take_numbers(o, at, 3, 6, v, &n, "expected three numbers behind v", err);
+    lf_status status = take_numbers(o, at, 3, 6, v, &n, "expected three numbers after v", err);
     if (status != LF_OK)
         return status;
     o->n_more += n == 5;
@@ -98,7 +98,7 @@ static lf_status take_normal(obj *o, const char *at, lf_error *err)
 {
     double v[3];
     int n;
-    lf_status status = take_numbers(o, at, 3, 3, v, &n, "expected three numbers behind vn", err);
+    lf_status status = take_numbers(o, at, 3, 3, v, &n, "expected three numbers after vn", err);
     if (status != LF_OK)
         return status;
     return lf_soup_normal(o->soup, (float[3]){(float)v[0], (float)v[1], (float)v[2]}, err);
@@ -109,7 +109,7 @@ static lf_status take_uv(obj *o, const char *at, lf_error *err)
 {
     double uv[3] = {0, 0, 0};
     int n;
-    lf_status status = take_numbers(o, at, 1, 3, uv, &n, "expected numbers behind vt", err);
+    lf_status status = take_numbers(o, at, 1, 3, uv, &n, "expected numbers after vt", err);
     return status == LF_OK ? lf_soup_uv(o->soup, uv, err) : status;
 }
 
@@ -370,23 +370,21 @@ static void warn_of_rest(const obj *o)
 {
     lf_warnings *warnings = &o->soup->warnings;
     lf_warnings_count(warnings, LF_HERE, (long long)o->n_no_uv,
-                      "corner names texture coordinates that there are not",
-                      "corners name texture coordinates that there are not");
+                      "corner refers to missing texture coordinates",
+                      "corners refer to missing texture coordinates");
     if (o->n_no_normal > 0)
-        lf_warnings_add(warnings, LF_HERE,
-                        "corners that name normals that there are not (%zu) have none",
+        lf_warnings_add(warnings, LF_HERE, "corners that refer to missing normals (%zu) have none",
                         o->n_no_normal);
     if (o->n_more > 0)
         lf_warnings_add(warnings, LF_HERE,
-                        "lines of v, vn or vt with more numbers than are known (%zu): what is "
-                        "behind is left out",
+                        "surplus numbers at the end of lines of v, vn or vt (%zu) are ignored",
                         o->n_more);
     if (o->n_smooth > 0 && o->desc->normals == LF_NORMALS_FILE)
         lf_warnings_add(warnings, LF_HERE,
-                        "faces of smoothing groups without normals (%zu) are flat; \"normals\": "
-                        "\"smooth\" rounds a mesh",
+                        "faces of smoothing groups without normals (%zu) are flat; set "
+                        "\"normals\": \"smooth\" of the mesh to smooth them",
                         o->n_smooth);
-    lf_left_out_warn(&o->statements, "statements that are left out", warnings);
+    lf_left_out_warn(&o->statements, "ignored statements", warnings);
 }
 
 lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error *err)
@@ -399,8 +397,9 @@ lf_status lf_obj_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
     if (status == LF_OK && o.in.status != LF_OK)
         status = lf_input_ended(&o.in, "more lines", err);
     if (status == LF_OK && soup->n_points == 0)
-        status = lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                              "cannot be read as a mesh: not OBJ, it has no vertices");
+        status =
+            lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                         "cannot be read as a mesh: not an OBJ file, because it has no vertices");
     soup->tells_missing = soup->tells_missing || o.n_libraries == 0;
     warn_of_rest(&o);
     lf_input_close(&o.in);

@@ -117,9 +117,9 @@ static lf_status read_element(const lf_input *in, const char *at, lf_ply_header 
     int64_t count;
     const char *word = lf_word(&at, &n);
     if (n == 0 || !lf_integer(&at, &count) || count < 0)
-        return bad_line(in, "expected an element's name and how many there are", err);
+        return bad_line(in, "expected the name and the number of an element", err);
     if (out->n_elements == LF_PLY_MAX_ELEMENTS)
-        return bad_line(in, "too many elements; at most 64 are possible", err);
+        return bad_line(in, "too many elements; expected at most 64", err);
     int kind = value_of(kinds, word, n, LF_PLY_OTHER);
     if (kind == LF_PLY_OTHER && count > 0)
         lf_leave_out(&out->elements_left, word, n);
@@ -164,15 +164,15 @@ static lf_status read_property(const lf_input *in, const char *at, lf_ply_header
     const char *word = lf_word(&at, &n);
     int type;
     if (out->n_elements == 0)
-        return bad_line(in, "a property before any element", err);
+        return bad_line(in, "a property before the first element", err);
     if (out->n_properties == LF_PLY_MAX_PROPERTIES)
-        return bad_line(in, "too many properties; at most 256 are possible", err);
+        return bad_line(in, "too many properties; expected at most 256", err);
     p.is_list = lf_word_is(word, n, "list");
     if (p.is_list) {
         word = lf_word(&at, &n);
         type = value_of(types, word, n, -1);
         if (type < 0 || type >= LF_PLY_FLOAT)
-            return bad_line(in, "expected a whole type for the length of a list", err);
+            return bad_line(in, "expected an integer type for the length of a list", err);
         p.count_type = (lf_ply_type)type;
         word = lf_word(&at, &n);
     }
@@ -220,7 +220,7 @@ static lf_status check_promise(const lf_input *in, const lf_ply_header *header, 
         if (promised > in->size + 1)
             return lf_error_set(
                 err, LF_E_FORMAT, LF_HERE,
-                "the header promises at least %llu bytes of elements, the file has %llu",
+                "the header announces at least %llu bytes of elements, but the file has %llu",
                 (unsigned long long)promised, (unsigned long long)in->size);
     }
     return LF_OK;
@@ -265,8 +265,9 @@ lf_status lf_ply_read_header(lf_input *in, lf_ply_header *out, lf_error *err)
     lf_status status = LF_OK;
     *out = (lf_ply_header){0};
     if (!line || strcmp(lf_rest(line), "ply") != 0)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "cannot be read as a mesh: not PLY, whose first line is \"ply\"");
+        return lf_error_set(
+            err, LF_E_FORMAT, LF_HERE,
+            "cannot be read as a mesh: not a PLY file, because its first line is not \"ply\"");
     while (status == LF_OK && !ended) {
         line = lf_input_line(in, false);
         if (!line)

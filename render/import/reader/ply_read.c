@@ -123,7 +123,7 @@ static lf_status read_list(ply *p, const lf_ply_property *property, lf_error *er
     double length = 0, value = 0;
     lf_status status = next_value(p, property->count_type, &length, err);
     if (status == LF_OK && (!(length >= 0 && length <= UINT32_MAX) || length != floor(length)))
-        return bad_place(p, "not the length of a list", err);
+        return bad_place(p, "expected the length of a list", err);
     if (status == LF_OK && property->role == LF_PLY_UNUSED && p->header.encoding != LF_PLY_TEXT)
         return lf_input_skip(&p->in, (uint64_t)length * lf_ply_sizes[property->type])
                    ? LF_OK
@@ -324,10 +324,10 @@ static lf_status begin_element(ply *p, const lf_ply_element *element, lf_error *
     memset(p->values, 0, sizeof p->values);
     for (lf_ply_role role = LF_PLY_X; role <= LF_PLY_Z && is_vertex; role++)
         if (!has_role(p, element, role))
-            return lf_error_set(err, LF_E_FORMAT, LF_HERE, "vertices have no %c",
+            return lf_error_set(err, LF_E_FORMAT, LF_HERE, "the vertices have no property %c",
                                 'x' + (int)(role - LF_PLY_X));
     if (is_vertex && p->has_vertices)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "vertices twice in the PLY header");
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "the PLY header has vertices twice");
     if (is_vertex) {
         p->has_vertices = true;
         p->soup->has_own_normals = has_role(p, element, LF_PLY_NX) &&
@@ -340,9 +340,9 @@ static lf_status begin_element(ply *p, const lf_ply_element *element, lf_error *
     }
     if (is_face && element->count > 0 && !has_role(p, element, LF_PLY_INDICES))
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "faces have no list called vertex_indices or vertex_index");
+                            "the faces have no list vertex_indices or vertex_index");
     if (is_face && element->count > 0 && !p->has_vertices)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "faces before the vertices");
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "the faces come before the vertices");
     return LF_OK;
 }
 
@@ -381,7 +381,7 @@ static lf_status put_textures(ply *p, lf_error *err)
     if (n == 0 || p->desc->material >= 0)
         return LF_OK;
     if (p->header.n_textures > n)
-        lf_warnings_add(&p->soup->warnings, LF_HERE, "%d textures, of which %d are used",
+        lf_warnings_add(&p->soup->warnings, LF_HERE, "%d textures, but only %d are used",
                         p->header.n_textures, n);
     while (p->soup->n_sources < (size_t)n && status == LF_OK)
         status = lf_soup_say(p->soup, lf_source_material_begin(""), err);
@@ -409,8 +409,8 @@ lf_status lf_ply_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_error 
     if (status == LF_OK)
         status = put_textures(p, err);
     check_choices(soup);
-    lf_left_out_warn(&p->header.elements_left, "elements that are left out", &soup->warnings);
-    lf_left_out_warn(&p->header.properties_left, "properties that are left out", &soup->warnings);
+    lf_left_out_warn(&p->header.elements_left, "ignored elements", &soup->warnings);
+    lf_left_out_warn(&p->header.properties_left, "ignored properties", &soup->warnings);
     lf_input_close(&p->in);
     free(p->indices);
     free(p->coordinates);

@@ -204,8 +204,8 @@ lf_status lf_soup_polygon(lf_soup *soup, size_t n, const lf_soup_face *face, lf_
     if (n == 4)
         return split_quad(soup, face, err);
     if (n > LF_MAX_CORNERS)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "a face of %zu corners; at most %d", n,
-                            LF_MAX_CORNERS);
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "a face has %zu corners; expected at most %d", n, LF_MAX_CORNERS);
     if (n > 4)
         return split_by_ears(soup, n, face, err);
     soup->n_beside++;

@@ -64,7 +64,7 @@ void lf_left_out_warn(const lf_left_out *list, const char *what, lf_warnings *wa
 lf_status lf_soup_point(lf_soup *soup, const double at[3], lf_error *err)
 {
     if (soup->n_points >= 3 * (size_t)LF_MAX_TRIANGLES)
-        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d points are not possible",
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "the file has more than %d points",
                             3 * LF_MAX_TRIANGLES);
     if (!lf_grow(&soup->points, &soup->points_room, soup->n_points + 1, 3 * sizeof *soup->points))
         return no_room(err);
@@ -75,7 +75,7 @@ lf_status lf_soup_point(lf_soup *soup, const double at[3], lf_error *err)
 lf_status lf_soup_normal(lf_soup *soup, const float normal[3], lf_error *err)
 {
     if (soup->n_normals >= 3 * (size_t)LF_MAX_TRIANGLES)
-        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d normals are not possible",
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "the file has more than %d normals",
                             3 * LF_MAX_TRIANGLES);
     if (!lf_grow(&soup->normals, &soup->normals_room, soup->n_normals + 1,
                  3 * sizeof *soup->normals))
@@ -88,8 +88,7 @@ lf_status lf_soup_uv(lf_soup *soup, const double uv[2], lf_error *err)
 {
     if (soup->uvs.n >= 3 * (size_t)LF_MAX_TRIANGLES)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE,
-                            "more than %d texture coordinates are not possible",
-                            3 * LF_MAX_TRIANGLES);
+                            "the file has more than %d texture coordinates", 3 * LF_MAX_TRIANGLES);
     if (!lf_grow(&soup->uvs.values, &soup->uvs.room, soup->uvs.n + 1, 2 * sizeof *soup->uvs.values))
         return no_room(err);
     for (int i = 0; i < 2; i++)
@@ -151,7 +150,7 @@ lf_status lf_soup_triangle(lf_soup *soup, const lf_soup_face *face, lf_error *er
 {
     size_t at = 3 * soup->n_triangles;
     if (soup->n_triangles >= LF_MAX_TRIANGLES)
-        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "more than %d triangles are not possible",
+        return lf_error_set(err, LF_E_NOMEM, LF_HERE, "the file has more than %d triangles",
                             LF_MAX_TRIANGLES);
     if (!lf_grow(&soup->corners, &soup->corners_room, at + 3, sizeof *soup->corners) ||
         (face->normals &&
@@ -198,7 +197,7 @@ lf_status lf_soup_say(lf_soup *soup, lf_source_material source, lf_error *err)
 {
     lf_status status = LF_OK;
     if (soup->n_sources >= LF_MAX_MATERIALS)
-        status = lf_error_set(err, LF_E_FORMAT, LF_HERE, "more than %d materials are not possible",
+        status = lf_error_set(err, LF_E_FORMAT, LF_HERE, "the file has more than %d materials",
                               LF_MAX_MATERIALS);
     else if (!source.name ||
              !lf_grow(&soup->source, &soup->source_room, soup->n_sources + 1, sizeof source))

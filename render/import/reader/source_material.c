@@ -163,28 +163,29 @@ static bool convert_textures(const lf_source_material *source, size_t n, const b
 /* ----------------------------------------------------------------------------- lost features -- */
 
 static const char *const losses[LF_LOST_KINDS] = {
-    [LF_LOST_TEXTURES] = "textures are not read, the colours beside them alone count",
-    [LF_LOST_TEXTURE] = "a texture that is not there is left out, the colour beside it counts",
-    [LF_LOST_UV_SET] = "a texture by a third set of coordinates, or far off, is left out",
-    [LF_LOST_MAPS] = "textures of anything but colour, glow, normals, coverage are not read",
-    [LF_LOST_MAP_OPTIONS] = "options of its textures are left out, but for their place and size",
-    [LF_LOST_EMISSION] = "the texture of what glows is not read, so nothing of it does",
-    [LF_LOST_TRANSPARENCY] = "transparency is left out: opaque",
+    [LF_LOST_TEXTURES] = "textures are not supported; the material is used without them",
+    [LF_LOST_TEXTURE] = "a missing texture is left out; the material is used without it",
+    [LF_LOST_UV_SET] =
+        "a texture with a third set of coordinates, or with coordinates out of range, is left out",
+    [LF_LOST_MAPS] = "only textures of colour, emission, normals and opacity are supported",
+    [LF_LOST_MAP_OPTIONS] = "texture options are left out, except position and size",
+    [LF_LOST_EMISSION] = "the emission texture is not supported, so nothing is emitted",
+    [LF_LOST_TRANSPARENCY] = "transparency is left out; the material is opaque",
     [LF_LOST_COAT] = "the clear coat is left out",
     [LF_LOST_SHEEN] = "the sheen is left out",
     [LF_LOST_ANISOTROPY] = "anisotropy is left out",
-    [LF_LOST_UNLIT] = "illum 0 (unlit) is not read: lit as others are",
-    [LF_LOST_UNLIT_TEXTURE] = "it is unlit by a texture that is not read: lit as others are",
-    [LF_LOST_KTX2] = "textures that are in KTX2 alone are not read",
-    [LF_LOST_MORE_TEXTURES] = "textures of thickness, and of specular and glossiness, are not read",
+    [LF_LOST_UNLIT] = "illum 0 (unlit) is not supported; the material is lit",
+    [LF_LOST_UNLIT_TEXTURE] = "unlit textures are not supported; the material is lit",
+    [LF_LOST_KTX2] = "textures in KTX2 only are not supported",
+    [LF_LOST_MORE_TEXTURES] = "textures of thickness and of specular-glossiness are not supported",
     [LF_LOST_OCCLUSION] =
         "the ambient occlusion texture is ignored: path tracing computes occlusion",
     [LF_LOST_IRIDESCENCE] = "iridescence is left out (KHR_materials_iridescence)",
     [LF_LOST_DISPERSION] = "dispersion is left out (KHR_materials_dispersion)",
     [LF_LOST_TRANSLUCENCE] =
         "diffuse transmission is left out (KHR_materials_diffuse_transmission)",
-    [LF_LOST_ALPHA_MODE] = "its alphaMode is not known here: opaque",
-    [LF_LOST_GLOSSINESS] = "specular and glossiness are made into metallic and roughness",
+    [LF_LOST_ALPHA_MODE] = "its alphaMode is unknown; the material is opaque",
+    [LF_LOST_GLOSSINESS] = "specular-glossiness is converted to metallic-roughness",
 };
 
 /* The names of materials in one line; only a few are listed. */
@@ -222,8 +223,8 @@ static void warn_of_cuts(const lf_source_material *source, size_t number, const 
 {
     name_list name = {0};
     list_name(source, number, &name);
-    lf_warnings_add(warnings, LF_HERE, "material %s: values out of range are cut: %s", name.text,
-                    what);
+    lf_warnings_add(warnings, LF_HERE, "material %s: values out of range are clamped: %s",
+                    name.text, what);
 }
 
 /* Cut between characters if it is too long. */
@@ -240,8 +241,8 @@ lf_status lf_source_materials_convert(const lf_source_material *source, size_t n
                                       lf_mesh_data *out, lf_error *err)
 {
     if (n == 0 || n > LF_MAX_MATERIALS)
-        return lf_error_set(err, LF_E_FORMAT, LF_HERE, "%zu materials; 1 to %d are possible", n,
-                            LF_MAX_MATERIALS);
+        return lf_error_set(err, LF_E_FORMAT, LF_HERE,
+                            "the file has %zu materials; expected 1 to %d", n, LF_MAX_MATERIALS);
     out->materials = lf_calloc(n, sizeof *out->materials);
     if (!out->materials)
         return lf_error_set(err, LF_E_NOMEM, LF_HERE, "out of memory");
@@ -275,5 +276,5 @@ void lf_source_materials_warn_of_missing(const lf_source_material *source, size_
     for (size_t i = 0; i < n; i++)
         if (used[i] && source[i].is_missing)
             list_name(&source[i], i, &names);
-    warn_of(&names, "not in the file's material libraries, so it is grey", warnings);
+    warn_of(&names, "not in the file's material libraries; grey is used", warnings);
 }

@@ -98,12 +98,12 @@ static lf_status read_binary(lf_input *in, bool colours_wanted, lf_soup *soup, l
              room = (in->size - HEADER_BYTES) / FACET_BYTES;
     if (n > room)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "the header promises %llu triangles, the file has room for %llu",
+                            "the header announces %llu triangles, but the file has room for %llu",
                             (unsigned long long)n, (unsigned long long)room);
     facet_colours colours = begin_colours(header, colours_wanted);
     if (colours.lost && colours_wanted)
         lf_warnings_add(&soup->warnings, LF_HERE,
-                        "of the title's COLOR= and MATERIAL= the colour alone is used");
+                        "only the colour of COLOR= and MATERIAL= in the title is used");
     lf_status status = LF_OK;
     for (uint64_t i = 0; i < n && status == LF_OK; i++) {
         const unsigned char *facet = lf_input_bytes(in, FACET_BYTES);
@@ -132,7 +132,7 @@ static lf_status take_vertex(const lf_input *in, const char *at, facet *f, lf_so
 {
     double position[3];
     if (!f->open)
-        return bad_line(in, "a vertex outside of a facet", err);
+        return bad_line(in, "a vertex outside a facet", err);
     if (f->n == sizeof f->corners / sizeof *f->corners)
         return bad_line(in, "a facet with more than 16 corners", err);
     if (!lf_numbers(&at, 3, position))
@@ -143,7 +143,7 @@ static lf_status take_vertex(const lf_input *in, const char *at, facet *f, lf_so
 static lf_status end_facet(const lf_input *in, facet *f, lf_soup *soup, lf_error *err)
 {
     if (!f->open || f->n < 3)
-        return bad_line(in, "a facet ends that has no three corners", err);
+        return bad_line(in, "a facet with fewer than three corners", err);
     f->open = false;
     return lf_soup_polygon(soup, f->n, &(lf_soup_face){.corners = f->corners}, err);
 }
@@ -161,7 +161,7 @@ static lf_status read_line(const lf_input *in, const char *line, facet *f, bool 
     if (lf_word_reads(word, n, "endfacet"))
         return end_facet(in, f, soup, err);
     if (f->open)
-        return bad_line(in, "expected a vertex, or the facet's end", err);
+        return bad_line(in, "expected a vertex or the end of the facet", err);
     if (lf_word_reads(word, n, "facet")) {
         *f = (facet){.open = true};
         return LF_OK;
@@ -171,7 +171,7 @@ static lf_status read_line(const lf_input *in, const char *line, facet *f, bool 
         return LF_OK;
     return lf_word_reads(word, n, "solid")
                ? lf_soup_part(soup, err)
-               : bad_line(in, "expected solid, facet, vertex, or an end of these", err);
+               : bad_line(in, "expected solid, facet, vertex or the end of one of them", err);
 }
 
 static lf_status read_text(lf_input *in, lf_soup *soup, lf_error *err)
@@ -186,7 +186,7 @@ static lf_status read_text(lf_input *in, lf_soup *soup, lf_error *err)
         return lf_input_ended(in, "the rest of a facet", err);
     if (status == LF_OK && !ended)
         lf_warnings_add(&soup->warnings, LF_HERE,
-                        "does not end in \"endsolid\": it may be cut off");
+                        "the file does not end in \"endsolid\"; it may be cut off");
     return status;
 }
 

@@ -179,7 +179,7 @@ OpenFile::Entry *find_component(OpenFile &file, const std::string &wanted, int *
 /* What was looked for, in words of who may have typed the name of vectors alone. */
 std::string say_missing(const Import &import, OpenFile &file)
 {
-    const std::string wanted = import.name, holds = "; the file holds " + list_grids(file);
+    const std::string wanted = import.name, holds = "; the file has " + list_grids(file);
     int component = 0;
     const std::string vectors = split_component(wanted, &component);
     if (vectors.empty())
@@ -191,7 +191,7 @@ std::string say_missing(const Import &import, OpenFile &file)
         component == 0 ? "\"" + vectors + ".x\", \".y\", \".z\"" : "\"" + wanted + "\"";
     if (scalars)
         return "grid \"" + vectors + "\" is not a vector grid, but " + scalars->grid->valueType() +
-               " (nor is there " + nor + ")" + holds;
+               " (and no " + nor + ")" + holds;
     return "no vector grid \"" + vectors + "\" (nor " + nor + ")" + holds;
 }
 
@@ -253,9 +253,8 @@ lf_status refuse_signed(const Import &import, const Values &values)
 {
     char what[512];
     std::snprintf(what, sizeof what,
-                  "grid %s is below 0 at %.0f of %.0f active voxels (down to %g): it looks like a "
-                  "level set; give it the class \"level set\" in the program that wrote it, or "
-                  "convert it to a fog volume there",
+                  "grid %s is negative in %.0f of %.0f active voxels (down to %g); set its class "
+                  "to \"level set\", or convert it to fog",
                   import.name, values.odd.n_negative, values.n, values.odd.least);
     return import.fail(LF_E_FORMAT, what);
 }
@@ -337,14 +336,15 @@ template <typename Grid> lf_status convert(Import &import, const Grid &grid)
     if (grid.activeVoxelCount() > LF_GRID_MAX_BYTES / sizeof(float))
         return import.fail(LF_E_NOMEM, std::string("grid ") + import.name + " has " +
                                            std::to_string(grid.activeVoxelCount()) +
-                                           " active voxels: more than fit in " +
+                                           " active voxels, which do not fit into " +
                                            std::to_string(LF_GRID_MAX_BYTES >> 30) + " GiB");
     if (box.empty())
         box = CoordBBox(Coord(0), Coord(0));
     double local_to_file[12];
     if (!affine_map(grid, box.min(), local_to_file))
-        return import.fail(LF_E_FORMAT, std::string("grid ") + import.name +
-                                            " has a frustum or another map that is not affine");
+        return import.fail(LF_E_FORMAT,
+                           std::string("grid ") + import.name +
+                               " has a frustum or another transform that is not affine");
     if (import.face >= 0)
         move_to_faces(import.face, local_to_file);
     int64_t size[3];
@@ -397,7 +397,7 @@ lf_status import_from(Import &import, int fd)
             LF_E_FORMAT,
             std::string("grid \"") + import.name + "\" is of type " + entry->grid->type() +
                 (import.is_velocity ? "; a component of a velocity is " : "; a density is ") +
-                "float, half or double; the file holds " + list_grids(file));
+                "float, half or double; the file has " + list_grids(file));
     openvdb::GridBase::Ptr grid = file.load(*entry);
     auto single = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
     lf_status status = single ? convert_any_class<openvdb::FloatGrid>(import, single)
@@ -422,7 +422,7 @@ template <typename Work> static lf_status guarded(lf_error *err, Work work)
         return lf_error_set(err, LF_E_NOMEM, "", LF_READER_NOMEM);
     } catch (const std::ios_base::failure &) {
         return lf_error_set(err, LF_E_FORMAT, "",
-                            "cannot be read as OpenVDB: the file ends where more was expected");
+                            "cannot be read as OpenVDB: the file ends too early");
     } catch (const std::exception &e) {
         return lf_error_set(err, LF_E_FORMAT, "", "cannot be read as OpenVDB: %s", e.what());
     } catch (...) {

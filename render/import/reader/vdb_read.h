@@ -10,7 +10,7 @@ extern "C" {
 #endif
 
 #define LF_VDB_NAMES_BYTES 4096 /* for the list of a file's grid names */
-#define LF_READER_NOMEM "takes more memory than a reader may have (--import-memory)"
+#define LF_READER_NOMEM "needs more memory than file readers may use; raise --import-memory"
 
 /* lf_vdb_import (vdb_import.h) from fd, which stays the caller's; for velocities
  * lf_vdb_import_velocity, one component. The grid is filled but not finished. Call lf_vdb_begin

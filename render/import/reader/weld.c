@@ -319,15 +319,14 @@ static void warn_of_rest(const lf_soup *soup, bool coloured, const lf_mesh_desc 
     bool lost = desc->material < 0 && soup->n_coloured > 0 && !coloured;
     if (lost && says_materials(soup))
         lf_warnings_count(&out->warnings, LF_HERE, (long long)soup->n_coloured,
-                          "part has colours of vertices, which are not used: its material counts",
-                          "parts have colours of vertices, which are not used: their materials "
-                          "count");
+                          "part has vertex colours, which are ignored; its material is used",
+                          "parts have vertex colours, which are ignored; their materials are used");
     else if (lost)
         lf_warnings_add(&out->warnings, LF_HERE,
-                        "colours of vertices are not used: not every vertex has one");
+                        "vertex colours are ignored because not every vertex has one");
     lf_warnings_count(&out->warnings, LF_HERE, (long long)soup->n_wrong_normals,
-                      "face that names vertices that there are not is left out",
-                      "faces that name vertices that there are not are left out");
+                      "face that refers to missing vertices is left out",
+                      "faces that refer to missing vertices are left out");
     lf_warnings_count(&out->warnings, LF_HERE, (long long)soup->n_beside,
                       "point or line is left out", "points and lines are left out");
 }
@@ -358,7 +357,7 @@ lf_status lf_weld(lf_soup *soup, const lf_mesh_desc *desc, lf_mesh_data *out, lf
     bool colours = desc->material < 0 && colours_count(soup);
     if (soup->n_triangles == 0 && soup->n_wrong_normals > 0)
         return lf_error_set(err, LF_E_FORMAT, LF_HERE,
-                            "no triangles: all faces (%zu) name vertices that there are not",
+                            "no triangles: all faces (%zu) refer to missing vertices",
                             soup->n_wrong_normals);
     if (soup->n_triangles == 0)
         return lf_mesh_complete(out, desc, 0, err);

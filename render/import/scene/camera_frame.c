@@ -67,10 +67,9 @@ static void refuse(lf_reader *reader, const lf_node *from, const lf_framing *fra
         snprintf(said, sizeof said, "%d", framing->number);
     list_cameras(cameras, list, sizeof list);
     if (cameras->n == 0)
-        lf_read_fail(reader, from, "no camera stands in the file of mesh \"%s\"", framing->mesh);
+        lf_read_fail(reader, from, "the file of mesh \"%s\" has no camera", framing->mesh);
     else
-        lf_read_fail(reader, &at, "no camera %s; there %s %s", said, cameras->n == 1 ? "is" : "are",
-                     list);
+        lf_read_fail(reader, &at, "no camera %s; expected one of %s", said, list);
 }
 
 /* Which of a mesh's cameras; below 0: an error. */
@@ -86,7 +85,7 @@ static int find_camera(lf_reader *reader, const lf_node *from, const lf_framing 
     }
     if (!cameras->open[i].parallel)
         return i;
-    lf_read_fail(reader, from, "that camera is orthographic: the rig's are all in perspective");
+    lf_read_fail(reader, from, "that camera is orthographic; choose a perspective camera");
     return -1;
 }
 
@@ -206,8 +205,8 @@ void lf_camera_frame_warn(const lf_scene_desc *desc, lf_scene *scene)
         if (geometry->cameras[i].n > 0)
             lf_warnings_count(&scene->warnings, lf_geometry_file(geometry, i),
                               geometry->cameras[i].n,
-                              "camera is not used, the scene has its own (\"from\" of its camera "
-                              "looks through it)",
-                              "cameras are not used, the scene has its own (\"from\" of its camera "
-                              "looks through one)");
+                              "camera is not used because the scene has its own; to use it, set "
+                              "\"from\" of the scene's camera",
+                              "cameras are not used because the scene has its own; to use one, set "
+                              "\"from\" of the scene's camera");
 }

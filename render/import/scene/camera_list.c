@@ -14,12 +14,12 @@ const char *lf_camera_fault(const double position[3], const double target[3], co
     const double distance = lf_length_double(view);
     *out_key = "position";
     if (!(distance >= LF_MIN_DISTANCE))
-        return "the camera stands on its target, or less than 1e-9 from it";
+        return "the camera is at its target, or less than 1e-9 from it";
     lf_cross_double(view, up, cross);
     *out_key = "up";
     return lf_length_double(cross) > 1e-6 * distance * lf_length_double(up)
                ? NULL
-               : "up is zero or along the line of sight";
+               : "up is zero or parallel to the view direction";
 }
 
 static bool make_room(lf_reader *reader, int n, lf_view_camera **out)
@@ -48,7 +48,7 @@ static void read_one(lf_reader *reader, const lf_node *node, const lf_camera *ca
     if (!lf_read_object(reader, node, keys))
         return;
     if (!lf_node_child(node, "position").value)
-        lf_read_fail(reader, node, "\"position\" is missing: where the camera stands");
+        lf_read_fail(reader, node, "\"position\" is missing: the position of the camera");
     lf_read_numbers(reader, node, "position", 3, out->position, -LF_MAX_COORDINATE,
                     LF_MAX_COORDINATE);
     lf_read_numbers(reader, node, "target", 3, out->target, -LF_MAX_COORDINATE, LF_MAX_COORDINATE);
@@ -141,7 +141,7 @@ static void follow_path(lf_reader *reader, const lf_node *node, const lf_view_ca
         out[k].fov_y = fmin(fmax(out[k].fov_y, LF_RADIANS(0.1)), LF_RADIANS(160));
         const char *fault = lf_camera_fault(out[k].position, out[k].target, out[k].up, &key);
         if (fault)
-            lf_read_fail(reader, node, "at view %d of the path %s", k, fault);
+            lf_read_fail(reader, node, "at view %d of the path, %s", k, fault);
     }
 }
 

@@ -21,10 +21,9 @@ void lf_camera_check(lf_reader *reader, const lf_node *root, lf_camera *camera)
     if (camera->list && camera->view_blur > 0)
         lf_read_fail(
             reader, &blur,
-            "cameras that are listed have no neighbours; those of an arc, a track or a grid "
-            "do");
+            "cameras listed one by one cannot have view_blur; use an arc, a track or a grid");
     if (camera->view_blur > 0 && camera->lens_radius > 0)
-        lf_read_fail(reader, &blur, "does not go with a lens_radius: one lens at a time");
+        lf_read_fail(reader, &blur, "cannot be combined with lens_radius; remove one of them");
     if (!lf_node_child(&node, "focus_distance").value)
         camera->focus_distance = camera->list ? 0.0 : lf_length_double(view);
 }
@@ -40,7 +39,7 @@ static void parse_framing(lf_reader *reader, const lf_node *node, lf_framing *fr
         return;
     framing->mesh = lf_read_string(reader, &from, "mesh", NULL, LF_MAX_NAME);
     if (!framing->mesh)
-        lf_read_fail(reader, &from, "\"mesh\" is missing: whose file the camera is in");
+        lf_read_fail(reader, &from, "\"mesh\" is missing: the mesh whose file has the camera");
     if (json_is_string(camera.value))
         framing->name = lf_read_string(reader, &from, "camera", NULL, LF_MAX_NAME);
     else if (camera.value)
@@ -74,7 +73,8 @@ static void part_track(lf_reader *reader, const lf_node *count, int n, lf_camera
     while (parts_of(good) == 0)
         good--;
     if (good != n)
-        lf_read_fail(reader, count, "%d cameras are no equal parts of %d to %d each: %d are", n,
+        lf_read_fail(reader, count,
+                     "%d cameras cannot be divided into equal parts of %d to %d cameras; %d can", n,
                      LEAST_PART, LF_MAX_VIEWS, good);
     camera->n_rows = parts_of(good);
     camera->n_views = good / camera->n_rows;
@@ -89,7 +89,8 @@ static void parse_track(lf_reader *reader, const lf_node *track, lf_camera *came
         return;
     if (!lf_node_child(track, "length").value)
         lf_read_fail(reader, track,
-                     "\"length\" is missing: scene units from the first camera to the last");
+                     "\"length\" is missing: the distance from the first to the last camera, in "
+                     "scene units");
     const int n = lf_read_int(reader, track, "count", camera->n_views, 1, LF_MAX_TRACK_VIEWS);
     const lf_node count = lf_node_child(track, "count");
     camera->n_views = n;
@@ -108,7 +109,8 @@ static void parse_grid(lf_reader *reader, const lf_node *grid, lf_camera *camera
     for (int i = 0; i < 4; i++)
         if (!lf_node_child(grid, keys[i]).value) {
             lf_read_fail(reader, grid, "\"%s\" is missing: %s", keys[i],
-                         i < 2 ? "how many cameras" : "scene units between the outer cameras");
+                         i < 2 ? "the number of cameras"
+                               : "the distance between the outer cameras, in scene units");
             return;
         }
     camera->n_views = lf_read_int(reader, grid, "columns", 1, 1, LF_MAX_VIEWS);
@@ -164,9 +166,9 @@ static void parse_fit(lf_reader *reader, const lf_node *node, const lf_node *fit
     else if (!json_is_boolean(fit->value))
         lf_read_fail(reader, fit, "expected true, false or the name of a mesh or volume");
     if (!json_is_false(fit->value) && lf_node_child(node, "from").value)
-        lf_read_fail(reader, fit, "does not go with \"from\": one of them places the camera");
+        lf_read_fail(reader, fit, "\"fit\" and \"from\" both place the camera; remove one of them");
     if (!json_is_false(fit->value) && json_is_object(lf_node_child(node, "views").value))
-        lf_read_fail(reader, fit, "only goes with a number of \"views\"");
+        lf_read_fail(reader, fit, "\"fit\" needs a number as \"views\"");
 }
 
 /* The keys of the table; views that are an object, and "fit", are read by themselves. */
@@ -194,7 +196,7 @@ static void parse_params(lf_reader *reader, const lf_node *node, lf_scene_desc *
         return;
     parse_placed_views(reader, &views, out);
     if (out->camera.list && from.value)
-        lf_read_fail(reader, &from, "does not go with cameras that are listed one by one");
+        lf_read_fail(reader, &from, "\"from\" cannot be combined with cameras listed one by one");
 }
 
 void lf_camera_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out)

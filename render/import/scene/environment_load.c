@@ -42,7 +42,7 @@ static void copy_positive(const float *from, size_t n, float *to, const char *pa
         to[i] = fmaxf(from[i], 0.0f);
     }
     if (clipped > 0)
-        lf_log(LF_LOG_DEBUG, "%s: %zu values below 0 taken as 0", path, clipped);
+        lf_log(LF_LOG_DEBUG, "%s: %zu values below 0 are read as 0", path, clipped);
 }
 
 /* Black, and not committed; NULL = out of memory. */
@@ -114,9 +114,10 @@ static lf_status read_environment(int fd, const char *path, lf_environment **out
     const bool plain = picture.meta.layout == LF_IMAGE_PLAIN;
     if (plain &&
         (picture.width > LF_MAX_ENVIRONMENT_SIDE || picture.height > LF_MAX_ENVIRONMENT_SIDE))
-        status = lf_error_set(err, LF_E_FORMAT, path,
-                              "%d x %d pixels; an environment has at most %d a side", picture.width,
-                              picture.height, LF_MAX_ENVIRONMENT_SIDE);
+        status = lf_error_set(
+            err, LF_E_FORMAT, path,
+            "an environment of %d x %d pixels is too large; expected at most %d per side",
+            picture.width, picture.height, LF_MAX_ENVIRONMENT_SIDE);
     else
         status = make_environment(&picture, path, out, err);
     lf_raster_close(&picture);

@@ -49,15 +49,15 @@ static const char *up_at(int index)
 const lf_param lf_alone_params[] = {
     {.name = "yaw", .option = "yaw", .argument = "DEGREES", .place = offsetof(lf_alone, yaw),
      .has = offsetof(lf_alone, has_yaw), .low = -360, .high = 360, .unit = "degrees",
-     .help = "of a file without a scene: how far to the right of its front the eye is (22)"},
+     .help = "file without a scene: camera angle to the right of its front (22)"},
     {.name = "pitch", .option = "pitch", .argument = "DEGREES", .place = offsetof(lf_alone, pitch),
      .has = offsetof(lf_alone, has_pitch), .low = -89, .high = 89, .unit = "degrees",
-     .help = "of a file without a scene: how far above it the eye is (13)"},
+     .help = "file without a scene: camera angle above it (13)"},
     {.name = "up", .option = "up", .argument = "file|y|z", .place = offsetof(lf_alone, up),
      .type = LF_PARAM_WORD, .word_at = up_at,
-     .help = "of a file without a scene: which of its axes leads upwards (file: z in STL, else y)"},
+     .help = "up axis of a file without a scene; file: z for STL, else y"},
     {.name = "bare", .option = "bare", .place = offsetof(lf_alone, bare), .type = LF_PARAM_SWITCH,
-     .help = "show a file without a scene before a dark backdrop, without ground and studio"},
+     .help = "show a file without a scene on a dark backdrop, without ground and studio"},
     {0},
 };
 /* clang-format on */

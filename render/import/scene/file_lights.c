@@ -89,12 +89,13 @@ void lf_file_lights_warn(const lf_scene_desc *desc, lf_scene *scene)
         if (geometry->lights[i].n > 0 && desc->meshes[i].lights < 0 && has_own(desc))
             lf_warnings_count(&scene->warnings, lf_geometry_file(geometry, i),
                               geometry->lights[i].n,
-                              "light is not used, the scene has its own (\"lights\": true of the "
-                              "mesh lets it shine)",
-                              "lights are not used, the scene has its own (\"lights\": true of the "
-                              "mesh lets them shine)");
+                              "light is not used because the scene has its own; to add it, set "
+                              "\"lights\": true of the mesh",
+                              "lights are not used because the scene has its own; to add them, set "
+                              "\"lights\": true of the mesh");
     if (n_left > 0)
-        lf_warnings_add(
-            &scene->warnings, scene->file.where, "%d %s of mesh files %s left out: %d are possible",
-            n_left, n_left == 1 ? "light" : "lights", n_left == 1 ? "is" : "are", LF_MAX_LIGHTS);
+        lf_warnings_add(&scene->warnings, scene->file.where,
+                        "%d %s of mesh files %s left out; at most %d are supported", n_left,
+                        n_left == 1 ? "light" : "lights", n_left == 1 ? "is" : "are",
+                        LF_MAX_LIGHTS);
 }

@@ -48,10 +48,10 @@ static const foreign_word lights[] = {
     {"omni", "\"point\""},
     {"spotlight", "\"spot\""},
     {"area",
-     "\"rectangle\", \"disk\" or \"sphere\"; a mesh shines by the \"emission\" of its material"},
+     "\"rectangle\", \"disk\" or \"sphere\"; a mesh emits light if its material has \"emission\""},
     {"quad", "\"rectangle\""},
     {"rect", "\"rectangle\""},
-    {"mesh", "nothing: a mesh shines by the \"emission\" of its material"},
+    {"mesh", "\"emission\" in the material of a mesh"},
 };
 
 /* A key of other renderers, or of another type of lights. */
@@ -59,8 +59,8 @@ typedef struct foreign_key {
     const char *type, *key, *here; /* type: NULL: any */
 } foreign_key;
 
-#define BY_POWER "\"intensity\", in W/sr: a power in W divided by 4 pi"
-#define COLOUR "three numbers for what it shines: [red, green, blue]"
+#define BY_POWER "\"intensity\", in W/sr (the power in W divided by 4 pi)"
+#define COLOUR "three numbers, [red, green, blue], as its power, radiance or intensity"
 
 static const foreign_key light_keys[] = {
     {"point", "power", BY_POWER},
@@ -101,7 +101,7 @@ static void refuse_keys(lf_reader *reader, const lf_node *node, const foreign_ke
     for (size_t i = 0; i < n; i++) {
         lf_node at = lf_node_child(node, keys[i].key);
         if (at.value && (!keys[i].type || (type && strcmp(type, keys[i].type) == 0)))
-            lf_read_fail(reader, &at, "unknown key \"%s\"; say %s", keys[i].key, keys[i].here);
+            lf_read_fail(reader, &at, "unknown key \"%s\"; use %s", keys[i].key, keys[i].here);
     }
 }
 
@@ -111,7 +111,7 @@ static void refuse(lf_reader *reader, const lf_node *node, const foreign_word *w
     lf_node at = lf_node_child(node, "type");
     for (size_t i = 0; type && i < n; i++)
         if (strcmp(type, words[i].word) == 0)
-            lf_read_fail(reader, &at, "there is no \"%s\"; say %s", type, words[i].here);
+            lf_read_fail(reader, &at, "unknown type \"%s\"; use %s", type, words[i].here);
 }
 
 void lf_refuse_foreign_material(lf_reader *reader, const lf_node *material)

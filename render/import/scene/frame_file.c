@@ -26,9 +26,10 @@ char *lf_frame_file(lf_reader *reader, const lf_node *node, const char *file, in
     const int hole = lf_read_choice(reader, &sequence, "missing", holes, LF_HOLE_HOLD);
     if (stated && !varies)
         lf_read_fail(reader, &sequence,
-                     "the file's name has no place for a number, such as %%04d: %s", file);
+                     "the file name needs a field for the frame number, such as %%04d: %s", file);
     else if (number < 0 || number > INT32_MAX)
-        lf_read_fail(reader, node, "in frame %d the file's number would be %.0f", frame, number);
+        lf_read_fail(reader, node, "the number of the file would be out of range in frame %d: %.0f",
+                     frame, number);
     if (reader->status != LF_OK)
         return NULL;
     *out = (lf_frame_of){varies ? file : NULL, (int)number, step < 0 ? 1 : -1, (lf_hole)hole};

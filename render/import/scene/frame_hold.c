@@ -12,12 +12,12 @@ static bool hold(lf_scene_desc *desc, lf_volume_desc *volume, const char *folder
     const bool done = lacks;
     if (done && volume->frame.hole == LF_HOLE_EMPTY)
         lf_warnings_add(&desc->warnings, lacks,
-                        "the file is missing: volume \"%s\" is empty in frame %d", volume->name,
+                        "the file is missing; volume \"%s\" is empty in frame %d", volume->name,
                         desc->frame);
     else if (done)
         lf_warnings_add(&desc->warnings, lacks,
-                        "the file is missing: frame %d shows %s in its place (\"missing\": "
-                        "\"empty\" or \"error\" in the volume's \"sequence\" changes that)",
+                        "the file is missing; frame %d shows %s instead (set \"missing\" in the "
+                        "volume's \"sequence\" to \"empty\" or \"error\" to change this)",
                         desc->frame, held);
     lf_free(lacks);
     if (volume->frame.hole == LF_HOLE_EMPTY) {

@@ -386,10 +386,10 @@ static lf_status build_bvh(lf_geometry *geometry, lf_error *err)
         if (!(geometry->meshes[i].instances
                   ? lf_instances_attach(&geometry->meshes[i], geometry->device, geometry->embree)
                   : attach_mesh(geometry, &geometry->meshes[i])))
-            return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take mesh %d", i);
+            return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot attach mesh %d", i);
     if (geometry->large.n > 0 && !lf_large_attach(&geometry->large, geometry->device,
                                                   geometry->embree, (unsigned)geometry->n_meshes))
-        return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot take the large triangles");
+        return lf_error_set(err, LF_E_NOMEM, "meshes", "Embree cannot attach the large triangles");
     return lf_embree_commit(geometry->embree, geometry->device, err);
 }
 

@@ -41,17 +41,17 @@ static lf_status refuse(const lf_affine *place, const double own[2][3], int numb
 {
     if (is_flat(place))
         return lf_error_set(err, LF_E_FORMAT, where,
-                            "instance %d, counted from 0, flattens space: it has no inverse, or "
-                            "one with numbers beyond %g",
+                            "instance %d, counted from 0, has a singular transform: its inverse "
+                            "does not exist or exceeds %g",
                             number, LF_MAX_INVERSE);
     double box[2][3], most = 0.0;
     map_box(place, own, box);
     for (int i = 0; i < 6; i++)
         most = fmax(most, fabs(box[i / 3][i % 3]));
-    return lf_error_set(err, LF_E_FORMAT, where,
-                        "instance %d, counted from 0, has coordinates up to %g; at most %g is "
-                        "possible",
-                        number, most, LF_MAX_REACH);
+    return lf_error_set(
+        err, LF_E_FORMAT, where,
+        "instance %d, counted from 0, has coordinates up to %g; expected at most %g", number, most,
+        LF_MAX_REACH);
 }
 
 lf_status lf_instances_check(const lf_mesh_data *data, const char *where, lf_error *err)
@@ -78,8 +78,9 @@ static lf_status put(lf_mesh_data *data, const lf_affine *place, size_t n, const
 {
     const size_t own = data->n_instances > 0 ? (size_t)data->n_instances : 1;
     if (own * n > LF_MAX_INSTANCES)
-        return lf_error_set(err, LF_E_NOMEM, where, "%zu instances; at most %d are possible",
-                            own * n, LF_MAX_INSTANCES);
+        return lf_error_set(err, LF_E_NOMEM, where,
+                            "%zu instances are too many; expected at most %d", own * n,
+                            LF_MAX_INSTANCES);
     lf_affine *all = lf_calloc(own * n, sizeof *all);
     uint32_t *part_of = data->part_of ? lf_calloc(own * n, sizeof *part_of) : NULL;
     if (!all || (data->part_of && !part_of)) {
@@ -108,13 +109,14 @@ lf_status lf_instances_take(const lf_parcel *parcel, const char *path, lf_mesh_d
     size_t n;
     const double *numbers = lf_parcel_get(parcel, LF_PARCEL_INSTANCES, &n);
     if (!numbers || n % 12 != 0 || n / 12 > LF_MAX_INSTANCES)
-        return lf_error_set(err, LF_E_FORMAT, path, "the reader's answer has no places");
+        return lf_error_set(err, LF_E_FORMAT, path, "the reader's answer has no instances");
     for (size_t i = 0; i < n / 12; i++) {
         bool sound = true;
         for (int j = 0; j < 12; j++)
             sound = sound && fabs(numbers[12 * i + (size_t)j]) <= LF_MAX_COORDINATE;
         if (!sound)
-            return lf_error_set(err, LF_E_FORMAT, path, "the reader's answer has no such place");
+            return lf_error_set(err, LF_E_FORMAT, path,
+                                "the reader's answer has invalid instances");
     }
     return put(data, (const lf_affine *)(const void *)numbers, n / 12, path, err);
 }
@@ -176,10 +178,9 @@ lf_status lf_instances_import(const lf_mesh_desc *desc, const char *folder, cons
     const int places = data->n_instances, triangles = data->n_triangles;
     status = lf_mesh_repeat(data);
     if (status == LF_E_NOMEM)
-        lf_error_set(
-            err, status, desc->places.file ? desc->places.file : desc->name,
-            "%d instances of %d triangles, some of which shine, which is done by copies of "
-            "at most %d triangles: give what shines as a mesh of its own",
-            places, triangles, LF_MAX_REPEATED);
+        lf_error_set(err, status, desc->places.file ? desc->places.file : desc->name,
+                     "%d instances of %d triangles with emission exceed the limit of %d copied "
+                     "triangles; make the emissive part a mesh of its own",
+                     places, triangles, LF_MAX_REPEATED);
     return status;
 }

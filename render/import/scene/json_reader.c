@@ -172,7 +172,7 @@ bool lf_read_object(lf_reader *reader, const lf_node *node, const char *const ke
         if (meant)
             lf_read_fail(reader, &child, "unknown key \"%s\"; did you mean \"%s\"?", key, meant);
         else
-            lf_read_fail(reader, &child, "unknown key \"%s\"; keys here are %s", key, list);
+            lf_read_fail(reader, &child, "unknown key \"%s\"; expected one of %s", key, list);
         return false;
     }
     return true;

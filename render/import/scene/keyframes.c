@@ -47,7 +47,8 @@ static void read_numbers(lf_reader *reader, const lf_node *node, numbers *out)
         }
     }
     if (!good)
-        lf_read_fail(reader, node, "expected a number, or an array of up to %d", MOST_NUMBERS);
+        lf_read_fail(reader, node, "expected a number, or an array of up to %d numbers",
+                     MOST_NUMBERS);
 }
 
 /* One key: its frame and value. */
@@ -77,9 +78,10 @@ static double find_keys(const walker *w, const lf_node *keys, numbers *before, n
         numbers value;
         frame = read_key(w->reader, keys, i, &value);
         if (i > 0 && !(frame > last))
-            lf_read_fail(w->reader, &key, "keys stand in the order of their frames, one in each");
+            lf_read_fail(w->reader, &key,
+                         "keyframes must be in ascending frame order, one per frame");
         if (i > 0 && value.n != before->n)
-            lf_read_fail(w->reader, &key, "a value of as many numbers as the first key has");
+            lf_read_fail(w->reader, &key, "expected as many numbers as in the first key");
         if (i == 0 || frame <= w->frame) {
             *before = *behind = value;
             from = frame;

@@ -67,7 +67,7 @@ static void parse_picture(lf_reader *reader, const lf_node *node, lf_picture_des
     static const char *const filters[] = {"linear", "nearest", NULL};
     out->file = lf_read_file(reader, node, "file", endings);
     if (!out->file)
-        lf_read_fail(reader, node, "\"file\" is missing: a picture (.png, .jpg, .webp)");
+        lf_read_fail(reader, node, "\"file\" is missing: an image (.png, .jpg, .webp)");
     out->texture = (lf_texture){.picture = 1, .scale = 1.0f};
     out->texture.wrap_u = out->texture.wrap_v =
         (uint8_t)lf_read_choice(reader, node, "wrap", wraps, LF_WRAP_REPEAT);
@@ -83,7 +83,7 @@ static void read_key(lf_reader *reader, const lf_node *node, const lf_param *key
     lf_picture_desc *picture = place_of(key->name, pictures);
     const lf_node at = lf_node_child(node, key->name);
     if (picture && json_is_string(at.value))
-        lf_read_fail(reader, &at, "a picture is an object: say {\"file\": \"%.200s\"}",
+        lf_read_fail(reader, &at, "a texture is an object; use {\"file\": \"%.200s\"}",
                      json_string_value(at.value));
     if (!picture || !json_is_object(at.value)) {
         lf_read_value(reader, node, key, out);
@@ -113,7 +113,7 @@ static void check_parts(lf_reader *reader, const lf_node *node, const lf_picture
         if (part[0].file && part[1].file && !lies_alike(&part[0].texture, &part[1].texture))
             lf_read_fail(
                 reader, &at,
-                "the pictures of %s and %s need the same transform, wrap and interpolation",
+                "the textures of %s and %s need the same transform, wrap and interpolation",
                 lf_picture_keys[i][0], lf_picture_keys[i][1]);
     }
 }
@@ -187,11 +187,13 @@ static void check_others(lf_reader *reader, const lf_node *node, const lf_surfac
             if (!at.value || has_key(kind, key->name) || is_repeated(key, i))
                 continue;
             if (key->exclusive)
-                lf_read_fail(reader, &at, "only %ss have %s", lf_surface_kinds[i]->name, key->name);
+                lf_read_fail(reader, &at, "only a material of type \"%s\" has %s",
+                             lf_surface_kinds[i]->name, key->name);
             read_key(reader, node, key, &value, &unused);
             const lf_surface_kind *only = only_with(key->name);
-            lf_warnings_add(warnings, reader->where, "material \"%s\": %s has no effect, %s%s%s%s",
-                            node->key, key->name, kind->lacks, only ? ": only of type \"" : "",
+            lf_warnings_add(warnings, reader->where,
+                            "material \"%s\": %s has no effect because %s%s%s%s", node->key,
+                            key->name, kind->lacks, only ? "; it needs type \"" : "",
                             only ? only->name : "", only ? "\"" : "");
         }
 }
@@ -278,7 +280,7 @@ static int find_material(lf_reader *reader, const lf_node *root, const lf_node *
     if (found < 0 && meant)
         lf_read_fail(reader, at, "no material \"%s\"; did you mean \"%s\"?", name, meant);
     else if (found < 0)
-        lf_read_fail(reader, at, "no material \"%s\" in materials", name);
+        lf_read_fail(reader, at, "no material \"%s\" in \"materials\"", name);
     return found;
 }
 
@@ -304,12 +306,15 @@ static void read_overrides(lf_reader *reader, const lf_node *mesh_node, const lf
         return;
     if (!json_is_object(all.value))
         lf_read_fail(reader, &all,
-                     "expected an object: names of the file's materials, and of the "
-                     "scene's that replace them");
+                     "expected an object: names of the file's materials, with names of the scene's "
+                     "materials that replace them");
     else if (mesh->shape)
-        lf_read_fail(reader, &all, "only a file has materials of its own; say \"material\"");
+        lf_read_fail(reader, &all,
+                     "only a mesh from a file has materials of its own; use \"material\"");
     else if (lf_node_child(mesh_node, "material").value)
-        lf_read_fail(reader, &all, "\"material\" replaces all of the file's already");
+        lf_read_fail(
+            reader, &all,
+            "\"material\" already replaces all materials of the file; remove one of the keys");
     mesh->overrides = lf_calloc(json_object_size(all.value), sizeof *mesh->overrides);
     if (!mesh->overrides && reader->status == LF_OK)
         reader->status = lf_error_set(reader->err, LF_E_NOMEM, reader->where, "out of memory");

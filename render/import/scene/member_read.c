@@ -19,7 +19,7 @@ int lf_read_type(lf_reader *reader, const lf_node *node, const char *const types
     if (fallback < 0 && !lf_node_child(node, "type").value) {
         char list[256];
         lf_join_names(types, list, sizeof list);
-        lf_read_fail(reader, node, "\"type\" is missing: one of %s", list);
+        lf_read_fail(reader, node, "\"type\" is missing; expected one of %s", list);
     }
     return lf_read_choice(reader, node, "type", types, fallback < 0 ? 0 : fallback);
 }
@@ -28,7 +28,7 @@ static void make_unit(lf_reader *reader, const lf_node *at, double direction[3])
 {
     const double length = lf_length_double(direction);
     if (!(length > 0))
-        lf_read_fail(reader, at, "the direction has no length");
+        lf_read_fail(reader, at, "the direction must not be zero");
     for (int i = 0; i < 3 && length > 0; i++)
         direction[i] /= length;
 }

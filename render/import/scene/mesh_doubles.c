@@ -129,13 +129,10 @@ static void mark(search *s, const char *where)
             other = other == UINT32_MAX ? found : other;
         }
         if (count > 0)
-            lf_warnings_add(&s->data[i].warnings, where,
-                            "mesh \"%s\": %u of its triangles %s in \"%s\" (in one place there "
-                            "is one face)",
-                            s->data[i].name, count,
-                            count == 1 ? "is left out, the same stands"
-                                       : "are left out, the same stand",
-                            s->data[mesh_of(s, other)].name);
+            lf_warnings_add(
+                &s->data[i].warnings, where,
+                "mesh \"%s\": %u of its triangles %s left out because \"%s\" has the same",
+                s->data[i].name, count, count == 1 ? "is" : "are", s->data[mesh_of(s, other)].name);
     }
 }
 

@@ -33,7 +33,8 @@ static lf_status check_room(const lf_mesh_data *data, const char *path, lf_error
 {
     return data->n_files < LF_MESH_MAX_FILES
                ? LF_OK
-               : lf_error_set(err, LF_E_NOMEM, path, "too many files behind one mesh (at most %d)",
+               : lf_error_set(err, LF_E_NOMEM, path,
+                              "the mesh needs too many files; expected at most %d",
                               LF_MESH_MAX_FILES);
 }
 
@@ -186,7 +187,7 @@ static lf_status take_mesh(const lf_mesh_desc *desc, const char *path, const lf_
         status = lf_mesh_note_same(out, &state->data->files[i], err);
     take_warnings(parcel, path, &out->warnings);
     if (state->failed.status != LF_OK && desc->material < 0)
-        lf_warnings_add(&out->warnings, path, "left out: %s: %s", state->failed.where,
+        lf_warnings_add(&out->warnings, path, "a file is left out: %s: %s", state->failed.where,
                         state->failed.what);
     return status;
 }

@@ -26,6 +26,6 @@ void lf_mesh_role_parse(lf_reader *reader, const lf_node *node, lf_mesh_desc *me
                    !lf_node_child(node, "instances").value;
     if (mesh->stands && mesh->shape != &lf_mesh_quad && mesh->shape != &lf_mesh_disk)
         lf_read_fail(reader, node,
-                     "a ground of this shape needs a \"transform\": only a quad and a disk are "
-                     "placed beneath what the scene holds");
+                     "a ground of this shape needs a \"transform\"; only a quad and a disk are "
+                     "placed below the scene automatically");
 }

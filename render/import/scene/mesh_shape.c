@@ -157,13 +157,13 @@ static lf_status check_reach(const lf_mesh_data *data, const char *name, lf_erro
     for (int i = 0; i < 3 * data->n_vertices; i++) {
         if (!isfinite(data->positions[i]))
             return lf_error_set(err, LF_E_FORMAT, name,
-                                "it is too small for where it stands: its corners are one point");
+                                "it is too small so far from the origin: its corners coincide");
         most = fmax(most, fabs(data->positions[i]));
     }
     if (most <= LF_MAX_REACH)
         return LF_OK;
-    return lf_error_set(err, LF_E_FORMAT, name,
-                        "it has coordinates up to %g; at most %g is possible", most, LF_MAX_REACH);
+    return lf_error_set(err, LF_E_FORMAT, name, "it has coordinates up to %g; expected at most %g",
+                        most, LF_MAX_REACH);
 }
 
 lf_status lf_mesh_shape_make(const lf_mesh_desc *desc, lf_mesh_data *out, lf_error *err)

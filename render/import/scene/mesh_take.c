@@ -182,7 +182,8 @@ static lf_status take_materials(const lf_parcel *parcel, lf_mesh_data *out, lf_e
         for (int s = 0; s < LF_SLOTS && fits && out->textures; s++)
             fits = take_texture(&from[i].texture[s], out, &out->textures[i].slot[s]);
         if (!fits)
-            return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such material");
+            return lf_error_set(err, LF_E_FORMAT, "",
+                                "the reader's answer has an invalid material");
     }
     return LF_OK;
 }
@@ -209,7 +210,7 @@ lf_status lf_mesh_take_pictures(const lf_parcel *parcel, lf_mesh_data *out, lf_e
     const lf_parcel_picture *sizes = lf_parcel_get(parcel, LF_PARCEL_PICTURES, &n);
     const uint8_t *texels = lf_parcel_get(parcel, LF_PARCEL_TEXELS, &n_texels);
     if (!sizes_fit(sizes, n, n_texels))
-        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such pictures");
+        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has invalid textures");
     if (n == 0)
         return LF_OK;
     out->pictures = lf_calloc(n, sizeof *out->pictures);
@@ -311,7 +312,7 @@ static lf_status take_span(const lf_parcel *parcel, lf_mesh_data *out, lf_error 
     size_t n;
     const double *span = lf_parcel_get(parcel, LF_PARCEL_SPAN, &n);
     if (n > 1 || (n == 1 && !(*span > 0 && *span <= LF_MAX_SECONDS)))
-        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such animation");
+        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has an invalid animation");
     out->span = n == 1 ? *span : 0;
     return LF_OK;
 }
@@ -354,7 +355,7 @@ static lf_status take_lights(const lf_parcel *parcel, lf_mesh_data *out, lf_erro
     for (size_t i = 0; i < n && fits; i++)
         fits = take_light(&from[i], &out->lights.open[out->lights.n++]);
     return fits ? LF_OK
-                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such lights");
+                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has invalid lights");
 }
 
 /* ----------------------------------------------------------------------------------- cameras -- */
@@ -399,7 +400,7 @@ static lf_status take_cameras(const lf_parcel *parcel, lf_mesh_data *out, lf_err
     for (size_t i = 0; i < n && fits; i++)
         fits = take_camera(&from[i], &out->cameras.open[out->cameras.n++]);
     return fits ? LF_OK
-                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such cameras");
+                : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has invalid cameras");
 }
 
 /* Whether parts follow each other, to the last triangle, and no triangle has a vertex of another
@@ -429,7 +430,7 @@ static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error
                  n_instances = count_of(parcel, LF_PARCEL_PART_OF);
     if (n == 0 || n % 4 != 0 || n / 4 > INT_MAX ||
         12 * n_instances != count_of(parcel, LF_PARCEL_INSTANCES))
-        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
+        return lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has invalid parts");
     lf_status status = copy(parcel, LF_PARCEL_PARTS, n / 4, sizeof *out->parts, &out->parts, err);
     if (status == LF_OK)
         status = lf_instances_take(parcel, "", out, err);
@@ -445,7 +446,7 @@ static lf_status take_parts(const lf_parcel *parcel, lf_mesh_data *out, lf_error
               (i == 0 || out->part_of[i - 1] <= out->part_of[i]);
     return fit && lf_instances_check(out, "", NULL) == LF_OK
                ? LF_OK
-               : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has no such parts");
+               : lf_error_set(err, LF_E_FORMAT, "", "the reader's answer has invalid parts");
 }
 
 lf_status lf_mesh_take(const lf_parcel *parcel, lf_mesh_asked asked, lf_mesh_data *out,
@@ -479,6 +480,6 @@ lf_status lf_mesh_take(const lf_parcel *parcel, lf_mesh_asked asked, lf_mesh_dat
         status = take_parts(parcel, out, err);
     if (status == LF_OK &&
         !(positions_fit(out) && triangles_fit(out) && frames_fit(out) && looks_are_sound(out)))
-        status = lf_error_set(err, LF_E_FORMAT, "", "the reader's answer is no mesh");
+        status = lf_error_set(err, LF_E_FORMAT, "", "the reader's answer is not a valid mesh");
     return status;
 }

@@ -248,9 +248,10 @@ static void warn_of_instances(lf_ends ends, const char *where, lf_mesh_data *dat
                                       n * sizeof *open->places.map) == 0);
         if ((lf_instances_are_given(&open->places) || data[i].n_instances > 0) &&
             (!same || would_move(open, close, data[i].span)))
-            lf_warnings_add(&data[i].warnings, where,
-                            "mesh \"%s\": its instances stand still while the shutter is open",
-                            open->name);
+            lf_warnings_add(
+                &data[i].warnings, where,
+                "mesh \"%s\": its instances are rendered without motion blur, as at shutter open",
+                open->name);
     }
 }
 
@@ -297,8 +298,8 @@ static void warn_of_looks(lf_mesh_data *data, const lf_mesh_data *at, const char
     for (size_t i = 0; i < sizeof looks / sizeof *looks; i++)
         if (!looks[i].same)
             lf_warnings_add(&data->warnings, where,
-                            "mesh \"%s\": its %s changes while the shutter is open; it stays as "
-                            "it is when that opens",
+                            "mesh \"%s\": its %s changes while the shutter is open; it is rendered "
+                            "as at shutter open",
                             data->name, looks[i].what);
 }
 
@@ -307,8 +308,8 @@ static void take_close(lf_mesh_data *data, lf_mesh_data *at, const char *where)
 {
     if (!same_triangles(data, at)) {
         lf_warnings_add(&data->warnings, where,
-                        "mesh \"%s\" has other triangles when the shutter closes: it stands still "
-                        "where it is when that opens",
+                        "mesh \"%s\" has different triangles at shutter close; it is rendered "
+                        "without motion blur, as at shutter open",
                         data->name);
         return;
     }

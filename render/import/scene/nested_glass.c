@@ -268,8 +268,8 @@ static void warn_of_camera(const lf_scene *scene, const lf_scene_desc *desc, con
             !is_about(scene, p, at))
             continue;
         lf_warnings_add(warnings, scene->file.where,
-                        "camera: stands inside of the mesh \"%s\", and other glass is there: the "
-                        "first face that it sees refracts as if in air",
+                        "the camera is inside the mesh \"%s\" and other glass; the first face that "
+                        "it sees refracts as if in air",
                         desc->meshes[p->mesh].name);
         return;
     }
@@ -282,8 +282,8 @@ static void warn(const lf_scene *scene, const lf_scene_desc *desc, const parts *
     for (int i = 0; i < all->n; i++)
         if (all->item[i].is_open && overlaps_others(all, i))
             lf_warnings_add(warnings, scene->file.where,
-                            "mesh \"%s\": glass that stands in other glass, or about it, and is "
-                            "not closed: its faces refract as if in air",
+                            "mesh \"%s\" is glass in or around other glass, but is not closed; its "
+                            "faces refract as if in air",
                             desc->meshes[all->item[i].mesh].name);
 }
 

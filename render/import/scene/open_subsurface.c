@@ -36,14 +36,14 @@ void lf_warn_of_open_subsurface(const lf_scene *scene, const lf_scene_desc *desc
         if (!has_subsurface(scene, mesh))
             continue;
         if (!lf_mesh_is_closed(mesh))
-            lf_warnings_add(warnings, scene->file.where,
-                            "mesh \"%s\": its material has subsurface, and it is not closed: light "
-                            "is lost in it",
-                            name);
+            lf_warnings_add(
+                warnings, scene->file.where,
+                "mesh \"%s\" has subsurface scattering but is not closed; light is lost in it",
+                name);
         else if (volume_of(mesh) < 0)
             lf_warnings_add(warnings, scene->file.where,
-                            "mesh \"%s\": its material has subsurface, and it is inside out "
-                            "(corners run clockwise, seen from outside): no light enters it",
+                            "mesh \"%s\" has subsurface scattering but is inside out (corners run "
+                            "clockwise, seen from outside); no light enters it",
                             name);
     }
 }

@@ -88,7 +88,8 @@ static void load_grid(commit *c, const lf_volume_desc *desc, const char *name, c
                         (int)strcspn(name, "\n"), name, desc->name, lacks);
     else if (lf_volume_flows(c->desc, desc) && !out->steps)
         lf_warnings_add(&c->scene->warnings, path,
-                        "grids of velocity are empty: the volume \"%s\" stands still", desc->name);
+                        "the velocity grids are empty: the volume \"%s\" does not move",
+                        desc->name);
     lf_free(path);
 }
 
@@ -107,10 +108,8 @@ static void check_roughness(const commit *c, int i)
     if (!(lost > most))
         return;
     (void)lf_error_set(&err, LF_E_FORMAT, desc->name,
-                       "the grid is too rough to be carried by velocities: between voxels its "
-                       "values lose %.2g mean free paths a voxel, and pictures would be more than "
-                       "0.15 %% too bright; expected at most %.2g; leave \"velocity\" out, or make "
-                       "the grid smoother",
+                       "the grid is too rough for \"velocity\": it loses %.2g mean free paths per "
+                       "voxel (limit %.2g), which brightens the image; smooth the grid",
                        lost, most);
     fail_at(c, "volumes", desc->name, "velocity", &err);
 }
@@ -119,7 +118,7 @@ static void fail_too_much(const commit *c, const lf_volume_desc *desc, const cha
 {
     lf_error err;
     (void)lf_error_set(&err, LF_E_FORMAT, desc->name,
-                       "the grid's largest value makes %g of this; at most %g is possible", most,
+                       "the grid's largest value makes this %g; expected at most %g", most,
                        (double)MOST_SIGMA);
     fail_at(c, "volumes", desc->name, key, &err);
 }
@@ -136,7 +135,7 @@ static void load_emissive(commit *c, int i)
     *emissive = (lf_volume){.kind = desc->kind, .nearest = desc->nearest};
     emissive->sigma_scale = emissive->sigma_max = 1.0f;
     if (desc->kind == LF_VOLUME_GRID)
-        load_grid(c, desc, desc->emission_grid, "does not glow", "emission", emissive);
+        load_grid(c, desc, desc->emission_grid, "does not emit", "emission", emissive);
     if (emissive->grid)
         emissive->sigma_max = lf_volume_largest(emissive);
     light->volume = i;
@@ -159,12 +158,13 @@ static void load_albedo(commit *c, const lf_volume_desc *desc, lf_volume *volume
     for (int i = 0; i < 3 && c->reader->status == LF_OK; i++) {
         lf_volume *field = &volume->albedo_fields[i];
         *field = (lf_volume){.kind = LF_VOLUME_GRID, .nearest = desc->nearest, .sigma_scale = 1.0f};
-        load_grid(c, desc, desc->albedo_grid[i], "scatters nothing in a channel", "albedo", field);
+        load_grid(c, desc, desc->albedo_grid[i], "scatters nothing in one channel", "albedo",
+                  field);
         field->sigma_max = lf_volume_largest(field);
         if (field->sigma_max > 1.0001f) {
             lf_error err;
             (void)lf_error_set(&err, LF_E_FORMAT, desc->name,
-                               "grid %s has values up to %g; an albedo is at most 1",
+                               "grid %s has values up to %g; expected at most 1 for an albedo",
                                desc->albedo_grid[i], (double)field->sigma_max);
             fail_at(c, "volumes", desc->name, "albedo", &err);
         }
@@ -203,7 +203,7 @@ static void load_volumes(commit *c)
             lf_phase_droplets(desc->droplets, volume);
         volume->albedo = lf_to_vec3(desc->albedo);
         if (desc->kind == LF_VOLUME_GRID)
-            load_grid(c, desc, desc->grid, "is not there", "file", volume);
+            load_grid(c, desc, desc->grid, "is left out", "file", volume);
         if (volume->grid && c->reader->status == LF_OK)
             load_albedo(c, desc, volume);
         if (volume->grid)
@@ -516,11 +516,10 @@ static void find_overlaps(const commit *c)
         const lf_mesh_desc *of = &c->desc->meshes[second ? other : mesh],
                            *with = &c->desc->meshes[second ? mesh : other];
         lf_warnings_add(&scene->warnings, scene->file.where,
-                        "%s \"%s\": %s in one place with %s \"%s\": which of "
-                        "them is seen there is a matter of rounding",
-                        of->lamp ? "light" : "mesh", of->name,
-                        of->lamp ? "it lies" : "faces of it that glow lie",
-                        of == with ? "others of" : "faces of", with->name);
+                        "%s \"%s\" coincides with %s of \"%s\"; which of the two is visible there "
+                        "depends on rounding",
+                        of->lamp ? "light" : "emissive mesh", of->name,
+                        of == with ? "other faces" : "faces", with->name);
     }
 }
 
@@ -537,9 +536,8 @@ static void warn_of_dense_grids(const commit *c)
         paths = cells * (double)volume->voxel * (double)volume->sigma_max;
         if (paths > most)
             lf_warnings_add(&c->scene->warnings, c->scene->file.where,
-                            "volume \"%s\" is %.1e mean free paths wide; beyond %.1e a ray's steps "
-                            "are lost to rounding, and what is thin beside dense places looks "
-                            "solid: make its scale smaller",
+                            "volume \"%s\" is %.1e mean free paths wide; beyond %.1e, rounding "
+                            "makes thin parts near dense ones look solid; use a smaller scale",
                             c->desc->volumes[i].name, paths, most);
     }
 }
@@ -590,9 +588,10 @@ static void collect_warnings(const commit *c)
         lf_warn_of_walled_camera(scene, c->desc, &scene->warnings);
     else
         lf_warnings_add(&scene->warnings, scene->file.where,
-                        "no light shines here: %s will be black (see lights in "
+                        "the scene has no light; %s will be black (see \"lights\" in "
                         "docs/reference/scene-format.md)",
-                        scene->backdrop.given ? "all before the backdrop" : "the picture");
+                        scene->backdrop.given ? "everything in front of the backdrop"
+                                              : "the image");
 }
 
 void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc *desc,

@@ -20,18 +20,17 @@ static lf_status refuse_text(const char *path, const char *text, const json_erro
                              lf_error *err)
 {
     if (lf_image_ending(path))
-        return lf_error_set(err, LF_E_FORMAT, path,
-                            "not a picture, though its name ends as one of them (expected PNG, "
-                            "JPEG, EXR or Radiance HDR)");
+        return lf_error_set(
+            err, LF_E_FORMAT, path,
+            "not an image, although its name ends as one; expected PNG, JPEG, EXR or Radiance HDR");
     if (lf_is_file_alone(path))
-        return lf_error_set(err, LF_E_FORMAT, path,
-                            "a mesh or a volume, not a scene: name it in \"meshes\" or "
-                            "\"volumes\"; \"include\" takes scenes");
+        return lf_error_set(
+            err, LF_E_FORMAT, path,
+            "\"include\" takes scenes; name a mesh or volume in \"meshes\" or \"volumes\"");
     if (text[strspn(text, " \t\r\n")] != '{')
-        return lf_error_set_at(
-            err, LF_E_FORMAT, path, problem->line, NULL,
-            "this is neither a scene (a JSON object) nor a picture, nor does it end "
-            "as a mesh (.glb, .gltf, .obj, .ply, .stl, .3ds) or a volume (.vdb) does");
+        return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL,
+                               "expected a scene (a JSON object), an image, a mesh (.glb, .gltf, "
+                               ".obj, .ply, .stl, .3ds) or a volume (.vdb)");
     return lf_error_set_at(err, LF_E_FORMAT, path, problem->line, NULL, "%s (column %d)",
                            problem->text, problem->column);
 }
@@ -183,9 +182,11 @@ static void include_file(const including *all, lf_reader *reader, const lf_node 
         status = lf_scene_text_read(path, all->roots, file, &err);
         chain here = {canonical, above};
         if (status == LF_OK && bytes_of(out) > LF_SCENE_MAX_BYTES)
-            status = lf_error_set(&err, LF_E_NOMEM, path, "what is included has more than 16 MiB");
+            status =
+                lf_error_set(&err, LF_E_NOMEM, path, "the included files have more than 16 MiB");
         if (status == LF_OK && !json_is_object(file->source.doc))
-            status = lf_error_set(&err, LF_E_FORMAT, path, "a scene is a JSON object");
+            status =
+                lf_error_set(&err, LF_E_FORMAT, path, "expected a scene, which is a JSON object");
         if (status == LF_OK && !move_names(file->source.doc, from))
             out_of_memory(reader);
         if (status == LF_OK && reader->status == LF_OK)

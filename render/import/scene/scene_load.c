@@ -203,7 +203,7 @@ static lf_status build_made(json_t *doc, const json_t *patch, const char *path, 
     const lf_json_source source = {.where = path, .doc = doc};
     lf_status status =
         doc ? patch_document(doc, patch, path, err)
-            : lf_error_set(err, LF_E_NOMEM, path, "out of memory, or a name that is not UTF-8");
+            : lf_error_set(err, LF_E_NOMEM, path, "out of memory, or a name is not UTF-8");
     if (status == LF_OK)
         status = build(&source, folder, roots, previous, out_scene, err);
     json_decref(doc);

@@ -116,8 +116,7 @@ static void refuse_name(const making *m, int mesh, const char *name)
     list_names(names, n, list, sizeof list);
     if (n == 0)
         lf_read_fail(m->reader, &at,
-                     "the file's materials have no names; say \"material\", which "
-                     "is of the whole mesh");
+                     "the file's materials have no names; use \"material\" for the whole mesh");
     else if (meant)
         lf_read_fail(m->reader, &at,
                      "no material \"%s\" in the file; did you mean \"%s\"? It has %s", name, meant,
@@ -153,7 +152,7 @@ static void check_uvs(const making *m, int mesh)
                   at = lf_node_child(&node, desc->n_overrides > 0 ? "materials" : "material");
     if (desc->wants.uvs && !m->scene->geometry->meshes[mesh].uvs)
         lf_read_fail(m->reader, &at,
-                     "%s has no texture coordinates that are read, and its material has pictures",
+                     "%s has no readable texture coordinates, but its material has textures",
                      desc->file);
 }
 
@@ -165,8 +164,8 @@ void lf_scene_materials(lf_reader *reader, const lf_node *root, const lf_scene_d
     const making m = {reader, root, desc, roots, previous, scene, n_own};
     if (n > LF_MAX_MATERIALS) {
         lf_node node = lf_node_child(root, "meshes");
-        lf_read_fail(reader, &node, "%d materials in all files; at most %d are possible", n,
-                     LF_MAX_MATERIALS);
+        lf_read_fail(reader, &node, "%d materials in all files are too many; expected at most %d",
+                     n, LF_MAX_MATERIALS);
         return;
     }
     scene->materials = lf_calloc((size_t)n, sizeof *scene->materials);
@@ -229,7 +228,7 @@ void lf_warn_of_unused_materials(const lf_node *root, const lf_scene_desc *desc,
         else
             lf_warnings_add(&scene->warnings, scene->file.where,
                             "material \"%s\" is not used; to replace the material of that name in "
-                            "%s, say \"materials\": {\"%s\": \"%s\"} in mesh \"%s\"",
+                            "%s, set \"materials\": {\"%s\": \"%s\"} in mesh \"%s\"",
                             name, desc->meshes[mesh].file, name, name, desc->meshes[mesh].name);
     }
     list_names(unused, n, list, sizeof list);

@@ -93,7 +93,7 @@ static int count_members(lf_reader *reader, const lf_node *section, int max)
     if (reader->status != LF_OK || !section->value)
         return 0;
     if (!json_is_object(section->value)) {
-        lf_read_fail(reader, section, "expected an object of things by name");
+        lf_read_fail(reader, section, "expected an object whose keys are names");
         return 0;
     }
     if (json_object_size(section->value) > (size_t)max) {
@@ -131,7 +131,7 @@ static void parse_members(lf_reader *reader, const lf_node *root, const char *na
         if (reader->status != LF_OK)
             return;
         if (strlen(key) > LF_MAX_NAME || key[0] == '\0')
-            lf_read_fail(reader, &member, "a name has 1 to %d bytes", LF_MAX_NAME);
+            lf_read_fail(reader, &member, "expected a name of 1 to %d bytes", LF_MAX_NAME);
         else
             parse(reader, &member, desc, index++);
     }
@@ -181,7 +181,8 @@ static bool parse_albedo_grids(lf_reader *reader, const lf_node *node, lf_volume
                      vectors ? "." : "", vectors ? "xyz"[i] : '\0');
         for (int other = vectors ? 1 : 4; other < 4; other++)
             if (lf_node_child(&albedo, keys[other]).value && reader->status == LF_OK)
-                lf_read_fail(reader, &albedo, "\"grid\" says all channels already");
+                lf_read_fail(reader, &albedo,
+                             "\"grid\" already sets all channels; remove one of the keys");
     }
     return true;
 }
@@ -200,7 +201,7 @@ static void parse_velocity_grids(lf_reader *reader, const lf_node *node, lf_velo
             snprintf(velocity->grid[i], sizeof velocity->grid[i], "%s%s%s", name,
                      vectors ? "." : "", vectors ? keys[i] : "");
         if (lf_node_child(node, vectors ? keys[i] : "grid").value)
-            lf_read_fail(reader, node, "velocities are of one \"grid\", or of x, y and z");
+            lf_read_fail(reader, node, "expected one \"grid\", or x, y and z");
     }
 }
 
@@ -239,7 +240,7 @@ static void parse_grid_names(lf_reader *reader, const lf_node *node, lf_volume_d
         return;
     }
     if (n < 1 || n > LF_MAX_SUMMED)
-        lf_read_fail(reader, &names, "1 to %d grids can be added, found %zu", LF_MAX_SUMMED, n);
+        lf_read_fail(reader, &names, "expected 1 to %d grids, found %zu", LF_MAX_SUMMED, n);
     for (size_t i = 0; i < n && reader->status == LF_OK; i++) {
         lf_node item = lf_node_item(&names, i);
         size_t length = json_string_length(item.value);
@@ -282,8 +283,8 @@ static void refuse_of_file(lf_reader *reader, const lf_node *node)
         lf_node at = lf_node_child(node, keys[i]);
         if (at.value)
             lf_read_fail(reader, &at,
-                         "unknown key \"%s\" of a shape: it goes with a volume's \"file\" only%s",
-                         keys[i], strcmp(keys[i], "scale") == 0 ? "; say \"density\"" : "");
+                         "unknown key \"%s\" of a shape; only a volume with a \"file\" has it%s",
+                         keys[i], strcmp(keys[i], "scale") == 0 ? "; use \"density\"" : "");
     }
 }
 
@@ -334,7 +335,8 @@ static void parse_phase(lf_reader *reader, const lf_node *node, lf_volume_desc *
     for (int i = 0; i < 3; i++) {
         lf_node other = lf_node_child(node, others[i]);
         if (other.value && reader->status == LF_OK)
-            lf_read_fail(reader, &other, "droplets say the phase function already");
+            lf_read_fail(reader, &other,
+                         "\"droplets\" already sets the phase function; remove one of the keys");
     }
 }
 
@@ -374,7 +376,7 @@ static double parse_lights_of(lf_reader *reader, const lf_node *node)
     if (!lights.value)
         return -1;
     if (!is_gltf(node))
-        lf_read_fail(reader, &lights, "only a glTF file has lights of its own");
+        lf_read_fail(reader, &lights, "only glTF files can have lights");
     if (json_is_number(lights.value))
         return lf_read_number(reader, node, "lights", 1, 0, 1e6);
     return lf_read_bool(reader, node, "lights", true) ? 1 : 0;
@@ -390,7 +392,7 @@ static void parse_clip(lf_reader *reader, const lf_node *node, double seconds, l
     if (!lf_read_object(reader, &animation, keys))
         return;
     if (!is_gltf(node))
-        lf_read_fail(reader, &animation, "only what a glTF file holds moves");
+        lf_read_fail(reader, &animation, "only glTF files can have animations");
     clip->chosen = said.value;
     if (json_is_string(said.value))
         clip->name = lf_read_string(reader, &animation, "clip", NULL, LF_MAX_CLIP);
@@ -408,7 +410,7 @@ static const char *parse_variant(lf_reader *reader, const lf_node *node)
 {
     const lf_node variant = lf_node_child(node, "variant");
     if (variant.value && !is_gltf(node))
-        lf_read_fail(reader, &variant, "only a glTF file has variants");
+        lf_read_fail(reader, &variant, "only glTF files can have variants");
     return variant.value ? lf_read_string(reader, node, "variant", NULL, LF_MAX_CLIP) : NULL;
 }
 
@@ -433,7 +435,7 @@ static void parse_mesh(lf_reader *reader, const lf_node *node, lf_scene_desc *de
     mesh->transform = parse_instances(reader, node, desc->unit_mm);
     const lf_node units = lf_node_child(node, "units");
     if (mesh->shape && units.value)
-        lf_read_fail(reader, &units, "only what is in a file has units of its own");
+        lf_read_fail(reader, &units, "only a mesh from a file has units");
     lf_mesh_role_parse(reader, node, mesh);
     parse_clip(reader, node, desc->seconds, &mesh->clip);
     mesh->variant = parse_variant(reader, node);
@@ -453,8 +455,9 @@ static void add_area_light(lf_reader *reader, const lf_node *node, const lf_ligh
     double most = fmax(lamp.radiance[0], fmax(lamp.radiance[1], lamp.radiance[2]));
     lf_node power = lf_node_child(node, "power");
     if (!(most <= LF_MAX_RADIANCE))
-        lf_read_fail(reader, &power, "on so small a light that is a radiance of %.9g; at most %.9g",
-                     most, LF_MAX_RADIANCE);
+        lf_read_fail(reader, &power,
+                     "on so small a light this is a radiance of %.9g; expected at most %.9g", most,
+                     LF_MAX_RADIANCE);
     lf_mesh_desc *mesh = &desc->meshes[desc->n_meshes++];
     *mesh = (lf_mesh_desc){.name = light->name,
                            .material = desc->n_materials,
@@ -527,7 +530,7 @@ void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames
         "render", "comment", "$schema", "include", "frame",     "fps",    "units",    NULL};
     *out = (lf_scene_desc){0};
     if (!lf_read_object(reader, root, keys)) {
-        lf_read_fail(reader, root, "a scene is a JSON object");
+        lf_read_fail(reader, root, "expected a scene, which is a JSON object");
         return;
     }
     lf_read_int(reader, root, "quiltd", 1, 1, 1);

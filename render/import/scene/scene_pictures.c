@@ -80,7 +80,7 @@ static lf_status take_texels(const lf_parcel *parcel, const char *path, lf_texel
     lf_error wrong = {0};
     lf_status status = lf_mesh_take_pictures(parcel, &one, &wrong);
     if (status == LF_OK && one.n_pictures != 1)
-        status = lf_error_set(&wrong, LF_E_FORMAT, path, "the reader's answer has no picture");
+        status = lf_error_set(&wrong, LF_E_FORMAT, path, "the reader's answer has no image");
     if (status == LF_OK) {
         *out = one.pictures[0];
         one.pictures[0].rgba = NULL;

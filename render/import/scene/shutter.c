@@ -175,8 +175,9 @@ void lf_shutter_warn(const lf_shutter *shutter, const char *where, lf_warnings *
         }
     }
     if (list[0])
-        lf_warnings_add(warnings, where,
-                        "what has keys stands still while the shutter is open, but for meshes, "
-                        "lights, places of volumes, and the camera's place, target and focus: %s",
-                        list);
+        lf_warnings_add(
+            warnings, where,
+            "keyframes without motion blur while the shutter is open (only meshes, lights, "
+            "positions of volumes, and the camera's position, target and focus have it): %s",
+            list);
 }

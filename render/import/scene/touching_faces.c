@@ -174,8 +174,8 @@ bool lf_touching_find(lf_scene *scene)
     lf_free(all.item);
     if (all.too_many || has_too_many(&all)) {
         lf_warnings_add(&scene->warnings, scene->file.where,
-                        "glass in glass has so many triangles that faces in the same place were "
-                        "not all looked for: rays meet them one at a time");
+                        "nested glass has too many triangles to find all coincident faces; rays "
+                        "meet such faces one at a time");
         all.n_pairs = 0;
     }
     if (fine && all.n_pairs > 0) {

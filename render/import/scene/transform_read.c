@@ -66,7 +66,7 @@ static lf_affine parse_matrix(lf_reader *reader, const lf_node *node)
     lf_node matrix = lf_node_child(node, "matrix");
     if (json_object_size(node->value) != 1) {
         lf_read_fail(reader, &matrix,
-                     "a matrix stands alone: no scale, rotate or translate beside it");
+                     "a matrix cannot be combined with scale, rotate or translate; remove them");
         return a;
     }
     if (!json_is_array(matrix.value) || json_array_size(matrix.value) != 16) {
@@ -98,8 +98,7 @@ void lf_refuse_flat(lf_reader *reader, const lf_node *node, const lf_affine *a)
     lf_affine inverse;
     if (reader->status == LF_OK && !lf_affine_invert(a, &inverse))
         lf_read_fail(reader, node,
-                     "the transform flattens space: it has no inverse, or one with numbers beyond "
-                     "%g",
+                     "the transform is singular: its inverse does not exist or exceeds %g",
                      LF_MAX_INVERSE);
 }
 
@@ -144,7 +143,7 @@ static void read_list(lf_reader *reader, const lf_node *list, lf_instances_desc 
 {
     size_t n = json_array_size(list->value);
     if (n == 0) {
-        lf_read_fail(reader, list, "no place at all: leave instances out for one");
+        lf_read_fail(reader, list, "the list is empty; remove \"instances\" to show the mesh once");
         return;
     }
     out->map = lf_calloc(n, sizeof *out->map);

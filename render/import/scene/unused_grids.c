@@ -95,11 +95,11 @@ void lf_warn_of_unused_grids(lf_warnings *warnings, const lf_scene_desc *desc, c
     }
     if (still[0])
         lf_warnings_add(warnings, file,
-                        "the shutter is open, and no volume says that it moves by %s "
-                        "(see \"velocity\" in docs/reference/scene-format.md)",
+                        "the shutter is open, but these velocity grids are not used: %s; set "
+                        "\"velocity\" (see docs/reference/scene-format.md)",
                         still);
     if (unused[0])
-        lf_warnings_add(warnings, file, "grids that no volume is made of: %s", unused);
+        lf_warnings_add(warnings, file, "unused grids: %s", unused);
 }
 
 void lf_warn_of_odd_voxels(lf_warnings *warnings, const lf_grid *grid, const char *names,
@@ -111,16 +111,19 @@ void lf_warn_of_odd_voxels(lf_warnings *warnings, const lf_grid *grid, const cha
     for (char *end = list; (end = strchr(end, '\n'));)
         *end = '+';
     if (odd->n_negative > 0)
-        lf_warnings_add(warnings, file, "grid %s: voxels below 0 (%.0f, down to %.3g) count as 0",
-                        list, odd->n_negative, odd->least);
+        lf_warnings_add(warnings, file,
+                        "grid %s: voxels below 0 (%.0f, down to %.3g) are read as 0", list,
+                        odd->n_negative, odd->least);
     if (odd->n_not_finite > 0)
-        lf_warnings_add(warnings, file, "grid %s: voxels that are not finite (%.0f) count as 0",
+        lf_warnings_add(warnings, file, "grid %s: voxels that are not finite (%.0f) are read as 0",
                         list, odd->n_not_finite);
     if (odd->n_still > 0)
-        lf_warnings_add(warnings, file, "grid %s: velocities that are not finite (%.0f) count as 0",
-                        list, odd->n_still);
-    if (odd->background != 0.0)
         lf_warnings_add(warnings, file,
-                        "grid %s: its background of %.3g counts as 0: nothing is where no voxel is",
-                        list, odd->background);
+                        "grid %s: velocities that are not finite (%.0f) are read as 0", list,
+                        odd->n_still);
+    if (odd->background != 0.0)
+        lf_warnings_add(
+            warnings, file,
+            "grid %s: its background of %.3g is read as 0; the volume ends at its voxels", list,
+            odd->background);
 }

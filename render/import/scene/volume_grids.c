@@ -177,7 +177,7 @@ static lf_status make_steps(const lf_grid_source *source, const lf_volume_desc *
     for (int k = 0; k < 3 * flow.n && status == LF_OK; k++)
         (*out)->grid[k / 3]->odd.n_still += source->velocity[k % 3]->odd.n_not_finite;
     return status == LF_OK ? LF_OK
-                           : lf_error_set(err, status, r->path, "grid %.*s that flows: %s",
+                           : lf_error_set(err, status, r->path, "grid %.*s with velocities: %s",
                                           (int)strcspn(r->names, "\n"), r->names, problem.what);
 }
 

@@ -114,7 +114,7 @@ lf_status lf_volume_check(const lf_volume *volume, const lf_shutter *shutter, in
     for (int k = 0; k < 6; k++)
         most = fmax(most, fabs(bounds[k / 3][k % 3]));
     return lf_error_set(err, LF_E_FORMAT, shutter->desc[0]->volumes[i].name,
-                        "it has coordinates up to %g; at most %g is possible", most, LF_MAX_REACH);
+                        "it has coordinates up to %g; expected at most %g", most, LF_MAX_REACH);
 }
 
 lf_status lf_volume_place(lf_volume *volume, const lf_shutter *shutter, int i,
@@ -125,12 +125,12 @@ lf_status lf_volume_place(lf_volume *volume, const lf_shutter *shutter, int i,
     lf_affine inverse;
     if (!lf_affine_invert(&motion.open, &inverse))
         return lf_error_set(err, LF_E_FORMAT, desc->file ? desc->file : desc->name,
-                            "the grid's own map flattens space");
+                            "the transform in the file of the grid is singular");
     if (memcmp(&motion.open, &motion.close, sizeof motion.open) != 0) {
         if (!lf_volume_motion_is_sound(&motion))
             return lf_error_set(err, LF_E_FORMAT, desc->name,
-                                "it flattens while the shutter is open, in which every point goes "
-                                "straight: a turn of half a circle is too much");
+                                "it collapses while the shutter is open because points move in "
+                                "straight lines; rotate it by less than half a turn");
         volume->motion = lf_calloc(1, sizeof *volume->motion);
         if (!volume->motion)
             return lf_error_set(err, LF_E_NOMEM, desc->name, "out of memory");

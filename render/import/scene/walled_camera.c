@@ -108,10 +108,10 @@ void lf_warn_of_walled_camera(const lf_scene *scene, const lf_scene_desc *desc,
         return;
     for (int i = 0; i < scene->n_meshes; i++)
         if (walls_in(scene, &scene->meshes[i], p)) {
-            lf_warnings_add(warnings, scene->file.where,
-                            "camera: stands inside the mesh \"%s\", where no light gets: what it "
-                            "sees from there is black",
-                            desc->meshes[i].name);
+            lf_warnings_add(
+                warnings, scene->file.where,
+                "the camera is inside the mesh \"%s\", where no light arrives; its view is black",
+                desc->meshes[i].name);
             return;
         }
 }

@@ -158,14 +158,14 @@ static const char *check(const lf_value values[], const lf_material *m, const lf
     bool metal = values[METAL].given, eta = values[ETA].given, k = values[K].given;
     *out_key = &lf_principled_albedo;
     if (values[ALBEDO].given && (metal || eta || k))
-        return metal ? "metal says the colour already"
-               : eta ? "eta says the colour already"
-                     : "k says the colour already";
+        return metal ? "\"metal\" already sets the colour; remove one of the keys"
+               : eta ? "\"eta\" already sets the colour; remove one of the keys"
+                     : "\"k\" already sets the colour; remove one of the keys";
     *out_key = metal == eta ? &eta_key : &k_key;
     if (metal && (eta || k))
-        return "metal says eta and k already";
+        return "\"metal\" already sets eta and k; remove one of the keys";
     *out_key = eta ? &k_key : &eta_key;
-    return eta != k ? "eta and k belong together" : NULL;
+    return eta != k ? "eta and k must be given together" : NULL;
 }
 
 static void read(const lf_value values[], lf_material *m)
@@ -183,7 +183,7 @@ static void read(const lf_value values[], lf_material *m)
 const lf_surface_kind lf_surface_conductor = {
     .name = "conductor",
     .keys = keys,
-    .lacks = "of metals eta and k say it",
+    .lacks = "metals use eta and k",
     .check = check,
     .read = read,
     .prepare = prepare,

@@ -535,7 +535,7 @@ static const char *check(const lf_value values[], const lf_material *m, const lf
     (void)values;
     *out_key = &lf_principled_subsurface;
     return m->subsurface > 0.0f && m->transmission > 0.0f
-               ? "a surface has transmission or subsurface, not both"
+               ? "a surface can have transmission or subsurface, not both"
                : NULL;
 }
 
@@ -547,7 +547,7 @@ static void read(const lf_value values[], lf_material *m)
 const lf_surface_kind lf_surface_principled = {
     .name = "principled",
     .keys = keys,
-    .lacks = "principled surfaces have none",
+    .lacks = "principled surfaces do not use it",
     .check = check,
     .read = read,
     .prepare = prepare,
