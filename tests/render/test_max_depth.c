@@ -70,12 +70,12 @@ static void shapes_lack_what_is_counted(void **state)
     (void)state;
     for (int i = 0; i < 2; i++) {
         assert_counted(lf_test_scene("{" CAMERA ", " LIMIT ", " SKY
-                                     ", 'volumes': { 'v': { 'shape': 'box', "
-                                     "'density': 4, 'albedo': 1 } } }"),
+                                     ", 'volumes': { 'v': { 'shape': 'box', 'density': 4, "
+                                     "'albedo': 1 } } }"),
                        integrators[i]);
         assert_counted(lf_test_scene("{" CAMERA ", " LIMIT ", " SKY ", " GROUND
-                                     ", 'volumes': { 'v': { "
-                                     "'shape': 'box', 'density': 4, 'albedo': 1 } } }"),
+                                     ", 'volumes': { 'v': { 'shape': 'box', 'density': 4, "
+                                     "'albedo': 1 } } }"),
                        integrators[i]);
     }
 }

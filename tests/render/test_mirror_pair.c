@@ -77,8 +77,8 @@ static lf_scene *make(const subject *s, bool mirrored)
                  s->nearest ? "nearest" : "linear");
     const char *text = lf_test_scene_patched(
         "mirror-pair",
-        "{'camera': {%s'fov_y': %g}, 'volumes': {'v': {%s}}, %s"
-        "'lights': {'sun': {'direction': [%.9f, -0.1, %.9f]}}}",
+        "{'camera': {%s'fov_y': %g}, 'volumes': {'v': {%s}}, %s'lights': {'sun': {'direction': "
+        "[%.9f, -0.1, %.9f]}}}",
         mirrored ? "" : "'position': [0, 0, 5], 'target': [0, 0, 0], ", s->voxels ? 2.4 : 14.0,
         volume, mirrored ? "" : "'meshes': {'mirror': null}, 'render': {'max_depth': 1}, ",
         sqrt(1.0 - s->sun * s->sun), -s->sun);

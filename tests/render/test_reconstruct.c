@@ -452,8 +452,8 @@ static void what_is_no_probability_is_no_dot(void **state)
     (void)state;
     lf_renderer *r = reconstruct_renderer(
         lf_test_scene_patched("fog-under-sky",
-                              "{'volumes': {'fog': {'density': 4, 'albedo': 0.5, 'transform': "
-                              "null}}, 'lights': {'sky': {'radiance': 2}}}"),
+                              "{'volumes': {'fog': {'density': 4, 'albedo': 0.5, "
+                              "'transform': null}}, 'lights': {'sky': {'radiance': 2}}}"),
         width, height, NULL);
     reconstruct_visits(r, NULL, 4);
     assert_null(lf_film_known_at(&r->film, 0));

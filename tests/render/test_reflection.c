@@ -24,8 +24,7 @@ static const char *oblique(const char *what, const char *material, const char *t
 {
     return lf_test_scene_patched(
         "reflection-oblique",
-        "{'materials': {'m': %s}, 'meshes': {'ground': {'catcher': %s}%s}, "
-        "'lights': {%s}}",
+        "{'materials': {'m': %s}, 'meshes': {'ground': {'catcher': %s}%s}, 'lights': {%s}}",
         material, what, things, lights);
 }
 
@@ -161,10 +160,10 @@ static void what_is_of_the_plate_is_not_reflected(void **state)
     static const char *const lights[] = {
         "'e': { 'type': 'environment', 'radiance': 1 }",
         "'s': { 'type': 'distant', 'direction': [0, -1, 1], 'angle': 5 }",
-        "'r': { 'type': 'rectangle', 'radiance': 1, 'position': [0, 6, -6], 'direction': [0, -1, "
-        "1], 'width': 4, 'height': 4 }",
-        "'b': { 'type': 'sphere', 'radiance': 1, 'position': [0, 6, -6], 'visible': false }, 'p': "
-        "{ 'type': 'point', 'position': [0, 3, 0] }",
+        "'r': { 'type': 'rectangle', 'radiance': 1, 'position': [0, 6, -6], "
+        "'direction': [0, -1, 1], 'width': 4, 'height': 4 }",
+        "'b': { 'type': 'sphere', 'radiance': 1, 'position': [0, 6, -6], 'visible': false }, "
+        "'p': { 'type': 'point', 'position': [0, 3, 0] }",
     };
     told t;
     for (int m = 0; m < 4; m++)
@@ -223,8 +222,7 @@ static const char *on_it(const char *what, const char *backdrop, const char *mat
 {
     return lf_test_scene_patched(
         "reflection-of-lamp-and-ball",
-        "{%s'meshes': {'ground': {'catcher': %s}}, 'materials': {'m': %s}, "
-        "'lights': {%s}}",
+        "{%s'meshes': {'ground': {'catcher': %s}}, 'materials': {'m': %s}, 'lights': {%s}}",
         backdrop, what, material, lights);
 }
 #define BLACK ""

@@ -117,7 +117,7 @@ static void a_cancelled_pass_says_so(void **state)
 static void holes_are_filled_where_something_was_found(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(lf_test_scene_text("thin-slab"));
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("slab-along-rows"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", WIDTH, HEIGHT, NULL);
     int64_t filled = 0;
     for (uint64_t seed = 0; seed < 100; seed++) {

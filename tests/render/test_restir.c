@@ -27,8 +27,8 @@ static lf_scene *grid_in_fog(void)
 {
     return lf_test_grid_scene(
         lf_test_scene_patched("grid-in-fog",
-                              "{'camera': {'views': 2, 'lens_radius': 0.1}, 'lights': {'sun': "
-                              "{'irradiance': [3, 2.7, 2.2], 'angle': 8}}}"),
+                              "{'camera': {'views': 2, 'lens_radius': 0.1}, "
+                              "'lights': {'sun': {'irradiance': [3, 2.7, 2.2], 'angle': 8}}}"),
         lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
 }
 

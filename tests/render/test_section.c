@@ -317,8 +317,8 @@ static void assert_scaled(double s, double x)
 {
     assert_as_rays(lf_test_scene_patched(
         "two-balls",
-        "{'camera': {'target': [%.17g, 0, %.17g], 'position': [%.17g, %.17g, %.17g]}, 'meshes': {"
-        "'ground': {'transform': {'scale': %g, 'translate': [%.17g, %.17g, %.17g]}}, "
+        "{'camera': {'target': [%.17g, 0, %.17g], 'position': [%.17g, %.17g, %.17g]}, "
+        "'meshes': {'ground': {'transform': {'scale': %g, 'translate': [%.17g, %.17g, %.17g]}}, "
         "'a': {'transform': {'scale': %g, 'translate': [%.17g, 0, %.17g]}}, "
         "'b': {'transform': {'scale': %g, 'translate': [%.17g, 0, %.17g]}}}}",
         x, -x, x, 0.6 * s, 5 * s - x, 4 * s, x, -s, -x, 0.6 * s, x - 0.5 * s, 0.3 * s - x, 0.4 * s,

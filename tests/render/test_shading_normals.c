@@ -158,8 +158,8 @@ static void folded_lobes_weigh_what_is_expected(void **state)
     (void)state;
     static const char *const words[] = {
         "'type': 'plastic', 'albedo': 0.8, 'roughness': 0.5",
-        "'type': 'principled', 'albedo': 0.8, 'roughness': 0.4, 'coat': 1, 'coat_roughness': 0.3, "
-        "'subsurface': 0.7, 'subsurface_radius': 0.2"};
+        "'type': 'principled', 'albedo': 0.8, 'roughness': 0.4, 'coat': 1, "
+        "'coat_roughness': 0.3, 'subsurface': 0.7, 'subsurface_radius': 0.2"};
     for (size_t i = 0; i < 2; i++)
         lf_test_assert_weights(gem_of(words[i]), width, height, eight_cycles, 40, 4,
                                lf_sidak(LF_FALSE_ALARM, 4 * 46));
@@ -196,9 +196,9 @@ static void smooth_normals_of_a_ball_point_outwards(void **state)
     char text[512];
     write_ball("ball.ply");
     snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1, 'views': "
-             "1 }, 'meshes': { 'ball': { 'file': "
-             "'%s/ball.ply', 'normals': 'smooth' } } }",
+             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1, "
+             "'views': 1 }, 'meshes': { 'ball': { 'file': '%s/ball.ply', "
+             "'normals': 'smooth' } } }",
              folder);
     lf_scene *scene = lf_test_scene(text);
     const lf_mesh *mesh = &scene->meshes[0];

@@ -184,10 +184,11 @@ static const char *contact(double s, double by)
 {
     return lf_test_scene_patched(
         "fog-on-ground",
-        "{'camera': {'target': [%.9g, 0, 0], 'position': [%.9g, %.9g, %.9g]}, 'volumes': {'fog': "
-        "{'density': %.9g, 'transform': {'scale': [%.9g, %.9g, %.9g], 'translate': [%.9g, %.9g, "
-        "0]}}}, 'meshes': {'ground': {'transform': {'scale': %.9g, 'translate': [%.9g, %.9g, 0]}}, "
-        "'ball': {'transform': {'scale': %.9g, 'translate': [%.9g, %.9g, 0]}}}}",
+        "{'camera': {'target': [%.9g, 0, 0], 'position': [%.9g, %.9g, %.9g]}, "
+        "'volumes': {'fog': {'density': %.9g, 'transform': {'scale': [%.9g, %.9g, %.9g], "
+        "'translate': [%.9g, %.9g, 0]}}}, 'meshes': {'ground': {'transform': {'scale': %.9g, "
+        "'translate': [%.9g, %.9g, 0]}}, 'ball': {'transform': {'scale': %.9g, "
+        "'translate': [%.9g, %.9g, 0]}}}}",
         by, by, 0.6 * s, 5.0 * s, 2.0 / s, 0.9 * s, 0.4 * s, 0.6 * s, by + 0.2 * s, -0.6 * s,
         4.0 * s, by, -1.0 * s, 0.6 * s, by - 0.3 * s, -0.5 * s);
 }

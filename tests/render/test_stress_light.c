@@ -191,11 +191,10 @@ static void case_23_scenes_with_nothing_to_meet_show_their_background(void **sta
     assert_flat("{" CAMERA "'volumes': { 'none': { 'shape': 'box', 'density': 0 } }, "
                 "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
                 0.7);
-    assert_flat(
-        "{" CAMERA "'volumes': { 'small': { 'shape': 'sphere', 'density': 1, 'transform': { "
-        "'scale': 1e-9, 'translate': "
-        "[0, 40, 0] } } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
-        0.7);
+    assert_flat("{" CAMERA "'volumes': { 'small': { 'shape': 'sphere', 'density': 1, "
+                "'transform': { 'scale': 1e-9, 'translate': [0, 40, 0] } } }, "
+                "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
+                0.7);
 }
 
 /* Lights of no power: black, not NaN, whatever there is to be lit. */

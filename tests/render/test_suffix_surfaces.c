@@ -34,8 +34,8 @@ static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
                                 25.0f),
                      LF_LANE_SURFACES);
     assert_same_bits(make_scene(AMONG("'albedo': [0.9, 0.7, 0.4], 'g': 0",
-                                      SKY ", 'sun': { 'type': 'distant', 'direction': "
-                                          "[0.5, -0.7, -0.5], 'angle': 8 }",
+                                      SKY ", 'sun': { 'type': 'distant', "
+                                          "'direction': [0.5, -0.7, -0.5], 'angle': 8 }",
                                       BALL ", " GROUND PLAIN),
                                 25.0f),
                      LF_LANE_DISK | LF_LANE_SURFACES);
@@ -261,11 +261,10 @@ static void the_mean_among_surfaces_is_that_of_single_paths(void **state)
         {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0.3", SKY ", " SUN,
                MADE OF("'type': 'principled', 'transmission': 1, 'roughness': 0.4, 'albedo': 1")),
          2.0f, 1024, 60, 0.02},
-        {AMONG(
-             "'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN,
-             "'posts': { 'shape': 'cube', 'instances': [ { 'scale': 0.3, 'translate': [-0.8, 0, 0]"
-             " }, { 'scale': [0.2, 0.6, 0.3], 'rotate': [0, 30, 10], 'translate': [0.6, 0, 0] } ]"
-             " }"),
+        {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN,
+               "'posts': { 'shape': 'cube', 'instances': [ { 'scale': 0.3, "
+               "'translate': [-0.8, 0, 0] }, { 'scale': [0.2, 0.6, 0.3], 'rotate': [0, 30, 10], "
+               "'translate': [0.6, 0, 0] } ] }"),
          4.0f, 1024, 60, 0.02},
         {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN, BALL ", " GROUND PLAIN), 4.0f, 3,
          60, 0.01},

@@ -91,8 +91,8 @@ static void a_mirror_shows_a_sun_at_its_size(void **state)
     for (int i = 0; i < 3; i++)
         direction[i] = towards[i] - 2.0 * along * normal[i];
     /* The middle of one triangle: the normals of two differ by 1e-7. */
-    const char *mirror = "'m': {'shape': 'quad', 'material': 'mirror', 'transform': {'rotate': "
-                         "[30, 0, 20], 'translate': [0.4, 0.1, 0]}}";
+    const char *mirror = "'m': {'shape': 'quad', 'material': 'mirror', "
+                         "'transform': {'rotate': [30, 0, 20], 'translate': [0.4, 0.1, 0]}}";
     for (int i = 0; i < n_degrees; i++) {
         double radius = radius_of(degrees[i]);
         assert_mean(scene_of(mirror, degrees[i], direction), 1.6 * radius, integrators[1 - i % 2],

@@ -391,9 +391,8 @@ static const curtain curtains[] = {
      "'roughness': 0.4, 'metallic': 0.5, 'emission': [0.2, 0.1, 0]", "", LF_COVER_BLEND},
     {"", "principled", "'roughness': 0.2, 'coat': 1", "", LF_COVER_MASK},
     {"", "diffuse", "'emission': 0",
-     ", 'volumes': { 'fog': { 'shape': 'box', 'density': 0.5, 'g': 0.3, 'transform': { 'scale': "
-     "1.5 "
-     "} } }",
+     ", 'volumes': { 'fog': { 'shape': 'box', 'density': 0.5, 'g': 0.3, "
+     "'transform': { 'scale': 1.5 } } }",
      LF_COVER_BLEND},
     {"", "principled", "'roughness': 0, 'transmission': 0.5, 'glass': 'sheet'", "", LF_COVER_BLEND},
 };

@@ -17,8 +17,8 @@ enum { width = 32, height = 24, n_views = 3, tile = 8, blocks_of_all = n_views *
 static const char *const windows[] = {
     "{'camera': {'views': {'track': {'count': 3, 'length': 1.5}}, 'lens_radius': 0.1, "
     "'focus_distance': 4.2}}",
-    "{'volumes': {'fog': {'shape': 'box', 'density': 0.5, 'g': 0.3, 'transform': {'scale': "
-    "1.4}}}}"};
+    "{'volumes': {'fog': {'shape': 'box', 'density': 0.5, 'g': 0.3, "
+    "'transform': {'scale': 1.4}}}}"};
 
 static void as_other_surfaces(lf_scene *scene)
 {

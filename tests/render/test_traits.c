@@ -75,9 +75,8 @@ static const struct {
 } rows[] = {
     {LF_TRAIT_SURFACES, {.meshes = GROUND}, {0}},
     {LF_TRAIT_INSTANCES,
-     {.meshes = "'ball': { 'shape': 'sphere', 'material': 'clay', 'instances': [{ 'scale': "
-    "0.4, 'translate': [-0.6, 0, 0] }, "
-                "{ 'scale': 0.4, 'translate': [0.6, 0, 0] }] }"},
+     {.meshes = "'ball': { 'shape': 'sphere', 'material': 'clay', 'instances': [{ 'scale': 0.4, "
+                "'translate': [-0.6, 0, 0] }, { 'scale': 0.4, 'translate': [0.6, 0, 0] }] }"},
      {.meshes = BALL("clay")}},
     {LF_TRAIT_HIDDEN_MESHES, {.meshes = GROUND, .lights = RECTANGLE("false")},
     {.meshes = GROUND, .lights = RECTANGLE("true")}},
@@ -94,8 +93,8 @@ static const struct {
     {.volumes = FOG(""), .lights = BEHIND}},
     {LF_TRAIT_EMISSION, {.meshes = BALL("shining")}, {.meshes = BALL("clay")}},
     {LF_TRAIT_OVERLAPS,
-     {.meshes = QUADS("lamp", ", 'b': { 'shape': 'quad', 'material': 'lamp', 'transform': { "
-    "'scale': 0.6, 'translate': [0, 0.9, 0] } }")},
+     {.meshes = QUADS("lamp", ", 'b': { 'shape': 'quad', 'material': 'lamp', "
+                              "'transform': { 'scale': 0.6, 'translate': [0, 0.9, 0] } }")},
      {.meshes = QUADS("bright", "")}},
     {LF_TRAIT_ALPHA, {.meshes = CARD("half")}, {.meshes = CARD("whole")}},
     {LF_TRAIT_THIN_GLASS, {.meshes = CARD("sheet")}, {.meshes = GROUND}},
@@ -103,7 +102,7 @@ static const struct {
     {LF_TRAIT_FILLED_GLASS, {.meshes = BALL("dark")}, {.meshes = BALL("clear")}},
     {LF_TRAIT_NESTED_GLASS,
      {.meshes = BALL("clear") ", 'in': { 'shape': 'sphere', 'material': 'water', "
-    "'transform': { 'scale': 0.6 } }"},
+                              "'transform': { 'scale': 0.6 } }"},
      {.meshes = BALL("clear")}},
     {LF_TRAIT_SUBSURFACE, {.meshes = BALL("skin"), .lights = SUN}, {.meshes = BALL("stone"),
     .lights = SUN}},
@@ -136,17 +135,16 @@ static const struct {
     {.volumes = FOG("")}},
     {LF_TRAIT_BACKDROP, {.volumes = FOG(""), .more = ", 'backdrop': 1.5"}, {.volumes = FOG("")}},
     {LF_TRAIT_MOTION,
-     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { "
-    "'scale': 0.5, 'translate': "
-                "{ 'keys': [[1, [-0.5, 0, 0]], [2, [0.9, 0, 0]]] } } }", .camera = ", "
-    "'shutter': 1"},
-     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { "
-    "'scale': 0.5, 'translate': [-0.5, 0, 0] } }"}},
-    {LF_TRAIT_LENS, {.volumes = FOG(""), .camera = ", 'lens_radius': 1, 'focus_distance': "
-    "1.5"}, {.volumes = FOG("")}},
+     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', "
+                       "'transform': { 'scale': 0.5, 'translate': { 'keys': [[1, [-0.5, 0, 0]], "
+                       "[2, [0.9, 0, 0]]] } } }", .camera = ", 'shutter': "
+                                                                                   "1"},
+     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', "
+                       "'transform': { 'scale': 0.5, 'translate': [-0.5, 0, 0] } }"}},
+    {LF_TRAIT_LENS, {.volumes = FOG(""), .camera = ", 'lens_radius': 1, 'focus_distance': 1.5"}, {.volumes = FOG("")}},
     {LF_TRAIT_VIEW_BLUR, {.volumes = FOG(""), .camera = ", 'view_blur': 4"}, {.volumes = FOG("")}},
     {LF_TRAIT_LENS | LF_TRAIT_BACKDROP, {.meshes = BALL("clay"), .camera = ", 'lens_radius': 1, "
-    "'focus_distance': 1.5", .more = ", 'backdrop': 1.5"}, {.meshes = BALL("clay")}},
+                                                                           "'focus_distance': 1.5", .more = ", 'backdrop': 1.5"}, {.meshes = BALL("clay")}},
     {LF_TRAIT_VIEW_BLUR, {.meshes = BALL("clay"), .camera = ", 'view_blur': 4"},
     {.meshes = BALL("clay")}},
     {LF_TRAIT_LISTED_CAMERAS, {.volumes = FOG("")}, {.volumes = FOG(""), .camera = ", "
@@ -185,8 +183,8 @@ static void expand(char mark, bool grid, char *out, size_t size)
     assert_non_null(realpath(lf_test_built("testdata/colours.vdb"), file));
     if (mark == 'm' && grid)
         snprintf(out, size,
-                 "'file': '%s', 'scale': 1.5, 'transform': { 'scale': 0.18, 'translate': [-0.63, "
-                 "-0.63, -0.63] }",
+                 "'file': '%s', 'scale': 1.5, 'transform': { 'scale': 0.18, "
+                 "'translate': [-0.63, -0.63, -0.63] }",
                  file);
     else if (mark == 'm')
         snprintf(out, size, "'shape': 'box', 'density': 1.5, 'transform': { 'scale': 0.7 }");

@@ -23,8 +23,8 @@ static lf_scene *load(const char *folder, const char *text, const char *more)
     char scene[1024];
     lf_test_write(folder, "a.gltf", text);
     snprintf(scene, sizeof scene,
-             "{'camera': {'position': [0, -0.2, 4], 'target': [0, -0.2, 0], 'views': 3, 'cone': "
-             "10, 'fov_y': 4, 'aspect': 1}, 'meshes': {'m': {'file': 'a.gltf'}%s}",
+             "{'camera': {'position': [0, -0.2, 4], 'target': [0, -0.2, 0], 'views': 3, "
+             "'cone': 10, 'fov_y': 4, 'aspect': 1}, 'meshes': {'m': {'file': 'a.gltf'}%s}",
              more);
     return lf_test_scene_in(folder, scene, NULL);
 }

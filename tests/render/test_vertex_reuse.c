@@ -20,10 +20,11 @@ typedef struct pair {
 static lf_scene *make_scene(void)
 {
     return lf_test_grid_scene(
-        lf_test_scene_patched(
-            "grid-in-fog", "{'camera': {'views': 2, 'lens_radius': null, 'focus_distance': null}, "
-                           "'lights': {'sun': {'irradiance': [3, 2.7, 2.2]}, 'lamp': {'type': "
-                           "'point', 'position': [0.3, 0.9, 0.2], 'intensity': [2, 3, 4]}}}"),
+        lf_test_scene_patched("grid-in-fog",
+                              "{'camera': {'views': 2, 'lens_radius': null, "
+                              "'focus_distance': null}, 'lights': {'sun': {'irradiance': [3, 2.7, "
+                              "2.2]}, 'lamp': {'type': 'point', 'position': [0.3, 0.9, 0.2], "
+                              "'intensity': [2, 3, 4]}}}"),
         lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
 }
 

@@ -101,8 +101,8 @@ static double worst_of_rows(double z, double blur, double expected_blur, int row
     double worst = 0;
     lf_scene *scene = lf_test_scene(lf_test_scene_patched(
         "wall-to-edge",
-        "{'camera': {'fov_y': %g, 'cone': null, 'view_blur': %g, 'views': {'grid': {'columns': 2, "
-        "'rows': 3, 'width': 1, 'height': %.17g}}}, "
+        "{'camera': {'fov_y': %g, 'cone': null, 'view_blur': %g, "
+        "'views': {'grid': {'columns': 2, 'rows': 3, 'width': 1, 'height': %.17g}}}, "
         "'meshes': {'wall': {'transform': {'translate': [0, %.17g, %.17g]}}}}",
         FOV, blur, 2 * step, edge - 40, DISTANCE - z));
     lf_render_settings settings = {.camera = lf_camera_row(lf_scene_camera(scene), row),

@@ -175,9 +175,8 @@ static void a_slab_that_reaches_into_smoke_is_its_closed_form(void **state)
     assert_known(
         "{" CAMERA("") ", 'volumes': {" SLAB(
             "1.5", "0",
-            "") ", 'smoke': { 'shape': 'box', "
-                "'density': 1, 'albedo': 0, 'transform': { 'scale': [60, 60, 0.375], 'translate': "
-                "[0, 0, 0.375] } } } }",
+            "") ", 'smoke': { 'shape': 'box', 'density': 1, 'albedo': 0, "
+                "'transform': { 'scale': [60, 60, 0.375], 'translate': [0, 0, 0.375] } } } }",
         slab_behind_smoke, 5, 32, 1e-4);
 }
 
@@ -193,10 +192,9 @@ static void a_surface_hides_what_is_behind_it(void **state)
     (void)state;
     assert_known(
         "{" CAMERA("") ", 'volumes': {" SLAB(
-            "1.5", "0",
-            "") "}, 'meshes': { 'wall': { "
-                "'shape': 'quad', 'material': 'black', 'transform': { 'scale': 60, 'rotate': [90, "
-                "0, 0] } } }, 'materials': { 'black': { 'albedo': 0 } } }",
+            "1.5", "0", "") "}, 'meshes': { 'wall': { 'shape': 'quad', 'material': 'black', "
+                            "'transform': { 'scale': 60, 'rotate': [90, 0, 0] } } }, "
+                            "'materials': { 'black': { 'albedo': 0 } } }",
         half_a_slab, 5, 4, 1e-4);
 }
 

@@ -146,9 +146,8 @@ static lf_scene *constant_scene(bool box, float albedo, const char *lights)
     const double voxel = 0.02, tilt = 0.5;
     char text[1024], shape[256];
     snprintf(shape, sizeof shape,
-             "'volumes': { 'v': { 'shape': 'box', 'density': 6, 'albedo': %.9f, 'transform': { "
-             "'rotate': [0, %.9f, 0], "
-             "'scale': [%.9f, %.9f, %.9f] } } }",
+             "'volumes': { 'v': { 'shape': 'box', 'density': 6, 'albedo': %.9f, "
+             "'transform': { 'rotate': [0, %.9f, 0], 'scale': [%.9f, %.9f, %.9f] } } }",
              (double)albedo, tilt * 180.0 / M_PI, NX * voxel / 2.0, NY * voxel / 2.0,
              NZ * voxel / 2.0);
     snprintf(text, sizeof text,

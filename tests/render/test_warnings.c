@@ -122,8 +122,8 @@ static void a_file_that_is_shown_whole_says_nothing(void **state)
         *state, "m.obj",
         "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
     lf_scene *scene = scene_of(*state,
-                               "'m': {'file': 'm.obj'}, 'c': {'shape': 'cube'}, 's': {'shape': "
-                               "'sphere', 'material': 'lamp'}",
+                               "'m': {'file': 'm.obj'}, 'c': {'shape': 'cube'}, "
+                               "'s': {'shape': 'sphere', 'material': 'lamp'}",
                                NULL);
     assert_lines(scene, NULL, 0);
     lf_scene_unref(scene);
@@ -202,13 +202,12 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
     lf_test_write(
         *state, "d.obj",
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -0.0\nv 1 0 0\nf 1 2 3\nf 3 2 1\nf 3 4 5\nf 1 2 3\n");
-    lf_scene *scene = scene_of(
-        *state,
-        "'one': {'shape': 'quad'}, "
-        "'two': {'shape': 'quad', 'material': 'lamp', 'transform': {'rotate': [0, 180, 0]}}, "
-        "'three': {'shape': 'quad', 'transform': {'translate': [0, 1e-6, 0]}}, "
-        "'own': {'file': 'd.obj'}",
-        NULL);
+    lf_scene *scene =
+        scene_of(*state,
+                 "'one': {'shape': 'quad'}, 'two': {'shape': 'quad', 'material': 'lamp', "
+                 "'transform': {'rotate': [0, 180, 0]}}, 'three': {'shape': 'quad', "
+                 "'transform': {'translate': [0, 1e-6, 0]}}, 'own': {'file': 'd.obj'}",
+                 NULL);
     static const char *const words[] = {
         "test.json: mesh \"two\": 2 of its triangles", "the same stand in \"one\"",
         "mesh \"own\": 3 of its triangles are left out, the same stand in \"own\""};
@@ -233,10 +232,9 @@ static void what_a_material_has_no_use_for_is_said(void **state)
 {
     lf_scene *scene = lf_test_scene_in(
         *state,
-        "{'materials': {'clay': {'roughness': 0.2}, "
-        "'gold': {'type': 'conductor', 'metal': 'gold', 'roughness': 0.2, 'ior': 1.3}, "
-        "'glaze': {'type': 'plastic', 'roughness': 0.2, 'ior': 1.3}, "
-        "'wax': {'type': 'plastic', 'subsurface': 1}}, "
+        "{'materials': {'clay': {'roughness': 0.2}, 'gold': {'type': 'conductor', "
+        "'metal': 'gold', 'roughness': 0.2, 'ior': 1.3}, 'glaze': {'type': 'plastic', "
+        "'roughness': 0.2, 'ior': 1.3}, 'wax': {'type': 'plastic', 'subsurface': 1}}, "
         "'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
         NULL);
     static const char *const words[] = {
@@ -286,17 +284,16 @@ static void two_lamps_in_one_place_are_said_in_one_line(void **state)
 {
     assert_overlap(
         *state,
-        "'wide': {'shape': 'quad', 'material': 'lamp', 'transform': "
-        "{'scale': 2}}, 'narrow': {'shape': 'quad', "
-        "'material': 'lamp'}",
+        "'wide': {'shape': 'quad', 'material': 'lamp', 'transform': {'scale': 2}}, "
+        "'narrow': {'shape': 'quad', 'material': 'lamp'}",
         "mesh \"wide\": faces of it that glow lie in one place with faces of \"narrow\"");
 }
 
 static void a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap(void **state)
 {
     assert_overlap(*state,
-                   "'ground': {'shape': 'quad', 'transform': {'scale': 5}}, 'screen': "
-                   "{'shape': 'quad', 'material': 'lamp', "
+                   "'ground': {'shape': 'quad', 'transform': {'scale': 5}}, "
+                   "'screen': {'shape': 'quad', 'material': 'lamp', "
                    "'transform': {'rotate': [90, 0, 0], 'translate': [0, 1, 0]}}",
                    NULL);
 }
@@ -308,8 +305,8 @@ static void grids_that_nothing_is_made_of_are_said(void **state)
     static const char *const volumes[] = {
         "'v': {'file': 'names.vdb'}",
         "'v': {'file': 'names.vdb'}, 'w': {'file': 'names.vdb', 'grid': 'density[2]'}",
-        "'a': {'file': 'names.vdb', 'grid': 'density[0]'}, 'b': {'file': 'names.vdb', 'grid': "
-        "'density[1]'}, 'c': {'file': 'names.vdb', 'grid': 'density[2]'}"};
+        "'a': {'file': 'names.vdb', 'grid': 'density[0]'}, 'b': {'file': 'names.vdb', "
+        "'grid': 'density[1]'}, 'c': {'file': 'names.vdb', 'grid': 'density[2]'}"};
     static const char *const words[] = {
         "names.vdb: grids that no volume is made of: density[1], density[2]",
         "names.vdb: grids that no volume is made of: density[1]"};
@@ -335,8 +332,8 @@ static void assert_walled(const char *folder, const char *at, const char *meshes
     char text[2048];
     const bool walls = strstr(meshes, "'material': 'wall'");
     snprintf(text, sizeof text,
-             "{'camera': {'position': %s, 'target': [0, 0, 0.1], 'views': 2, 'cone': 4}, 'meshes': "
-             "{%s}, 'materials': {%s%s%s%s}, 'lights': {'l': {%s}}}",
+             "{'camera': {'position': %s, 'target': [0, 0, 0.1], 'views': 2, 'cone': 4}, "
+             "'meshes': {%s}, 'materials': {%s%s%s%s}, 'lights': {'l': {%s}}}",
              at, meshes, walls ? "'wall': {" : "", material, walls ? "}" : "",
              strstr(meshes, "'lamp'") ? ", 'lamp': {'emission': 3}" : "", light);
     lf_scene *scene = lf_test_scene_in(folder, text, NULL);
@@ -373,8 +370,8 @@ static void a_camera_that_no_light_gets_to_is_said(void **state)
         /* a thing in a room that is dark, and a lamp before its walls */
         {IN, CUBE ", 'ball': {'shape': 'sphere', 'transform': {'scale': 0.3}}", "", SKY, true},
         {IN,
-         CUBE ", 'a': {'shape': 'quad', 'material': 'lamp', 'transform': {'translate': "
-              "[0, 5, 0]}}",
+         CUBE ", 'a': {'shape': 'quad', 'material': 'lamp', "
+              "'transform': {'translate': [0, 5, 0]}}",
          "", SKY, true},
         /* in the open, also in the ball's box */
         {"[0, 0, 9]", CUBE, "", SKY, false},
