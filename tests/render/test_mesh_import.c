@@ -449,9 +449,9 @@ static float trace(const lf_scene *scene, lf_vec3 from, lf_vec3 along, unsigned 
 static void rays_meet_the_meshes_in_their_order(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{'meshes': {'low': {'shape': 'quad'}, "
-                                    "'high': {'shape': 'quad','transform': {'scale': 0.5, "
-                                    "'translate': [0, 2, 0]}}}}");
+    lf_scene *scene =
+        lf_test_scene("{'meshes': {'low': {'shape': 'quad'}, 'high': {'shape': 'quad',"
+                      "'transform': {'scale': 0.5, 'translate': [0, 2, 0]}}}}");
     unsigned mesh;
     lf_assert_close(trace(scene, lf_v3(0.1f, 5, 0.2f), lf_v3(0, -1, 0), &mesh), 3, 1e-6, 0);
     assert_int_equal(mesh, 1);
@@ -464,8 +464,8 @@ static void rays_meet_the_meshes_in_their_order(void **state)
 static void a_scene_far_away_loses_nothing(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{'meshes': {'q': {'shape': 'quad', "
-                                    "'transform': {'translate': [3e8, 0.0625, 7e8]}}}}");
+    lf_scene *scene = lf_test_scene("{'meshes': {'q': {'shape': 'quad', 'transform': "
+                                    "{'translate': [3e8, 0.0625, 7e8]}}}}");
     unsigned mesh;
     assert_true(scene->origin[0] == 3e8 && scene->origin[2] == 7e8);
     const float *v = scene->meshes[0].vertices;
@@ -481,9 +481,9 @@ static void materials_of_files_and_of_the_scene_share_one_table(void **state)
                   "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     lf_scene *scene =
         lf_test_scene_in(*state,
-                         "{'materials': {'a': {'albedo': 0.25}}, "
-                         "'meshes': {'x': {'shape': 'quad'}, 'own':{'file': 'm.obj'}, "
-                         "'named': {'file': 'm.obj', 'material': 'a'}}}",
+                         "{'materials': {'a': {'albedo': 0.25}}, 'meshes': {'x': {'shape': "
+                         "'quad'}, 'own':"
+                         "{'file': 'm.obj'}, 'named': {'file': 'm.obj', 'material': 'a'}}}",
                          NULL);
     const lf_mesh *grey = &scene->meshes[0], *own = &scene->meshes[1], *named = &scene->meshes[2];
     assert_true(scene->materials[grey->triangle_material[1]].albedo.x == 0.5f);

@@ -4,7 +4,6 @@
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 32, height = 24, n_views = 7 };
 
@@ -137,9 +136,10 @@ static void lobes_cut_at_the_horizon_are_caught(void **state)
  * two visits differs by all of it: unseen in 24 with probability 2^-24. */
 static double worst_row(unsigned faults)
 {
-    static const char card[] = "{ " LF_TEST_CAMERA(
-        "7", "") "'meshes': { 'card': { 'shape': 'quad', 'transform': { 'scale': 4, "
-                 "'rotate': [90, 0, 0], 'translate': [0, -3.336, 0] } } } }";
+    const char *card = lf_test_scene_patched(
+        "bare-camera", "{'camera': {'views': 7}, 'meshes': {'card': {'shape': 'quad', "
+                       "'transform': {'scale': 4, 'rotate': [90, 0, 0], "
+                       "'translate': [0, -3.336, 0]}}}}");
     enum { pixels = n_views * width };
     double *d = malloc(height * pixels * sizeof *d), *q = malloc(height * pixels * sizeof *q),
            worst = 0.0;

@@ -168,11 +168,11 @@ static void water_may_touch_its_bottle(void **state)
 /* A slab of two halves, one of glass and one of water, is no slab in air and another. */
 static void solids_may_stand_side_by_side(void **state)
 {
-    const char text[] =
-        LAYERS("'a': { 'shape': 'cube', 'material': 'glass', 'transform': { 'scale': [9, 9, 0.5], "
-               "'translate': [0, 0, 0.5] } }, 'b': { 'shape': 'cube', 'material': 'water', "
-               "'transform': { 'scale': [7, 7, 0.5], 'translate': [0, 0, -0.5] } }",
-               GREEN, BLUE);
+    const char text[] = LAYERS(
+        "'a': { 'shape': 'cube', 'material': 'glass', 'transform': { 'scale': [9, 9, 0.5], "
+        "'translate': [0, 0, 0.5] } }, 'b': { 'shape': 'cube', 'material': 'water', 'transform': { "
+        "'scale': [7, 7, 0.5], 'translate': [0, 0, -0.5] } }",
+        GREEN, BLUE);
     lf_scene *scene = lf_test_scene_in(*state, text, NULL);
     light seen;
     look(scene, lf_v3(0.3f, 0.2f, 9.0f), lf_v3(0.0f, 0.0f, -1.0f), 100000, &seen);

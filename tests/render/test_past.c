@@ -442,10 +442,9 @@ static void the_past_is_of_the_same_scene_and_outlives_what_was_cut_short(void *
 /* A fog of so great a radius and such light, with a camera that stands still. */
 static lf_scene *fog_of(const char *fog)
 {
-    char text[1000];
-    snprintf(text, sizeof text,
-             "{ " LF_TEST_CAMERA("9", "") "'volumes': { 'fog': { 'shape': 'sphere', %s } } }", fog);
-    return lf_test_scene(text);
+    return lf_test_scene(lf_test_scene_patched(
+        "bare-camera", "{'camera': {'views': 9}, 'volumes': {'fog': {'shape': 'sphere', %s}}}",
+        fog));
 }
 
 /* What has moved is nearly what it was; another thing, or one made of something else, is not. */

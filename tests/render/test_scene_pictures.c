@@ -87,8 +87,7 @@ static void a_texel_is_seen_as_its_albedo_times_the_light(void **state)
     write_rgba(*state, "four.png", 2, 2, texels);
     double *picture = seen(scene_of(*state,
                                     FROM_ABOVE "," SKY "," QUAD ", 'materials': {'m': {'albedo': "
-                                               "{'file': 'four.png', "
-                                               "'interpolation': 'nearest', "
+                                               "{'file': 'four.png', 'interpolation': 'nearest', "
                                                "'scale': 0.5}}}",
                                     NULL),
                            40);
@@ -114,8 +113,8 @@ static void a_transform_moves_turns_and_repeats(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char members[1024];
         snprintf(members, sizeof members,
-                 FROM_ABOVE "," SKY "," QUAD ", 'materials': {'m': {'albedo': {'file': 'four.png', "
-                            "'interpolation': 'nearest', 'transform': {%s}}}}",
+                 FROM_ABOVE "," SKY "," QUAD ", 'materials': {'m': {'albedo': {'file': "
+                            "'four.png', 'interpolation': 'nearest', 'transform': {%s}}}}",
                  cases[i].transform);
         double *picture = seen(scene_of(*state, members, NULL), 40);
         for (int k = 0; k < 4; k++)
@@ -135,9 +134,8 @@ static void alpha_is_how_much_is_there(void **state)
     for (int cuts = 0; cuts < 2; cuts++) {
         char members[1024];
         snprintf(members, sizeof members,
-                 FROM_ABOVE "," SKY "," QUAD ", 'materials': {'m': {'albedo': 0.5, "
-                            "'alpha': {'file': 'a.png', "
-                            "'interpolation': 'nearest'}%s}}",
+                 FROM_ABOVE "," SKY "," QUAD ", 'materials': {'m': {'albedo': 0.5, 'alpha': "
+                            "{'file': 'a.png', 'interpolation': 'nearest'}%s}}",
                  cuts ? ", 'alpha_cutoff': 0.6" : "");
         double *picture = seen(scene_of(*state, members, NULL), 400);
         for (int i = 0; i < 4; i++)
@@ -162,9 +160,8 @@ static void a_normal_map_leans_where_it_says(void **state)
         char members[1024];
         write_plain(*state, "n.png", cases[i].r, cases[i].g, 218, 255);
         snprintf(members, sizeof members,
-                 FROM_ABOVE "," QUAD ", 'materials': {'m': {'albedo': 1, "
-                            "'normal': {'file': 'n.png'}}}, "
-                            "'lights': {'sun': {'type': 'distant', 'irradiance': 1, "
+                 FROM_ABOVE "," QUAD ", 'materials': {'m': {'albedo': 1, 'normal': {'file': "
+                            "'n.png'}}}, 'lights': {'sun': {'type': 'distant', 'irradiance': 1, "
                             "'direction': [%s]}}",
                  cases[i].light);
         double *picture = seen(scene_of(*state, members, NULL), 40);
@@ -181,9 +178,8 @@ static void what_glows_by_a_picture_is_a_light(void **state)
     write_rgba(*state, "glow.png", 2, 2, texels);
     double *picture = seen(scene_of(*state,
                                     FROM_ABOVE "," QUAD ", 'materials': {'m': {'albedo': 0, "
-                                               "'emission': {'file': 'glow.png', "
-                                               "'interpolation': 'nearest', "
-                                               "'scale': 3}}}",
+                                               "'emission': {'file': 'glow.png', 'interpolation': "
+                                               "'nearest', 'scale': 3}}}",
                                     NULL),
                            20);
     for (int i = 0; i < 4; i++)
@@ -199,12 +195,12 @@ static void roughness_and_metal_share_a_slot(void **state)
     write_plain(*state, "metal.png", 9, 8, 7, 255);
     lf_scene *both = scene_of(*state,
                               QUAD "," SKY ", 'materials': {'m': {'type': 'principled', "
-                                   "'roughness': {'file': 'rough.png', 'scale': 0}, "
-                                   "'metallic': {'file': 'metal.png', 'scale': 0.5}}}",
+                                   "'roughness': {'file': 'rough.png', 'scale': 0}, 'metallic': "
+                                   "{'file': 'metal.png', 'scale': 0.5}}}",
                               NULL),
              *one = scene_of(*state,
-                             QUAD "," SKY ", 'materials': {'m': {'type': 'plastic', "
-                                  "'roughness': {'file': 'rough.png'}}}",
+                             QUAD "," SKY ", 'materials': {'m': {'type': 'plastic', 'roughness': "
+                                  "{'file': 'rough.png'}}}",
                              NULL);
     const lf_texels *texels = &both->own_textures[0].picture[LF_SLOT_METAL_ROUGH]->texels;
     assert_true(texels->width == 2 && texels->height == 1);
@@ -296,26 +292,28 @@ static void json_says_what_a_material_library_says(void **state)
     write_square(*state);
     lf_scene *own = scene_of(*state, FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'own.obj'}}",
                              NULL),
-             *by_name = scene_of(*state,
-                                 FROM_ABOVE
-                                 "," SUN ", 'meshes': {'q': {'file': 'own.obj', "
-                                 "'materials': {'left': 'l'}}}, 'materials': {'l': " LIKE_LEFT "}",
-                                 NULL);
+             *by_name =
+                 scene_of(*state,
+                          FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'own.obj', 'materials': "
+                                     "{'left': 'l'}}}, 'materials': {'l': " LIKE_LEFT "}",
+                          NULL);
     assert_null(lf_scene_warning(by_name, 0));
     assert_same_picture(seen(by_name, 16), seen(own, 16), 1e-3);
 
     lf_test_write(*state, "one.obj", "mtllib x.mtl\n" SQUARE LEFT "f 2/2/1 3/3/1 4/4/1\n");
     lf_scene *one = scene_of(*state, FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'one.obj'}}",
                              NULL),
-             *whole = scene_of(*state,
-                               FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'bare.obj', "
-                                          "'material': 'l'}}, 'materials': {'l': " LIKE_LEFT "}",
-                               NULL),
-             *other = scene_of(*state,
-                               FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'bare.obj', "
-                                          "'material': 'l'}}, 'materials': {'l': {'albedo': "
-                                          "{'file': 'c.png'}}}",
-                               NULL);
+             *whole =
+                 scene_of(*state,
+                          FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'bare.obj', 'material': "
+                                     "'l'}}, 'materials': {'l': " LIKE_LEFT "}",
+                          NULL),
+             *other =
+                 scene_of(*state,
+                          FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'bare.obj', 'material': "
+                                     "'l'}}, 'materials': {'l': {'albedo': {'file': "
+                                     "'c.png'}}}",
+                          NULL);
     double *got = seen(whole, 16), *want = seen(one, 16), *wrong = seen(other, 16);
     assert_true(fabs(quarter(wrong, 2) - quarter(want, 2)) > 0.01 * quarter(want, 2));
     free(wrong);
@@ -347,14 +345,15 @@ static void write_gltf(const char *folder, bool coloured)
 
 static void json_says_what_gltf_says(void **state)
 {
-    static const char like[] = "'materials': {'Skin': {'type': 'principled', 'roughness': 0.5, "
-                               "'albedo': {'file': 'c.png'}}}";
+    static const char like[] =
+        "'materials': {'Skin': {'type': 'principled', 'roughness': 0.5, 'albedo': {'file': "
+        "'c.png'}}}";
     char members[2][1024];
     write_square(*state);
     write_gltf(*state, false);
     snprintf(members[0], sizeof members[0],
-             FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'g.gltf', "
-                        "'materials': {'Skin': 'Skin'}}}, %s",
+             FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'g.gltf', 'materials': {'Skin': "
+                        "'Skin'}}}, %s",
              like);
     snprintf(members[1], sizeof members[1],
              FROM_ABOVE "," SUN ", 'meshes': {'q': {'file': 'g.gltf', 'material': 'Skin'}}, %s",
@@ -377,9 +376,8 @@ static void colours_of_vertices_are_of_the_files_materials(void **state)
                8),
            *clay = seen(scene_of(*state,
                                  FROM_ABOVE "," SKY ", 'meshes': {'q': {'file': 'g.gltf', "
-                                            "'materials': {'Skin': 'clay'}}}, "
-                                            "'materials': {'clay': {'albedo': [0.2, 0.8, "
-                                            "0.8]}}",
+                                            "'materials': {'Skin': 'clay'}}}, 'materials': "
+                                            "{'clay': {'albedo': [0.2, 0.8, 0.8]}}",
                                  NULL),
                         8);
     lf_assert_close(quarter(clay, 0), grey(0.2, 0.8, 0.8), 1e-3, 0);
@@ -411,8 +409,10 @@ static void a_patch_reads_what_it_changes_and_nothing_else(void **state)
     lf_scene *plain = patched(*state, "{'albedo': 0.3}", NULL),
              *red = patched(*state, "{'albedo': [0.5, 0, 0]}", plain),
              *one = patched(*state, "{'albedo': {'file': 'c.png'}}", red),
-             *rough = patched(
-                 *state, "{'albedo': {'file': 'c.png', 'scale': 0.5}, 'type': 'plastic'}", one),
+             *rough = patched(*state,
+                              "{'albedo': {'file': 'c.png', 'scale': 0.5}, 'type': "
+                              "'plastic'}",
+                              one),
              *other = patched(*state, "{'albedo': {'file': 'n.png'}}", rough),
              *bent = patched(*state, "{'albedo': {'file': 'n.png'}, 'normal': {'file': 'n.png'}}",
                              other),
@@ -547,9 +547,9 @@ static void unused_materials_are_told_by_name(void **state)
 {
     write_square(*state);
     lf_scene *scene = scene_of(*state,
-                               SKY ", 'meshes': {'q': {'file': 'own.obj', "
-                                   "'materials': {'right': 'used'}}}, 'materials': {'left': {}, "
-                                   "'used': {}, 'x': {}, 'y': {}}",
+                               SKY ", 'meshes': {'q': {'file': 'own.obj', 'materials': {'right': "
+                                   "'used'}}}, 'materials': {'left': {}, 'used': {}, 'x': {}, "
+                                   "'y': {}}",
                                NULL);
     assert_non_null(strstr(lf_scene_warning(scene, 0), "\"materials\": {\"left\": \"left\"} in "
                                                        "mesh \"q\""));

@@ -102,10 +102,9 @@ static void glass_absorbs_by_beers_law(void **state)
     const double f = 0.04, e = exp(-1.0), round = 1.0 - f * f * e * e;
     const double want = (1 - f) * (1 - f) * e / round + f + (1 - f) * (1 - f) * f * e * e / round;
     lf_scene *scene = lf_test_scene(
-        "{ 'meshes': { 'cube': { 'shape': 'cube', 'material': 'glass' } }, "
-        "'materials': { 'glass': { 'type': 'principled', 'roughness': 0, 'albedo': 1, "
-        "'transmission': 1, 'absorption': 0.5 } }, 'lights': { 'sky': { 'type': 'environment', "
-        "'radiance': 1 } } }");
+        "{ 'meshes': { 'cube': { 'shape': 'cube', 'material': 'glass' } }, 'materials': { 'glass': "
+        "{ 'type': 'principled', 'roughness': 0, 'albedo': 1, 'transmission': 1, 'absorption': "
+        "0.5 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
     lf_tracer tracer = {.scene = scene, .rng = 7};
     lf_event event = {.kind = LF_EVENT_SURFACE, .w = lf_v3(0.0f, -1.0f, 0.0f)};
     assert_true(lf_trace_surface(&tracer, lf_v3(0.2f, 4.0f, 0.3f), event.w, INFINITY, &event.hit));

@@ -8,7 +8,6 @@
 #include "render/scene/geometry.h"
 #include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 /* ----------------------------------------------------------------------------------- an edge -- */
 
@@ -41,8 +40,8 @@ static void look_at_edge(double z, bool level, double from, double to, bool came
         fog ? "edge-of-fog" : "edge-of-wall",
         "{'camera': {'position': {'keys': [[1, [%.17g, %.17g, 5]], [11, [%.17g, %.17g, 5]]]}, "
         "'target': {'keys': [[1, [%.17g, %.17g, 0]], [11, [%.17g, %.17g, 0]]]}, 'fov_y': %g, "
-        "'cone': %g}, '%s': {'wall': {'transform': {'translate': {'keys': [[1, [%.17g, %.17g, "
-        "%.17g]], [11, [%.17g, %.17g, %.17g]]]}}}}}",
+        "'cone': %g}, '%s': {'wall': {'transform': {'translate': {'keys': "
+        "[[1, [%.17g, %.17g, %.17g]], [11, [%.17g, %.17g, %.17g]]]}}}}}",
         eye[0][0], eye[0][1], eye[1][0], eye[1][1], eye[0][0], eye[0][1], eye[1][0], eye[1][1], FOV,
         CONE, fog ? "volumes" : "meshes", first[0], first[1], DISTANCE - z, last[0], last[1],
         DISTANCE - z));
@@ -182,31 +181,31 @@ static void write_scene(writer *w, double time)
     put(w, ", ");
     put_moving(w, "target", target[0], target[1], 3);
     put(w,
-        ", 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 30, 'views': 3%s}, "
-        "'volumes': {'fog': {'shape': 'sphere', 'density': 1.2, 'albedo': [0.95, 0.9, 0.8], "
-        "'g': 0.4, 'transform': {",
+        ", 'fov_y': 24, 'aspect': 1.3333333333, 'cone': 30, 'views': 3%s}, 'volumes': {'fog': "
+        "{'shape': 'sphere', 'density': 1.2, 'albedo': [0.95, 0.9, 0.8], 'g': 0.4, 'transform': {",
         time < 0 ? ", 'shutter': 1" : "");
     put_moving(w, "scale", wide[0], wide[1], 3);
     put(w, ", ");
     put_moving(w, "translate", fog[0], fog[1], 3);
     put(w,
-        "}}, 'voxels': {'file': '%s', 'grid': 'half', 'scale': 3, 'albedo': 0.8, "
-        "'transform': {'scale': 0.05, 'rotate': [0, 30, 0], ",
+        "}}, 'voxels': {'file': '%s', 'grid': 'half', 'scale': 3, 'albedo': 0.8, 'transform': "
+        "{'scale': 0.05, 'rotate': [0, 30, 0], ",
         vdb);
     put_moving(w, "translate", voxels[0], voxels[1], 3);
-    put(w, "}}}, 'meshes': {" LF_TEST_GROUND
-           ", 'disk': {'shape': 'disk', 'material': 'glaze', 'transform': {");
+    put(w, "}}}, 'meshes': {'ground': {'shape': 'quad', 'material': 'clay', "
+           "'transform': {'scale': 4, 'translate': [0, -1, 0]}}, 'disk': {'shape': 'disk', "
+           "'material': 'glaze', 'transform': {");
     put_moving(w, "scale", size[0], size[1], 3);
     put(w, ", ");
     put_moving(w, "translate", disk[0], disk[1], 3);
     put(w, "}}, 'box': {'shape': 'cube', 'material': 'clay', 'transform': {");
     put_moving(w, "matrix", box[0], box[1], 16);
-    put(w, "}}, 'glowing': {'shape': 'quad', 'material': 'glow', "
-           "'transform': {'scale': [0.5, 1, 0.3], 'rotate': [70, 0, 0], ");
+    put(w, "}}, 'glowing': {'shape': 'quad', 'material': 'glow', 'transform': {'scale': [0.5, 1, "
+           "0.3], 'rotate': [70, 0, 0], ");
     put_moving(w, "translate", thin[0], thin[1], 3);
-    put(w, "}}}, 'materials': {'clay': {'albedo': [0.5, 0.45, 0.4]}, "
-           "'glaze': {'type': 'plastic', 'albedo': [0.6, 0.3, 0.2], 'roughness': 0.5}, "
-           "'glow': {'albedo': 0.2, 'emission': 2}}, 'lights': {'sky': {'type': 'environment', ");
+    put(w, "}}}, 'materials': {'clay': {'albedo': [0.5, 0.45, 0.4]}, 'glaze': {'type': 'plastic', "
+           "'albedo': [0.6, 0.3, 0.2], 'roughness': 0.5}, 'glow': {'albedo': 0.2, 'emission': 2}}, "
+           "'lights': {'sky': {'type': 'environment', ");
     put_moving(w, "radiance", sky[0], sky[1], 3);
     put(w, "}, 'sun': {'type': 'distant', 'irradiance': 1, ");
     put_moving(w, "direction", sun[0], sun[1], 3);
@@ -355,9 +354,9 @@ static void flames_take_their_light_along(void **state)
         double sum[2][2] = {{0}}; /* [moves][half of the view] */
         for (int moves = 0; moves < 2; moves++) {
             snprintf(text, sizeof text,
-                     "{'camera': {'fov_y': 24, 'views': 1, 'cone': 0, 'shutter': 1}, "
-                     "'volumes': {'flame': {%s%s%s%s, 'transform': {'scale': %g, "
-                     "'translate': {'keys': [[1, [-0.5, 0, 0]], [2, [%g, 0, 0]]]}}}}}",
+                     "{'camera': {'fov_y': 24, 'views': 1, 'cone': 0, 'shutter': 1}, 'volumes': "
+                     "{'flame': {%s%s%s%s, 'transform': {'scale': %g, 'translate': {'keys': [[1, "
+                     "[-0.5, 0, 0]], [2, [%g, 0, 0]]]}}}}}",
                      grid ? "'file': '" : "", grid ? vdb : "", grid ? "', " : "", kinds[i].more,
                      grid ? 0.02 : 0.2, moves ? 0.1 : -0.5);
             lf_scene *scene = lf_test_scene(text);
@@ -456,9 +455,8 @@ static void a_mesh_is_read_where_it_is_at_both_ends(void **state)
 static void the_subject_knows_where_a_volume_goes(void **state)
 {
     (void)state;
-    static const char fog[] = ", 'volumes': {'fog': {'shape': 'sphere', "
-                              "'transform': {'translate': {'keys': [[2, [%d, 0, 0]], [3, [0, 0, "
-                              "0]], [4, [%d, 0, 0]]]}}}}";
+    static const char fog[] = ", 'volumes': {'fog': {'shape': 'sphere', 'transform': {'translate': "
+                              "{'keys': [[2, [%d, 0, 0]], [3, [0, 0, 0]], [4, [%d, 0, 0]]]}}}}";
     char right[256], left[256];
     snprintf(right, sizeof right, fog, -1, 1);
     snprintf(left, sizeof left, fog, 1, -1);
@@ -483,9 +481,8 @@ static void faces_that_part_are_both_kept(void **state)
                                         "{'keys': [[3, [0, 0, 0]], [9, [17, 3, 0]]]}}}",
                       together[] =
                           "'a': {'shape': 'cube', 'transform': {'translate': {'keys': [[3, [0, 0, "
-                          "0]], [9, [17, 3, 0]]]}}}, 'b': {'shape': 'cube', "
-                          "'transform': {'translate': {'keys': [[3, [0, 0, 0]], [9, [17, 3, "
-                          "0]]]}}}";
+                          "0]], [9, [17, 3, 0]]]}}}, 'b': {'shape': 'cube', 'transform': "
+                          "{'translate': {'keys': [[3, [0, 0, 0]], [9, [17, 3, 0]]]}}}";
     lf_scene *scene = scene_of(", 'shutter': 1", parting, "", NULL);
     assert_int_equal(scene->meshes[1].n_triangles, 12);
     lf_scene_unref(scene);
@@ -526,8 +523,8 @@ static void what_has_keys_and_stands_still_is_told(void **state)
         {", 'shutter': 0.5", ", 'backdrop': {'keys': [[1, 0], [9, 1]]}", ": backdrop"},
         {", 'shutter': 0.5, 'fov_y': {'keys': [[1, 9], [9, 12]]}", "", ": camera"},
         {", 'shutter': 0.5",
-         ", 'volumes': {'fog': {'shape': 'box', 'density': {'keys': [[1, 9], [9, 12]]}}, "
-         "'mist': {'shape': 'box'}}",
+         ", 'volumes': {'fog': {'shape': 'box', 'density': {'keys': [[1, 9], [9, 12]]}}, 'mist': "
+         "{'shape': 'box'}}",
          ": volumes.fog"},
         {", 'shutter': 0.5",
          ", 'volumes': {'fog': {'shape': 'box', 'transform': {'translate': {'keys': [[1, [0, 0, "
@@ -546,12 +543,10 @@ static void what_has_keys_and_stands_still_is_told(void **state)
             fail_msg("case %d: %s", (int)i, found ? found : "nothing is said");
         lf_scene_unref(scene);
     }
-    lf_scene *scene = lf_test_scene("{'camera': {'shutter': 0.5}, 'meshes': {" STILL
-                                    "}, 'lights': {'day': {'type': 'sky', "
-                                    "'elevation': {'keys': [[1, 10], [9, "
-                                    "60]]}}, 'noon': {'type': 'sky', "
-                                    "'azimuth': {'keys': [[1, 10], [9, "
-                                    "60]]}}}}");
+    lf_scene *scene = lf_test_scene(
+        "{'camera': {'shutter': 0.5}, 'meshes': {" STILL "}, 'lights': {'day': {'type': 'sky', "
+        "'elevation': {'keys': [[1, 10], [9, 60]]}}, 'noon': {'type': 'sky', 'azimuth': {'keys': "
+        "[[1, 10], [9, 60]]}}}}");
     assert_non_null(strstr(scene->warnings.line[0], ": lights.day"));
     assert_null(strstr(scene->warnings.line[0], "noon"));
     lf_scene_unref(scene);
@@ -598,9 +593,9 @@ static void lamps_are_found_as_they_are_drawn(void **state)
 static void a_sky_that_changes_is_its_mean(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{'camera': {'views': 3, 'shutter': 0.5, 'shutter_open': 1}, "
-                                    "'lights': {'sky': {'type': 'environment', "
-                                    "'radiance': {'keys': [[1, 0], [9, 8]]}}}}");
+    lf_scene *scene =
+        lf_test_scene("{'camera': {'views': 3, 'shutter': 0.5, 'shutter_open': 1}, 'lights': "
+                      "{'sky': {'type': 'environment', 'radiance': {'keys': [[1, 0], [9, 8]]}}}}");
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_test_cycles(r, 32);
     double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS);

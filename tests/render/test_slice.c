@@ -76,9 +76,9 @@ static void a_ray_knows_its_interval_inside_a_shape(void **state)
     for (int i = 0; i < 2; i++) {
         char text[512];
         snprintf(text, sizeof text,
-                 "{ " NARROW ", 'volumes': { 'v': { 'shape': '%s', 'density': 3, "
-                 "'transform': { 'scale': [1, 0.5, 0.7], 'rotate': [20, 30, 40], "
-                 "'translate': [0.1, 0.05, 0] } } } }",
+                 "{ " NARROW ", 'volumes': { 'v': { 'shape': '%s', 'density': 3, 'transform': { "
+                 "'scale': [1, 0.5, 0.7], 'rotate': [20, "
+                 "30, 40], 'translate': [0.1, 0.05, 0] } } } }",
                  shapes[i]);
         lf_scene *scene = lf_test_scene(text);
         lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
@@ -155,9 +155,9 @@ static void a_frame_is_as_wide_as_what_the_views_see(void **state)
     assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), vdb));
     for (int i = 0; i < 3; i++) {
         snprintf(text, sizeof text,
-                 "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1, %s }, "
-                 "'volumes': { 'v': { 'file': '%s', 'transform': { 'scale': [8, 1, 0.1], "
-                 "'translate': [-60, 0, 2] } } } }",
+                 "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1, %s }, 'volumes': "
+                 "{ 'v': { 'file': '%s', 'transform': { 'scale': [8, 1, 0.1], 'translate': [-60, "
+                 "0, 2] } } } }",
                  views[i], vdb);
         lf_scene *scene = lf_test_scene(text);
         const lf_render_settings settings = {

@@ -6,7 +6,6 @@
 #include "tests/testing.h"
 
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 16, height = 12, views = 5, pixels = views * width * height };
 
@@ -75,9 +74,9 @@ static void invariant_1_weights_of_a_pivot_sum_to_one(void **state)
 {
     (void)state;
     double *d = malloc(pixels * sizeof *d), *q = malloc(pixels * sizeof *q), sum = 0.0;
-    lf_scene *scene = lf_test_scene(
-        "{ " LF_TEST_CAMERA("5", "") "'meshes': { 'card': { 'shape': 'quad', 'transform': { "
-                                     "'scale': 20, 'rotate': [70, 10, 20] } } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "bare-camera", "{'meshes': {'card': {'shape': 'quad', "
+                       "'transform': {'scale': 20, 'rotate': [70, 10, 20]}}}}"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_render_stats stats;
     cycles(r);
@@ -138,7 +137,7 @@ static double jacobian(const lf_rig *rig, int i, int j, const double at[3])
 static void invariant_3_maps_between_views_invert_and_their_jacobians_are_ratios_of_h(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA("5", "") "'render': {} }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("bare-camera"));
     lf_renderer *renderer = lf_test_renderer(scene, "mvpt", width, height, NULL);
     const lf_rig *rig = &lf_test_rows(renderer)->rig;
     for (int n = 0; n < 50; n++) {

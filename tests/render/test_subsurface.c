@@ -63,10 +63,9 @@ static void a_half_space_gives_back_what_its_h_function_says(void **state)
 {
     (void)state;
     lf_scene *scene = lf_test_scene(
-        "{ 'meshes': { 'ground': { 'shape': 'cube', 'material': 'flesh', "
-        "'transform': { 'scale': 1000 } } }, 'materials': { 'flesh': { 'type': 'principled', "
-        "'specular': 0, 'subsurface': 1, 'albedo': [0.8, 0.5, 0.3], "
-        "'subsurface_radius': [5, 0.5, 0.05] } }, " SKY " }");
+        "{ 'meshes': { 'ground': { 'shape': 'cube', 'material': 'flesh', 'transform': { 'scale': "
+        "1000 } } }, 'materials': { 'flesh': { 'type': 'principled', 'specular': 0, 'subsurface': "
+        "1, 'albedo': [0.8, 0.5, 0.3], 'subsurface_radius': [5, 0.5, 0.05] } }, " SKY " }");
     lf_moments m[4];
     static const float albedo[3] = {0.8f, 0.5f, 0.3f};
     radiance(scene, lf_v3(0.2f, 0.3f, 2000.0f), lf_v3(0.0f, 0.0f, -1.0f), 60000, 1, m);
@@ -261,9 +260,8 @@ static int warnings_of(const char *shape, const char *transform)
     char text[1024];
     int n = 0;
     snprintf(text, sizeof text,
-             "{ 'meshes': { 'body': { 'shape': '%s', 'material': 'flesh', "
-             "'transform': { %s } } }, 'materials': { 'flesh': { 'type': 'principled', "
-             "'subsurface': 1 } }, " SKY " }",
+             "{ 'meshes': { 'body': { 'shape': '%s', 'material': 'flesh', 'transform': { %s } } }, "
+             "'materials': { 'flesh': { 'type': 'principled', 'subsurface': 1 } }, " SKY " }",
              shape, transform);
     lf_scene *scene = lf_test_scene(text);
     for (; lf_scene_warning(scene, n); n++)

@@ -349,9 +349,9 @@ static void ground_may_reach_far_beyond_the_texels_of_what_is_small(void **state
 {
     (void)state;
     static const char scene[] =
-        HEAD "'meshes': {'cube': {'shape': 'cube', 'material': 'm', "
-             "'transform': {'scale': 1e-3}}, 'ground': {'shape': 'quad', 'material': 'm', "
-             "'transform': {'scale': 1e5, 'translate': [%d, 0, %d]}}}, " SUN("%s, 'angle': 0.5");
+        HEAD "'meshes': {'cube': {'shape': 'cube', 'material': 'm', 'transform': {'scale': 1e-3}}, "
+             "'ground': {'shape': 'quad', 'material': 'm', 'transform': {'scale': 1e5, "
+             "'translate': [%d, 0, %d]}}}, " SUN("%s, 'angle': 0.5");
     static const int places[][2] = {{0, 0},          {35000, 0},      {-35000, 0}, {0, 35000},
                                     {0, -35000},     {-30000, 10000}, {70000, 0},  {60000, -60000},
                                     {-60000, 60000}, {99000, 99000}};
@@ -376,9 +376,9 @@ static void maps_go_over_to_scenes_that_cast_the_same_shadows(void **state)
 {
     (void)state;
     static const char brighter[] = HEAD "'meshes': {" GROUND ", " BOARD(
-        "'scale': 0.5, 'translate': [0, 1, 0]") "}, 'materials': {'m': {'albedo': 0.1}}, "
-                                                "'lights': {'sun': {'type': 'distant', "
-                                                "'irradiance': 5, 'direction': [0.6, -0.8, 0]}}}";
+        "'scale': 0.5, 'translate': [0, 1, 0]") "}, 'materials': {'m': {'albedo': 0.1}}, 'lights': "
+                                                "{'sun': {'type': 'distant', 'irradiance': 5, "
+                                                "'direction': [0.6, -0.8, 0]}}}";
     static const char turned[] =
         HEAD "'meshes': {" GROUND
              ", " BOARD("'scale': 0.5, 'translate': [0, 1, 0]") "}, " SUN("[0.5, -0.8, 0]");

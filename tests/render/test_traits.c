@@ -59,6 +59,7 @@ enum {
 #define QUADS(of, more) \
     GROUND ", 'a': { 'shape': 'quad', 'material': '" of "', 'transform': { 'rotate': [180, " \
     "0, 0], 'scale': 0.6, 'translate': [0, 0.9, 0] } }" more
+
 /* @m: a box, or where lanes are to serve it a grid of a box */
 #define FOG(words) "'fog': { @m, 'albedo': 0.8" words " }"
 #define GRID(words) "'block': { 'file': '@g'" words ", 'transform': { 'scale': 0.2, " \
@@ -75,8 +76,9 @@ static const struct {
 } rows[] = {
     {LF_TRAIT_SURFACES, {.meshes = GROUND}, {0}},
     {LF_TRAIT_INSTANCES,
-     {.meshes = "'ball': { 'shape': 'sphere', 'material': 'clay', 'instances': [{ 'scale': 0.4, "
-                "'translate': [-0.6, 0, 0] }, { 'scale': 0.4, 'translate': [0.6, 0, 0] }] }"},
+     {.meshes = "'ball': { 'shape': 'sphere', 'material': 'clay', 'instances': [{ 'scale': "
+    "0.4, 'translate': [-0.6, 0, 0] }, "
+                "{ 'scale': 0.4, 'translate': [0.6, 0, 0] }] }"},
      {.meshes = BALL("clay")}},
     {LF_TRAIT_HIDDEN_MESHES, {.meshes = GROUND, .lights = RECTANGLE("false")},
     {.meshes = GROUND, .lights = RECTANGLE("true")}},
@@ -93,8 +95,8 @@ static const struct {
     {.volumes = FOG(""), .lights = BEHIND}},
     {LF_TRAIT_EMISSION, {.meshes = BALL("shining")}, {.meshes = BALL("clay")}},
     {LF_TRAIT_OVERLAPS,
-     {.meshes = QUADS("lamp", ", 'b': { 'shape': 'quad', 'material': 'lamp', "
-                              "'transform': { 'scale': 0.6, 'translate': [0, 0.9, 0] } }")},
+     {.meshes = QUADS("lamp", ", 'b': { 'shape': 'quad', 'material': 'lamp', 'transform': { "
+    "'scale': 0.6, 'translate': [0, 0.9, 0] } }")},
      {.meshes = QUADS("bright", "")}},
     {LF_TRAIT_ALPHA, {.meshes = CARD("half")}, {.meshes = CARD("whole")}},
     {LF_TRAIT_THIN_GLASS, {.meshes = CARD("sheet")}, {.meshes = GROUND}},
@@ -102,7 +104,7 @@ static const struct {
     {LF_TRAIT_FILLED_GLASS, {.meshes = BALL("dark")}, {.meshes = BALL("clear")}},
     {LF_TRAIT_NESTED_GLASS,
      {.meshes = BALL("clear") ", 'in': { 'shape': 'sphere', 'material': 'water', "
-                              "'transform': { 'scale': 0.6 } }"},
+    "'transform': { 'scale': 0.6 } }"},
      {.meshes = BALL("clear")}},
     {LF_TRAIT_SUBSURFACE, {.meshes = BALL("skin"), .lights = SUN}, {.meshes = BALL("stone"),
     .lights = SUN}},
@@ -135,16 +137,17 @@ static const struct {
     {.volumes = FOG("")}},
     {LF_TRAIT_BACKDROP, {.volumes = FOG(""), .more = ", 'backdrop': 1.5"}, {.volumes = FOG("")}},
     {LF_TRAIT_MOTION,
-     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', "
-                       "'transform': { 'scale': 0.5, 'translate': { 'keys': [[1, [-0.5, 0, 0]], "
-                       "[2, [0.9, 0, 0]]] } } }", .camera = ", 'shutter': "
-                                                                                   "1"},
-     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', "
-                       "'transform': { 'scale': 0.5, 'translate': [-0.5, 0, 0] } }"}},
-    {LF_TRAIT_LENS, {.volumes = FOG(""), .camera = ", 'lens_radius': 1, 'focus_distance': 1.5"}, {.volumes = FOG("")}},
+     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { "
+    "'scale': 0.5, 'translate': "
+                "{ 'keys': [[1, [-0.5, 0, 0]], [2, [0.9, 0, 0]]] } } }", .camera = ", "
+    "'shutter': 1"},
+     {.meshes = GROUND ", 'ball': { 'shape': 'sphere', 'material': 'whole', 'transform': { "
+    "'scale': 0.5, 'translate': [-0.5, 0, 0] } }"}},
+    {LF_TRAIT_LENS, {.volumes = FOG(""), .camera = ", 'lens_radius': 1, 'focus_distance': "
+    "1.5"}, {.volumes = FOG("")}},
     {LF_TRAIT_VIEW_BLUR, {.volumes = FOG(""), .camera = ", 'view_blur': 4"}, {.volumes = FOG("")}},
     {LF_TRAIT_LENS | LF_TRAIT_BACKDROP, {.meshes = BALL("clay"), .camera = ", 'lens_radius': 1, "
-                                                                           "'focus_distance': 1.5", .more = ", 'backdrop': 1.5"}, {.meshes = BALL("clay")}},
+    "'focus_distance': 1.5", .more = ", 'backdrop': 1.5"}, {.meshes = BALL("clay")}},
     {LF_TRAIT_VIEW_BLUR, {.meshes = BALL("clay"), .camera = ", 'view_blur': 4"},
     {.meshes = BALL("clay")}},
     {LF_TRAIT_LISTED_CAMERAS, {.volumes = FOG("")}, {.volumes = FOG(""), .camera = ", "
