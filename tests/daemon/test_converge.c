@@ -48,7 +48,8 @@ static void make_picture(converging *c, const lf_calibration *calibration)
 {
     lf_error err = {0};
     lf_scene *scene = NULL;
-    json_t *doc = lf_test_scene_document("live-fog");
+    json_t *doc =
+        lf_test_json("live-fog", lf_test_scene_patched("live-fog", "{'camera': {'views': null}}"));
     const lf_options options = {
         .views = VIEWS, .view_width = VIEW_WIDTH, .view_height = VIEW_HEIGHT};
     lf_assert_ok(lf_scene_from_json(doc, ".", "fog", NULL, NULL, &scene, &err), &err);

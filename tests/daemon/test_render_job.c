@@ -26,7 +26,8 @@ static int set_up(void **state)
 {
     static fixture f;
     lf_error err = {0};
-    json_t *doc = lf_test_scene_document("fog-ball");
+    json_t *doc =
+        lf_test_json("fog-ball", lf_test_scene_patched("fog-ball", "{'camera': {'views': null}}"));
     f = (fixture){0};
     assert_non_null(doc);
     lf_assert_ok(lf_scene_from_json(doc, ".", "fog", NULL, NULL, &f.scene, &err), &err);
