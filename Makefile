@@ -9,9 +9,9 @@
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
-#   make fuzz               hostile bytes for what comes from outside: FUZZ_SECONDS each (60), T=hid only that one
+#   make fuzz               feed random bytes to the readers: FUZZ_SECONDS each (60); T=hid: only that one
 #   make soak               the daemon on a panel with random faults: SOAK_SECONDS (600), SOAK_SEED
-#   make mutants            one wrong line at a time: which of them does no test notice? T=render only those with this word
+#   make mutants            break one line at a time and list the changes that no test detects; T=render: only those with this word
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make check-kernel       simulated devices through a real kernel and the installed daemon under systemd, in QEMU; as root
 #   make T=render check     only the tests whose path holds this word; WITHOUT='tests/render/test_bias …' leaves those out
@@ -214,7 +214,7 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
 
 .PHONY: tests fuzz-targets check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
 # what renders for long is run once, as it is built for users
-tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh $(if $(filter release,$(BUILD)),readme.sh) arm64.sh)
+tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh $(if $(filter release,$(BUILD)),readme.sh guides.sh) arm64.sh)
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))
 tests: all $(selected) $(if $(T)$(filter-out release,$(BUILD)),,$(headers_alone)) $(O)/tests/arm64/results
 check-now: tests
@@ -294,8 +294,8 @@ SCENE ?= $(if $(scene_copies),$(SRCDIR),$(BUILDROOT))/scenes/first-light.json
 DEVICE ?= sim:$(RUN)/sim
 run-now: all
 	@mkdir -p $(RUN)/sim $(RUN)/state $(RUN)/export
-	@$(if $(filter sim:%,$(DEVICE)),echo 'pictures: $(abspath $(firstword $(subst $(comma), ,$(DEVICE:sim:%=%))))/panel.png (the panel)$(comma) view.png (what an eye sees)$(comma) quilt.png (all views)')
-	@echo 'talk to it: $(abspath $(if $(links),$(BUILDROOT),$(O)))/quiltctl --socket $(call socket) status'
+	@$(if $(filter sim:%,$(DEVICE)),echo 'images: $(abspath $(firstword $(subst $(comma), ,$(DEVICE:sim:%=%))))/panel.png (the panel)$(comma) view.png (as an eye sees it)$(comma) quilt.png (all views)')
+	@echo 'control it with: $(abspath $(if $(links),$(BUILDROOT),$(O)))/quiltctl --socket $(call socket) status'
 	@$(O)/quiltd '$(SCENE)' --device '$(DEVICE)' --socket '$(call socket)' --state '$(RUN)/state' --export-dir '$(RUN)/export' \
 	 $(if $(RUN_FOR),--run-for $(RUN_FOR)) $(ARGS)
 # a socket's path has 107 bytes: the absolute one when it fits

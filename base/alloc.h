@@ -1,6 +1,6 @@
 /* Allocation: zeroed, checked against overflow, aligned to 64 bytes (a cache line, an AVX-512
- * vector), and counted. Steady state allocates nothing: tests read lf_alloc_count before and after.
- * Thread safe. */
+ * vector) and counted. Steady state allocates nothing: tests compare lf_alloc_count before and
+ * after. Thread safe. */
 #ifndef LF_BASE_ALLOC_H
 #define LF_BASE_ALLOC_H
 
@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* n * size zeroed bytes aligned to 64; NULL when out of memory or when the product overflows. n or
- * size 0 gives a pointer that may be freed and not read. Release with lf_free. */
+/* n * size zeroed bytes aligned to 64; NULL when out of memory or if the product overflows. If n or
+ * size is 0, the pointer may be freed but not read. Release with lf_free. */
 void *lf_calloc(size_t n, size_t size) __attribute__((malloc, warn_unused_result));
 
 /* A copy of a string; NULL for NULL or out of memory. Release with lf_free. */
@@ -18,18 +18,18 @@ char *lf_strdup(const char *s) __attribute__((warn_unused_result));
 /* Accepts NULL. */
 void lf_free(void *p);
 
-/* Gives memory that was released back to the system, which keeps it else. Takes as long as there
- * are pieces of it: where somebody waits, another thread does it. */
+/* Returns freed memory to the system. Takes time that grows with the number of free blocks; where a
+ * client waits, another thread calls it. */
 void lf_trim(void);
 
-/* Asks the system for huge pages (2 MB) in what [p, p + bytes) has of whole ones: many pages that
- * are visited for the first time take as long as a pass. Nothing but time and memory depends on it:
- * the first byte that is touched costs the whole page. lf_calloc asks by itself for what is large,
- * since it touches all of it. false: there is none, or the system has no such pages. */
+/* Requests huge pages (2 MB) for the whole ones in [p, p + bytes), because the first visits to many
+ * small pages take as long as a pass. Only time and memory depend on it: the first byte that is
+ * touched uses the whole page. lf_calloc requests them for large blocks, since it touches every
+ * byte. False: the range holds no whole huge page, or the system has none. */
 bool lf_advise_huge(void *p, size_t bytes);
 #define LF_HUGE_PAGE ((size_t)2 << 20)
 
-/* Allocations made through lf_calloc and lf_strdup by this process so far. */
+/* Number of allocations by lf_calloc and lf_strdup in this process so far. */
 uint64_t lf_alloc_count(void);
 
 #endif

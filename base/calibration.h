@@ -1,18 +1,18 @@
-/* One panel's lens calibration, as the vendor's JSON carries it (looking-glass.md section 2: every
- * number may be wrapped as
- * {"value": x} or plain, integers may come as floats, keys may be missing). A plain struct that
- * crosses rooms; what a parser made may be compared as bytes. */
+/* A panel's lens calibration, in the format of the vendor's JSON
+ * (docs/reference/formats/calibrations.md). Numbers may be wrapped as {"value": x} or plain,
+ * integers may be written as floats, keys may be missing. A plain struct shared by all modules;
+ * parsed calibrations can be compared as bytes. */
 #ifndef LF_BASE_CALIBRATION_H
 #define LF_BASE_CALIBRATION_H
 
 #include "base/status.h"
 
-/* pixels: no panel is wider or higher, so nothing is allocated for one that claims to be */
+/* pixels: larger panels are refused, so that nothing is allocated for a false size */
 #define LF_MAX_SIDE 16384
-#define LF_MAX_PANEL_PIXELS (8192 * 8192) /* twice the largest panel there is */
+#define LF_MAX_PANEL_PIXELS (8192 * 8192) /* twice the largest known panel */
 #define LF_MAX_CELLS 16
 #define LF_CALIBRATION_MAX_BYTES 65536
-/* of a default quilt: as many views, and pixels in all as a panel */
+/* limit of views in a default quilt; its pixels are limited like those of a panel */
 #define LF_CALIBRATION_MAX_VIEWS 256
 
 typedef struct lf_calibration {
@@ -30,24 +30,24 @@ typedef struct lf_calibration {
     int inv_view, flip_image_x, flip_image_y, flip_subp; /* 0 or 1 (>= 0.5 test) */
     int cell_pattern_mode;                               /* 0..4 */
     int n_cells;                                         /* 0 = plain RGB stripes */
-    /* the panel's own default quilt: its tiles, and all of its pixels; 0 when absent */
+    /* the panel's default quilt: tiles, and total size in pixels; 0 when absent */
     int quilt_columns, quilt_rows, quilt_width, quilt_height;
     float cells[LF_MAX_CELLS][3 /* R, G, B */][2 /* x, y */]; /* offsets in PIXELS */
 } lf_calibration;
 
-/* Parses JSON text of length n (at most LF_CALIBRATION_MAX_BYTES): the vendor's visual.json, or
- * what Bridge says of a device, {"calibration": …, "defaultQuilt": …}, each an object or a text of
- * one. A defaultQuilt that is none is left out with a warning. where names it in errors.
- * Control characters in texts become '?'. LF_E_FORMAT with line and pointer for anything missing
- * that the formulas need, non-finite or out of range; *out untouched then. */
+/* Parses JSON text of length n (at most LF_CALIBRATION_MAX_BYTES). Accepts the vendor's
+ * visual.json, and Bridge's description of a device: {"calibration": …, "defaultQuilt": …}, each an
+ * object or a string of JSON. An invalid defaultQuilt is skipped with a warning. `where` names the
+ * source in errors. Control characters in strings become '?'. LF_E_FORMAT, with line and pointer: a
+ * required number is missing, not finite or out of range; *out is then untouched. */
 LF_NODISCARD lf_status lf_calibration_parse(const char *text, size_t n, const char *where,
                                             lf_calibration *out, lf_error *err);
-/* The same from a file. */
+/* Parses a file. */
 LF_NODISCARD lf_status lf_calibration_load(const char *path, lf_calibration *out, lf_error *err);
-/* What parses as the same calibration: an object (a json_t of Jansson) of the vendor's keys with
- * bare values. NULL = out of memory; released with json_decref. */
+/* JSON that parses to the same calibration: an object (a json_t of Jansson) of the vendor's keys
+ * with plain values. NULL = out of memory; release with json_decref. */
 struct json_t *lf_calibration_json(const lf_calibration *c) __attribute__((warn_unused_result));
-/* A nominal Portrait (1536x2048), what the simulated device has when nothing else is said. */
+/* A nominal Portrait (1536x2048), the default of the simulated device. */
 void lf_calibration_portrait(lf_calibration *out);
 
 #endif

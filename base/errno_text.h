@@ -1,4 +1,4 @@
-/* The system's words for an errno value, without the shared buffer of strerror. */
+/* The system's text for an errno value, without the shared buffer of strerror. */
 #ifndef LF_BASE_ERRNO_TEXT_H
 #define LF_BASE_ERRNO_TEXT_H
 

@@ -1,4 +1,4 @@
-/* The plain picture structs in which the rooms meet. Row 0 is the top row everywhere. */
+/* Plain image structs shared by the modules. Row 0 is the top row everywhere. */
 #ifndef LF_BASE_IMAGE_H
 #define LF_BASE_IMAGE_H
 
@@ -27,41 +27,41 @@ LF_NODISCARD lf_status lf_image32_init(lf_image32 *image, int width, int height,
 void lf_image8_finish(lf_image8 *image);
 void lf_image32_finish(lf_image32 *image);
 
-/* Copies a picture the way up that an orientation of EXIF (1..8) says it is meant to be seen; 6 is
- * a quarter turn clockwise, 3 half a turn, 8 a quarter turn anticlockwise. width and height are
- * in's, rows of it in_stride bytes apart; out is packed, [width][height] pixels where
- * lf_orientation_swaps. Others than 2..8 only copy. */
+/* Copies a picture into the upright position for an EXIF orientation (1..8). 3 is half a turn, 6 a
+ * quarter turn clockwise, 8 a quarter turn anticlockwise. width and height are those of `in`, whose
+ * rows are in_stride bytes apart. out is packed, [width][height] pixels if lf_orientation_swaps.
+ * Values outside 2..8 copy only. */
 void lf_orient(int orientation, const void *in, size_t in_stride, int width, int height,
                size_t pixel_bytes, void *out);
-/* Whether width and height change places. */
+/* True if width and height are swapped. */
 static inline bool lf_orientation_swaps(int orientation)
 {
     return orientation >= 5 && orientation <= 8;
 }
 
-/* The light of 8-bit codes by sRGB (IEC 61966-2-1). */
+/* Linear light of 8-bit codes, by sRGB (IEC 61966-2-1). */
 void lf_srgb_light(float out[256]);
 
-/* The views of one light field, 8-bit display-encoded RGB, 3 bytes a pixel, wherever they lie: the
- * strides say whether it is a stack of views or the film's order [row][view][column]. Borrowed, not
- * owned. View 0 is the leftmost camera. */
+/* The views of one light field, 8-bit display-encoded RGB, 3 bytes per pixel. The strides describe
+ * either a stack of views or the film's order [row][view][column]. Borrowed, not owned. View 0 is
+ * the leftmost camera. */
 typedef struct lf_views8 {
     int n_views, width, height;     /* width and height of a view in pixels */
     size_t view_stride, row_stride; /* bytes from view to view, and from row to row of one view */
     const uint8_t *data;
 } lf_views8;
 
-/* Channels beside the colours of float views, n of them a pixel. */
+/* Channels in addition to the colours of float views, n per pixel. */
 typedef struct lf_layers32 {
     int n;
-    const char *const *names;       /* [n] as EXR files call them */
+    const char *const *names;       /* [n] names in EXR files */
     size_t view_stride, row_stride; /* in floats */
     const float *data;
 } lf_layers32;
 
-/* The same with linear float RGB (12 bytes a pixel); strides in floats. What is only written to
- * files (lf_print_write, lf_quilt_write_exr, lf_view_write_exr) may be 8-bit codes instead, which
- * are light[code]: then data is NULL, and strides count codes. */
+/* Like lf_views8, with linear float RGB (12 bytes per pixel); strides in floats. For file writers
+ * only (lf_print_write, lf_quilt_write_exr, lf_view_write_exr), 8-bit codes may replace the floats:
+ * data is NULL, light[code] is the linear value, and strides count codes. */
 typedef struct lf_views32 {
     int n_views, width, height;
     size_t view_stride, row_stride;

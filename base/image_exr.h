@@ -1,6 +1,6 @@
-/* Private to the readers of OpenEXR: a file that is open, and what of it is the picture.
- * image_exr.c reads its pixels, image_exr_header.c finds its part and channels, image_exr_says.c
- * what its attributes say. */
+/* Private to the readers of OpenEXR: an open file and the part of it that is the picture.
+ * image_exr.c reads pixels, image_exr_header.c finds part and channels, image_exr_says.c reads
+ * attributes. */
 #ifndef LF_BASE_IMAGE_EXR_H
 #define LF_BASE_IMAGE_EXR_H
 
@@ -9,7 +9,7 @@
 #include "base/image_colours.h"
 #include "base/image_formats.h"
 
-/* What OpenEXRCore's callbacks reach. */
+/* State for OpenEXRCore's callbacks. */
 typedef struct lf_exr_session {
     const lf_image_source *source; /* reading */
     lf_outfile *file;              /* writing */
@@ -26,22 +26,22 @@ typedef struct lf_exr_input {
     int data_width, data_height;
     exr_compression_t compression;
     bool tiled, grey, chroma, half;
-    bool named;             /* R, G, B or Y of the first part: the C++ library reads them, too */
-    const char *channel[3]; /* red, green and blue; grey: the first alone. The library's */
+    bool named;             /* R, G, B or Y of the first part, which the C++ library also reads */
+    const char *channel[3]; /* red, green and blue; grey: only the first. Owned by the library */
     lf_image_colours colours;
 } lf_exr_input;
 
-/* The error that a result of the library is; returns its status. */
+/* Sets the error for a result of the library; returns its status. */
 lf_status lf_exr_fail(const lf_exr_session *s, exr_result_t code);
 
-/* Fills all but session and exr, of a file that is open. LF_E_FORMAT: it is no flat picture, has no
- * channels to take, or is too large. What is not read is noted. */
+/* Fills all members except session and exr from an open file. LF_E_FORMAT: not a flat picture, no
+ * usable channels, or too large. Parts that are not read are noted. */
 LF_NODISCARD lf_status lf_exr_read_header(lf_exr_input *in);
 
-/* What the attributes of the part say of its pixels, once part, channels and windows are known. */
+/* Reads the part's attributes about its pixels, once part, channels and windows are known. */
 void lf_exr_read_attributes(lf_exr_input *in);
 
-/* Appends ", NAME" (the first without its comma) where there is room, else "..." once. */
+/* Appends ", NAME" (the first without comma) if there is room, otherwise "..." once. */
 void lf_exr_list(char *list, size_t size, const char *name);
 
 #endif

@@ -1,8 +1,8 @@
-/* Reading and writing picture files: a table of formats, one file a format (image_png.c,
- * image_exr.c, image_jpeg.c, image_hdr.c). Format is found by contents when reading and by the
- * name's ending when writing. Limits: 65536 pixels a side, 2^31 samples, files up to 4 GiB.
- * Malformed input gives LF_E_FORMAT, never a crash; all the same the programs have what comes from
- * outside read elsewhere (base/sandbox/raster.h). Thread safe. */
+/* Reads and writes picture files: a table of formats, one file per format (image_png.c,
+ * image_exr.c, image_jpeg.c, image_hdr.c). Readers find the format by contents, writers by the
+ * ending of the name. Limits: 65536 pixels per side, 2^31 samples, files up to 4 GiB. Malformed
+ * input gives LF_E_FORMAT, never a crash; even so, programs read external files in another process
+ * (base/sandbox/raster.h). Thread safe. */
 #ifndef LF_BASE_IMAGE_IO_H
 #define LF_BASE_IMAGE_IO_H
 
@@ -13,66 +13,65 @@
 #define LF_IMAGE_MAX_BYTES ((uint64_t)1 << 32)
 #define LF_IMAGE_MAX_SIDE 65536
 
-/* Which form the picture in a file has by nature. */
+/* The native kind of a picture file. */
 typedef enum lf_image_kind {
     LF_IMAGE_8BIT /* PNG, JPEG */,
     LF_IMAGE_FLOAT /* EXR, HDR */
 } lf_image_kind;
 
-/* Looks at the first bytes only. LF_E_FORMAT when it is none of PNG, JPEG, EXR, HDR. */
+/* Checks only the first bytes. LF_E_FORMAT: not PNG, JPEG, EXR or HDR. */
 LF_NODISCARD lf_status lf_image_probe(const char *path, const lf_roots *roots,
                                       lf_image_kind *out_kind, lf_error *err);
-/* This and what ends in _open: of a file that is open, whatever its name leads to by now. fd stays
- * the caller's, and stands anywhere afterwards; path names the file in errors. */
+/* Functions ending in _open read an open file, whatever its name leads to now. fd stays the
+ * caller's; its offset afterwards is undefined. path names the file in errors. */
 LF_NODISCARD lf_status lf_image_probe_open(int fd, const char *path, lf_image_kind *out_kind,
                                            lf_error *err);
 
-/* Where the ending of a name (".PNG") begins, in path, when it is a picture format's; else NULL. */
+/* The ending (".PNG") within path if it is that of a picture format, otherwise NULL. */
 const char *lf_image_ending(const char *path);
-/* The endings of formats of floats one after the other, without the dot; NULL behind the last. */
+/* The index-th ending of float formats, without the dot; NULL after the last. */
 const char *lf_image_float_ending(int index);
 
-/* 8-bit RGB (3 channels; grey is spread, alpha dropped, 16-bit PNG rounded, palettes expanded), the
- * way up that EXIF's orientation says.
- * Floats are not accepted. */
+/* 8-bit RGB (3 channels), upright according to the EXIF orientation. Grey is replicated, alpha
+ * dropped, 16-bit PNG rounded, palettes expanded. Float files are refused. */
 LF_NODISCARD lf_status lf_image8_read(const char *path, const lf_roots *roots, lf_image8 *out,
                                       lf_error *err);
 LF_NODISCARD lf_status lf_image8_read_open(int fd, const char *path, lf_image8 *out, lf_error *err);
 
-/* Linear float RGB (3 channels) of Rec. 709, all finite. docs/formats/images.md says what becomes
- * of everything that the formats know. EXR: scan lines and tiles, half, float and uint, every
- * compression of OpenEXRCore (DWA too), the channels R,G,B or Y of the first part that has them,
- * else of the only layer, else the only channel; data window placed in the display window. HDR:
- * Radiance RGBE and XYZE, new and old run lengths, flipped axes. Both are converted from the
- * primaries that they name. 8-bit pictures are decoded from sRGB. */
+/* Linear float RGB (3 channels) in Rec. 709, all finite. docs/reference/formats/images.md lists how
+ * every feature of the formats is handled. EXR: scan lines and tiles; half, float and uint; every
+ * compression of OpenEXRCore, including DWA; the data window is placed in the display window. Its
+ * channels are R,G,B or Y of the first part that has them, otherwise those of the only layer,
+ * otherwise the only channel. HDR: Radiance RGBE and XYZE, new and old run lengths, flipped axes.
+ * Both are converted from the primaries they name. 8-bit pictures are decoded from sRGB. */
 LF_NODISCARD lf_status lf_image32_read(const char *path, const lf_roots *roots, lf_image32 *out,
                                        lf_error *err);
 LF_NODISCARD lf_status lf_image32_read_open(int fd, const char *path, lf_image32 *out,
                                             lf_error *err);
 
-/* The same two, and what else the file says: *said is filled anew, whatever comes of it. */
+/* The same two functions with metadata: *meta is reset and filled, also on failure. */
 LF_NODISCARD lf_status lf_image8_read_metadata(int fd, const char *path, lf_image8 *out,
                                                lf_image_metadata *meta, lf_error *err);
 LF_NODISCARD lf_status lf_image32_read_metadata(int fd, const char *path, lf_image32 *out,
                                                 lf_image_metadata *meta, lf_error *err);
 
-/* A text attribute written into an EXR header or PNG tEXt chunk. */
+/* A text attribute for an EXR header or a PNG tEXt chunk. */
 typedef struct lf_attribute {
     const char *name, *value;
 } lf_attribute;
 
-/* Asked for rows 0, 1, ... in order, so that a picture need not lie in memory whole: fills row
- * [width][3]. */
+/* Fills row [width][3]. Called for rows 0, 1, ... in order, so that a picture need not be in memory
+ * as a whole. */
 typedef void (*lf_rows8_fn)(void *context, int y, uint8_t *row);
 typedef void (*lf_rows32_fn)(void *context, int y, float *row);
 
 /* PNG, 8-bit RGB, sRGB chunk; level 1..9 is zlib's (1 for live pictures). attributes[n] may be NULL
- * with n 0; names up to 79 characters, values UTF-8. Nothing is published or closed: that is
- * lf_outfile_commit's. LF_E_IO, LF_E_ARG, LF_E_NOMEM. */
+ * with n 0; names up to 79 characters, values UTF-8. Does not publish or close: lf_outfile_commit
+ * does. LF_E_IO, LF_E_ARG, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_png_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
                                          void *context, int level, const lf_attribute *attributes,
                                          int n, lf_error *err);
-/* The same of pixels whose width / height is not 1, which a pHYs says. */
+/* PNG with a pixel aspect (width / height) other than 1, written as pHYs. */
 typedef struct lf_png_size {
     int width, height;
     double pixel_aspect; /* 0.01..100; 0: square */
@@ -82,9 +81,9 @@ LF_NODISCARD lf_status lf_png_write_oblong(lf_outfile *file, lf_png_size size, l
                                            int n, lf_error *err);
 LF_NODISCARD lf_status lf_png_write(lf_outfile *file, const lf_image8 *image, int level,
                                     const lf_attribute *attributes, int n, lf_error *err);
-/* JPEG, sRGB, colours at full resolution (4:4:4); quality 1..100 is libjpeg's. No attributes. Else
- * as lf_png_write_rows. LF_E_ARG: more than 65500 pixels a side. */
-#define LF_JPEG_QUALITY 92 /* where nobody says one */
+/* JPEG, sRGB, colours at full resolution (4:4:4); quality 1..100 is libjpeg's. No attributes;
+ * otherwise like lf_png_write_rows. LF_E_ARG: more than 65500 pixels per side. */
+#define LF_JPEG_QUALITY 92 /* default */
 LF_NODISCARD lf_status lf_jpeg_write_rows(lf_outfile *file, int width, int height, lf_rows8_fn rows,
                                           void *context, int quality, lf_error *err);
 /* Channels by name, each once; rows fills [width][n] in their order. */
@@ -97,7 +96,7 @@ typedef struct lf_channels32 {
     double pixel_aspect; /* width / height of a pixel; 0: square */
 } lf_channels32;
 
-/* EXR, 32-bit float, ZIP scan lines, of these channels; else as lf_exr_write_rows. */
+/* EXR, 32-bit float, ZIP scan lines, with these channels; otherwise like lf_exr_write_rows. */
 LF_NODISCARD lf_status lf_exr_write_channels(lf_outfile *file, int width, int height,
                                              const lf_channels32 *channels,
                                              const lf_attribute *attributes, int n, lf_error *err);

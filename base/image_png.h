@@ -4,8 +4,8 @@
 
 #include "base/image_formats.h"
 
-/* Notes what the file's chunks say and the picture lacks, unless nobody listens. profile: what its
- * iCCP holds, unpacked; NULL: nothing that can be read. */
+/* Notes features of the file's chunks that the picture does not use, unless meta is NULL. profile:
+ * the unpacked iCCP data; NULL: none that can be read. */
 void lf_png_note(const lf_image_source *source, const uint8_t *profile, size_t size);
 
 #endif

@@ -1,7 +1,7 @@
-/* One log for the process. Library code logs at debug only; the program that decides logs the
- * outcome once. Lines go to stderr as "NAME: WHAT", with sd-daemon level prefixes ("<3>") when
- * stderr is the journal ($JOURNAL_STREAM). Control characters are escaped. Thread safe: one write
- * per line. */
+/* The log of the process. Library code logs only at debug level; the program that decides logs the
+ * outcome once. Lines go to stderr as "NAME: WHAT", with sd-daemon level prefixes ("<3>") if stderr
+ * is the journal ($JOURNAL_STREAM). Control characters are escaped. Thread safe: one write per
+ * line. */
 #ifndef LF_BASE_LOG_H
 #define LF_BASE_LOG_H
 

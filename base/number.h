@@ -1,25 +1,25 @@
-/* number: decimal numbers out of texts that anybody wrote: options, arguments, names, files. No
- * locale has any part in it, and nothing but decimal digits counts: hexadecimal, "inf" and "nan"
- * are no numbers. Blanks in front are none of a number. Pure functions; out untouched on failure.
- * Nothing else in the house reads numbers by the C library's functions, but for the header of HDR
- * pictures and texts of the kernel's and of our own (tests/style.sh). */
+/* number: reads decimal numbers from external text: options, arguments, names, files. Independent
+ * of the locale. Only decimal digits count: hexadecimal, "inf" and "nan" are not numbers. A number
+ * does not start with blanks. Pure functions; out is untouched on failure. No other code reads
+ * numbers with the C library's functions, except for the header of HDR pictures and texts of the
+ * kernel and of quiltd itself (tests/style.sh). */
 #ifndef LF_BASE_NUMBER_H
 #define LF_BASE_NUMBER_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The longest number that a text begins with, rounded to the nearest double: a sign or none,
- * digits with a point among them or none, an exponent or none (1, -.5, 1e-3). points: the
- * characters that may stand for the point, "." or ".,". Beyond the range of doubles it is an
- * infinity or 0. Returns what is behind it; NULL: there is none. */
+/* Reads the longest number at the start of a text, rounded to the nearest double: optional sign,
+ * digits with an optional point, optional exponent (1, -.5, 1e-3). points: the accepted decimal
+ * points, "." or ".,". Beyond the range of doubles it is infinity or 0. Returns the text after it;
+ * NULL: no number. */
 const char *lf_decimal_read(const char *text, const char *points, double *out);
-/* The same of digits alone, up to 2^64 - 1; more of them are no number. */
+/* Like lf_decimal_read for digits only, up to 2^64 - 1; a larger number is not read. */
 const char *lf_whole_read(const char *text, uint64_t *out);
 
-/* Whether all of a text is a number, with "." for the point; finite. */
+/* True if a whole text is a finite number, with "." as the point. */
 bool lf_decimal_is(const char *text, double *out);
-/* Whether all of a text is digits; a sign or none in front of them. */
+/* True if a whole text is digits; lf_integer_is: with an optional sign. */
 bool lf_whole_is(const char *text, uint64_t *out);
 bool lf_integer_is(const char *text, int64_t *out);
 

@@ -48,7 +48,7 @@ bool lf_param_among(const lf_param *row, const char *names)
     return false;
 }
 
-/* The name of a value; NULL behind the last, and where values have none. */
+/* The name of a value; NULL after the last, and where values have none. */
 static const char *word_of(const lf_param *row, int value)
 {
     if (row->word_at)
@@ -410,15 +410,15 @@ static const char *common_unit(const lf_param *row)
 static void describe_words(const lf_param *row, char *buf, size_t size)
 {
     for (int i = 0; word_of(row, i); i++) {
-        const bool last = !word_of(row, i + 1);
+        const char *what = row->what_at ? row->what_at(i) : "";
         const size_t used = strlen(buf);
         snprintf(buf + used, size - used, "%s%s%s%s%s",
-                 i == 0         ? ""
-                 : row->what_at ? "; "
-                 : last         ? " or "
-                                : ", ",
-                 word_of(row, i), i == (int)row->initial ? " (default)" : "",
-                 row->what_at ? ": " : "", row->what_at ? row->what_at(i) : "");
+                 i == 0                ? ""
+                 : row->what_at        ? "; "
+                 : word_of(row, i + 1) ? ", "
+                                       : " or ",
+                 word_of(row, i), i == (int)row->initial ? " (default)" : "", *what ? ": " : "",
+                 what);
     }
 }
 
@@ -466,7 +466,7 @@ void lf_param_print_help(const lf_param *params, const char *names)
 {
     char argument[64], help[2000];
     for (const lf_param *row = params; !is_end(row); row = lf_param_next(row)) {
-        if (!lf_param_among(row, names))
+        if (row->former || !lf_param_among(row, names))
             continue;
         const int n =
             printf("  --%s %s", row->option, lf_param_argument(row, argument, sizeof argument));
@@ -590,7 +590,6 @@ static json_t *value_json(const lf_param *row, const void *object)
 {
     if (row->type == LF_PARAM_RASTER)
         return raster_json(row, object);
-
     if (is_text(row)) {
         const char *text = *text_place(row, object);
         json_t *string = text ? json_string(text) : NULL;
@@ -615,7 +614,7 @@ json_t *lf_param_json(const lf_param *params, const void *object)
     json_t *out = json_object();
     bool ok = out;
     for (const lf_param *row = params; ok && !is_end(row); row++)
-        if (row->name)
+        if (row->name && !row->former)
             ok = json_object_set_new(out, row->name, value_json(row, object)) == 0;
     if (ok)
         return out;
@@ -681,6 +680,7 @@ static bool describe_schema(const lf_param *row, json_t *schema)
     json_t *initial = default_json(row);
     return (!text || json_object_set_new(schema, "description", json_string(text)) == 0) &&
            (!row->unit || json_object_set_new(schema, "unit", json_string(row->unit)) == 0) &&
+           (!row->former || json_object_set_new(schema, "deprecated", json_true()) == 0) &&
            (!initial || json_object_set_new(schema, "default", initial) == 0);
 }
 

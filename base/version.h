@@ -1,4 +1,4 @@
-/* The version of all programs, as --version and hello answer it. */
+/* The version of all programs, for --version and hello. */
 #ifndef LF_BASE_VERSION_H
 #define LF_BASE_VERSION_H
 

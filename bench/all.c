@@ -65,8 +65,9 @@ static lf_status parse(int argc, char **argv, folders *out, bool *out_done, lf_e
     if (status != LF_OK || *out_done)
         return status;
     if (optind < argc)
-        return lf_error_set(err, LF_E_ARG, argv[optind], "does not go with --out (see --help)");
-    return out->out ? LF_OK : lf_error_set(err, LF_E_ARG, "--out", "missing (see --help)");
+        return lf_error_set(err, LF_E_ARG, argv[optind],
+                            "unexpected argument; --out takes only --scenes (see --help)");
+    return out->out ? LF_OK : lf_error_set(err, LF_E_ARG, "--out", "is missing; see --help");
 }
 
 /* The word with the folders filled in; caller frees. NULL = out of memory. */

@@ -1,4 +1,4 @@
-/* What the commands of quiltbench share. A command is one file (error.c, compare.c, …) and one line
+/* Shared by the commands of quiltbench. A command is one file (error.c, compare.c, …) and one line
  * of the table in quiltbench.c. Commands print their table to stdout, errors in one line to stderr,
  * and return an exit code (daemon/output/options.h). */
 #ifndef LF_BENCH_H
@@ -33,36 +33,36 @@ int lf_bench_all(int argc, char **argv);
 LF_NODISCARD lf_status lf_bench_parse_share(const char *option, const char *text, double *out,
                                             lf_error *err);
 
-/* {"cpu": model, "cpus": how many this process may use, "kernel": …}: what every published number
- * needs beside it. A new reference; NULL = out of memory. */
+/* {"cpu": model, "cpus": number this process may use, "kernel": …}: to be published with every
+ * measurement. A new reference; NULL = out of memory. */
 json_t *lf_bench_machine(void);
 
-/* A number, or null for what is not finite. */
+/* A number, or null if it is not finite. */
 json_t *lf_bench_number(double value);
 
-/* Writes object to path, indented ("-" = stdout), and gives it up. NULL is LF_E_NOMEM. */
+/* Writes object to path, indented ("-" = stdout), and releases it. object NULL: LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_bench_write_json(const char *path, json_t *object, lf_error *err);
-/* An array of objects as CSV, one a line: a column for every member that one of them has, in the
- * order in which they come; of an object in an object "OUTER_INNER"; lists are left out. Given up,
- * too. */
+/* Writes an array of objects as CSV, one per line, and releases it. There is a column for every
+ * member of any object, in order of appearance. Members of a nested object become "OUTER_INNER";
+ * lists are skipped. */
 LF_NODISCARD lf_status lf_bench_write_csv(const char *path, json_t *rows, lf_error *err);
-/* Whether a path of the command line (NULL: none) is standard output: then no table is printed. */
+/* True if a path of the command line (NULL: none) is standard output; no table is then printed. */
 bool lf_bench_is_stdout(const char *path);
 
-/* A number in a table, as %*.*f and as %*.*g; "-" for what is not finite. */
+/* Prints a number in a table, as %*.*f and as %*.*g; "-" if it is not finite. */
 void lf_bench_put(FILE *out, int width, int digits, double value);
 void lf_bench_put_short(FILE *out, int width, int digits, double value);
 
-/* Writes text to path. NULL is LF_E_NOMEM. */
+/* Writes text to path. text NULL: LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_bench_write_text(const char *path, const char *text, lf_error *err);
 
-/* Draws PREFIX.svg and PREFIX.png with gnuplot from data, which is left as PREFIX.dat, and
- * commands, left as PREFIX.gp with what sets up the two pictures around them; commands name the
- * data as `data`. Without gnuplot: both files, without a word (lf_bench_plot_begin). */
+/* Draws PREFIX.svg and PREFIX.png with gnuplot. Writes data to PREFIX.dat, and commands, with the
+ * set-up of the two pictures, to PREFIX.gp; commands refer to the data as `data`. Without gnuplot
+ * it writes only both files, silently (lf_bench_plot_begin warns). */
 LF_NODISCARD lf_status lf_bench_plot(const char *prefix, const char *data, const char *commands,
                                      lf_error *err);
 
-/* To be called before what is to be drawn is measured: says on stderr when there is no gnuplot. */
+/* To be called before the measurement: warns on stderr if there is no gnuplot. */
 void lf_bench_plot_begin(const char *prefix);
 
 /* lf_pool_create with an error. threads 0 = all CPUs. */

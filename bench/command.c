@@ -16,7 +16,7 @@ static lf_status read_line(const lf_bench_command *command, int argc, char **arg
     if (status != LF_OK || *out_done)
         return status;
     if (argc - optind < command->least || argc - optind > command->most)
-        return lf_error_set(err, LF_E_ARG, command->name, "expects %s (see quiltbench %s --help)",
+        return lf_error_set(err, LF_E_ARG, command->name, "expects %s; see quiltbench %s --help",
                             command->operands, command->name);
     return LF_OK;
 }

@@ -29,14 +29,13 @@ static const struct option table[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench compare SCENE [options]\n"
-           "relMSE (mean over the views) of two integrators after equal CPU time, everything "
-           "included; runs take turns.\n\n"
-           "  --time SECONDS            CPU time of one run (10)\n"
-           "  --seeds N                 runs of each (8)\n"
-           "  --ours NAME:ESTIMATOR     (mvpt:mwis)\n"
-           "  --baseline NAME:ESTIMATOR (vpt:mis)\n"
-           "  --min-ratio R             exit 1 when the median ratio is below "
-           "this\n");
+           "Compare the relMSE (mean over the views) of two integrators at equal total CPU "
+           "time. Their runs alternate.\n\n"
+           "  --time SECONDS            CPU time per run (10)\n"
+           "  --seeds N                 runs per integrator (8)\n"
+           "  --ours NAME:ESTIMATOR     integrator to test (mvpt:mwis)\n"
+           "  --baseline NAME:ESTIMATOR integrator to compare with (vpt:mis)\n"
+           "  --min-ratio R             exit with status 1 if the median ratio is below R\n");
     lf_trial_print_help();
 }
 
@@ -154,11 +153,13 @@ static void print_table(const comparison *c)
     print_contender(c, BASELINE);
     print_contender(c, OURS);
     if (isfinite(ratios.median))
-        printf("\nratio at equal time, %g CPU seconds: %.2f (median over seeds; %.2f .. %.2f)\n",
+        printf("\n"
+               "ratio at equal time (%g CPU seconds): %.2f (median over seeds; %.2f .. %.2f)\n",
                c->options.seconds, ratios.median, ratios.low, ratios.high);
     else
-        puts("\nno ratio: an error is not above the reference's own; make --reference-spp or "
-             "--reference-time greater");
+        puts("\n"
+             "no ratio: an error is not above the error of the reference; raise --reference-spp "
+             "or --reference-time");
 }
 
 static lf_status report(const comparison *c, lf_error *err)
@@ -175,7 +176,8 @@ static lf_status report(const comparison *c, lf_error *err)
         status = lf_bench_write_csv(options->csv, runs_of_both(c), err);
     if (status == LF_OK && c->min_ratio > 0 && !(median >= c->min_ratio))
         return lf_error_set(err, LF_E_STATE, options->operand,
-                            "the median ratio is %.2f, less than %g", median, c->min_ratio);
+                            "the median ratio is %.2f, below the minimum %g (--min-ratio)", median,
+                            c->min_ratio);
     return status;
 }
 

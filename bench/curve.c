@@ -56,15 +56,15 @@ static const struct option table[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench curve SCENE [options]\n"
-           "relMSE against CPU time at doubling budgets, with 95 %% intervals over the seeds; "
-           "contenders take turns.\n\n"
+           "Measure relMSE against CPU time at doubling budgets, with 95 %% intervals over the "
+           "seeds. Contenders alternate.\n\n"
            "  --contenders LIST         NAME:ESTIMATOR,…; the first is the baseline "
            "(vpt:mwis,mvpt:mwis)\n"
            "  --time SECONDS            CPU time of the shortest budget (1)\n"
-           "  --budgets N               how many, each twice the one before (5)\n"
-           "  --seeds N                 runs of each contender (8)\n"
-           "  --plot PREFIX             PREFIX.svg and PREFIX.png, by gnuplot from PREFIX.gp and "
-           "PREFIX.dat\n");
+           "  --budgets N               number of budgets, each twice the one before (5)\n"
+           "  --seeds N                 runs per contender (8)\n"
+           "  --plot PREFIX             plot to PREFIX.svg and PREFIX.png with gnuplot "
+           "(PREFIX.gp, PREFIX.dat)\n");
     lf_trial_print_help();
 }
 
@@ -76,7 +76,8 @@ static lf_status take_contenders(curve *c, const char *text, lf_error *err)
     for (const char *at = text; at && status == LF_OK;) {
         size_t n = strcspn(at, ",");
         if (c->n_contenders == MAX_CONTENDERS)
-            return lf_error_set(err, LF_E_ARG, "--contenders", "more than %d", MAX_CONTENDERS);
+            return lf_error_set(err, LF_E_ARG, "--contenders", "expects at most %d contenders",
+                                MAX_CONTENDERS);
         snprintf(word, sizeof word, "%.*s", (int)(n < sizeof word ? n : sizeof word - 1), at);
         status = lf_contender_parse("--contenders", word, &c->contenders[c->n_contenders], err);
         c->n_contenders += status == LF_OK;
@@ -331,40 +332,37 @@ static void print_notes(const curve *c)
         correlation |= !isfinite(p->correlation[0]) || !isfinite(p->correlation[1]);
     }
     if (beyond)
-        printf("* where the baseline was not run that long: its line goes on, for at most %g times "
-               "its time\n",
+        printf("* the baseline has no run of this length: its curve is extrapolated, to at most %g "
+               "times its time\n",
                LF_BEYOND);
     if (without > LF_NOTABLE_SHARE)
-        printf("N/W: for up to %.2g %% of the view pixels (of %s) it is not defined, since no "
-               "sample has "
-               "reached them, and only unscattered light is answered there: take a longer --time\n",
+        printf("N/W is undefined for up to %.2g %% of the view pixels of %s: no sample has reached "
+               "them, so they show only unscattered light; use a longer --time\n",
                100 * without, c->contenders[of].integrator);
     if (c->options.n_seeds < 2)
-        puts("- intervals: they need two seeds or more (--seeds)");
+        puts("- intervals: need at least two seeds (--seeds)");
     else if (error)
-        puts("- relMSE: in a run it is not above the reference's own error (--reference-spp, "
-             "--reference-time)");
+        puts("- relMSE: not above the error of the reference in some run; raise --reference-spp or "
+             "--reference-time");
     if (ratio && c->options.n_seeds >= 2)
-        printf(
-            "- ratios: an error is not above the reference's own, or the baseline would take more "
-            "than %g times its longest time (--budgets)\n",
-            LF_BEYOND);
+        printf("- ratios: an error is not above the error of the reference, or the baseline needs "
+               "over %g times its longest run (--budgets)\n",
+               LF_BEYOND);
     if (correlation)
-        printf(
-            "- correlations: no two of %d views are so far apart, or there is no error beyond the "
-            "reference's\n",
-            c->trial.settings.camera.n_views);
+        printf("- correlations: none of the %d views are this far apart, or no error exceeds the "
+               "error of the reference\n",
+               c->trial.settings.camera.n_views);
 }
 
 static void print_table(const curve *c)
 {
     lf_trial_print(&c->trial, &c->options);
-    printf("every run is a film of its own; 95 %% intervals over seeds, Student's t on logarithms\n"
-           "eff = effective spp for a native one; corr = correlation of the errors of views 1 and "
-           "10 apart; ratios against %s %s\n\n"
-           "                    CPU s     relMSE  (95 %%)                worst view native    eff  "
-           "corr1 corr10    equal time"
-           "             equal error\n",
+    printf("every run renders a new film; 95 %% intervals over the seeds, Student's t on "
+           "logarithms\n"
+           "eff = effective per native spp; corr = error correlation between views 1 and 10 "
+           "apart; ratios against %s %s\n\n"
+           "                    CPU s     relMSE  (95 %%)                worst view native    "
+           "eff  corr1 corr10    equal time             equal error\n",
            c->contenders[0].integrator, lf_estimator_name(c->contenders[0].estimator));
     for (int i = 0; i < c->n_contenders; i++)
         print_points(c, i);

@@ -52,18 +52,18 @@ static const struct option table[] = {
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltbench error REFERENCE PICTURE [options]\n"
-        "How far PICTURE is from REFERENCE; each is a picture, a quilt (by its name or --quilt) or "
-        "a folder of views.\n\n"
-        "  --quilt CxR        both pictures are quilts of so many tiles\n"
-        "  --view K           only view K of what has several views\n"
-        "  --block N          blocks of N x N pixels (7)\n"
-        "  --epsilon E        of relMSE (0.01)\n"
-        "  --max-mean SHARE   exit 1 when the means differ by more, e.g. 0.5%%\n"
-        "  --max-block SHARE  exit 1 when the blocks' relative difference (rms) is more, e.g. 3%%\n"
-        "  --max-relmse R     exit 1 when relMSE is more\n"
-        "  --json FILE        the numbers as JSON (- for stdout)\n");
+    printf("Usage: quiltbench error REFERENCE IMAGE [options]\n"
+           "Measure the difference between IMAGE and REFERENCE; each is an image, a quilt (by its "
+           "name or --quilt) or a folder of views.\n\n"
+           "  --quilt CxR        tiles of both quilts, columns x rows\n"
+           "  --view K           compare only view K of inputs with several views\n"
+           "  --block N          block size, N x N pixels (7)\n"
+           "  --epsilon E        epsilon of relMSE (0.01)\n"
+           "  --max-mean SHARE   exit with status 1 if the means differ by more, e.g. 0.5%%\n"
+           "  --max-block SHARE  exit with status 1 if the relative rms difference of blocks is "
+           "larger, e.g. 3%%\n"
+           "  --max-relmse R     exit with status 1 if relMSE is larger\n"
+           "  --json FILE        write the numbers as JSON (-: standard output)\n");
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -103,7 +103,7 @@ static lf_status parse(arguments *a, int argc, char **argv, bool *out_done, lf_e
         return status;
     if (argc - optind != 2)
         return lf_error_set(err, LF_E_ARG, "error",
-                            "expects REFERENCE and PICTURE (see quiltbench error --help)");
+                            "expects REFERENCE and IMAGE; see quiltbench error --help");
     a->reference = argv[optind];
     a->picture = argv[optind + 1];
     return LF_OK;
@@ -182,7 +182,8 @@ static lf_status pick_view(const arguments *a, const char *path, lf_views32 *vie
     if (a->view < 0 || views->n_views == 1)
         return LF_OK;
     if (a->view >= views->n_views)
-        return lf_error_set(err, LF_E_ARG, path, "has %d views: there is no view %d",
+        return lf_error_set(err, LF_E_ARG, path,
+                            "has %d views, so view %d does not exist; views count from 0",
                             views->n_views, a->view);
     views->data += (size_t)a->view * views->view_stride;
     views->n_views = 1;
@@ -197,11 +198,11 @@ static lf_status measure(const arguments *a, const lf_views32 *reference, const 
     lf_status status = LF_OK;
     if (reference->width != picture->width || reference->height != picture->height)
         return lf_error_set(err, LF_E_ARG, a->picture,
-                            "views of %dx%d pixels, but the reference has %dx%d", picture->width,
-                            picture->height, reference->width, reference->height);
+                            "has views of %dx%d pixels, but the reference has %dx%d",
+                            picture->width, picture->height, reference->width, reference->height);
     if (reference->n_views != picture->n_views)
         return lf_error_set(err, LF_E_ARG, a->picture,
-                            "%d views, but the reference has %d (--view K picks one)",
+                            "has %d views, but the reference has %d; choose one with --view K",
                             picture->n_views, reference->n_views);
     lf_metrics_begin(metrics, a->block, a->epsilon);
     for (int view = 0; view < picture->n_views && status == LF_OK; view++)
@@ -222,7 +223,7 @@ static void print_table(const arguments *a, const lf_metrics *m)
     printf("bias                   %+.4g   standard error %.2g\n", m->bias, m->bias_se);
     printf("%dx%d blocks, relative  %.4f %% rms over %lld blocks\n", a->block, a->block,
            100 * m->block_rms, (long long)m->n_blocks);
-    printf("not finite             %lld   (reference %lld)\n", (long long)m->n_nonfinite,
+    printf("non-finite             %lld   (reference %lld)\n", (long long)m->n_nonfinite,
            (long long)m->n_nonfinite_reference);
     printf("holes                  %lld of %lld pixels\n", (long long)m->n_holes,
            (long long)m->n_pixels);
@@ -250,20 +251,22 @@ static lf_status check_limits(const arguments *a, const lf_metrics *m, lf_error 
 {
     bool asked = a->max_mean >= 0 || a->max_block >= 0 || a->max_rel_mse >= 0;
     if (asked && m->n_nonfinite > 0)
-        return lf_error_set(err, LF_E_STATE, a->picture, "%lld pixels are not finite",
+        return lf_error_set(err, LF_E_STATE, a->picture, "%lld pixels are not finite numbers",
                             (long long)m->n_nonfinite);
     if (asked && m->n_pixels == 0)
-        return lf_error_set(err, LF_E_STATE, a->picture, "no pixel to compare");
+        return lf_error_set(err, LF_E_STATE, a->picture, "there is no pixel to compare");
     if (a->max_mean >= 0 && !(fabs(m->relative_mean) <= a->max_mean))
         return lf_error_set(err, LF_E_STATE, a->picture,
-                            "the mean differs by %+.4f %%, more than %g %%", 100 * m->relative_mean,
-                            100 * a->max_mean);
+                            "the mean differs by %+.4f %%, above the limit of %g %% (--max-mean)",
+                            100 * m->relative_mean, 100 * a->max_mean);
     if (a->max_block >= 0 && !(m->block_rms <= a->max_block))
-        return lf_error_set(err, LF_E_STATE, a->picture,
-                            "%dx%d blocks differ by %.4f %% rms, more than %g %%", a->block,
-                            a->block, 100 * m->block_rms, 100 * a->max_block);
+        return lf_error_set(
+            err, LF_E_STATE, a->picture,
+            "%dx%d blocks differ by %.4f %% rms, above the limit of %g %% (--max-block)", a->block,
+            a->block, 100 * m->block_rms, 100 * a->max_block);
     if (a->max_rel_mse >= 0 && !(m->rel_mse <= a->max_rel_mse))
-        return lf_error_set(err, LF_E_STATE, a->picture, "relMSE is %.4g, more than %g", m->rel_mse,
+        return lf_error_set(err, LF_E_STATE, a->picture,
+                            "relMSE is %.4g, above the limit of %g (--max-relmse)", m->rel_mse,
                             a->max_rel_mse);
     return LF_OK;
 }

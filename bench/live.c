@@ -76,30 +76,28 @@ typedef struct bench {
 static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER;
 
 static const lf_param own[] = {
-    LF_BENCH_REPEAT(offsetof(arguments, repeat), 5, "commands"),
+    LF_BENCH_REPEAT(offsetof(arguments, repeat), 5, "number of camera moves"),
     LF_BENCH_FIELD(LF_PARAM_NUMBER, "yaw", offsetof(arguments, yaw), "DEGREES", -180, 180, 5,
-                   "of each"),
+                   "angle of each camera move"),
     LF_BENCH_FIELD(LF_PARAM_NUMBER, "seconds", offsetof(arguments, seconds), "S", 0.1, 3600, 10,
-                   "how long each is watched"),
+                   "time to watch after each camera move"),
     LF_BENCH_FIELD(LF_PARAM_NUMBER, "reference-time", offsetof(arguments, reference_seconds), "S",
-                   1e-2, 1e6, 60,
-                   "CPU seconds of each of the two renderings that make the reference"),
+                   1e-2, 1e6, 60, "CPU seconds of each of the two reference renderings"),
     LF_BENCH_FIELD(LF_PARAM_NUMBER, "epsilon", offsetof(arguments, epsilon), "E", 0, 1e9, 1e-2,
-                   "of relMSE"),
+                   "epsilon of relMSE"),
     LF_BENCH_FIELD(LF_PARAM_WHOLE, "speed-passes", offsetof(arguments, speed_passes), "N", 0,
-                   LF_TIMING_MAX, 4, "passes that the speed-up is measured on; 0 = not"),
+                   LF_TIMING_MAX, 4, "passes for measuring the speed-up; 0: do not measure it"),
     LF_BENCH_JSON(offsetof(arguments, json)),
     {0},
 };
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltbench live SCENE [options]\n"
-        "After camera.orbit: relMSE of the panel picture that is shown 0.1, 0.3, 1, 3, 10 and 30 s "
-        "later, time to a coarse and to\n"
-        "a complete frame, updates and bytes on the wire, CPU use, and the speed-up of "
-        "rendering on all threads. The panel is a nominal Portrait without --calibration.\n\n");
+    printf("Usage: quiltbench live SCENE [options]\n"
+           "Measure the panel image 0.1, 0.3, 1, 3, 10 and 30 s after camera.orbit (relMSE), the "
+           "time to a coarse and to a complete\n"
+           "frame, updates, bytes on the wire, CPU use, and the speed-up by threads. The default "
+           "panel is a nominal Portrait.\n\n");
     lf_param_print_help(own, NULL);
     lf_param_print_help(lf_option_params, shared);
     printf(LF_OPTIONS_HELP_LAST);
@@ -218,7 +216,7 @@ static lf_status follow(bench *b, double yaw, double seconds, bool remembers, wa
             break;
         if (now > PATIENCE_SECONDS)
             return lf_error_set(err, LF_E_STATE, b->arguments->scene,
-                                "no complete frame after %g s", PATIENCE_SECONDS);
+                                "there was no complete frame after %g s", PATIENCE_SECONDS);
         wait_for_news(b, w,
                       moment < b->n_moments ? all_moments[moment]
                       : now >= seconds      ? PATIENCE_SECONDS + 1
@@ -247,10 +245,11 @@ static lf_status start_up(bench *b, lf_error *err)
         }
         if (lf_time_now() - w.start > PATIENCE_SECONDS)
             return lf_error_set(err, LF_E_STATE, b->arguments->scene,
-                                "no complete frame after %g s", PATIENCE_SECONDS);
+                                "there was no complete frame after %g s", PATIENCE_SECONDS);
     }
     if (status == LF_OK && !b->content->scene)
-        return lf_error_set(err, LF_E_ARG, b->arguments->scene, "is a picture (expected a scene)");
+        return lf_error_set(err, LF_E_ARG, b->arguments->scene,
+                            "is a finished image; expected a scene");
     return status;
 }
 
@@ -415,7 +414,8 @@ static lf_status measure_idle(bench *b, lf_error *err)
         show(b, &w);
         lf_engine_get_status(b->engine, &status);
         if (lf_time_now() - w.start > PATIENCE_SECONDS)
-            return lf_error_set(err, LF_E_STATE, b->arguments->scene, "does not converge");
+            return lf_error_set(err, LF_E_STATE, b->arguments->scene,
+                                "the scene does not converge");
     } while (status.state != LF_STATE_CONVERGED);
     double start = lf_time_now(), cpu = lf_time_cpu();
     while (lf_time_now() - start < IDLE_SECONDS) {
@@ -523,7 +523,7 @@ static lf_status prepare(bench *b, lf_error *err)
     const lf_engine_controls controls = {.estimator = a->options.estimator,
                                          .target_error = 1e-12,
                                          .threads = a->options.threads,
-                                         .reconstruct = a->options.reconstruct};
+                                         .denoise = a->options.denoise};
     lf_status status = LF_OK;
     lf_calibration_portrait(&b->calibration);
     if (a->options.calibration)

@@ -1,14 +1,16 @@
-/* How far a picture is from a reference: the numbers of `quiltbench error`.
+/* Error metrics of a picture against a reference: the numbers of `quiltbench error`.
  *
- * All over linear float RGB, every channel of every pixel alike. r is the reference, x the picture:
- *   relMSE    mean of (x - r)^2 / (r^2 + epsilon)
- *   bias      mean of x - r; its standard error comes from the scatter of N x N blocks, because
- *             pixels near each other share paths
- *   blocks    root mean square of (X - R) / R over whole N x N blocks with means X and R (R^2 is
- *             raised by 1e-4 times the squared mean of the reference, so that black blocks do not
- *             divide by 0)
- * Pixels that are not finite in either picture are counted and left out. Pure; one lf_metrics
- * belongs to one thread. */
+ * All use linear float RGB, every channel of every pixel with equal weight. r is the reference, x
+ * the picture:
+ * - relMSE: mean of (x - r)^2 / (r^2 + epsilon).
+ * - bias: mean of x - r. Its standard error is estimated from the scatter of N x N blocks, because
+ *   neighbouring pixels share paths.
+ * - blocks: root mean square of (X - R) / R over whole N x N blocks with means X and R. R^2 is
+ *   raised by 1e-4 times the squared mean of the reference, so that black blocks do not divide
+ *   by 0.
+ *
+ * Pixels that are not finite in either picture are counted and skipped. Pure; an lf_metrics belongs
+ * to one thread. */
 #ifndef LF_BENCH_METRICS_H
 #define LF_BENCH_METRICS_H
 
@@ -22,14 +24,14 @@ typedef struct lf_worst_block {
 } lf_worst_block;
 
 typedef struct lf_metrics {
-    /* what to do */
+    /* parameters */
     int block; /* N */
     double epsilon;
-    /* the answer, valid after lf_metrics_finish */
+    /* results, valid after lf_metrics_finish */
     int64_t n_pixels;    /* finite in both */
     int64_t n_nonfinite; /* in the picture */
     int64_t n_nonfinite_reference;
-    int64_t n_holes; /* exactly black in the picture and not in the reference */
+    int64_t n_holes; /* exactly black in the picture but not in the reference */
     int64_t n_blocks;
     double picture_mean, reference_mean;
     double relative_mean; /* picture_mean / reference_mean - 1 */
@@ -50,7 +52,7 @@ void lf_metrics_begin(lf_metrics *metrics, int block, double epsilon);
 LF_NODISCARD lf_status lf_metrics_add(lf_metrics *metrics, int view, int width, int height,
                                       const float *reference, size_t reference_stride,
                                       const float *picture, size_t picture_stride);
-/* Computes the answer and releases what was kept. Call it after a failed add too. */
+/* Computes the results and releases memory. Call it after a failed add too. */
 void lf_metrics_finish(lf_metrics *metrics);
 
 #endif

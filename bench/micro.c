@@ -57,10 +57,11 @@ typedef struct bench {
 static const char shared[] = LF_OPTIONS_VIEWS " seed";
 
 static const lf_param own[] = {
-    LF_BENCH_REPEAT(offsetof(arguments, repeat), 15, "repetitions; their median counts"),
+    LF_BENCH_REPEAT(offsetof(arguments, repeat), 15,
+                    "number of repetitions; the median is reported"),
     {.name = "fault",
      .option = "fault",
-     .help = "spoils a bit of an answer: the run must fail",
+     .help = "flip one bit of a result, so that the run must fail",
      .type = LF_PARAM_SWITCH,
      .place = offsetof(arguments, fault)},
     LF_BENCH_JSON(offsetof(arguments, json)),
@@ -70,9 +71,10 @@ static const lf_param own[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench micro SCENE [options]\n"
-           "CPU time of the inner loops on the fans of rays of this scene's middle row, in ns a "
-           "view or an item. Exits 1 when\n"
-           "the kernels of an instruction set answer anything else than the plain C ones.\n\n");
+           "Measure the CPU time of the inner loops on the ray fans of the scene's middle row, "
+           "in ns per view or item. The exit\n"
+           "status is 1 if the kernels of an instruction set differ from the plain C "
+           "kernels.\n\n");
     lf_param_print_help(own, NULL);
     lf_param_print_help(lf_option_params, shared);
     printf(LF_OPTIONS_HELP_LAST);
@@ -196,9 +198,9 @@ static lf_status prepare(bench *b, lf_error *err)
                  &b->worker->tracer.lookups);
     draw_fans(b);
     if (b->n_fans < N_FANS)
-        return lf_error_set(
-            err, LF_E_ARG, a->scene,
-            "rays of the middle row hardly collide with a volume: nothing to measure");
+        return lf_error_set(err, LF_E_ARG, a->scene,
+                            "too few rays of the middle row collide with a volume; choose a scene "
+                            "with a denser volume");
     measure_depth(b);
     b->body = (lf_body){.shape = LF_VOLUME_SPHERE, .sigma_t = 1.0f, .depth = {0, 0, 1}};
     b->body.origin[2] = -rig->distance;
@@ -259,7 +261,7 @@ static const struct kernel {
 } kernels[] = {
     {"march to a collision", run_march},
     {"densities", run_densities},
-    {"march through (exits fan)", run_unscattered},
+    {"march through (unscattered light)", run_unscattered},
     {"through a shape", run_through},
     {"transmittances of a pivot", run_pivot},
 };
@@ -268,7 +270,7 @@ static void add_line(bench *b, const char *what, const char *table_name, const c
                      double ns, double ratio)
 {
     if (!b->arguments->json || strcmp(b->arguments->json, "-") != 0)
-        printf("%-34s %-8s %10.2f ns a %-10s %6.2fx\n", what, table_name, ns, unit, ratio);
+        printf("%-34s %-8s %10.2f ns per %-10s %6.2fx\n", what, table_name, ns, unit, ratio);
     json_array_append_new(b->lines,
                           json_pack("{s:s, s:s, s:s, s:f, s:f}", "what", what, "kernels",
                                     table_name, "a", unit, "ns", ns, "times_plain_c", ratio));
@@ -305,9 +307,10 @@ static lf_status measure_kernel(bench *b, const struct kernel *what, lf_error *e
             if (n > 0 && b->arguments->fault)
                 ((unsigned char *)out->tau[0])[0] ^= 1;
             if (n > 0 && !same(b, b->answers[0], out))
-                return lf_error_set(err, LF_E_STATE, what->name,
-                                    "the %s kernels answer something else than the plain C ones",
-                                    lf_kernels_at(n)->name);
+                return lf_error_set(
+                    err, LF_E_STATE, what->name,
+                    "the %s kernels and the plain C kernels differ in their results",
+                    lf_kernels_at(n)->name);
             if (i == 0)
                 timing[n].n = 0; /* pages and caches as they will be */
         }
@@ -423,7 +426,7 @@ static lf_status measure_step(bench *b, const struct step *what, lf_error *err)
         if (i > 0)
             lf_timing_add(&timing, lf_time_cpu() - start);
         if (!isfinite(sum))
-            return lf_error_set(err, LF_E_STATE, what->name, "an answer is not finite");
+            return lf_error_set(err, LF_E_STATE, what->name, "a result is not a finite number");
     }
     add_line(b, what->name, "-", what->unit,
              1e9 * lf_timing_quantile(&timing, 0.5) * what->items / b->n_rays, 1);
@@ -488,7 +491,7 @@ static lf_status time_lanes(bench *b, lf_suffix_batch *batch, lf_error *err)
         uint64_t plain = 0;
         const double start = lf_time_cpu();
         if (!isfinite(step_suffix(b)))
-            return lf_error_set(err, LF_E_STATE, "suffix", "an answer is not finite");
+            return lf_error_set(err, LF_E_STATE, "suffix", "a result is not a finite number");
         lf_timing_add(&single, lf_time_cpu() - start);
         for (n = 0; n < MAX_TABLES && lf_kernels_at(n); n++) {
             const lf_suffixes *suffixes = lf_kernels_at(n)->suffixes;
@@ -496,10 +499,10 @@ static lf_status time_lanes(bench *b, lf_suffix_batch *batch, lf_error *err)
             plain = n == 0 ? hash : plain;
             if (hash != plain + (n > 0 && b->arguments->fault))
                 return lf_error_set(err, LF_E_STATE, "suffix in lanes",
-                                    "%s finds something else than plain C", suffixes->name);
+                                    "the results of %s and of plain C differ", suffixes->name);
         }
     }
-    add_line(b, "suffix one by one, in turns with", "-", "path",
+    add_line(b, "suffix one by one, alternating with", "-", "path",
              1e9 * SUFFIX_ITEMS * lf_timing_quantile(&single, 0.5) / b->n_rays, 1);
     const double plain = lf_timing_quantile(&timing[0], 0.5);
     for (int k = 0; k < n; k++) {
@@ -556,8 +559,8 @@ int lf_bench_micro(int argc, char **argv)
     lf_status status =
         b.lines ? prepare(&b, &err) : lf_error_set(&err, LF_E_NOMEM, a.scene, "out of memory");
     if (status == LF_OK && !lf_bench_is_stdout(a.json))
-        printf("%s: %d views of %dx%d, the middle row: %.1f mean free paths deep where it meets "
-               "anything\n\n",
+        printf("%s: %d views of %dx%d; middle row: optical depth %.1f along rays that meet a "
+               "medium\n\n",
                a.scene, b.rows->rig.n_views, b.rows->rig.width, b.rows->rig.height, b.mean_depth);
     if (status == LF_OK)
         status = measure(&b, &err);

@@ -93,16 +93,19 @@ static const struct option table[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench papers FOLDER [options]\n"
-           "The papers' estimators beside ours on the scenes in FOLDER (build/scenes), in turns in "
-           "one run.\n\n"
-           "  --scenes LIST             only these:");
+           "Compare the estimators of the papers with ours on the scenes in FOLDER "
+           "(build/scenes). Runs alternate.\n\n"
+           "  --scenes LIST             measure only these scenes:");
     for (int i = 0; i < N_SCENES; i++)
         printf("%s%s", i % 5 == 0 ? "\n                            " : " ", scenes[i].name);
-    printf("\n  --time SECONDS            CPU time of a run (8)\n"
-           "  --seeds N                 runs of each (4)\n"
-           "  --markdown FILE           the table in a file too\n"
-           "  --plot PREFIX             PREFIX.svg, .png: error at equal time, by gnuplot\n"
-           "The reference takes 12 runs' time unless told otherwise.\n\n");
+    printf("\n"
+           "  --time SECONDS            CPU time per run (8)\n"
+           "  --seeds N                 runs per estimator (4)\n"
+           "  --markdown FILE           also write the table to FILE\n"
+           "  --plot PREFIX             plot the error at equal time to PREFIX.svg and "
+           "PREFIX.png with gnuplot\n"
+           "Without --reference-spp and --reference-time, the reference takes as long as 12 "
+           "runs.\n\n");
     lf_trial_print_help();
 }
 
@@ -275,12 +278,11 @@ static summary summary_of(const study *s, int scene, int member)
 
 static void write_head(FILE *out)
 {
-    fputs(
-        "| scene | estimator | equal time: median (low .. high) | equal paths | silhouettes, equal "
-        "time | flicker, equal time | mean off by (z) | a path costs | contributions a path | "
-        "effective / native | native spp | pixels without N/W |\n"
-        "|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-        out);
+    fputs("| scene | estimator | equal time: median (low .. high) | equal paths | silhouettes, "
+          "equal time | flicker, equal time | bias of the mean (z) | cost per path | "
+          "contributions per path | effective / native | native spp | pixels without N/W |\n"
+          "|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+          out);
 }
 
 static void write_name(FILE *out, const struct member *member)
@@ -350,20 +352,16 @@ static void write_notes(FILE *out, const study *s)
     }
     fputc('\n', out);
     if (without)
-        fputs(
-            "* Pixels without N/W: no sample that weighs anything has reached them, so that N/W is "
-            "not "
-            "defined, and only unscattered light is answered there. Where they are many, the row "
-            "tells how few samples there were, and nothing of the estimator: give it a longer "
-            "--time.\n",
-            out);
+        fputs("* Pixels without N/W: no sample with a positive weight has reached them. They show "
+              "only unscattered light. A row with many of them says nothing about the estimator: "
+              "use a longer --time.\n",
+              out);
     if (s->options.n_seeds < FEW_SEEDS)
-        fprintf(out, "* (-): z needs %d seeds or more (--seeds).\n", FEW_SEEDS);
+        fprintf(out, "* (-): z needs at least %d seeds (--seeds).\n", FEW_SEEDS);
     if (missing)
-        fputs(
-            "* -: no such ratio. An error is not above the reference's own (--reference-time), or "
-            "the scene has no silhouettes, or nothing that is seen to move from view to view.\n",
-            out);
+        fputs("* -: no ratio. An error is not above the error of the reference (--reference-time), "
+              "or the scene has no silhouettes or no visible parallax.\n",
+              out);
 }
 
 static json_t *row_json(const study *s, int scene, int member)
@@ -560,8 +558,8 @@ static lf_status run(study *s, lf_error *err)
     const bool quiet = lf_trial_is_quiet(&s->options);
     lf_status status = LF_OK;
     if (!quiet) {
-        printf("%dx%d a view, %d seeds, %g CPU seconds a run, %d threads; ratios are %s's over the "
-               "estimator's\n\n",
+        printf("%dx%d pixels per view, %d seeds, %g CPU seconds per run, %d threads; ratios: "
+               "relMSE x time of %s over that of the estimator\n\n",
                s->options.common.view_width, s->options.common.view_height, s->options.n_seeds,
                s->options.seconds, lf_pool_threads(s->pool), members[0].who.integrator);
         write_head(stdout);
@@ -597,7 +595,9 @@ int lf_bench_papers(int argc, char **argv)
     const lf_trial_command command = {"papers", "FOLDER", table, print_help, take, s};
     lf_status status = lf_trial_parse(&command, argc, argv, &s->options, &done, &err);
     if (status == LF_OK && s->options.common.choices.given[LF_PAPERS_SELECTION])
-        status = lf_error_set(&err, LF_E_ARG, "--selection", "each estimator here has its own");
+        status =
+            lf_error_set(&err, LF_E_ARG, "--selection",
+                         "cannot be used here; each estimator of this table has its own selection");
     int code = status == LF_OK ? LF_EXIT_OK : lf_usage_error(LF_BENCH_PROGRAM, &err);
     if (status == LF_OK && !done) {
         if (s->options.reference_spp == 0 && !(s->options.reference_seconds > 0))

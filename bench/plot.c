@@ -85,7 +85,7 @@ static lf_status draw(const char *folder, const char *name, lf_error *err)
         continue;
     return WIFEXITED(result) && WEXITSTATUS(result) == 0
                ? LF_OK
-               : lf_error_set(err, LF_E_IO, name, "gnuplot could not draw it");
+               : lf_error_set(err, LF_E_IO, name, "gnuplot failed to draw the plot");
 }
 
 static bool has_gnuplot(void)
@@ -104,11 +104,10 @@ static bool has_gnuplot(void)
 void lf_bench_plot_begin(const char *prefix)
 {
     if (prefix && !has_gnuplot())
-        lf_log(
-            LF_LOG_WARNING,
-            "--plot: no gnuplot in PATH (Debian: gnuplot-nox): %s.gp and %s.dat are written, but "
-            "no picture",
-            prefix, prefix);
+        lf_log(LF_LOG_WARNING,
+               "--plot: gnuplot is not in PATH, so only %s.gp and %s.dat are written; install it "
+               "(Debian: gnuplot-nox)",
+               prefix, prefix);
 }
 
 lf_status lf_bench_plot(const char *prefix, const char *data, const char *commands, lf_error *err)

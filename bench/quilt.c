@@ -48,29 +48,29 @@ typedef struct bench {
 static const char shared[] = "views view-size threads";
 
 static const lf_param own[] = {
-    LF_BENCH_REPEAT(offsetof(arguments, repeat), 9, "repetitions; their median counts"),
+    LF_BENCH_REPEAT(offsetof(arguments, repeat), 9,
+                    "number of repetitions; the median is reported"),
     LF_BENCH_JSON(offsetof(arguments, json)),
     {0},
 };
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltbench quilt [CALIBRATION.json …] [options]\n"
-        "Interlacing for these panels (a nominal Portrait and one of 7680x4320 when none is "
-        "named), tone mapping, filling,\n"
-        "comparing and print: milliseconds, GB/s of bytes in and out, and the ratio of CPU time "
-        "to that of copying as many bytes\n"
-        "on as many threads in the same run. Views are 45 of 420x560 pixels where nothing else is "
-        "said, of 1638x910 for\n"
-        "panels over 4 million pixels; all is also done on --threads threads.\n\n");
+    printf("Usage: quiltbench quilt [CALIBRATION.json …] [options]\n"
+           "Measure interlacing for these panels (default: a nominal Portrait and one of "
+           "7680x4320), tone mapping, filling,\n"
+           "comparing and printing: milliseconds, GB/s in and out, and the ratio of the CPU time "
+           "to the CPU time of copying the\n"
+           "same bytes with the same threads. Default: 45 views of 420x560 pixels, or 1638x910 for "
+           "panels over 4 million pixels.\n"
+           "Each measurement is repeated with --threads threads.\n\n");
     lf_param_print_help(own, NULL);
     lf_param_print_help(lf_option_params, shared);
     printf(LF_OPTIONS_HELP_LAST);
 }
 
 static const lf_bench_command command = {
-    "quilt", shared, own, print_help, 0, MAX_PANELS, "calibrations of a few panels"};
+    "quilt", shared, own, print_help, 0, MAX_PANELS, "the calibration files of a few panels"};
 
 /* ------------------------------------------------------------------------------------ timing -- */
 
@@ -201,7 +201,7 @@ static lf_status run_compare(void *context, lf_pool *pool, lf_error *err)
     (void)pool;
     if (lf_changed_rects(&p->before, &p->out, rects, 8) != 1)
         return lf_error_set(err, LF_E_STATE, "quilt",
-                            "one pixel differs, and one rectangle was expected");
+                            "one pixel differs, so one rectangle was expected");
     return LF_OK;
 }
 
@@ -412,7 +412,8 @@ static lf_status run_print(void *context, lf_pool *pool, lf_error *err)
     lf_status status = LF_OK;
     (void)pool;
     if (fds[0] < 0 || fds[1] < 0)
-        status = lf_error_set(err, LF_E_IO, "print", "no files in memory");
+        status =
+            lf_error_set(err, LF_E_IO, "print", "the system has no memory files (memfd_create)");
     if (status == LF_OK)
         status = lf_outfile_adopt(&tiff, fds[0], err);
     if (status == LF_OK)

@@ -18,32 +18,33 @@ static const struct command {
     int (*run)(int argc, char **argv);
     const char *what;
 } commands[] = {
-    {"error", lf_bench_error, "how far a picture is from a reference"},
-    {"compare", lf_bench_compare, "error of two integrators after equal CPU time"},
-    {"curve", lf_bench_curve, "error against CPU time, and what it is made of"},
-    {"table", lf_bench_table, "equal-time ratios on all kinds of scenes"},
-    {"papers", lf_bench_papers, "the estimators of the papers beside ours"},
-    {"shown", lf_bench_shown, "the reconstructed picture against the unfiltered one"},
+    {"error", lf_bench_error, "difference between an image and a reference"},
+    {"compare", lf_bench_compare, "error of two integrators at equal CPU time"},
+    {"curve", lf_bench_curve, "error against CPU time, with its parts"},
+    {"table", lf_bench_table, "equal-time error ratios on many kinds of scenes"},
+    {"papers", lf_bench_papers, "the estimators of the papers compared with ours"},
+    {"shown", lf_bench_shown, "the denoised image against the unfiltered image"},
     {"views", lf_bench_views, "error against the number of views"},
-    {"micro", lf_bench_micro, "the inner loops one by one, every instruction set against plain C"},
-    {"live", lf_bench_live, "what the panel shows after a command, and how soon"},
-    {"skip", lf_bench_skip, "what leaving out saves where a scene does not need it"},
+    {"micro", lf_bench_micro, "the inner loops, each instruction set against plain C"},
+    {"live", lf_bench_live, "what the panel shows after a command, and when"},
+    {"skip", lf_bench_skip, "CPU time that skipping unneeded work saves"},
     {"quilt", lf_bench_quilt, "interlacing, tone mapping, filling and print against copying"},
     {"usb", lf_bench_usb, "updates of a simulated USB display against copying"},
 };
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltbench COMMAND [arguments]   (quiltbench COMMAND --help says more)\n"
-        "       quiltbench --out DIR [--scenes DIR]   the published benchmarks, as JSON into DIR; "
-        "the shipped scenes with\n"
-        "                                        their data are looked for in DIR/../scenes\n\n");
+    printf("Usage: quiltbench COMMAND [arguments]   (for details: quiltbench COMMAND --help)\n"
+           "       quiltbench --out DIR [--scenes DIR]   run the published benchmarks and write "
+           "JSON files to DIR; the\n"
+           "                                        shipped scenes and their data are in --scenes "
+           "(DIR/../scenes)\n\n");
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         printf("  %-10s %s\n", commands[i].name, commands[i].what);
-    printf("\n  --completion bash|zsh|fish   what the shell completes, as a script\n"
-           "  --help                       this text\n"
-           "  --version                    the version\n");
+    printf("\n"
+           "  --completion bash|zsh|fish   print a completion script for the shell\n"
+           "  --help                       print this help\n"
+           "  --version                    print the version\n");
 }
 
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
@@ -145,7 +146,7 @@ lf_status lf_bench_pool(int threads, lf_pool **out_pool, lf_error *err)
     lf_status status = lf_pool_create(threads, out_pool);
     return status == LF_OK
                ? LF_OK
-               : lf_error_set(err, status, "--threads", "the threads cannot be started");
+               : lf_error_set(err, status, "--threads", "cannot start the worker threads");
 }
 
 /* Scenes of bench/textured and bench/reference read what a clone does not have. */
@@ -158,8 +159,8 @@ int lf_bench_fail(const lf_error *err)
 {
     lf_log_error(err);
     if (lacks_data(err))
-        lf_log(LF_LOG_ERROR, "quiltd does not come with this file: docs/reference/scene-format.md, "
-                             "\"Shipped scenes\", says where it is from");
+        lf_log(LF_LOG_ERROR, "quiltd does not ship this file; see \"Shipped scenes\" in "
+                             "docs/reference/scene-format.md for its source");
     return LF_EXIT_FAILED;
 }
 
@@ -168,7 +169,7 @@ int main(int argc, char **argv)
     lf_log_init(LF_BENCH_PROGRAM, LF_LOG_INFO);
     lf_papers_add();
     if (argc < 2)
-        return usage("COMMAND", "missing (see --help)");
+        return usage("COMMAND", "is missing; see --help");
     if (strcmp(argv[1], "--help") == 0) {
         print_help();
         return LF_EXIT_OK;
@@ -184,5 +185,5 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
             return commands[i].run(argc - 1, argv + 1);
-    return usage(argv[1], "unknown command (see --help)");
+    return usage(argv[1], "unknown command; see --help");
 }

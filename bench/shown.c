@@ -53,14 +53,14 @@ static const struct option table[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench shown SCENE [options]\n"
-           "The reconstructed picture beside the unfiltered one after equal CPU time (or passes), "
-           "fits and answers included; medians over the seeds (least .. greatest).\n\n"
-           "  --budgets LIST            CPU seconds, rising (0.6,2,5,15: in 210x280 what two cores "
-           "do in 1.2, 4, 10 and 30 s of 420x560)\n"
-           "  --passes LIST             instead of CPU seconds: after as many passes, rising\n"
-           "  --eye                     also what eyes see through the lenses of a panel "
-           "(--calibration, a nominal Portrait)\n"
-           "  --seeds N                 runs of each (4)\n");
+           "Compare the denoised image with the unfiltered image at equal CPU time (or passes), "
+           "denoising included. Results are medians over the seeds (min .. max).\n\n"
+           "  --budgets LIST            CPU seconds in ascending order (0.6,2,5,15)\n"
+           "  --passes LIST             budgets in passes, in ascending order, instead of CPU "
+           "seconds\n"
+           "  --eye                     also measure what an eye sees through the lenses of a "
+           "panel (--calibration)\n"
+           "  --seeds N                 runs per budget (4)\n");
     lf_trial_print_help();
 }
 
@@ -73,16 +73,17 @@ static lf_status take_budgets(arguments *a, const char *option, const char *text
         const size_t n = strcspn(at, ",");
         double *out = &a->budgets[a->n_budgets];
         if (a->n_budgets == LF_MAX_BUDGETS)
-            return lf_error_set(err, LF_E_ARG, option, "more than %d", LF_MAX_BUDGETS);
+            return lf_error_set(err, LF_E_ARG, option, "expects at most %d budgets",
+                                LF_MAX_BUDGETS);
         snprintf(number, sizeof number, "%.*s", (int)(n < sizeof number ? n : sizeof number - 1),
                  at);
         lf_status status = lf_parse_double(option, number, least, 1e6, out, err);
         if (status != LF_OK)
             return status;
         if (a->by_passes && *out != floor(*out))
-            return lf_error_set(err, LF_E_ARG, option, "must be whole numbers");
+            return lf_error_set(err, LF_E_ARG, option, "expects whole numbers");
         if (a->n_budgets > 0 && *out <= out[-1])
-            return lf_error_set(err, LF_E_ARG, option, "must be rising");
+            return lf_error_set(err, LF_E_ARG, option, "expects numbers in ascending order");
         a->n_budgets++;
         at = at[n] ? at + n + 1 : NULL;
     }

@@ -53,9 +53,9 @@ static const char shared[] = "views view-size threads seed";
 
 static const lf_param own[] = {
     LF_BENCH_FIELD(LF_PARAM_WHOLE, "passes", offsetof(arguments, passes), "N", 1, 1000000, 90,
-                   "of one run"),
+                   "passes per run"),
     LF_BENCH_REPEAT(offsetof(arguments, repeat), 5,
-                    "runs of each; the median of their ratios counts"),
+                    "runs per case; the median of their ratios is reported"),
     LF_BENCH_JSON(offsetof(arguments, json)),
     {0},
 };
@@ -63,11 +63,10 @@ static const lf_param own[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench skip [options]\n"
-           "What is left out where a scene does not need it (quiltrender --skip): CPU time with "
-           "and without, taken in turns, on a\n"
-           "small cloud and on small meshes under one colour of sky, and whether the pictures "
-           "agree. Views are 45 of 60x80 pixels where\n"
-           "nothing else is said.\n\n");
+           "Measure the CPU time with and without each optimisation of quiltrender --skip, in "
+           "alternating runs, on a small cloud\n"
+           "and on small meshes under a sky of one colour, and check that the images agree. "
+           "Default: 45 views of 60x80 pixels.\n\n");
     lf_param_print_help(own, NULL);
     lf_param_print_help(lf_option_params, shared);
     printf(LF_OPTIONS_HELP_LAST);
@@ -153,7 +152,7 @@ static lf_status open_scene(bench *b, const struct scene *scene, lf_error *err)
     b->without = lf_calloc(b->values, sizeof *b->without);
     return b->with && b->without
                ? LF_OK
-               : lf_error_set(err, LF_E_NOMEM, scene->name, "out of memory for the pictures");
+               : lf_error_set(err, LF_E_NOMEM, scene->name, "out of memory for the images");
 }
 
 static void close_scene(bench *b)
@@ -221,7 +220,7 @@ int lf_bench_skip(int argc, char **argv)
     b.lines = json_array();
     if (status != LF_OK || !b.lines)
         status = lf_error_set(&err, LF_E_NOMEM, "--threads", "cannot start the worker threads");
-    printf("skip         scene        CPU s  without/with (low .. high)      pictures\n");
+    printf("skip         scene        CPU s  without/with (low .. high)      images\n");
     for (int i = 0; i < N_SCENES && status == LF_OK; i++)
         status = measure_scene(&b, &scenes[i], &err);
     if (status == LF_OK)

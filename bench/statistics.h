@@ -1,11 +1,12 @@
-/* The statistics of quiltbench: what can be said of an error from a few independent runs. Pure
- * functions.
+/* The statistics of quiltbench: estimates of errors from a few independent runs. Pure functions.
  *
- * Every run has a seed of its own; runs are what is independent. Views of one run share paths and
- * pixels share rows, so they are never counted as independent. Errors and ratios of errors are
- * positive and skewed, so intervals are Student's t on their logarithms: of n values the geometric
- * mean times exp(+- t s / sqrt(n)). NaN where nothing can be said: fewer than two values, or one
- * that is not positive (the reference is then too rough for what is measured). */
+ * Every run has its own seed; only runs are independent. Views of one run share paths and pixels
+ * share rows, so they are never counted as independent.
+ *
+ * Errors and ratios of errors are positive and skewed. Intervals are therefore Student's t on their
+ * logarithms: for n values, the geometric mean times exp(+- t s / sqrt(n)). NaN if no estimate is
+ * possible: fewer than two values, or one that is not positive (the reference is then too noisy for
+ * the measurement). */
 #ifndef LF_BENCH_STATISTICS_H
 #define LF_BENCH_STATISTICS_H
 
@@ -13,7 +14,7 @@
 #include <stddef.h>
 
 #define LF_MAX_SEEDS 128
-/* From this many seeds on the worst of many tiles is told. */
+/* The worst tile is reported for at least this many seeds. */
 #define LF_TILE_SEEDS 80
 
 /* n values, 1..LF_MAX_SEEDS. */
@@ -28,9 +29,10 @@ double lf_student_quantile(double p, int degrees);
 typedef struct lf_interval {
     double estimate, low, high;
 } lf_interval;
-/* Two-sided, of the values' expected logarithm, back on the scale of the values. */
+/* Two-sided interval of the values' expected logarithm, converted back to the scale of the
+ * values. */
 lf_interval lf_log_interval(const double *values, int n, double confidence);
-/* The same of the expected value itself, on its own scale. */
+/* Two-sided interval of the expected value itself. */
 lf_interval lf_mean_interval(const double *values, int n, double confidence);
 
 /* y = intercept + slope x by least squares; error is the slope's standard error from the residuals
@@ -40,35 +42,35 @@ typedef struct lf_fit {
 } lf_fit;
 lf_fit lf_fit_line(const double *x, const double *y, int n);
 
-/* When a curve of errors over rising times reaches `error`: a straight line in log-log between its
- * points, beyond its ends the line of all points, moved to go through the end, for at most
- * LF_BEYOND times the end's time. NaN when that does not reach it, or when a point is not positive.
- */
+/* The time at which a curve of errors over rising times reaches `error`. Interpolates linearly in
+ * log-log between points. Beyond the ends it uses the slope of the line fitted to all points,
+ * through the end point, for at most LF_BEYOND times the end's time. NaN: not reached, or a point
+ * is not positive. */
 #define LF_BEYOND 4.0
 double lf_time_of_error(const double *times, const double *errors, int n, double error,
                         bool *out_beyond);
 
-/* Sums for the correlation of two errors a, b about 0 (their expected value), freed of what an
- * error na, nb of the reference itself adds to them. */
+/* Sums for the correlation of two errors a, b about 0 (their expected value). The contribution of
+ * the reference's own errors na, nb is subtracted. */
 typedef struct lf_correlation {
     double ab, aa, bb;
 } lf_correlation;
 void lf_correlation_add(lf_correlation *cross, size_t n, const float *a, const float *b,
                         const float *na, const float *nb);
-/* -1..1; NaN when one of the two has no error beyond the reference's. */
+/* -1..1; NaN if one of the two has no error beyond the reference's. */
 double lf_correlation_value(const lf_correlation *cross);
 
 /* The worst of many tiles. ratio [n_seeds][n_tiles]: > 1 is better. Each tile has a one-sided
- * Student bound over the seeds, on the logarithm, at the level that holds for all tiles at once
- * (Sidak). A tile without a positive ratio in every seed is not judged. Fewer than LF_TILE_SEEDS
- * seeds judge none: where errors are heavy-tailed, hundreds of tiles ask for more standard errors
- * than they have. */
+ * Student bound over the seeds, on the logarithm, at a level that holds for all tiles at once
+ * (Sidak). A tile is judged only if its ratio is positive for every seed. With fewer than
+ * LF_TILE_SEEDS seeds none is judged: for heavy-tailed errors, the bounds of hundreds of tiles
+ * would need more standard errors than so few seeds give. */
 typedef struct lf_tile_bound {
     int n_judged;
-    int worst;         /* the tile with the least lower bound; -1 = none was judged */
-    double low;        /* that bound */
-    double estimate;   /* geometric mean of that tile's ratios */
-    double least;      /* least geometric mean of all tiles */
+    int worst;         /* the tile with the lowest lower bound; -1 = none was judged */
+    double low;        /* its lower bound */
+    double estimate;   /* geometric mean of its ratios */
+    double least;      /* lowest geometric mean of all tiles */
     int n_surely_less; /* tiles whose upper bound is below `must` */
 } lf_tile_bound;
 lf_tile_bound lf_worst_tile(const double *ratio, int n_seeds, int n_tiles, double confidence,

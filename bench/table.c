@@ -94,19 +94,20 @@ static const struct option table[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench table FOLDER [options]\n"
-           "Equal-time ratios of relMSE on the scenes in FOLDER (build/scenes), 45 views and 10 "
-           "views each.\n\n"
-           "  --scenes LIST             only these:");
+           "Measure equal-time ratios of relMSE on the scenes in FOLDER (build/scenes), with 45 "
+           "views and with 10 views.\n\n"
+           "  --scenes LIST             measure only these scenes:");
     for (int i = 0; i < N_SCENES; i++)
         printf("%s%s", i % 5 == 0 ? "\n                            " : " ", scenes[i].name);
-    printf(
-        "\n  --time SECONDS            CPU time of a run with 45 views, in proportion with 10 (4)\n"
-        "  --seeds N                 runs of each (8)\n"
-        "  --ours NAME:ESTIMATOR     (mvpt:mwis)\n"
-        "  --baseline NAME:ESTIMATOR (vpt:mwis)\n"
-        "  --markdown FILE           the table in a file too\n"
-        "With --views only that many views. The reference takes 12 runs' time unless told "
-        "otherwise.\n\n");
+    printf("\n"
+           "  --time SECONDS            CPU time per run with 45 views; with 10 views in "
+           "proportion (4)\n"
+           "  --seeds N                 runs per integrator (8)\n"
+           "  --ours NAME:ESTIMATOR     integrator to test (mvpt:mwis)\n"
+           "  --baseline NAME:ESTIMATOR integrator to compare with (vpt:mwis)\n"
+           "  --markdown FILE           also write the table to FILE\n"
+           "With --views N, only N views are measured. Without --reference-spp and "
+           "--reference-time, the reference takes as long as 12 runs.\n\n");
     lf_trial_print_help();
 }
 
@@ -264,7 +265,7 @@ static const char *verdict(const row *r)
     if (!has_must(r))
         return "";
     if (reaches(r, r->scene->aim, r->scene->tile_aim))
-        return "met, and the aim";
+        return "met, also the aim";
     return reaches(r, r->scene->must, r->scene->tile_must) ? "met" : "not met";
 }
 
@@ -312,9 +313,9 @@ static void write_notes(FILE *out, const row *rows, int n_rows)
     for (int i = 0; i < n_rows; i++)
         missing |= !isfinite(rows[i].interval.low);
     if (missing)
-        fputs("\n* -: a ratio needs errors above the reference's own (--reference-time), its "
-              "interval "
-              "two seeds or more (--seeds).\n",
+        fputs("\n"
+              "* -: a ratio needs errors above the error of the reference (--reference-time), "
+              "and its interval at least two seeds (--seeds).\n",
               out);
 }
 
@@ -394,9 +395,8 @@ static lf_status run(const arguments *a, row *rows, lf_pool *pool, lf_error *err
     int n_rows = 0;
     lf_status status = LF_OK;
     if (!quiet) {
-        printf("%dx%d a view, %d seeds, %g CPU seconds a run of %d views, %d threads; ratios of "
-               "relMSE x CPU seconds, %s %s to %s "
-               "%s\n\n",
+        printf("%dx%d pixels per view, %d seeds, %g CPU seconds per run of %d views, %d "
+               "threads; ratios of relMSE x CPU seconds, %s %s to %s %s\n\n",
                a->options.common.view_width, a->options.common.view_height, a->options.n_seeds,
                a->options.seconds, FIELD_VIEWS, lf_pool_threads(pool),
                a->contenders[BASELINE].integrator,

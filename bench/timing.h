@@ -1,4 +1,4 @@
-/* Times of repetitions, and what quiltbench says of them. */
+/* Times of repetitions, and their quantiles. */
 #ifndef LF_BENCH_TIMING_H
 #define LF_BENCH_TIMING_H
 
@@ -9,10 +9,10 @@ typedef struct lf_timing {
     double value[LF_TIMING_MAX];
 } lf_timing;
 
-/* At most LF_TIMING_MAX; those behind are dropped. */
+/* Adds a value; values after LF_TIMING_MAX are dropped. */
 void lf_timing_add(lf_timing *timing, double value);
-/* The smallest value that a share of all values (0..1) does not pass, by the nearest rank: 0.5 =
- * the median, 0 = the smallest. NaN where there is none. */
+/* The quantile by nearest rank: the smallest value with at least `share` (0..1) of all values not
+ * above it. 0.5 = the median, 0 = the smallest. NaN: no values. */
 double lf_timing_quantile(const lf_timing *timing, double share);
 
 #endif

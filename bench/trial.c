@@ -362,7 +362,7 @@ void lf_trial_print(const lf_trial *trial, const lf_trial_options *options)
            options->n_seeds, trial->epsilon);
     printf("machine: %s, %d threads\n", json_string_value(json_object_get(machine, "cpu")),
            lf_pool_threads(trial->pool));
-    printf("reference: %s %s, %.3g spp, its own relMSE %.3g (subtracted), %.1f CPU seconds\n",
+    printf("reference: %s %s, %.3g spp, relMSE %.3g (subtracted), %.1f CPU seconds\n",
            trial->reference_by.integrator, lf_estimator_name(trial->reference_by.estimator),
            trial->reference_spp, trial->reference_error, trial->reference_cpu);
     json_decref(machine);

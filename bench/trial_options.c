@@ -26,17 +26,18 @@ bool lf_trial_is_quiet(const lf_trial_options *options)
 
 void lf_trial_print_help(void)
 {
-    printf("  --reference NAME:ESTIMATOR  renders the reference, twice, so that its own error is "
-           "known (mvpt:cv)\n"
-           "  --reference-spp N         of each of the two\n"
-           "  --reference-time SECONDS  CPU time of each of the two, instead of --reference-spp\n"
-           "  --epsilon E               of relMSE (0.01)\n"
-           "  --json FILE               everything as JSON (- for stdout)\n"
-           "  --csv FILE                the numbers as CSV (- for stdout)\n");
+    printf("  --reference NAME:ESTIMATOR  integrator of the reference; two renderings give its "
+           "error (mvpt:cv)\n"
+           "  --reference-spp N         samples per pixel of each reference rendering\n"
+           "  --reference-time SECONDS  CPU time of each reference rendering, instead of "
+           "--reference-spp\n"
+           "  --epsilon E               epsilon of relMSE (0.01)\n"
+           "  --json FILE               write all results as JSON (-: standard output)\n"
+           "  --csv FILE                write the numbers as CSV (-: standard output)\n");
     lf_param_print_help(lf_option_params,
                         LF_OPTIONS_VIEWS " calibration sampler max-depth skip threads");
     lf_param_print_help(lf_integrator_params(), NULL);
-    printf("  --seed S               of the first run (1)\n" LF_OPTIONS_HELP_LAST);
+    printf("  --seed S               random seed of the first run (1)\n" LF_OPTIONS_HELP_LAST);
 }
 
 /* Where an option may belong: to all trials, else to the command. */
@@ -97,16 +98,18 @@ lf_status lf_trial_parse(const lf_trial_command *command, int argc, char **argv,
         return status;
     if (argc - optind != 1)
         return lf_error_set(err, LF_E_ARG, command->name,
-                            "expects one %s (see quiltbench %s --help)", command->operand,
+                            "expects one %s; see quiltbench %s --help", command->operand,
                             command->name);
     if (options->common.integrator || options->common.has_estimator ||
         options->common.target_error > 0)
         return lf_error_set(err, LF_E_ARG, command->name,
-                            "INTEGRATOR:ESTIMATOR pairs say what runs, and budgets for how long "
-                            "(see quiltbench %s --help)",
+                            "does not take --integrator, --estimator and --target-error; use "
+                            "INTEGRATOR:ESTIMATOR pairs and budgets (see quiltbench %s --help)",
                             command->name);
     if (lf_bench_is_stdout(options->json) && lf_bench_is_stdout(options->csv))
-        return lf_error_set(err, LF_E_ARG, "--csv", "- is taken by --json");
+        return lf_error_set(
+            err, LF_E_ARG, "--csv",
+            "cannot write to standard output, because --json does; give a file name");
     options->operand = argv[optind];
     return LF_OK;
 }
@@ -115,7 +118,7 @@ lf_status lf_trial_check_markdown(const char *path, lf_error *err)
 {
     return lf_bench_is_stdout(path)
                ? lf_error_set(err, LF_E_ARG, "--markdown",
-                              "the table goes to standard output anyway; give a file's name")
+                              "the table is always printed to standard output; give a file name")
                : LF_OK;
 }
 
@@ -133,8 +136,8 @@ lf_status lf_trial_check_names(const char *option, const char *list, const char 
         while (name_at(i) && !is_first(at, n, name_at(i)))
             i++;
         if (!name_at(i))
-            return lf_error_set(err, LF_E_ARG, option, "no scene is called \"%.*s\" (see --help)",
-                                (int)n, at);
+            return lf_error_set(err, LF_E_ARG, option,
+                                "unknown scene \"%.*s\"; --help lists the scenes", (int)n, at);
         at = at[n] ? at + n + 1 : NULL;
     }
     return LF_OK;

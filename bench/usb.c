@@ -63,8 +63,9 @@ static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_REND
 
 static const lf_param own[] = {
     LF_BENCH_FIELD(LF_PARAM_NUMBER, "seconds", offsetof(arguments, seconds), "S", 0.1, 3600, 20,
-                   "how long it converges"),
-    LF_BENCH_REPEAT(offsetof(arguments, repeat), 15, "repetitions; their median counts"),
+                   "time to converge"),
+    LF_BENCH_REPEAT(offsetof(arguments, repeat), 15,
+                    "number of repetitions; the median is reported"),
     LF_BENCH_JSON(offsetof(arguments, json)),
     {0},
 };
@@ -72,11 +73,12 @@ static const lf_param own[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench usb [SCENE] [options]\n"
-           "Updates of a simulated USB display in this process, its own decoding included: "
-           "milliseconds, MB/s of changed pixels\n"
-           "(three bytes each), bytes on the wire, and the ratio to copying the changed pixels. "
-           "With a scene: what its rendering\n"
-           "sends while it converges, on a nominal Portrait without --calibration.\n\n");
+           "Measure updates of a simulated USB display in this process, including the decoding: "
+           "milliseconds, MB/s of changed\n"
+           "pixels (three bytes each), bytes on the wire, and the ratio to copying the changed "
+           "pixels. With a scene, also measure\n"
+           "what its rendering sends while it converges; the default panel is a nominal "
+           "Portrait.\n\n");
     lf_param_print_help(own, NULL);
     lf_param_print_help(lf_option_params, shared);
     printf(LF_OPTIONS_HELP_LAST);
@@ -245,9 +247,8 @@ static void report_converging(bench *b, const lf_bench_converge *c)
            share = c->wire_bytes / (c->updates * c->frame_bytes);
     double later = (c->wire_bytes - c->first_bytes) / ((c->updates - 1) * c->frame_bytes);
     if (!lf_bench_is_stdout(b->arguments->json))
-        printf("converging, RGB888%-26s %.1f updates a second for %.0f s, %.0f bytes each: %.2f %% "
-               "of full frames (%.2f %% without "
-               "the first), last picture %s\n",
+        printf("converging, RGB888%-26s %.1f updates per second for %.0f s, %.0f bytes each: %.2f "
+               "%% of full frames (%.2f %% without the first), last image %s\n",
                c->lz4 ? ", LZ4 offered" : "", per_second, c->shown_seconds,
                c->wire_bytes / c->updates, 100 * share, 100 * later,
                c->differences == 0 ? "exact" : "NOT EXACT");
@@ -269,9 +270,10 @@ static lf_status measure_converging(bench *b, lf_error *err)
         if (status == LF_OK)
             report_converging(b, &c);
         if (status == LF_OK && c.differences > 0)
-            status = lf_error_set(err, LF_E_STATE, "usb",
-                                  "the display's last picture differs from the frame in %lld bytes",
-                                  (long long)c.differences);
+            status =
+                lf_error_set(err, LF_E_STATE, "usb",
+                             "the last image on the display differs from the frame in %lld bytes",
+                             (long long)c.differences);
     }
     return status;
 }

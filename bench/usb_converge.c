@@ -100,7 +100,7 @@ static lf_status push_newest(stream *s, lf_error *err)
     int n = rects_for(s, frame, rects);
     lf_status status = s->device->ops->push(s->device, &frame->image, rects, n, 1);
     if (status != LF_OK)
-        return lf_error_set(err, status, "usb", "the simulated display takes no frame");
+        return lf_error_set(err, status, "usb", "the simulated display accepts no frame");
     lf_mailbox_shown(mailbox);
     s->busy = true;
     s->last_at = lf_time_now();
@@ -137,7 +137,7 @@ static lf_status run(stream *s, lf_error *err)
     lf_status status = send_load(s, err);
     while (status == LF_OK && (s->first_at <= 0 || lf_time_now() < s->first_at + s->out->seconds)) {
         if (lf_time_now() > start + PATIENCE_SECONDS)
-            return lf_error_set(err, LF_E_TIMEOUT, s->file, "no frame after %g s",
+            return lf_error_set(err, LF_E_TIMEOUT, s->file, "there was no frame after %g s",
                                 PATIENCE_SECONDS);
         status = wait_and_push(s, 0.1, err);
     }
@@ -208,11 +208,11 @@ static lf_status make_engine(stream *s, lf_error *err)
     const lf_engine_controls controls = {.estimator = s->options->estimator,
                                          .target_error = 1e-12,
                                          .threads = s->options->threads,
-                                         .reconstruct = s->options->reconstruct};
+                                         .denoise = s->options->denoise};
     s->event_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     s->has_inbox = s->event_fd >= 0 && lf_inbox_init(&s->inbox) == LF_OK;
     if (!s->has_inbox)
-        return lf_error_set(err, LF_E_NOMEM, "usb", "out of descriptors");
+        return lf_error_set(err, LF_E_NOMEM, "usb", "out of file descriptors");
     lf_status status = lf_engine_create(&controls, s->event_fd, &s->engine, err);
     if (status != LF_OK)
         return status;

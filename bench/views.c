@@ -42,14 +42,15 @@ static const struct option table[] = {
 static void print_help(void)
 {
     printf("Usage: quiltbench views SCENE [options]\n"
-           "relMSE for 1, 2, 4, … views of one cone with the same number of base paths in each, "
-           "and the exponent of N.\n\n"
-           "  --counts LIST             numbers of views (1,2,4,8,16,32,45,64)\n"
-           "  --spp N                   base paths a view pixel (8)\n"
-           "  --contender NAME:ESTIMATOR  (mvpt:mwis)\n"
-           "  --seeds N                 (8)\n"
-           "  --plot PREFIX             PREFIX.svg and PREFIX.png, by gnuplot from PREFIX.gp and "
-           "PREFIX.dat\n");
+           "Measure relMSE for 1, 2, 4, … views in one cone, each with the same number of base "
+           "paths, and fit the exponent of N.\n\n"
+           "  --counts LIST             numbers of views in ascending order "
+           "(1,2,4,8,16,32,45,64)\n"
+           "  --spp N                   base paths per view pixel (8)\n"
+           "  --contender NAME:ESTIMATOR  integrator to test (mvpt:mwis)\n"
+           "  --seeds N                 runs per number of views (8)\n"
+           "  --plot PREFIX             plot to PREFIX.svg and PREFIX.png with gnuplot "
+           "(PREFIX.gp, PREFIX.dat)\n");
     lf_trial_print_help();
 }
 
@@ -65,8 +66,8 @@ static lf_status take_counts(study *s, const char *text, lf_error *err)
         if (status != LF_OK)
             return status;
         if (s->n_counts == MAX_COUNTS || (s->n_counts > 0 && number <= s->counts[s->n_counts - 1]))
-            return lf_error_set(err, LF_E_ARG, "--counts", "expects at most %d rising numbers",
-                                MAX_COUNTS);
+            return lf_error_set(err, LF_E_ARG, "--counts",
+                                "expects at most %d numbers in ascending order", MAX_COUNTS);
         s->counts[s->n_counts++] = number;
         at = at[n] ? at + n + 1 : NULL;
     }
@@ -174,19 +175,20 @@ static void print_count(const study *s, int i)
 
 static void print_table(const study *s)
 {
-    printf("%s: %s %s, %d base paths a view pixel, %d seeds\n\n", s->options.operand,
+    printf("%s: %s %s, %d base paths per view pixel, %d seeds\n\n", s->options.operand,
            s->who.integrator, lf_estimator_name(s->who.estimator), s->spp, s->options.n_seeds);
     printf("views      relMSE  (95 %%)                  x views   base paths\n");
     for (int i = 0; i < s->n_counts; i++)
         print_count(s, i);
     if (!isfinite(s->exponent.low)) {
-        puts(
-            "\n- and no exponent: they need two seeds and two numbers of views or more, and errors "
-            "above the reference's own (--seeds, --counts, --reference-spp)");
+        puts("\n"
+             "- and no exponent: both need at least two seeds, two numbers of views, and errors "
+             "above the error of the reference (--seeds, --counts, --reference-spp)");
         return;
     }
-    printf("\nrelMSE (at %d base paths) falls as N^%.3f, standard error %.3f (95 %%: %.3f .. "
-           "%.3f); must: N^-0.8: %s\n",
+    printf("\n"
+           "relMSE (at %d base paths) falls as N^%.3f, standard error %.3f (95 %%: %.3f .. "
+           "%.3f); required: N^-0.8: %s\n",
            s->spp, s->exponent.estimate, s->exponent_se, s->exponent.low, s->exponent.high,
            s->exponent.estimate <= -0.8 ? "met" : "not met");
 }
@@ -205,10 +207,12 @@ static lf_status plot(const study *s, lf_error *err)
         fclose(out);
     }
     if (asprintf(&commands,
-                 "set logscale xy\nset format y '10^{%%L}'\nset xlabel 'views'\nset ylabel 'relMSE "
-                 "at %d base paths a view pixel'\n"
-                 "plot data with yerrorlines pointtype 5 title '%s %s', %.6g/x with lines dashtype "
-                 "2 title '1/N'",
+                 "set logscale xy\n"
+                 "set format y '10^{%%L}'\n"
+                 "set xlabel 'views'\n"
+                 "set ylabel 'relMSE at %d base paths per view pixel'\n"
+                 "plot data with yerrorlines pointtype 5 title '%s %s', %.6g/x with lines "
+                 "dashtype 2 title '1/N'",
                  s->spp, s->who.integrator, lf_estimator_name(s->who.estimator),
                  s->rel_mse[0].estimate * s->counts[0]) < 0)
         commands = NULL;

@@ -145,7 +145,7 @@ lf_status lf_device_find_in(const lf_device_ops *const table[], const char *firs
     search s = {.first = first,
                 .calibration = calibration,
                 .status = LF_E_NODEV,
-                .problem = "no panel was found"};
+                .problem = "no panel was found; check its cables, or run quiltctl doctor"};
     const lf_device_ops *kind = find_kind(table, first, strcspn(first, ":"));
     bool found = kind && try_kind(kind, true, &s);
     for (int i = 0; table[i] && !found; i++)
@@ -182,9 +182,8 @@ lf_status lf_device_open(const char *spec, const lf_calibration *calibration,
     const lf_device_ops *ops = kind_of(spec);
     if (!ops)
         return lf_error_set(err, LF_E_ARG, spec,
-                            "no such kind of device; expected auto, drm[:OUTPUT], "
-                            "window[:MONITOR], usb[:BUS-PORT], none or "
-                            "sim:DIR[,option=value]");
+                            "unknown kind of device; expected auto, drm[:OUTPUT], "
+                            "window[:MONITOR], usb[:BUS-PORT], none or sim:DIR[,option=value]");
     return ops->open(argument_of(spec), calibration, out_device, err);
 }
 

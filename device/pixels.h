@@ -1,4 +1,4 @@
-/* Pixels as displays take them. Private to device/. */
+/* Conversion to the pixel formats of displays. Private to device/. */
 #ifndef LF_DEVICE_PIXELS_H
 #define LF_DEVICE_PIXELS_H
 
@@ -15,7 +15,7 @@ static inline void lf_pixels_xrgb8888(uint8_t *restrict to, const uint8_t *restr
         pixel = htole32(be32toh(pixel) >> 8);
         memcpy(to + (size_t)i * 4, &pixel, sizeof pixel);
     }
-    /* by bytes: there may be nothing behind the last one */
+    /* by bytes: there may be nothing after the last one */
     from += (size_t)(n - 1) * 3;
     pixel = htole32((uint32_t)from[0] << 16 | (uint32_t)from[1] << 8 | from[2]);
     memcpy(to + (size_t)(n - 1) * 4, &pixel, sizeof pixel);

@@ -1,4 +1,4 @@
-/* Private to quilt/: one axis of a picture that is resampled. */
+/* Private to quilt/: resampling along one axis of a picture. */
 #ifndef LF_QUILT_AXIS_H
 #define LF_QUILT_AXIS_H
 
@@ -10,16 +10,16 @@ typedef struct lf_axis_filter {
     int *first;    /* [n_out] source index of the first tap */
     int *n_taps;   /* [n_out] 1..max_taps */
     float *weight; /* [n_out][max_taps], sum 1 */
-    float *inside; /* [n_out] how much of what the sample covers is the source, 0..1 */
+    float *inside; /* [n_out] fraction of the sample's footprint inside the source, 0..1 */
 } lf_axis_filter;
 
-/* Output sample i covers `footprint` source samples about middle start + i * step (source
- * coordinates: sample s covers [s, s + 1]): area average where footprint > 1, else linear
- * interpolation at the middle; clamped to the source's n_in samples. */
+/* Output sample i covers `footprint` source samples around start + i * step. In source coordinates
+ * sample s covers [s, s + 1]. Area average if footprint > 1, otherwise linear interpolation at the
+ * middle; clamped to the source's n_in samples. */
 LF_NODISCARD lf_status lf_axis_filter_init(lf_axis_filter *filter, int n_in, int n_out,
                                            double start, double step, double footprint);
 void lf_axis_filter_finish(lf_axis_filter *filter);
-/* Of one line of n_in pixels RGB: n_out of them. */
+/* Resamples a line of n_in RGB pixels to n_out. */
 void lf_axis_filter_line(const lf_axis_filter *filter, const float *line, float *out);
 
 #endif

@@ -33,7 +33,7 @@ static void grow_by_volume(const lf_volume *volume, lf_box *box)
         grow(box, volume->bounds_min, volume->bounds_max);
 }
 
-/* Things of the document, without lights that are faces. */
+/* Objects of the document, without area lights. */
 static int count_said(const lf_scene *scene)
 {
     return scene->n_volumes + (int)json_object_size(json_object_get(scene->json, "meshes"));
@@ -85,8 +85,8 @@ static lf_ground_word word_of(const lf_scene *scene, int thing)
                                     : scene->meshes[thing - scene->n_volumes].ground;
 }
 
-/* What a flat mesh is compared with: all that is not flat, or where there is no such thing, all
- * others. */
+/* The box that a flat mesh is compared with: of all objects that are not flat or, if there are
+ * none, of all others. */
 static lf_box rest_of(const lf_scene *scene, int flat)
 {
     lf_box rest = nowhere, others = nowhere, box;
@@ -166,7 +166,7 @@ static void grow_bounds(const lf_scene *scene, int thing, double bounds[2][3])
     }
 }
 
-/* name NULL: all but those of left_out, which may be NULL, too. */
+/* name NULL: all except left_out, which may also be NULL. */
 static void grow_by_section(const lf_scene *scene, const char *section, int first, const char *name,
                             const bool *left_out, double bounds[2][3])
 {

@@ -1,4 +1,5 @@
-/* How a scene lies in the window of a rig: its depth, whether it is seen, and where to stand. */
+/* The position of a scene in the window of a rig: its depth, whether it is visible, and camera
+ * positions that frame it. */
 #include <math.h>
 #include <string.h>
 
@@ -22,8 +23,8 @@ typedef struct half_space {
 
 enum { FACES = 6, SIDES = 4, HALF_SPACES = FACES + SIDES };
 
-/* The box, and the pyramid of the window before a camera that stands so far to the right of the
- * rig's middle. */
+/* The box, and the pyramid of the window in front of a camera at distance `aside` to the right of
+ * the rig's middle. */
 static void make_half_spaces(const lf_rig *rig, double aside, const lf_box *box,
                              half_space out[HALF_SPACES])
 {
@@ -92,7 +93,7 @@ static double far_step(const lf_rig *rig)
     return rig->n_views > 1 ? outer / (rig->n_views - 1) / (double)rig->dx : 0.0;
 }
 
-/* A ground that is said to be one goes on to the horizon, as a sky does. */
+/* A ground that the scene marks extends to the horizon, like a sky. */
 static bool is_endless(const lf_scene *scene, int thing)
 {
     return thing >= scene->n_volumes &&
@@ -160,8 +161,8 @@ bool lf_scene_is_seen(const lf_scene *scene, const lf_render_settings *settings)
 
 /* --------------------------------------------------------------------------------------- fit -- */
 
-/* How far from the middle of the box the cameras must be for this corner, which lies (x, y, z) from
- * it in camera space: |X_w| = D |x + z b/D| / (D + z), for the outer cameras, and |Y_w| within
+/* Required distance of the cameras from the middle of the box for this corner, at (x, y, z) from it
+ * in camera space. |X_w| = D |x + z b/D| / (D + z) for the outer cameras, and |Y_w|, must be within
  * their share of the window's half, and the step within steps. */
 static double distance_for(const lf_rig *rig, const double corner[3], double fill, double steps)
 {
@@ -176,7 +177,7 @@ static double distance_for(const lf_rig *rig, const double corner[3], double fil
     return least;
 }
 
-/* Where the camera is to stand for these bounds, seen from where settings have it. */
+/* The camera position for these bounds, in the direction of the current camera. */
 static lf_status stand(const lf_scene *scene, const lf_render_settings *settings,
                        const double bounds[2][3], double fill, double steps, double out_target[3],
                        double out_position[3], lf_error *err)
@@ -215,7 +216,7 @@ static int upward(const lf_camera *camera)
     return fabs(up[2]) > fabs(up[axis]) ? 2 : axis;
 }
 
-/* Whether a ground lies between what is framed and a camera beneath it. */
+/* Whether a ground lies between the framed box and a camera below it. */
 static bool is_beneath(const lf_scene *scene, int axis, double sign, const double target[3],
                        const double position[3])
 {

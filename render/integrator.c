@@ -46,7 +46,7 @@ void lf_choices_fit(lf_choices *choices, const lf_integrator_entry *entry)
         }
 }
 
-/* Whose entry this is, and which of its own; NULL behind the last. */
+/* The integrator that owns entry `index`, and the entry's own index; NULL after the last. */
 static const lf_integrator *whose(int index, int *out_own)
 {
     const lf_integrator *integrator = &lf_integrator_rows;
@@ -78,7 +78,7 @@ const lf_integrator_entry *lf_integrator_named(const char *name)
     return lf_integrator_at(i);
 }
 
-/* Of cameras listed one by one; its names are others' as well. */
+/* For cameras listed one by one; its entry names also occur elsewhere. */
 static const lf_integrator *const lists = &lf_integrator_any_cameras;
 
 static int index_of(const lf_integrator *integrator, const char *name)

@@ -1,12 +1,12 @@
 /* Integrators, as the renderer drives them; private to render/.
  *
- * An integrator takes a scene and a rig and adds visits of rows to a film; the renderer says which
- * rows, how many passes and when, and owns the film, the pool and the answers. What a worker needs
- * besides the film (a plane, slices, reservoirs, lists of cameras) is the integrator's own. One
- * that comes in several kinds (rows/: how pivots are shared) lists them as entries. A new one is a
- * folder or file with one of these, and a line of the table in integrator.c, or of those that a
- * library adds to it. Cameras listed one by one have an integrator of their own, with entries of
- * the same names. */
+ * An integrator takes a scene and a rig and adds visits of rows to a film. The renderer decides
+ * which rows to visit, how many passes and when. It owns the film, the pool and the resolved
+ * images. The integrator owns what its workers need besides the film (a plane, slices, reservoirs,
+ * camera lists). An integrator with variants lists them as entries (rows/: how pivots are shared).
+ * A new integrator is a folder or file with one lf_integrator, and a line in the table in
+ * integrator.c or in a list passed to lf_integrators_add. Cameras listed one by one have an
+ * integrator of their own, with entries of the same names. */
 #ifndef LF_RENDER_INTEGRATOR_H
 #define LF_RENDER_INTEGRATOR_H
 
@@ -14,43 +14,45 @@
 #include "render/scene/scene.h"
 #include "render/transport/path/track.h"
 
-/* What one is made for. Borrowed; but for settings all of it outlives what is made. */
+/* Input of create. All pointers are borrowed. Everything except settings outlives the state. */
 typedef struct lf_integrator_input {
     const lf_scene *scene;
-    const lf_scene *seen; /* what it is to see of the scene (skip.h): copied */
+    const lf_scene *seen; /* the part of the scene that the integrator uses (skip.h); copied */
     const lf_render_settings *settings;
     lf_pool *pool;
-    const struct lf_lane_scene *lanes;  /* lanes/lane_scene.h; NULL: they do not serve it */
-    const struct lf_suffixes *suffixes; /* of this machine's instruction set, for them */
-    lf_film *film; /* to be visited; has the layout and sky of lf_integrator_needs by then */
+    /* lanes/lane_scene.h; NULL: lanes do not support this scene */
+    const struct lf_lane_scene *lanes;
+    const struct lf_suffixes *suffixes; /* of this machine's instruction set, for lanes */
+    /* to be visited; has the layout and sky of lf_integrator_needs before the first visit */
+    lf_film *film;
 } lf_integrator_input;
 
-/* What it needs of the renderer. */
+/* What the integrator needs of the renderer. */
 typedef struct lf_integrator_needs {
     lf_film_layout layout;
-    float sky[3];     /* where B is not stored (film.h) */
+    float sky[3];     /* used if B is not stored (film.h) */
     int visit_passes; /* passes in a visit of the offline schedule */
 } lf_integrator_needs;
 
-/* What a worker of a pool writes stands in no line of another's: where its struct begins. */
+/* Alignment of a worker's struct, so that two workers never write to the same cache line. */
 #define LF_CACHE_LINE 64
 
 struct lf_sunlight;
 
-/* What a pass asks of every row that it visits. */
+/* Parameters of a pass, the same for every row that it visits. */
 typedef struct lf_visit_order {
-    int subsets;     /* passes at once; 0: nothing but holes is sampled */
+    int subsets;     /* passes at once; 0: sample only holes */
     int column_step; /* 1, or 2: only every other column (a pass split between the halves) */
-    bool cover;      /* what is thin is to be found at once: the live picture */
+    bool cover;      /* force collisions, so that thin media appear at once: the live image */
     bool coarse;     /* B and q for a coarse frame: as in lf_renderer_pass_coarse */
-    /* B, q and features alone, of rows that nothing has visited: lf_renderer_pass_fans */
+    /* only B, q and features, of rows without visits: lf_renderer_pass_fans */
     bool fans;
-    int hole_reach;  /* as in lf_renderer_pass_filling; < 0: holes are left */
-    int stream;      /* where its counts are: of film->streams */
-    uint64_t random; /* its random numbers */
-    /* of the scene, for the film's features (transport/path/sunlight.h); NULL: it has none */
+    int hole_reach;  /* as in lf_renderer_pass_filling; < 0: do not fill holes */
+    int stream;      /* index into film->streams of its counts */
+    uint64_t random; /* key of its random numbers */
+    /* of the scene, for the film's features (transport/path/sunlight.h); NULL: none */
     const struct lf_sunlight *sunlight;
-    unsigned faults; /* lf_fault (rows/visit.h), in builds that have them */
+    unsigned faults; /* lf_fault (rows/visit.h), in builds with LF_FAULTS */
 } lf_visit_order;
 
 /* The rows of a pass: first_row, first_row + row_step, … */
@@ -60,33 +62,33 @@ typedef struct lf_pass {
 } lf_pass;
 
 typedef struct lf_integrator {
-    /* Of what a scene does not need (lf_skip), what it can leave out: the rest is not offered. */
+    /* The optimisations (lf_skip) that this integrator has. */
     unsigned skips;
-    /* By index within this integrator; NULL behind the last. */
+    /* Entry by index within this integrator; NULL after the last. */
     const lf_integrator_entry *(*entry)(int index);
-    /* Makes one for entry(index); *out_state is for the functions below. What fails for want of
-     * memory is LF_E_NOMEM without words; other errors have set err. */
+    /* Makes the state of entry(index); the functions below take *out_state. Out of memory is
+     * LF_E_NOMEM and leaves err unset; other errors set err. */
     lf_status (*create)(const lf_integrator_input *input, int index, void **out_state,
                         lf_integrator_needs *out_needs, lf_error *err);
-    /* Before a pass, on its caller's thread: may use the pool. */
+    /* Before a pass, on its caller's thread; may use the pool. */
     void (*begin)(void *state, const lf_pass *pass);
-    /* Adds a visit of a row to one half of the film, on a worker of the pool. false = cancelled:
-     * the film is as before, but that a row whose holes were being filled may have some of them. */
+    /* Adds a visit of a row to one half of the film, on a worker of the pool. false: cancelled, and
+     * the film is as before, except that some holes may be filled if the visit filled holes. */
     bool (*visit)(void *state, const lf_visit_order *order, int row, int half, int worker,
                   const lf_cancel *cancel);
-    /* Behind a pass all of whose rows were visited, on its caller's thread: may use the pool. Of
-     * what is cancelled some rows may be as they were. NULL: nothing is left to be done. */
+    /* After a pass that visited all of its rows, on its caller's thread; may use the pool. If it is
+     * cancelled, some rows stay as they were. NULL: no work after a pass. */
     lf_status (*end)(void *state, const lf_pass *pass, const lf_cancel *cancel);
-    /* Adds its workers' counters to *out; what does not apply becomes -1. */
+    /* Adds its workers' counters to *out; counters that do not apply become -1. */
     void (*count)(const void *state, lf_render_stats *out);
-    /* Adds what it leaves out of its own accord, as in lf_renderer_skipped. NULL: nothing. */
+    /* Adds the optimisations of its own, as in lf_renderer_skipped. NULL: none. */
     void (*skipped)(const void *state, json_t *out);
     /* Accepts NULL. */
     void (*destroy)(void *state);
 } lf_integrator;
 
-/* Integrators of a library behind those that are there, NULL behind the last, and the options that
- * they take (lf_integrator_params). Before any other call; what was added before goes. */
+/* Adds a library's integrators after the built-in ones, with their options (lf_integrator_params).
+ * list ends with NULL. Call it before any other function. It replaces an earlier list. */
 void lf_integrators_add(const lf_integrator *const *list, const lf_param *params);
 
 /* Adds one worker's counters to *out. */
@@ -102,21 +104,21 @@ static inline void lf_integrator_count(lf_render_stats *out, const lf_tracer *tr
     out->suffixes_cut += tracer->suffixes_cut;
 }
 
-/* The one that settings->integrator names, of such a camera where there is one. LF_E_ARG for an
- * unknown name, with err naming those that exist; NULL is the default. */
+/* Finds the integrator that settings->integrator names (NULL: the default), for the kind of camera
+ * in settings. LF_E_ARG: unknown name; err lists the names. */
 LF_NODISCARD lf_status lf_integrator_find(const lf_render_settings *settings,
                                           const lf_integrator **out_integrator, int *out_index,
                                           lf_error *err);
 
-/* What refusals call an integrator of cameras listed one by one, behind its name. */
+/* Follows the integrator's name in errors about cameras listed one by one. */
 #define LF_OF_LISTED_CAMERAS " of cameras listed one by one"
-/* All of them, each with what it supports, those of cameras listed one by one last; NULL behind
- * them. */
+/* Every entry with its supported traits, entries for cameras listed one by one last; NULL after the
+ * last. */
 const lf_integrator_entry *lf_support_at(int index, bool *out_listed);
 /* The traits of a view. */
 lf_traits lf_view_traits(const lf_render_settings *settings);
-/* LF_E_ARG, naming what is missing and who has it, unless the integrator supports all traits of the
- * scene and its view. */
+/* LF_E_ARG unless the integrator supports all traits of the scene and its view. err names the
+ * missing trait and the integrators that support it. */
 LF_NODISCARD lf_status lf_integrator_check(const lf_integrator_entry *entry, const lf_scene *scene,
                                            const lf_render_settings *settings, lf_error *err);
 

@@ -27,14 +27,14 @@ const char *lf_sampler_name(int kind)
 
 /* --------------------------------------------------------------------------- set-up, restart -- */
 
-/* What a start or restart makes, before anything of the old is given up. */
+/* Parts made by a start or restart, before the old ones are released. */
 typedef struct parts {
     const lf_integrator *integrator;
     void *state;
     lf_integrator_needs needs;
     lf_geometry *empty;
-    lf_lane_scene *lanes; /* an allocation of its own: the integrator borrows it */
-    lf_film film;         /* nothing where the old one fits */
+    lf_lane_scene *lanes; /* allocated separately, because the integrator borrows it */
+    lf_film film;         /* empty if the old one fits */
     bool keep_film;
     const char *name;
     uint8_t picture[LF_PICTURE_BYTES];
@@ -186,8 +186,8 @@ lf_status lf_renderer_restart(lf_renderer *renderer, lf_scene *scene,
 typedef struct lf_pass_job {
     lf_renderer *renderer;
     lf_visit_order order;
-    lf_part part;       /* whole: no zeros that stand for something else */
-    int half;           /* -1 = the one with fewer visits, A first */
+    lf_part part;       /* with explicit values instead of zeros */
+    int half;           /* -1 = the one with fewer visits, half 0 on a tie */
     const lf_asked *at; /* rows beyond it have had this visit; NULL: none has */
     lf_row_fn row_done;
     void *context;
@@ -210,7 +210,7 @@ static void run_row(void *context, int item, int worker)
         job->row_done(job->context, row, worker);
 }
 
-/* With what its zeros stand for; NULL: all. */
+/* Replaces zeros by the values that they mean; NULL: all rows. */
 static lf_part whole_part(const lf_renderer *r, const lf_part *part)
 {
     lf_part whole = part ? *part : (lf_part){0};
@@ -219,7 +219,7 @@ static lf_part whole_part(const lf_renderer *r, const lf_part *part)
     return whole;
 }
 
-/* What the film's features want of the scene's lights, once. */
+/* Prepares the scene's lights for the film's features, once. */
 static lf_status light_up(lf_renderer *r, const lf_cancel *cancel)
 {
     if (r->sunlight || !r->film.layout.has_features || !lf_sunlight_needed(r->scene))
@@ -314,7 +314,7 @@ lf_status lf_renderer_pass_fans(lf_renderer *renderer, const lf_cancel *cancel)
                        .cancel = cancel};
     if (!layout->has_features)
         return LF_E_STATE;
-    /* what lights in media and veils send out natively is no fan's to find */
+    /* fans cannot find the native light of equiangular lights and alpha surfaces */
     const lf_scene *scene = renderer->scene;
     if (scene->equiangular.n > 0 ||
         (lf_has(scene, LF_TRAITS_SEEN_THROUGH) && lf_has(scene, LF_TRAIT_EMISSION)))
@@ -339,7 +339,7 @@ lf_status lf_renderer_fill_holes(lf_renderer *renderer, const lf_part *part,
 }
 
 typedef struct lf_passes_report {
-    lf_passes_fn row_done; /* NULL: nobody asks */
+    lf_passes_fn row_done; /* NULL: no callback */
     void *context;
     int passes;
 } lf_passes_report;
@@ -352,7 +352,7 @@ static void report_row(void *context, int row, int worker)
         report->row_done(report->context, report->passes, worker);
 }
 
-/* One visit of every row of the part; at: of those that have not had it. */
+/* One visit of every row of the part; at: only rows that have not had it. */
 static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half, int subsets,
                            int column_step, lf_passes_report *report, const lf_asked *at,
                            const lf_cancel *cancel)
@@ -364,7 +364,7 @@ static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half,
                        .at = at,
                        .cancel = cancel};
     if (report->row_done) {
-        /* a pass split between the halves is one */
+        /* a pass split between the halves counts once */
         report->passes = column_step > 1 ? half : subsets;
         job.row_done = report_row;
         job.context = report;
@@ -372,8 +372,8 @@ static lf_status visit_all(lf_renderer *renderer, const lf_part *part, int half,
     return run(&job);
 }
 
-/* A reconstruction wants many film points early on: short visits, each at most a quarter of what
- * the half has been given. */
+/* A reconstruction needs many film points early: short visits, each at most a quarter of the passes
+ * of the half so far. */
 static int passes_of_visit(const lf_renderer *r, double given)
 {
     if (!r->film.layout.has_features)
@@ -396,8 +396,8 @@ static bool same_passes(double a, double b)
     return fabs(a - b) < 0.25;
 }
 
-/* How many rows lack the next visit of a half, which gives so many passes; -1: some row was given
- * others. */
+/* Number of rows that lack the next visit of a half, with `passes` passes; -1: a row has other
+ * visits. */
 static int count_lacking(const lf_renderer *r, const lf_asked *at, int half, double passes)
 {
     const lf_film_stream *stream = lf_film_find_stream(&r->film, r->settings.seed, 0);

@@ -1,4 +1,4 @@
-/* How far the picture is from the truth, with an upper bound that holds as often as it says. */
+/* The error of the image, with an upper bound that holds with the stated confidence. */
 #include <math.h>
 
 #include "base/alloc.h"
@@ -58,8 +58,8 @@ double lf_renderer_error_bound(const lf_renderer *renderer, lf_estimator estimat
         lf_calloc((size_t)lf_pool_threads(renderer->pool) * 2 * values, sizeof *job.scratch);
     job.rows = lf_calloc((size_t)film->height, sizeof *job.rows);
     double bound = -1.0;
-    /* Half of the risk is kept for what rows cannot tell: a bias that both halves share, a
-     * denominator that is off. */
+    /* Half of the risk is reserved for effects that rows cannot show: a bias that both halves
+     * share, an error of the denominator. */
     if (job.scratch && job.rows &&
         lf_pool_run(renderer->pool, film->height, error_of_row, &job, NULL) == LF_OK &&
         !job.unknown)

@@ -1,4 +1,4 @@
-/* The reconstructed picture of a renderer's film. */
+/* The denoised image of a renderer's film. */
 #include "render/renderer.h"
 #include "render/transport/path/sunlight.h"
 
@@ -28,9 +28,8 @@ void lf_renderer_drop_fits(lf_renderer *renderer)
     forget(&renderer->spare);
 }
 
-/* Views that are as far apart: what depends on the view is known as it changes from one to the
- * next.
- */
+/* Whether the views are equally far apart: the model of view dependence is a function of the view's
+ * position. */
 static bool looks_the_same(const lf_camera *a, const lf_camera *b)
 {
     double wider = fabs(a->cone - b->cone);
@@ -39,8 +38,8 @@ static bool looks_the_same(const lf_camera *a, const lf_camera *b)
            a->first_view == b->first_view && a->all_views == b->all_views && wider <= 1e-9;
 }
 
-/* Whether two objects say the same but for where they stand, and at which moment; of volumes also
- * but for their file: a sequence has one a frame. What another file holds the data outvote. */
+/* Whether two objects are equal except for position and animation time and, for volumes, file: a
+ * sequence has one file per frame. The samples outvote a guess that does not fit another file. */
 static bool same_object(json_t *a, json_t *b, bool is_volume)
 {
     static const char *const moves[] = {"transform", "animation", "shutter", "flows", "file"};
@@ -54,7 +53,7 @@ static bool same_object(json_t *a, json_t *b, bool is_volume)
     return same;
 }
 
-/* The same of all objects of a section. */
+/* same_object for all objects of a section. */
 static bool same_objects(json_t *a, json_t *b, bool are_volumes)
 {
     json_t *object;
@@ -68,8 +67,8 @@ static bool same_objects(json_t *a, json_t *b, bool are_volumes)
     return same;
 }
 
-/* Whether two subjects (scene_subject.h) are of the same objects, lit and made alike: what is known
- * of one is then a first guess of the other. Other lights or materials change all of it. */
+/* Whether two subjects (scene_subject.h) have the same objects, lights and materials, so that the
+ * fit of one is a first guess for the other. Other lights or materials change all of it. */
 static bool same_subject(json_t *a, json_t *b)
 {
     static const char *const moving[] = {"meshes", "volumes"};
@@ -98,7 +97,7 @@ static bool shows_the_same(const lf_renderer *r, const lf_scene *scene,
            same_subject(scene->subject, r->scene->subject);
 }
 
-/* What there is to know of the film, if there is more than of the one before it. */
+/* Keeps the film's fit, if it has more information than the previous one. */
 static void remember(lf_renderer *r)
 {
     lf_known_past known = {.past = r->shown ? lf_past_of(r->shown) : NULL};
@@ -125,7 +124,7 @@ void lf_renderer_retire_fit(lf_renderer *renderer, const lf_scene *scene,
 
 static void follow(const lf_renderer *r, const lf_rig *rig)
 {
-    /* slopes are not for who stands somewhere else altogether */
+    /* slopes are not valid for a camera in a completely different position */
     float view = lf_rig_view_between(rig, &r->before.rig);
     lf_past_move move = {.view = fminf(1.0f, fmaxf(-1.0f, view))};
     lf_rig_map_between(rig, &r->before.rig, move.map);
@@ -212,7 +211,7 @@ typedef struct lf_show_job {
     atomic_int failed;
 } lf_show_job;
 
-/* Rows of which nothing is known are none to show. */
+/* Rows without data have nothing to show. */
 static void show_item(void *context, int row, int worker)
 {
     lf_show_job *job = context;

@@ -16,7 +16,7 @@ static json_t *numbers(const double *x, int n)
     return list;
 }
 
-/* All that the picture depends on but its random numbers. */
+/* Everything that the image depends on, except its random numbers. */
 static json_t *describe(const lf_scene *scene, const lf_render_settings *s, const char *integrator)
 {
     const lf_camera *c = &s->camera;

@@ -317,7 +317,7 @@ template <typename Grid> typename Grid::Ptr small_block(const char *name)
     return grid;
 }
 
-/* A grid for each thing that a file can say of one (docs/formats/volumes.md). */
+/* A grid for each thing that a file can say of one (docs/reference/formats/volumes.md). */
 openvdb::GridPtrVec said_of_grids()
 {
     auto fog = small_block<FloatGrid>("fog"), half = small_block<FloatGrid>("half"),

@@ -1,6 +1,6 @@
-/* The tables of docs/formats/: what a format can say, and what quiltd makes of it. A test lists the
- * same rows, each with a check that makes a file which says that one thing. lf_formats_walk holds
- * the page and the list to each other, and runs the checks. */
+/* The tables of docs/reference/formats/: what a format can say, and what quiltd makes of it. A test
+ * lists the same rows, each with a check that makes a file which says that one thing.
+ * lf_formats_walk holds the page and the list to each other, and runs the checks. */
 #ifndef LF_TESTS_FORMATS_H
 #define LF_TESTS_FORMATS_H
 
@@ -10,7 +10,7 @@
 typedef struct lf_format_row {
     const char *name; /* the first cell, without backticks */
     const char
-        *verdict; /* "used", "told", "refused", or "ignored": it says nothing of the picture */
+        *verdict; /* "used", "warned", "refused", or "ignored": it says nothing of the picture */
     void (*check)(const struct lf_format_row *row); /* fails unless the verdict is true */
     const void *with;                               /* the check's own */
 } lf_format_row;
@@ -53,16 +53,16 @@ static inline size_t lf_formats_find(const char *line, const lf_format_row *rows
     return 0;
 }
 
-/* Holds the table below "## heading" of docs/formats/PAGE and the rows to each other, then runs
- * every row's check. At most 512 rows. */
+/* Holds the table below "## heading" of docs/reference/formats/PAGE and the rows to each other,
+ * then runs every row's check. At most 512 rows. */
 static inline void lf_formats_walk(const char *page, const char *heading, const lf_format_row *rows,
                                    size_t count)
 {
     char path[256], line[4096];
-    snprintf(path, sizeof path, "docs/formats/%s", page);
+    snprintf(path, sizeof path, "docs/reference/formats/%s", page);
     FILE *f = fopen(lf_test_source(path), "r");
     if (!f)
-        fail_msg("docs/formats/%s is not there", page);
+        fail_msg("docs/reference/formats/%s is not there", page);
     bool within = false, seen[512] = {0};
     assert_true(count <= 512);
     while (fgets(line, sizeof line, f)) {
@@ -79,7 +79,8 @@ static inline void lf_formats_walk(const char *page, const char *heading, const 
     fclose(f);
     for (size_t i = 0; i < count; i++) {
         if (!seen[i])
-            fail_msg("%s: the test has this row, docs/formats/%s does not", rows[i].name, page);
+            fail_msg("%s: the test has this row, docs/reference/formats/%s does not", rows[i].name,
+                     page);
         print_message("%s: %s\n", rows[i].name, rows[i].verdict);
         rows[i].check(&rows[i]);
     }

@@ -1,6 +1,6 @@
-/* What quiltimport, quiltimport-vdb and quiltimport-picture are made of: readers of what comes from
- * outside, each in a process that has nothing to lose (base/sandbox/import.h). Errors name no file:
- * who asked knows it. One thread. */
+/* Common part of quiltimport, quiltimport-vdb and quiltimport-picture: readers of external files,
+ * each in a sandboxed process (base/sandbox/import.h). Errors do not name the file: the asker knows
+ * it. One thread. */
 #ifndef LF_BASE_READER_H
 #define LF_BASE_READER_H
 
@@ -10,33 +10,32 @@
 extern "C" {
 #endif
 
-/* Where the file's name would stand in errors and warnings. */
+/* Used instead of the file's name in errors and warnings. */
 #define LF_HERE "file"
 
-/* What a program reads. */
+/* The functions of a reader. */
 typedef struct lf_import_reader {
-    void (*begin)(void); /* what its libraries do before they are confined; may be NULL */
-    /* The file behind fd (the caller's), into sections of parcel. LF_E_FORMAT, LF_E_NOMEM, LF_E_IO.
-     */
+    void (*begin)(void); /* preparation of its libraries before they are confined; may be NULL */
+    /* Reads the file behind fd (the caller's) into sections of parcel. LF_E_FORMAT, LF_E_NOMEM,
+     * LF_E_IO. */
     lf_status (*read)(const lf_import_request *request, int fd, lf_parcel_writer *parcel,
                       lf_error *err);
 } lf_import_reader;
 
-/* All that main does. Not for people: quiltd, quiltrender and quiltbench start these programs. */
+/* The body of main. Not for users: quiltd, quiltrender and quiltbench start these programs. */
 int lf_reader_main(const lf_import_reader *reader);
 
-/* Asks whoever asked for a file that the one at hand names (reader.c). On LF_OK the caller
- * owns *out_fd. LF_E_PATH, LF_E_IO, …: it is not to be had. */
+/* Requests a file that the current file names from the asker (reader.c). On LF_OK the caller owns
+ * *out_fd. LF_E_PATH, LF_E_IO, …: not available. */
 LF_NODISCARD lf_status lf_ask_for_file(const char *name, int *out_fd);
-/* The same of one that can be done without, as pictures can: where it is not to be had nobody hears
- * of it but by the reader's warnings. */
+/* Like lf_ask_for_file, for an optional file such as a texture. If it is not available, only the
+ * reader's warnings report it. */
 LF_NODISCARD lf_status lf_try_for_file(const char *name, int *out_fd);
 
-/* Gives up the right to all but reading, writing and sending what is open already, all
- * capabilities, and more than `memory` bytes, of which a third may be of a file, and `seconds` of
- * CPU time: for good. *out_landlock: whether that helps. LF_E_IO: the system cannot hold us to
- * that.
- */
+/* Confines the process permanently. Only reading, writing and sending of open descriptors
+ * remain, without capabilities, with at most `memory` bytes (a third of them for a file) and
+ * `seconds` of CPU time. *out_landlock: whether Landlock is in force. LF_E_IO: the system cannot
+ * enforce this. */
 LF_NODISCARD lf_status lf_confine(uint64_t memory, unsigned seconds, lf_landlock *out_landlock,
                                   lf_error *err);
 

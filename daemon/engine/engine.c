@@ -29,7 +29,7 @@ static next_step next_todo(const lf_engine *engine)
     return engine_has_work(engine) ? NEXT_RENDER : NEXT_SETTLE;
 }
 
-/* True: something may have changed. */
+/* Returns true if something may have changed. */
 static bool sleep_now(lf_engine *engine)
 {
     if (engine->frames.again_ns > 0)
@@ -38,7 +38,7 @@ static bool sleep_now(lf_engine *engine)
     return true;
 }
 
-/* Sleeps while there is nothing to do. What changed is copied out under the lock. */
+/* Sleeps while there is no work. Copies changed orders under the lock. */
 static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
                                engine_orders *orders)
 {
@@ -89,12 +89,12 @@ static void end(lf_engine *engine)
     lf_wakeup_signal(engine->event_fd);
 }
 
-/* Rendering takes all processors there are, for as long as there is something to render: whatever
- * else the daemon does goes before it (commands, pushes, a panel that comes back). Threads inherit
- * how nice they are, so the crew is made here. */
+/* Rendering uses all processors while there is work, so everything else in the daemon gets priority
+ * over it (commands, pushes, a panel that returns). Threads inherit the nice value, so the pool is
+ * created here. */
 static lf_status begin(lf_engine *engine)
 {
-    /* Without it all would work, only slower. */
+    /* A failure only makes other work slower. */
     (void)setpriority(PRIO_PROCESS, (id_t)gettid(), getpriority(PRIO_PROCESS, 0) + NICER);
     lf_status status = lf_pool_create(engine->now.controls.threads, &engine->pool);
     pthread_mutex_lock(&engine->lock);
@@ -119,11 +119,12 @@ static void *engine_main(void *context)
             end(engine);
             return NULL;
         case NEXT_REQUEST: {
-            /* what a request shows goes to the panel there is */
+            /* a request's picture is for the current panel */
             engine_take_panel(engine, &orders.panel);
             engine_take_card(engine, &orders.card);
             lf_status status = request->run(engine, request);
-            engine_publish(engine); /* before the answer: who gets it may ask for the status next */
+            engine_publish(engine); /* before the answer, because the caller may query the status
+                                     * next */
             answer(engine, request, status);
             break;
         }
@@ -218,7 +219,7 @@ lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd, lf_
         status = start_thread(engine);
     if (status != LF_OK) {
         lf_engine_destroy(engine);
-        return lf_error_set(err, status, "engine", "cannot start its threads");
+        return lf_error_set(err, status, "engine", "cannot start the engine's threads");
     }
     *out_engine = engine;
     return LF_OK;
@@ -267,8 +268,8 @@ void lf_engine_destroy(lf_engine *engine)
     lf_free(engine);
 }
 
-/* Waits until the thread has run it. A commit goes before everything else: it makes what they wait
- * for obsolete, and the pass that it cancels is of no use to them. */
+/* Waits until the thread has run the request. A commit goes first: it makes the state that other
+ * requests want obsolete, and it cancels the pass they would wait for. */
 static lf_status call(lf_engine *engine, engine_request *request, bool urgent)
 {
     pthread_mutex_lock(&engine->lock);
@@ -314,12 +315,12 @@ lf_status lf_engine_show_as(lf_engine *engine, lf_content *content, int64_t *out
     return status;
 }
 
-lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct, unsigned layers,
+lf_status lf_engine_snapshot(lf_engine *engine, lf_denoise denoise, unsigned layers,
                              lf_snapshot *out, lf_error *err)
 {
     engine_request request = {.run = engine_run_snapshot,
                               .err = err,
-                              .reconstruct = reconstruct,
+                              .denoise = denoise,
                               .layers = layers,
                               .snapshot = out};
     *out = (lf_snapshot){0};

@@ -1,9 +1,9 @@
-/* engine: one thread that owns the renderer, its workers and the picture, renders what is shown
- * in batches of about a tenth of a second and posts panel frames to the mailbox. It sleeps without
- * waking while there is nothing to do.
+/* engine: one thread that owns the renderer, its workers and the picture. It renders in batches of
+ * about a tenth of a second and posts panel frames to the mailbox. It sleeps without wake-ups while
+ * there is nothing to do.
  *
- * Threads: functions marked (blocks) wait for the engine's thread and are for the loader's and the
- * export jobs' threads; all others return at once and may be called from anywhere. */
+ * Threads: functions marked (blocks) wait for the engine's thread and are for the threads of the
+ * loader and the export jobs. All others return at once and may be called from any thread. */
 #ifndef LF_DAEMON_ENGINE_H
 #define LF_DAEMON_ENGINE_H
 
@@ -15,20 +15,20 @@
 
 typedef struct lf_engine lf_engine;
 
-/* How to render; changes take effect at the next batch, threads with the next commit. */
+/* How to render. Changes take effect at the next batch; a change of threads at the next commit. */
 typedef struct lf_engine_controls {
     lf_estimator estimator;
     double target_error; /* converged below this relMSE */
     int threads;         /* 0 = all CPUs */
-    lf_codes codes;      /* what is sent to panels; has_codes: else what they were */
+    lf_codes codes;      /* codes sent to panels; without has_codes they stay as they were */
     bool has_codes;
     bool has_exposure; /* else the scene's */
     double exposure;   /* as in lf_exposed_film */
     bool paused;
-    bool guides; /* what lies outside of the sharp depth is marked (daemon/output/guides.h) */
-    /* auto: the reconstructed picture where the estimator is mwis, which it converges to. Nothing
-     * is reconstructed of a content without features (lf_content_from_scene) */
-    lf_reconstruct reconstruct;
+    bool guides; /* tint what the panel cannot show sharply (daemon/output/guides.h) */
+    /* auto: show the reconstructed picture if the estimator is mwis, because it converges to mwis.
+     * A content without features is never reconstructed (lf_content_from_scene). */
+    lf_denoise denoise;
 } lf_engine_controls;
 
 typedef enum lf_engine_state {
@@ -40,86 +40,89 @@ typedef enum lf_engine_state {
 
 /* CPU seconds of all threads. */
 typedef struct lf_frame_cost {
-    double paths;   /* visits of rows, with their B and q, and rows shown as they come */
+    double paths;   /* visits of rows, with their B and q, and showing rows without a fit */
     double fans;    /* rows without paths (lf_renderer_pass_fans) */
     double fit;     /* of the reconstruction */
     double answer;  /* rows shown by it */
-    double compose; /* filling, interlacing */
+    double compose; /* filling and interlacing */
 } lf_frame_cost;
 
 typedef struct lf_engine_status {
     lf_engine_state state;
     int64_t generation;
-    lf_level level; /* of the picture now */
+    lf_level level; /* of the current picture */
     double passes, seconds, cpu_seconds;
-    double spp, error_estimate; /* mean native samples a view pixel; < 0 = not known */
-    /* of the relMSE, at the last look (95 %); < 0 = the estimate was never below the target */
+    double spp, error_estimate; /* mean native samples per view pixel; relMSE estimate, < 0 =
+                                 * unknown */
+    /* bound of the relMSE at the last check (95 %); < 0 = the estimate was never below the
+     * target */
     double error_bound;
-    double shown_error, shown_error_bound; /* the same of what is shown, when it is reconstructed */
-    int64_t missing;                       /* view pixels not found yet */
+    double shown_error, shown_error_bound; /* error and bound of the reconstructed picture */
+    int64_t missing;                       /* view pixels without a value yet */
     int threads;
-    /* what the last pictures took from their start to their first coarse and their first complete
-     * frame; paths < 0: there was none */
+    /* Cost of the last pictures, from their start to their first coarse and first complete frame.
+     * paths < 0: no such frame yet. */
     lf_frame_cost coarse_cost, complete_cost;
     uint64_t frames;       /* composed so far */
-    bool reconstructed;    /* what they are made of; else the unfiltered answer */
+    bool reconstructed;    /* frames show the reconstructed picture; otherwise the unfiltered
+                            * answer */
     lf_film_settings film; /* exposure: the one in use */
-    lf_blank blank;        /* the last frame, of a scene whose objects the camera sees */
+    lf_blank blank;        /* blank state of the last frame, if the camera sees objects of the
+                            * scene */
 } lf_engine_status;
 
-/* Starts the thread. event_fd (borrowed) becomes readable after frames and changes of state. */
+/* Starts the thread. event_fd (borrowed) becomes readable after frames and state changes. */
 LF_NODISCARD lf_status lf_engine_create(const lf_engine_controls *controls, int event_fd,
                                         lf_engine **out_engine, lf_error *err);
-/* Before the first content: where accumulations are kept; borrowed. */
+/* Sets where accumulations are saved; borrowed. To be called before the first content. */
 void lf_engine_keep_states(lf_engine *engine, lf_states *states);
-/* Asks it to end: cancel false lets the batch in progress end and its frame be posted. */
+/* Asks the thread to end. cancel false: the batch in progress ends and its frame is posted. */
 void lf_engine_stop(lf_engine *engine, bool cancel);
-/* True when the thread has nothing more to do after lf_engine_stop (it can be joined without
- * waiting). */
+/* True when the thread has nothing more to do after lf_engine_stop, so joining it does not wait. */
 bool lf_engine_stopped(lf_engine *engine);
-/* Before _exit, after lf_engine_stop: nobody will wait for the thread, ended or not. Nothing may
- * follow. */
+/* To be called after lf_engine_stop and before _exit: nobody will join the thread. No other call
+ * may follow. */
 void lf_engine_abandon(lf_engine *engine);
 /* Stops, joins, frees. Accepts NULL. */
 void lf_engine_destroy(lf_engine *engine);
 
-/* (blocks) Shows another content: the pass in progress is cancelled, the picture starts over. A
- * reference is taken. On failure the old picture stays (from its start when a pass was under way).
- * Where states are kept and one is of this picture, the accumulation goes on from it, with
- * *out_restored passes (may be NULL; 0: from none); tells as lf_states_restore. */
+/* (blocks) Shows another content: cancels the pass in progress and starts a new picture. Takes a
+ * reference. On failure the old picture stays; it starts over if a pass was under way. If a saved
+ * state of the new picture exists, the accumulation resumes from it with *out_restored passes (may
+ * be NULL; 0: no saved state). tells: as for lf_states_restore. */
 LF_NODISCARD lf_status lf_engine_commit(lf_engine *engine, lf_content *content, bool tells,
                                         int64_t *out_generation, double *out_restored,
                                         lf_error *err);
 
-/* (blocks) Another content of the picture that is shown (lf_same_picture, and the same settings and
- * layout): the accumulation goes on between two batches, only how it is shown is new. Where there
- * is none to go on with, as lf_engine_commit. A reference is taken. */
+/* (blocks) Replaces the content by another one of the same picture (lf_same_picture, same settings
+ * and layout). The accumulation continues between two batches; only its display changes. Without
+ * such an accumulation it acts as lf_engine_commit. Takes a reference. */
 LF_NODISCARD lf_status lf_engine_show_as(lf_engine *engine, lf_content *content,
                                          int64_t *out_generation, lf_error *err);
 
 void lf_engine_set_controls(lf_engine *engine, const lf_engine_controls *controls);
 lf_engine_controls lf_engine_get_controls(lf_engine *engine);
-/* The panel to interlace for (NULL = none); panel is the number its frames carry. views: the device
- * wants the views too. */
+/* The panel to interlace for (NULL = none). Frames carry the number `panel`. views: the device also
+ * wants the views. */
 void lf_engine_set_panel(lf_engine *engine, const lf_calibration *calibration, uint64_t panel,
                          bool views);
 
-/* Words that the panel shows as a card until there is a picture; "" = none: the panel keeps what it
- * shows. Longer than LF_CARD_TEXT they are cut. Of a scene whose picture is black the engine shows
- * a card by itself. */
+/* Text that the panel shows as a card until there is a picture; "" = none: the panel keeps its
+ * content. Text longer than LF_CARD_TEXT is cut. If a scene's picture is black, the engine shows a
+ * card of its own. */
 void lf_engine_set_card(lf_engine *engine, const char *words);
 
 void lf_engine_get_status(lf_engine *engine, lf_engine_status *out);
 lf_mailbox *lf_engine_mailbox(lf_engine *engine);
 
-/* A light field as it was at the end of a batch, to export. */
+/* A copy of the light field at the end of a batch, for exports. */
 typedef struct lf_snapshot {
     lf_content *content; /* a reference */
     float *film;         /* [row][view][column][3]; NULL for a quilt picture */
-    float *beside;       /* [row][view][column][layers.n] of layers; NULL: none */
+    float *beside;       /* [row][view][column][layers.n]; NULL: no layers */
     lf_layers32 layers;
     const char *names[LF_MAX_LAYER_CHANNELS];
-    lf_output_source source; /* points into this struct where there are layers: do not copy */
+    lf_output_source source; /* points into this struct if there are layers: do not copy */
     lf_estimator estimator;
     lf_render_stats stats;
     int64_t generation;
@@ -127,19 +130,20 @@ typedef struct lf_snapshot {
     bool reconstructed;
 } lf_snapshot;
 
-/* (blocks) reconstruct: auto is as shown by the controls set last. LF_E_STATE: nothing is shown, or
- * it is to be reconstructed, or to have depth, and has no features. layers: bits of lf_layer that
- * the source gets; of a finished picture, LF_E_STATE. Release with lf_snapshot_finish. */
-LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_reconstruct reconstruct,
-                                          unsigned layers, lf_snapshot *out, lf_error *err);
+/* (blocks) Takes a snapshot. reconstruct auto: as the current controls show it. layers: bits of
+ * lf_layer that the source gets; LF_E_STATE for a finished picture. LF_E_STATE also: nothing is
+ * shown, or reconstruction or depth is requested and the film has no features. Release with
+ * lf_snapshot_finish. */
+LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_denoise denoise, unsigned layers,
+                                          lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
 /* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no
- * scene is shown. Works after lf_engine_stop(engine, false) too, from any thread, once
+ * scene is shown. After lf_engine_stop(engine, false) it also works from any thread, once
  * lf_engine_stopped. */
 LF_NODISCARD lf_status lf_engine_save(lf_engine *engine, lf_outfile *file, lf_error *err);
-/* (blocks) The same into the file that the states keep for this picture; what is too much there is
- * removed then. A commit, which makes the accumulation obsolete, does not wait for it
- * (LF_E_CANCELLED), unless the engine has stopped. */
+/* (blocks) Writes the accumulation into the state file of this picture, then removes surplus state
+ * files. A commit makes the accumulation obsolete and does not wait for it (LF_E_CANCELLED), unless
+ * the engine has stopped. */
 LF_NODISCARD lf_status lf_engine_keep(lf_engine *engine, lf_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-/* Cards: a few words on the panel where there is no picture. */
+/* Cards: text on the panel if there is no picture. */
 #include <stdio.h>
 #include <string.h>
 
@@ -6,10 +6,10 @@
 #include "base/thread.h"
 #include "daemon/engine/engine_internal.h"
 
-/* No code of a picture that looks black is greater. */
+/* Largest code of a picture that looks black. */
 enum { BLACK = 1 };
 
-/* A picture of these words for the panel, which may be the one that was drawn last. */
+/* Draws a card with this text for the panel, or reuses the last one. */
 static lf_status draw(lf_engine *engine, const char *words)
 {
     const lf_calibration *panel = &engine->now.panel.calibration;
@@ -23,8 +23,7 @@ static lf_status draw(lf_engine *engine, const char *words)
     return lf_card_draw(words, width, height, &engine->card.image);
 }
 
-/* The card as the only view: the same from everywhere. Smooth, since its edges are a few lenses
- * wide. */
+/* Interlaces the card as the only view. Linear filter, because its edges are a few lenses wide. */
 static lf_status interlace(const lf_engine *engine, const lf_views8 *views, lf_image8 *out)
 {
     lf_interlacer *interlacer;
@@ -101,7 +100,7 @@ bool engine_post_dark_card(lf_engine *engine, const lf_views8 *views)
     char words[LF_CARD_TEXT];
     const char *slash = strrchr(content->file, '/');
     snprintf(words, sizeof words,
-             "%.120s: the picture is black. No light reaches what the camera sees, or the exposure "
+             "%.120s: the image is black. No light reaches what the camera sees, or the exposure "
              "is too low.",
              slash ? slash + 1 : content->file);
     post(engine, words);

@@ -1,13 +1,13 @@
-/* Frames on their way to the panel, and the views that go with them. */
+/* Frames for the panel, and their views. */
 #include "base/log.h"
 #include "base/thread.h"
 #include "daemon/engine/engine_internal.h"
 
-/* Views of the same generation and level are copied for devices that show them at most this often.
- */
+/* Shortest interval between copies of views of one generation and level, for devices that show
+ * views. */
 #define VIEWS_SECONDS 0.45
-/* Until those of a final frame are offered again that the device, still at the last ones, refused.
- */
+/* Delay until the views of a final frame are offered again, if the device refused them because it
+ * still reads the last ones. */
 #define VIEWS_AGAIN_NS (LF_NS_PER_S / 50)
 
 lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced)
@@ -27,11 +27,11 @@ lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced)
     return frame;
 }
 
-/* The views of every generation and level, and of later frames from time to time. */
+/* Copies the first views of every generation and level, and later ones at intervals. */
 static void attach_views(lf_engine *engine, lf_frame *frame, const lf_views8 *views, bool final)
 {
     engine_look *look = &engine->look;
-    /* its views would be lost */
+    /* its views would be lost if this frame replaced it */
     const lf_frame *waiting = lf_mailbox_waiting(engine->mailbox);
     double now = lf_time_now();
     bool news = frame->generation != look->views_generation || frame->level != look->views_level;
@@ -59,6 +59,6 @@ void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views
     attach_views(engine, frame, views, final);
     engine->frames.n++;
     engine->frames.cost = lf_time_now() - engine->frames.at;
-    engine_publish(engine); /* before the frame: whoever sees it may ask for the status next */
+    engine_publish(engine); /* before the frame, because its receiver may query the status next */
     lf_mailbox_post(engine->mailbox, frame);
 }

@@ -6,23 +6,23 @@
 #include "daemon/engine/engine_internal.h"
 #include "daemon/output/render_job.h"
 
-/* How long a batch may take: short until the picture is complete, then longer, since every frame
- * costs as much, but not so long that a picture that changes would be seen to stand still. */
+/* Duration of a batch in seconds: short until the picture is complete, then longer, since every
+ * frame costs the same. Not so long that a moving picture appears to stand still. */
 #define BATCH_SECONDS 0.12
 #define BATCH_SECONDS_COMPLETE 0.2
-/* Frames are at least so far apart, while the picture is incomplete and later: small pictures have
+/* Shortest interval between frames, while the picture is incomplete and later; small pictures have
  * short batches. */
 #define FRAME_SECONDS 0.03
 #define FRAME_SECONDS_COMPLETE 0.1
-/* Composing frames gets at most this share of the time, but for the first coarse and the first
- * complete one. */
+/* Largest share of the time for composing frames, except the first coarse and the first complete
+ * one. */
 #define FRAME_SHARE 0.2
-/* The error estimate reads the whole film: it gets at most a twentieth of the time. */
+/* Largest share of the time for the error estimate, which reads the whole film. */
 #define STATS_SHARE 0.05
 #define MAX_SPP 65536
-/* The reconstruction is fitted again when there are so many times more passes than at the last fit,
- * and all rows shown by the new one: while rows are missing, and then. Together they get at most
- * this share of the time. */
+/* The reconstruction is fitted again, and all rows shown with it, when the number of passes has
+ * grown by this factor since the last fit: while rows are missing, and later. The third value is
+ * the largest share of the time. */
 #define FIT_GROWTH_INCOMPLETE 3.0
 #define FIT_GROWTH 1.3
 #define FIT_SHARE 0.3
@@ -54,7 +54,7 @@ static void update_stats(lf_engine *engine, bool now)
         lf_picture_estimate(&engine->picture, engine->pool, &engine->cancel);
     lf_renderer_stats(engine->renderer, &engine->look.stats);
     if (engine->picture.reconstructs && atomic_load_explicit(&engine->cancel, memory_order_relaxed))
-        engine->look.stats.rel_mse_estimate = -1; /* some rows are as they were */
+        engine->look.stats.rel_mse_estimate = -1; /* some rows were not updated */
     if (!engine->look.told_of_cut && engine->level >= LF_LEVEL_COMPLETE)
         engine->look.told_of_cut =
             lf_render_warn_of_cut(&engine->look.stats, engine->content->file);
@@ -63,8 +63,8 @@ static void update_stats(lf_engine *engine, bool now)
     engine->look.cost = engine->look.at - start;
 }
 
-/* The estimate says when it is worth to look at the bound, which takes as long as two resolves;
- * looks are a tenth of the passes apart. */
+/* Checks the bound, which costs as much as two resolves, only if the estimate is low enough. Checks
+ * are at least a tenth of the passes apart. */
 static bool reached_target(lf_engine *engine)
 {
     double target = engine->now.controls.target_error;
@@ -90,8 +90,7 @@ static void check_converged(lf_engine *engine)
 
 /* ------------------------------------------------------------------------------------ frames -- */
 
-/* What to show, and how good it is. *out_blank: view pixels that there is nothing for anywhere
- * near. */
+/* The views to show, and their level. *out_blank: view pixels without a source nearby. */
 static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
 {
     *out_blank = 0;
@@ -103,7 +102,8 @@ static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
     lf_views8 views = lf_picture_views(&engine->picture, engine->pool, &unfilled, out_blank);
     bool final = engine->converged || !engine->content->scene;
     if (unfilled > 0) {
-        lf_log(LF_LOG_DEBUG, "%.2f passes: %lld view pixels missing, %lld out of reach",
+        lf_log(LF_LOG_DEBUG,
+               "%.2f passes: %lld view pixels have no sample, %lld of them cannot be filled",
                engine->spent.passes, (long long)lf_picture_missing(&engine->picture),
                (long long)unfilled);
         engine->level = LF_LEVEL_NONE;
@@ -128,8 +128,7 @@ static bool same_views(const lf_layout *a, const lf_layout *b)
            a->view_height == b->view_height && a->aspect == b->aspect;
 }
 
-/* The interlacer for the content and the panel there are now; NULL when there is nothing to
- * interlace for. A move of the camera keeps it. */
+/* The interlacer for the current content and panel; NULL: no panel. A camera move keeps it. */
 static const lf_interlacer *interlacer_now(lf_engine *engine)
 {
     const lf_layout *layout = &engine->content->layout;
@@ -150,7 +149,7 @@ static const lf_interlacer *interlacer_now(lf_engine *engine)
     return engine->interlacer;
 }
 
-/* Adds the CPU time since *from, which becomes now. */
+/* Adds the CPU time since *from, and sets *from to now. */
 static void take_time(double *sum, double *from)
 {
     const double now = lf_time_cpu();
@@ -158,9 +157,9 @@ static void take_time(double *sum, double *from)
     *from = now;
 }
 
-/* Whether there is to be another fit before the next frame. The first frame waits for one: noise
- * before it would flicker between what was shown and what comes. So does the first one that is
- * complete: a fit of some rows knows little of the others. */
+/* True if a new fit is due before the next frame. The first frame waits for a fit, because noise
+ * before it would flicker. The first complete frame also waits: a fit of some rows knows little
+ * about the others. */
 static bool fit_is_due(const lf_engine *engine, bool final)
 {
     const engine_fit *fit = &engine->fit;
@@ -175,7 +174,7 @@ static bool fit_is_due(const lf_engine *engine, bool final)
             (lf_time_now() - fit->at) * FIT_SHARE >= fit->cost);
 }
 
-/* A fit to what there is now, and all rows by it. */
+/* Makes a new fit and shows all rows with it. */
 static lf_status fit(lf_engine *engine, bool final)
 {
     lf_frame_cost *cost = &engine->spent.budget.now;
@@ -187,7 +186,7 @@ static lf_status fit(lf_engine *engine, bool final)
     take_time(&cost->fit, &cpu);
     engine->fit.passes = status == LF_OK ? engine->spent.passes : 0;
     if (status != LF_OK && status != LF_E_CANCELLED) {
-        lf_log(LF_LOG_ERROR, "out of memory for the reconstruction: the picture is unfiltered");
+        lf_log(LF_LOG_ERROR, "out of memory for denoising; the image is shown unfiltered");
         engine->picture.reconstructs = false;
         lf_picture_forget(&engine->picture);
         status = LF_OK;
@@ -200,13 +199,12 @@ static lf_status fit(lf_engine *engine, bool final)
     engine->fit.is_whole = status == LF_OK && lf_picture_missing(&engine->picture) == 0;
     engine->fit.at = lf_time_now();
     engine->fit.cost = engine->fit.at - start;
-    lf_log(LF_LOG_DEBUG, "%.2f passes: fitted and shown in %.3f s", engine->spent.passes,
-           engine->fit.cost);
+    lf_log(LF_LOG_DEBUG, "%.2f passes: denoised in %.3f s", engine->spent.passes, engine->fit.cost);
     return status;
 }
 
-/* Whether nothing is to be seen in a frame of a scene; what its camera does not see is told of when
- * it is loaded. */
+/* Checks whether a scene's frame is blank. Objects outside the camera's view were reported at
+ * loading. */
 static void look_for_blank(lf_engine *engine, const lf_views8 *views)
 {
     const lf_blank before = engine->look.blank;
@@ -218,7 +216,8 @@ static void look_for_blank(lf_engine *engine, const lf_views8 *views)
         lf_log(LF_LOG_WARNING, "%s: %s", engine->content->file, words);
 }
 
-/* What it took to come so far, once a picture; one from a saved state tells of nothing. */
+/* Records the cost until coarse and complete, once per picture, unless it came from a saved
+ * state. */
 static void note_cost(lf_engine *engine)
 {
     engine_budget *budget = &engine->spent.budget;
@@ -263,8 +262,8 @@ static void post_frame(lf_engine *engine, bool final)
     engine_end_frame(engine, frame, &views, final);
 }
 
-/* One was posted just now; or nobody has taken the last one yet, and it says no less than the one
- * there would be now: another one is not worth its interlacing. It stays owed. */
+/* True if a frame was posted just now, or the last one is still waiting and is as good as a new
+ * one, which would not be worth its interlacing. The new frame stays owed. */
 static bool frame_can_wait(lf_engine *engine)
 {
     bool complete = lf_picture_missing(&engine->picture) == 0;
@@ -281,8 +280,8 @@ static bool frame_can_wait(lf_engine *engine)
            (ready->level >= LF_LEVEL_COMPLETE || !complete) && ready->level != LF_LEVEL_NONE;
 }
 
-/* Native samples for pixels that no shared path has reached: first so many that a coarse frame is
- * whole, then for all of them, until the picture is complete; a fit needs none. */
+/* Native samples fill pixels that no shared path has reached: first as many as a coarse frame
+ * needs, then all, until the picture is complete. A fit needs none. */
 static int hole_reach(const lf_engine *engine, const lf_batch *batch)
 {
     if (engine->level >= LF_LEVEL_COMPLETE)
@@ -324,7 +323,8 @@ void engine_batch(lf_engine *engine)
     engine->spent.passes += (double)batch.n_rows * batch.subsets / engine->schedule.height;
     engine->owed = true;
     bool swept = lf_schedule_done(&engine->schedule, &batch, seconds);
-    if (!batch.coarse || !engine->picture.reconstructs) /* of which nobody can know the error */
+    /* the error of such a picture cannot be estimated */
+    if (!batch.coarse || !engine->picture.reconstructs)
         update_stats(engine, swept && engine->schedule.sweep <= 4);
     check_converged(engine);
     if (engine->converged || (lf_schedule_covers(&engine->schedule) && !frame_can_wait(engine)))
@@ -360,7 +360,7 @@ static bool is_toned(const lf_content *content)
     return content && (content->scene || content->quilt.is_float);
 }
 
-/* Another exposure: the accumulation goes on. */
+/* Changes the exposure; the accumulation continues. */
 static void retone(lf_engine *engine)
 {
     lf_film_settings film = film_now(engine, engine->content);
@@ -377,26 +377,25 @@ static void retone(lf_engine *engine)
     engine->owed = true;
 }
 
-/* Guides, where they are wanted and the picture has a depth. */
+/* Enables guides if they are requested and the picture has a depth. */
 static void guide(lf_engine *engine, const lf_content *content)
 {
     const bool on = engine->now.controls.guides && engine->renderer && content->scene &&
                     content->has_depth && content->settings.features;
     if (lf_picture_guide(&engine->picture, on ? &content->depth : NULL) != LF_OK)
-        lf_log(LF_LOG_ERROR, "out of memory for the guides: they are left out");
+        lf_log(LF_LOG_ERROR, "out of memory for the guides; the image is shown without them");
 }
 
 static bool reconstructs(const lf_engine_controls *controls, const lf_content *content)
 {
-    bool wanted =
-        controls->reconstruct == LF_RECONSTRUCT_ON ||
-        (controls->reconstruct == LF_RECONSTRUCT_AUTO && controls->estimator == LF_ESTIMATOR_MWIS);
+    bool wanted = controls->denoise == LF_DENOISE_ON || (controls->denoise == LF_DENOISE_AUTO &&
+                                                         controls->estimator == LF_ESTIMATOR_MWIS);
     return wanted && content && content->scene && content->settings.features;
 }
 
-/* Rows by the estimator, or fit, that is in force. What an unfiltered picture lacks is looked for
- * anew: while it was reconstructed, nothing was filled, after a move not even what a coarse frame
- * needs. */
+/* Shows rows with the current estimator or fit. Searches again for missing pixels of an unfiltered
+ * picture: while it was reconstructed nothing was filled, after a move not even for a coarse
+ * frame. */
 static void show_anew(lf_engine *engine)
 {
     const lf_part coarse = {.first_row = LF_COARSE_ROW, .row_step = LF_COARSE_STEP};
@@ -453,7 +452,7 @@ void engine_take_panel(lf_engine *engine, const engine_panel *panel)
     }
 }
 
-/* From the state that is kept of this picture. */
+/* Restores the saved state of this picture. */
 static void restore(lf_engine *engine, engine_request *request)
 {
     if (!lf_states_restore(engine->states, engine->renderer, request->tells))
@@ -481,7 +480,7 @@ static lf_status change_threads(lf_engine *engine, lf_error *err)
     return LF_OK;
 }
 
-/* Film and picture for a content. */
+/* Creates film and picture for a content. */
 static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
 {
     lf_status status;
@@ -507,7 +506,8 @@ static lf_status set_up(lf_engine *engine, lf_content *content, lf_error *err)
     if (status != LF_OK)
         return status;
     if (lf_picture_follow(&engine->picture, engine->renderer) != LF_OK)
-        lf_log(LF_LOG_ERROR, "out of memory for what catchers get: it is left out");
+        lf_log(LF_LOG_ERROR,
+               "out of memory for shadow catchers; the image is shown without their shadows");
     guide(engine, content);
     engine->picture.estimator = engine->now.controls.estimator;
     engine->picture.reconstructs = reconstructs(&engine->now.controls, content);
@@ -539,7 +539,7 @@ static void start_schedule(lf_engine *engine)
                       engine->picture.reconstructs, engine->spent.passes);
 }
 
-/* The old content again, after a new one could not be set up. */
+/* Restores the old content after a new one could not be set up. */
 static void recover(lf_engine *engine)
 {
     if (!engine->content || set_up(engine, engine->content, NULL) != LF_OK) {
@@ -596,27 +596,29 @@ lf_status engine_run_show_as(lf_engine *engine, engine_request *request)
 
 /* ----------------------------------------------------------------------------------- exports -- */
 
-/* auto: as shown, or as it will be by controls that were set before and are not in force yet. */
-static bool is_reconstructed(lf_engine *engine, lf_reconstruct asked)
+/* auto: as shown, or as controls that are not yet in force will show it. */
+static bool is_reconstructed(lf_engine *engine, lf_denoise asked)
 {
     const lf_engine_controls wanted = lf_engine_get_controls(engine);
-    return asked == LF_RECONSTRUCT_AUTO ? reconstructs(&wanted, engine->content)
-                                        : asked == LF_RECONSTRUCT_ON;
+    return asked == LF_DENOISE_AUTO ? reconstructs(&wanted, engine->content)
+                                    : asked == LF_DENOISE_ON;
 }
 
 static lf_status take_film(lf_engine *engine, lf_snapshot *out, lf_error *err)
 {
     if (out->reconstructed && !engine->content->settings.features)
-        return lf_error_set(err, LF_E_STATE, "reconstruct",
-                            "the picture that is shown was begun with reconstruct off");
+        return lf_error_set(
+            err, LF_E_STATE, "denoise",
+            "the current image was started with denoise off; use render.set denoise=on");
     lf_status status =
         lf_picture_film(&engine->picture, out->reconstructed, engine->pool, out->film);
     if (status == LF_E_STATE)
-        return lf_error_set(err, status, "", "nothing has been rendered yet");
+        return lf_error_set(err, status, "",
+                            "nothing has been rendered yet; use wait for=coarse first");
     return status == LF_OK ? LF_OK : lf_error_set(err, status, "", "out of memory for the views");
 }
 
-/* What goes beside the colours of the source. */
+/* Adds the layers of the source. */
 static lf_status take_layers(lf_engine *engine, unsigned layers, lf_snapshot *out, lf_error *err)
 {
     const lf_content *content = engine->content;
@@ -625,7 +627,8 @@ static lf_status take_layers(lf_engine *engine, unsigned layers, lf_snapshot *ou
                  row = width * (size_t)content->layout.n_views;
     if (!content->settings.features)
         return lf_error_set(err, LF_E_STATE, "export",
-                            "no depth: the picture that is shown was begun with reconstruct off");
+                            "the current image was started with denoise off and has no depth; use "
+                            "render.set denoise=on");
     out->beside = lf_calloc((size_t)content->layout.view_height, row * sizeof *out->beside);
     if (!out->beside)
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory for the layers");
@@ -633,7 +636,8 @@ static lf_status take_layers(lf_engine *engine, unsigned layers, lf_snapshot *ou
     out->source.views32.layers = &out->layers;
     lf_status status = lf_renderer_layers(engine->renderer, engine->now.controls.estimator, layers,
                                           out->beside, NULL);
-    return status == LF_OK ? LF_OK : lf_error_set(err, status, "", "no layers were made");
+    return status == LF_OK ? LF_OK
+                           : lf_error_set(err, status, "", "the layers could not be computed");
 }
 
 lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
@@ -641,10 +645,11 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
     lf_content *content = engine->content;
     lf_snapshot *out = request->snapshot;
     if (!content || engine->spoiled)
-        return lf_error_set(request->err, LF_E_STATE, "", "there is no picture to export");
+        return lf_error_set(request->err, LF_E_STATE, "",
+                            "there is no image to export; load a scene first");
     if (request->layers && !content->scene)
         return lf_error_set(request->err, LF_E_STATE, "export",
-                            "no depth: a finished picture is shown, not a scene");
+                            "a finished image has no depth; load a scene first");
     if (content->scene) {
         const lf_layout *layout = &content->layout;
         size_t pixels =
@@ -652,7 +657,7 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
         out->film = lf_calloc(pixels, 3 * sizeof *out->film);
         if (!out->film)
             return lf_error_set(request->err, LF_E_NOMEM, "", "out of memory for the views");
-        out->reconstructed = is_reconstructed(engine, request->reconstruct);
+        out->reconstructed = is_reconstructed(engine, request->denoise);
         lf_status status = take_film(engine, out, request->err);
         out->source = lf_output_from_film(&content->settings, out->film);
         out->source.reconstructed = out->reconstructed;
@@ -677,7 +682,8 @@ lf_status engine_run_snapshot(lf_engine *engine, engine_request *request)
 lf_status engine_run_save(lf_engine *engine, engine_request *request)
 {
     if (!engine->renderer || engine->spoiled)
-        return lf_error_set(request->err, LF_E_STATE, "", "there is no accumulation to save");
+        return lf_error_set(request->err, LF_E_STATE, "",
+                            "there is no rendering to save; load a scene first");
     lf_status status = request->keeps ? lf_states_begin(engine->states, engine->renderer,
                                                         request->file, request->err)
                                       : LF_OK;

@@ -16,13 +16,13 @@
 #include "daemon/output/orbit.h"
 #include "daemon/threads/worker.h"
 
-/* A change waits so long for the picture before it to be shown, and so long where the one before
- * that was not. */
+/* How long a change waits, in seconds, for the picture before it to be shown; and how long if the
+ * one before that was not shown. */
 #define MOMENT_SECONDS 0.1
 #define STARVED_SECONDS 3.0
 #define LOOK_NS 2000000
-/* Nobody has an answer before all are done. Far more than come while a slow picture is waited for:
- * what stays behind would be done one picture later, and a storm would never be caught up with. */
+/* Limit of merged loads, all answered together. It is much larger than the number that arrive
+ * during a slow picture. Otherwise a flood of changes would never be caught up with. */
 #define MOST_AT_ONCE 65536
 
 struct lf_loader {
@@ -30,11 +30,11 @@ struct lf_loader {
     const lf_roots *roots;
     lf_worker *worker;
     atomic_bool ends;
-    lf_import_group group;   /* of the load in progress */
+    lf_import_group group;   /* of the current load */
     _Atomic int64_t current; /* its number */
-    /* the worker's own */
-    lf_content *content; /* what was committed last */
-    bool starved;        /* what was committed before that was not shown */
+    /* owned by the worker */
+    lf_content *content; /* content of the last commit */
+    bool starved;        /* the content before it was never shown */
 };
 
 lf_load *lf_load_create(lf_load_kind kind)
@@ -61,13 +61,13 @@ void lf_load_destroy(lf_load *load)
 
 /* ------------------------------------------------------------------------------------- orbit -- */
 
-/* The load that was taken into this one; NULL: none. */
+/* The next load merged into this one; NULL: none. */
 static const lf_load *next_of(const lf_load *load)
 {
     return (const lf_load *)(const void *)load->task.next;
 }
 
-/* The moves of a load and of those taken into it, one after the other. */
+/* The moves of a load and of loads merged into it, in order. */
 static json_t *orbit_patch(const lf_scene *scene, const lf_load *load)
 {
     lf_camera camera = *lf_scene_camera(scene);
@@ -75,7 +75,7 @@ static json_t *orbit_patch(const lf_scene *scene, const lf_load *load)
         double p[3];
         lf_orbit_camera(&camera, load->yaw, load->pitch, load->zoom, p);
         memcpy(camera.position, p, sizeof p);
-        camera.focus_distance /= load->zoom; /* what is in focus stays in focus */
+        camera.focus_distance /= load->zoom; /* keeps the focus on the same point */
     }
     const double *at = camera.position;
     json_t *patch = json_pack("{s:{s:[f,f,f]}}", "camera", "position", at[0], at[1], at[2]);
@@ -105,12 +105,12 @@ static lf_status turn_pages(const lf_roots *roots, lf_load *load)
     if (path) {
         lf_free(load->file);
         load->file = path;
-        load->step = 0; /* it may be made again */
+        load->step = 0; /* the load may run again */
     }
     return status;
 }
 
-/* A picture; named: its name says the tiles. */
+/* Loads a picture; named: its name holds the tiles. */
 static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf_content **out)
 {
     lf_options options = load->options;
@@ -123,11 +123,11 @@ static lf_status load_quilt(const lf_roots *roots, lf_load *load, bool named, lf
     lf_status status =
         lf_content_from_quilt(load->file, roots, &options,
                               load->has_calibration ? &load->calibration : NULL, out, &load->err);
-    /* whoever calls has no command line */
+    /* a caller of a method has no command line */
     if (status == LF_E_ARG && load->deferred && !named && options.columns == 0)
         status = lf_error_set(&load->err, LF_E_ARG, load->file,
                               "the file name has no quilt suffix such as _qs8x6a0.75; rename the "
-                              "file, or say its tiles in scene.load: quilt=COLUMNSxROWS");
+                              "file or pass quilt=COLUMNSxROWS to scene.load");
     return status;
 }
 
@@ -141,13 +141,14 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
     double aspect;
     const char *dot = strrchr(load->file, '.');
     bool named = lf_layout_from_name(load->file, &columns, &rows, &aspect);
-    /* What is named as a quilt's picture but is none is told so, and not that it is no JSON. */
+    /* For a file named like a quilt, report that it is not a picture, rather than that it is not
+     * JSON. */
     bool meant = named && dot && strcmp(dot, ".json") != 0;
     if (meant || lf_is_quilt(load->file, roots))
         return load_quilt(roots, load, named, out);
     if (load->words.columns > 0)
         return lf_error_set(&load->err, LF_E_ARG, load->file,
-                            "is no picture: quilt=COLUMNSxROWS goes with pictures alone");
+                            "is not an image; quilt=COLUMNSxROWS applies only to images");
     lf_scene *scene = NULL;
     const lf_scene *previous = loader->content ? loader->content->scene : NULL;
     status = lf_scene_load_patched(load->file, &load->options.alone, NULL, roots, previous, &scene,
@@ -157,7 +158,7 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
     return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;
 }
 
-/* doc (taken over, NULL: out of memory) in place of the scene that is shown. */
+/* Loads doc (ownership taken; NULL: out of memory) instead of the current scene. */
 static lf_status load_document(const lf_loader *loader, const lf_roots *roots, lf_load *load,
                                json_t *doc, lf_content **out)
 {
@@ -173,13 +174,13 @@ static lf_status load_document(const lf_loader *loader, const lf_roots *roots, l
     return status == LF_OK ? stage_of_scene(load, scene, now->file, out, &load->err) : status;
 }
 
-/* patch may be NULL: out of memory. */
+/* patch NULL: out of memory. */
 static json_t *patched(const json_t *doc, const json_t *patch)
 {
     return patch ? lf_json_merge_patch(doc, patch) : NULL;
 }
 
-/* The patches of a load and of those taken into it, one after the other. */
+/* The patches of a load and of loads merged into it, in order. */
 static lf_status load_patches(const lf_loader *loader, const lf_roots *roots, lf_load *load,
                               lf_content **out)
 {
@@ -193,7 +194,7 @@ static lf_status load_patches(const lf_loader *loader, const lf_roots *roots, lf
     return load_document(loader, roots, load, doc, out);
 }
 
-/* Features that are no longer asked for do no harm. */
+/* Features that are no longer needed do no harm. */
 static bool same_settings(const lf_content *a, const lf_content *b)
 {
     const lf_render_settings *s = &a->settings, *t = &b->settings;
@@ -227,7 +228,7 @@ static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf
     }
     if (!now || !now->scene)
         return lf_error_set(&load->err, LF_E_STATE, now ? now->file : "",
-                            "no scene is shown that could be changed");
+                            "no scene is loaded; load one with scene.load first");
     if (load->kind == LF_LOAD_PATCH)
         return load_patches(loader, roots, load, out);
     json_t *patch = NULL;
@@ -245,8 +246,8 @@ static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf
 
 /* ------------------------------------------------------------------------------------ passed -- */
 
-/* The files of clients that a load may open: of a file its own, else also those of what is shown.
- * A new reference, which may be NULL. */
+/* The passed files that a load may open: for a file only its own, otherwise also those of the
+ * current content. A new reference, which may be NULL. */
 static lf_status gather_passed(const lf_loader *loader, lf_load *load, lf_passed **out)
 {
     const bool anew = load->kind == LF_LOAD_FILE || !loader->content;
@@ -265,7 +266,7 @@ static lf_status gather_passed(const lf_loader *loader, lf_load *load, lf_passed
     return LF_OK;
 }
 
-/* The content keeps those that it names. */
+/* The content keeps the files that it names. */
 static void keep_passed(const lf_loader *loader, const lf_load *load, lf_passed *passed,
                         lf_content *content)
 {
@@ -291,7 +292,7 @@ static lf_status make_of_passed(const lf_loader *loader, lf_load *load, lf_conte
     return status;
 }
 
-/* Whether what was patched changes no more than how the picture is shown. */
+/* True if the patch only changes how the picture is displayed. */
 static bool is_shown_anew(const lf_loader *loader, const lf_load *load, const lf_content *content)
 {
     const lf_content *now = loader->content;
@@ -300,7 +301,7 @@ static bool is_shown_anew(const lf_loader *loader, const lf_load *load, const lf
            lf_same_picture(now->scene, &now->settings, content->scene, &content->settings);
 }
 
-/* Once, until the camera has been where all is well, or another scene. */
+/* Warns once, until the depth was fine in between or the scene changes. */
 static void tell_depth(const lf_content *content, const lf_content *before)
 {
     char words[LF_DEPTH_WORDS];
@@ -323,7 +324,7 @@ static lf_status fail_cancelled(lf_load *load)
     return lf_error_set(&load->err, LF_E_CANCELLED, load->file ? load->file : "", "cancelled");
 }
 
-/* Whether it, or what was taken into it, goes to another frame of the scene. */
+/* True if the load, or one merged into it, goes to another frame of the scene. */
 static bool changes_frame(const lf_load *load)
 {
     while (load && !json_object_get(load->patch, "frame"))
@@ -365,7 +366,7 @@ static void run_load(lf_loader *loader, lf_load *load)
 
 /* ------------------------------------------------------------------------------------ thread -- */
 
-/* Whether two loads that follow each other are one for whoever looks. */
+/* True if two consecutive loads can be merged. */
 static bool are_one(const lf_task *task, const lf_task *next)
 {
     const lf_load *a = (const lf_load *)(const void *)task,
@@ -378,7 +379,7 @@ static bool are_one(const lf_task *task, const lf_task *next)
     return a->kind == LF_LOAD_PATCH || a->kind == LF_LOAD_ORBIT;
 }
 
-/* Takes what waits and is one with a load into it. */
+/* Merges waiting loads into a load. */
 static void take_others(lf_loader *loader, lf_load *load)
 {
     lf_task *last = &load->task, *next;
@@ -390,7 +391,7 @@ static void take_others(lf_loader *loader, lf_load *load)
     }
 }
 
-/* The outcome is that of the first too; what was committed is told once. */
+/* Merged loads get the same outcome; only one reports the commit. */
 static void share_outcome(const lf_load *load)
 {
     for (lf_task *task = load->task.next; task; task = task->next) {
@@ -433,7 +434,8 @@ static void note_running(lf_load *load, bool running)
         atomic_store(&((lf_load *)(void *)task)->job.running, running);
 }
 
-/* What was cancelled may have ended just before: then it was not this, which is made again. */
+/* The cancelled load may have ended just before; then this load was stopped by mistake and runs
+ * again. */
 static void run_to_its_end(lf_loader *loader, lf_load *load)
 {
     bool again = true;
@@ -453,14 +455,14 @@ static void run_to_its_end(lf_loader *loader, lf_load *load)
     atomic_store(&loader->current, 0);
 }
 
-/* Whether those taken into a load may come to something without it. */
+/* True if the merged loads may succeed without the first one. */
 static bool spoils_others(const lf_load *load)
 {
     return load->status == LF_E_CANCELLED || (load->status != LF_OK && load->kind != LF_LOAD_FILE);
 }
 
-/* A load and those taken into it. Of several changes one that is no good or cancelled spoils none
- * of the others: they are then done in halves, so that few are done again for it. */
+/* Runs a load and the loads merged into it. If one of them fails or is cancelled, the others must
+ * not suffer: they run again in halves, so that few are repeated. */
 static void run_together(lf_loader *loader, lf_load *load)
 {
     if (atomic_load(&loader->ends))
@@ -478,8 +480,8 @@ static void run_together(lf_loader *loader, lf_load *load)
     middle->next = second;
 }
 
-/* Before a change: until the picture that is being rendered has been shown once, but for a moment
- * only, unless the one before was not shown at all. */
+/* Before a change: waits until the current picture was shown once. Waits only briefly, unless the
+ * picture before was not shown at all. */
 static void let_one_show(lf_loader *loader)
 {
     double end = lf_time_now() + (loader->starved ? STARVED_SECONDS : MOMENT_SECONDS);
@@ -542,9 +544,8 @@ int lf_loader_pending(lf_loader *loader)
     return lf_worker_pending(loader->worker);
 }
 
-/* Whichever of both threads is later sees what the other has noted: the worker looks at `cancelled`
- * when it has noted `running`, and made the group. Once is enough, and a second time might be for
- * another. */
+/* The later thread sees the flag of the other: the worker checks `cancelled` after it has set
+ * `running` and begun the group. Cancels only once, since a second time might hit another load. */
 void lf_loader_cancel(lf_loader *loader, lf_load *load)
 {
     if (!atomic_exchange(&load->job.cancelled, true) && atomic_load(&load->job.running))

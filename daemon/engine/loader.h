@@ -1,10 +1,14 @@
-/* loader: a thread that makes contents out of files, patches and camera moves, one after the other,
- * and commits them to the engine. Moves that wait become one, and so do patches, and reloads of a
- * file: nobody sees what they would be in between. A picture that changes is given a moment to be
- * shown before the next change, and where one change has cost a picture its coarse frame the next
- * one lets it come: whoever moves a slider sees something move. The picture shown goes on being
- * rendered meanwhile; the event thread hears of the outcome through its inbox. The files of a load
- * are a group (base/sandbox/import_group.h): they have one limit of time. */
+/* loader: a thread that makes contents from files, patches and camera moves, one at a time, and
+ * commits them to the engine. The event thread receives the outcome through its inbox. The current
+ * picture continues to render meanwhile.
+ *
+ * Queued moves are merged into one; so are queued patches, and reloads of a file.
+ *
+ * After a change the loader gives the picture a short time to be shown before the next change. If a
+ * change cost the picture its coarse frame, the next change waits for one, so that a user who drags
+ * a slider sees motion.
+ *
+ * The files of one load are a group with one time limit (base/sandbox/import_group.h). */
 #ifndef LF_DAEMON_LOADER_H
 #define LF_DAEMON_LOADER_H
 
@@ -16,60 +20,60 @@
 typedef enum lf_load_kind {
     LF_LOAD_FILE,  /* a scene file or a quilt picture */
     LF_LOAD_PATCH, /* a merge patch on the scene shown */
-    LF_LOAD_ORBIT, /* a move of its camera around its target */
-    LF_LOAD_FIT,   /* a move of its camera to where its things fill the window */
+    LF_LOAD_ORBIT, /* an orbit of its camera around its target */
+    LF_LOAD_FIT,   /* a move of its camera so that its objects fill the window */
     LF_LOAD_APPLY, /* the same scene, with other options or another panel */
 } lf_load_kind;
 
-/* A load as something that can be cancelled. */
+/* The part of a load that serves to cancel it. */
 typedef struct lf_load_job {
-    int64_t id;                      /* the poster's number of it */
-    struct lf_load *earlier, *later; /* the poster's: queued before and behind it, … */
-    int looks;                       /* … and how often it was seen under way */
-    atomic_bool running;             /* alone or with others */
+    int64_t id;                      /* number given by the poster */
+    struct lf_load *earlier, *later; /* the poster's: neighbours in the queue */
+    int looks;                       /* the poster's: how often it was seen in progress */
+    atomic_bool running;             /* in progress, alone or merged with others */
     atomic_bool cancelled;           /* lf_loader_cancel */
 } lf_load_job;
 
-/* What a call says of its file, in place of the command line's options. */
+/* Parameters of a call that replace the command line's options for its file. */
 typedef struct lf_load_words {
-    bool said;         /* the rest counts */
-    int columns, rows; /* tiles of a picture, whatever its name says; 0 = not given */
+    bool said;         /* the other members are valid */
+    int columns, rows; /* tiles of a quilt picture, overriding its name; 0 = not given */
     lf_photo photo;
     lf_alone alone;
 } lf_load_words;
 
 typedef struct lf_load {
-    lf_task task; /* posted when it is done; the poster sets done */
+    lf_task task; /* posted when done; the poster sets `done` */
     lf_load_job job;
     lf_load_kind kind;
-    /* FILE: so many files on from `file` in its folder (lf_folder_neighbour); 0 = itself */
+    /* FILE: steps from `file` in its folder (lf_folder_neighbour); 0 = the file itself */
     int step;
-    char *file; /* FILE: absolute; what it came to, after step */
-    /* FILE: what the options are for, borrowed; in another quilt's name the layout wins over theirs
-     */
+    char *file; /* FILE: absolute; replaced by the result of step */
+    /* FILE: the file that the options were given for, borrowed. If the name of another quilt holds
+     * a layout, that layout overrides the options. */
     const char *meant;
     lf_load_words words;     /* FILE */
     json_t *patch;           /* PATCH */
-    lf_passed *passed;       /* FILE, PATCH: files that the client has passed; NULL = none */
-    double yaw, pitch, zoom; /* ORBIT: degrees to the right and up, and how many times nearer */
-    char *name;              /* FIT: of what is to fill it; NULL = all */
+    lf_passed *passed;       /* FILE, PATCH: files passed by the client; NULL = none */
+    double yaw, pitch, zoom; /* ORBIT: yaw right and pitch up in degrees, zoom as a factor */
+    char *name;              /* FIT: the object that is to fill the window; NULL = all */
     double fill, steps;      /* FIT: as in lf_camera_fit */
     lf_options options;
     lf_calibration calibration;
     bool has_calibration;
-    bool force;     /* APPLY: commit even when the settings come out the same */
-    bool browsed;   /* the poster's: a button asked for it, … */
-    bool reset;     /* … or for this */
-    bool played;    /* it is a frame of many */
+    bool force;     /* APPLY: commit even if the settings do not change */
+    bool browsed;   /* the poster's: requested by a button */
+    bool reset;     /* the poster's: a camera reset by a button */
+    bool played;    /* one frame of an animation */
     void *deferred; /* the poster's */
     /* the outcome */
     lf_status status;
-    lf_error err; /* when status is not LF_OK */
+    lf_error err; /* valid if status is not LF_OK */
     bool committed;
-    bool goes_on;    /* the accumulation that there was: only how it is shown is new */
-    double restored; /* passes of the saved state that it goes on from; 0 = none */
+    bool goes_on;    /* the accumulation continued; only its display changed */
+    double restored; /* passes of the saved state it resumed from; 0 = none */
     int64_t generation;
-    lf_content *content; /* when committed: a reference for the poster */
+    lf_content *content; /* if committed: a reference for the poster */
 } lf_load;
 
 typedef struct lf_loader lf_loader;
@@ -77,23 +81,23 @@ typedef struct lf_loader lf_loader;
 /* roots, inbox and engine are borrowed; roots must not change from now on. */
 LF_NODISCARD lf_status lf_loader_create(lf_engine *engine, const lf_roots *roots, lf_inbox *inbox,
                                         lf_loader **out_loader);
-/* Ends after the load in progress; those not begun are posted as LF_E_CANCELLED. Accepts NULL. */
+/* Waits for the load in progress; posts the others as LF_E_CANCELLED. Accepts NULL. */
 void lf_loader_destroy(lf_loader *loader);
 
 /* A zeroed load; NULL = out of memory. */
 lf_load *lf_load_create(lf_load_kind kind);
 void lf_load_destroy(lf_load *load);
-/* Takes the load over until it is posted back. */
+/* Takes ownership of the load until it is posted back. */
 void lf_loader_queue(lf_loader *loader, lf_load *load);
 /* Loads queued or in progress. */
 int lf_loader_pending(lf_loader *loader);
-/* Ends a load that was not posted back yet: LF_E_CANCELLED, soon where it is in progress, else when
- * its turn has come or lf_loader_drop_cancelled is called. Others that are made together with it
- * are made without it. One that is being committed already is not ended. */
+/* Cancels a load that was not posted back yet (LF_E_CANCELLED). A load in progress ends soon. A
+ * queued one ends at its turn or at lf_loader_drop_cancelled. Loads merged with it go on without
+ * it. A load that is already being committed is not cancelled. */
 void lf_loader_cancel(lf_loader *loader, lf_load *load);
-/* Posts back those that are cancelled and wait for their turn. */
+/* Posts back cancelled loads that are still queued. */
 void lf_loader_drop_cancelled(lf_loader *loader);
-/* job.id of the load in progress, of several that are made together of the first; 0: none is. */
+/* job.id of the load in progress, or of the first one if several are merged; 0: none. */
 int64_t lf_loader_current(lf_loader *loader);
 
 #endif

@@ -9,16 +9,16 @@
 
 struct lf_mailbox {
     pthread_mutex_t lock;
-    int event_fd; /* readable when something was posted */
+    int event_fd; /* readable after a post */
     /* under lock */
     int ready, held, shown; /* slots; -1 = none */
     uint64_t n_posted;
     bool views_taken; /* the consumer is reading the views buffer */
     /* producer only */
     int back;
-    /* a slot belongs to whoever its number names; free ones to the producer */
+    /* ready, held and shown name slots; the producer owns the others */
     lf_frame slot[4];
-    /* producer's while !views_taken */
+    /* owned by the producer while !views_taken */
     lf_views8 views;
     uint8_t *views_data;
     size_t views_size;
@@ -86,8 +86,8 @@ void lf_mailbox_compare(lf_mailbox *mailbox, lf_frame *frame)
     pthread_mutex_lock(&mailbox->lock);
     const lf_frame *shown = mailbox->shown >= 0 ? &mailbox->slot[mailbox->shown] : NULL;
     pthread_mutex_unlock(&mailbox->lock);
-    /* Slots are written by this thread alone, so the frame stays readable even when it stops being
-     * shown meanwhile. */
+    /* Only this thread writes slots, so the frame stays readable even if it is replaced on the
+     * panel meanwhile. */
     if (!shown || !frame->image.data || shown->panel != frame->panel ||
         shown->image.width != frame->image.width || shown->image.height != frame->image.height)
         return;

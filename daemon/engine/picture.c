@@ -39,7 +39,8 @@ void lf_picture_finish(lf_picture *picture)
     *picture = (lf_picture){0};
 }
 
-/* New buffers, before the old ones are given up: a failure leaves the picture as it was. */
+/* Allocates the new buffers before it frees the old ones, so that a failure leaves the picture
+ * unchanged. */
 static lf_status reshape(lf_picture *picture, int n_views, int width, int height, int n_threads,
                          lf_error *err)
 {
@@ -68,7 +69,7 @@ static lf_status reshape(lf_picture *picture, int n_views, int width, int height
     return LF_OK;
 }
 
-/* What the scene says, but for an exposure that was measured before. */
+/* Uses the scene's film settings, but keeps an exposure that was measured before. */
 static lf_status take_tone(lf_picture *picture, const lf_film_settings *film, lf_error *err)
 {
     lf_film_settings wanted = *film;
@@ -128,7 +129,7 @@ lf_status lf_picture_guide(lf_picture *picture, const lf_depth *depth)
     return picture->beside ? LF_OK : LF_E_NOMEM;
 }
 
-/* Samples of catchers for a row that has none, as of a coarse frame. */
+/* Takes samples of catchers for a row without any, as in a coarse frame. */
 static void catch_row(void *context, int row, int worker)
 {
     lf_picture *picture = context;
@@ -160,8 +161,8 @@ static uint8_t not_there(const lf_picture *picture)
     return picture->sampled ? LF_PIXEL_UNSEEN : LF_PIXEL_HOLE | LF_PIXEL_UNSEEN;
 }
 
-/* A row as it is shown: what catchers take from it, what guides mark; dithered where it is fitted,
- * since noise does that otherwise. */
+/* Tone-maps a row with catchers and guides. A fitted row is dithered, because it has no noise to do
+ * that. */
 static void tone_row(lf_picture *picture, int row, bool fitted, int worker)
 {
     const size_t n = row_pixels(picture), width = (size_t)picture->width;
@@ -181,8 +182,8 @@ static void tone_row(lf_picture *picture, int row, bool fitted, int worker)
         lf_tone_dither(picture->tone, (int)view, row, width, linear + at, rgb + at);
 }
 
-/* A fit has an answer for every pixel of a row of which something is known; without paths it is
- * missing all the same. */
+/* A fit answers every pixel of a row that has features; without paths the row still counts as
+ * missing. */
 static bool show_row(lf_picture *picture, int row, int worker)
 {
     size_t n = row_pixels(picture);
@@ -201,13 +202,13 @@ static void resolve_row(lf_picture *picture, int row, int worker)
     float *linear = picture->scratch + (size_t)worker * n * 3;
     uint8_t *flags = picture->flags + (size_t)worker * n;
     if (lf_renderer_resolve_row(picture->renderer, picture->estimator, row, linear, flags) != LF_OK)
-        return; /* never visited: missing, as it was */
+        return; /* never visited: stays missing */
     tone_row(picture, row, false, worker);
     uint8_t *missing = picture->missing + (size_t)row * n;
     const uint8_t absent = not_there(picture);
     int64_t count = 0;
     for (size_t i = 0; i < n; i++) {
-        /* A pixel that was there stays: what is possible in it may be seen only later. */
+        /* A pixel with a value keeps it, although unseen light may appear later. */
         missing[i] &= flags[i] & absent ? LF_PIXEL_UNSEEN : 0;
         count += missing[i] != 0;
     }
@@ -275,7 +276,7 @@ typedef struct metering {
     lf_meter *meters; /* [thread] */
 } metering;
 
-/* What is a stand-in, or was never seen, does not count. */
+/* Filled and unvisited pixels do not count. */
 static void meter_row(void *context, int row, int worker)
 {
     const metering *m = context;
@@ -372,7 +373,7 @@ lf_views8 lf_picture_views(lf_picture *picture, lf_pool *pool, int64_t *out_unfi
     return views;
 }
 
-/* Where the picture has what the film lacks, it was there before, and is no hole. */
+/* A pixel that the picture has but the film lacks was restored, and is not a hole. */
 static void mark_missing(const lf_picture *picture, bool reconstructed, uint8_t *flags)
 {
     const size_t row = row_pixels(picture), n = row * (size_t)picture->height;
@@ -387,7 +388,7 @@ static void mark_missing(const lf_picture *picture, bool reconstructed, uint8_t 
 typedef struct taking {
     const lf_caught *caught;
     float *film;
-    size_t row; /* floats */
+    size_t row; /* floats per row */
     bool smooth;
 } taking;
 

@@ -2,18 +2,17 @@
 
 #include <math.h>
 
-/* Rows a batch has at the least, so that no worker idles: fewer once the picture is complete, since
- * it takes a slow machine, which has few workers, to make batches of a few rows as long as they may
- * be. */
+/* Fewest rows per batch, so that no worker idles. The limit is lower for a complete picture,
+ * because only slow machines, which have few workers, need batches of few rows there. */
 #define MIN_ROWS 8
 #define MIN_ROWS_COMPLETE 4
 #define FIRST_COMPLETE_SWEEP 2
 #define MAX_BATCHES 128
-/* The first sweep is wanted whole: it is not cut finer than this. */
+/* The first sweep is needed as a whole and is divided into at most this many batches. */
 #define MAX_COARSE_BATCHES 4
-/* Passes of the second sweep: while more than about a twentieth of the view pixels that scatter are
- * holes, another shared path fills them at less cost than native samples do. A fit has no holes,
- * and wants every row soon. */
+/* Passes of the second sweep. While more than about a twentieth of the scattering view pixels are
+ * holes, another shared path fills them at lower cost than native samples. A fit has no holes and
+ * needs every row soon. */
 #define COMPLETE_PASSES 4
 #define FITTED_PASSES 2
 
@@ -44,14 +43,14 @@ void lf_schedule_start(lf_schedule *schedule, int height, int n_views, bool fitt
         sum += (double)subsets_of(schedule) * sweep_rows(schedule) / height;
 }
 
-/* As many as make one about target_seconds long. */
+/* The number of batches that makes each last about target_seconds. */
 static int batches_for(const lf_schedule *schedule, double target_seconds)
 {
     int most = schedule->sweep == 0 ? MAX_COARSE_BATCHES : MAX_BATCHES;
     int least = schedule->sweep < FIRST_COMPLETE_SWEEP ? MIN_ROWS : MIN_ROWS_COMPLETE;
     double sweep_seconds = schedule->row_seconds * sweep_rows(schedule) * subsets_of(schedule);
     int n = 1;
-    /* how long a row takes is not known where a saved accumulation is gone on with */
+    /* the time per row is unknown after a restored accumulation */
     if (schedule->sweep > 0 && !(schedule->row_seconds > 0))
         sweep_seconds = (double)INFINITY;
     while (n < most && sweep_seconds > target_seconds * n &&
@@ -68,8 +67,8 @@ static int reversed_bits(int value, int size)
     return reversed;
 }
 
-/* Among n batches of all rows, those farthest from the rows of the first sweep come first, and
- * those rows themselves last. */
+/* Of n batches of all rows, the rows farthest from the first sweep's rows come first, and those
+ * rows themselves last. */
 static int first_row(int batch, int n)
 {
     static const int place[LF_COARSE_STEP] = {0, 1, 3, LF_COARSE_ROW};

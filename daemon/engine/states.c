@@ -21,20 +21,20 @@
 #define BEGINNING "film"
 #define OLD_NAME "film.lfstate"
 #define PATTERN "film-xxxxxxxx-xxxxxxxx-xxxxxxxx.lfstate"
-/* Places in a name. */
+/* Offsets in a name. */
 enum { SCENE_AT = 5, CAMERA_AT = 14, WHOLE_AT = 23, NAME_SIZE = sizeof PATTERN };
 
 struct lf_states {
     char *folder;
     pthread_mutex_t lock;
     char used[NAME_SIZE]; /* under lock; "" = none yet */
-    bool spared;          /* under lock: what lies there under that name is not written over */
+    bool spared;          /* under lock: the existing file of that name must not be overwritten */
 };
 
 /* A state in the folder. */
 typedef struct kept {
     char name[NAME_SIZE];
-    struct timespec at; /* when it was used last */
+    struct timespec at; /* time of the last use */
     uint64_t bytes;
 } kept;
 
@@ -96,7 +96,7 @@ static bool same_part(const char *a, const char *b, int at)
     return memcmp(a + at, b + at, 2 * (size_t)LF_STATE_HASH) == 0;
 }
 
-/* Whether what is kept under it may be written over. */
+/* True if the existing file may be overwritten. */
 static bool use(lf_states *states, const char *name)
 {
     pthread_mutex_lock(&states->lock);
@@ -131,7 +131,7 @@ static int is_state(const struct dirent *entry)
     return is_name(entry->d_name);
 }
 
-/* What is kept, the last used first, in *out (lf_free); their number. */
+/* The state files, most recently used first, in *out (lf_free); returns their number. */
 static int list(const lf_states *states, kept **out)
 {
     struct dirent **entries = NULL;
@@ -157,7 +157,7 @@ static int list(const lf_states *states, kept **out)
     return n;
 }
 
-/* What all of them may take. */
+/* The limit on the bytes of all files. */
 static uint64_t most_bytes(const lf_states *states, uint64_t taken)
 {
     struct statvfs fs;
@@ -171,9 +171,9 @@ static void remove_state(const lf_states *states, const char *name)
 {
     char *path = lf_path_join(states->folder, name);
     if (path && unlink(path) == 0)
-        lf_log(LF_LOG_INFO, "%s: removed, for states that were used since", path);
+        lf_log(LF_LOG_INFO, "%s: removed; newer states take its place", path);
     else if (path)
-        lf_log(LF_LOG_WARNING, "%s: cannot be removed: %s", path, lf_errno_text(errno));
+        lf_log(LF_LOG_WARNING, "%s: cannot remove the old state: %s", path, lf_errno_text(errno));
     lf_free(path);
 }
 
@@ -209,7 +209,7 @@ static lf_status open_state(const char *path, int *out_fd, lf_error *err)
     return lf_file_open(path, NULL, UINT64_MAX, out_fd, NULL, err);
 }
 
-/* A use of it. */
+/* Restores the state and marks it as used. */
 static lf_status go_on_with(lf_renderer *renderer, const char *path, lf_error *err)
 {
     int fd = -1;
@@ -236,10 +236,10 @@ static lf_status look_at(const char *path, lf_state_id *out, lf_error *err)
 
 static void tell_left_aside(const char *path, const lf_error *err)
 {
-    lf_log(LF_LOG_WARNING, "%s: the saved state is left aside: %s", path, err->what);
+    lf_log(LF_LOG_WARNING, "%s: the saved state is not used: %s", path, err->what);
 }
 
-/* What the state `name` differs in from the one of `id`, which is called `wanted`. */
+/* Describes how the state `name` differs from the one of `id`, named `wanted`. */
 static void differences(const char *name, const lf_state_id *there, const char *wanted,
                         const lf_state_id *id, char *words, size_t size)
 {
@@ -250,17 +250,17 @@ static void differences(const char *name, const lf_state_id *there, const char *
     if (known && !same_part(name, wanted, CAMERA_AT))
         lf_list_add(words, size, "the camera");
     if (there->n_views != id->n_views)
-        lf_list_add(words, size, "views (%d, now %d)", there->n_views, id->n_views);
+        lf_list_add(words, size, "the number of views (%d, now %d)", there->n_views, id->n_views);
     if (there->width != id->width || there->height != id->height)
         lf_list_add(words, size, "the view size (%dx%d, now %dx%d)", there->width, there->height,
                     id->width, id->height);
     if (there->seed != id->seed)
         lf_list_add(words, size, "the seed (%" PRIu64 ", now %" PRIu64 ")", there->seed, id->seed);
     if (words[0] == '\0')
-        lf_list_add(words, size, "%show it is rendered", known ? "" : "the scene, the camera or ");
+        lf_list_add(words, size, "%sthe render settings", known ? "" : "the scene, the camera or ");
 }
 
-/* Whether it was gone on with the one state of before, which has the new name then. */
+/* Resumes from the single state of older versions and renames it; false: it does not fit. */
 static bool go_on_with_old(const lf_states *states, lf_renderer *renderer, const char *path,
                            const lf_state_id *id)
 {
@@ -269,7 +269,7 @@ static bool go_on_with_old(const lf_states *states, lf_renderer *renderer, const
     bool fits = old && path && look_at(old, &there, NULL) == LF_OK && there.seed == id->seed &&
                 go_on_with(renderer, old, NULL) == LF_OK;
     if (fits && rename(old, path) != 0)
-        lf_log(LF_LOG_WARNING, "%s: cannot be renamed: %s", old, lf_errno_text(errno));
+        lf_log(LF_LOG_WARNING, "%s: cannot rename the state: %s", old, lf_errno_text(errno));
     lf_free(old);
     return fits;
 }
@@ -285,7 +285,8 @@ static void tell_newest(const lf_states *states, const char *wanted, const lf_st
     if (path && access(path, F_OK) == 0) {
         if (look_at(path, &there, &err) == LF_OK) {
             differences(name, &there, wanted, id, words, sizeof words);
-            lf_log(LF_LOG_INFO, "the picture is begun anew; the newest saved one differs in %s: %s",
+            lf_log(LF_LOG_INFO,
+                   "rendering starts from the beginning; the newest saved state differs in %s: %s",
                    words, path);
         } else {
             tell_left_aside(path, &err);
@@ -295,7 +296,7 @@ static void tell_newest(const lf_states *states, const char *wanted, const lf_st
     lf_free(all);
 }
 
-/* A name beside path that is free: NAME.aside, NAME.aside.2, … Else false, and errno. */
+/* Finds a free name: NAME.aside, NAME.aside.2, … False: none, with errno. */
 static bool find_aside(const char *path, char out[static PATH_MAX])
 {
     struct stat st;
@@ -316,22 +317,24 @@ static bool put_aside(const char *path)
     if (!find_aside(path, aside)) {
         if (errno == EEXIST)
             lf_log(LF_LOG_WARNING,
-                   "%s: %d states are put aside beside it already; remove some and load it again",
+                   "%s: cannot set the state aside, %d are set aside already; remove some, then "
+                   "load the scene again",
                    path, LF_STATES_ASIDE);
         else
-            lf_log(LF_LOG_WARNING, "%s: cannot be put aside: %s", path, lf_errno_text(errno));
+            lf_log(LF_LOG_WARNING, "%s: cannot set the state aside: %s", path,
+                   lf_errno_text(errno));
         return false;
     }
     if (rename(path, aside) != 0) {
-        lf_log(LF_LOG_WARNING, "%s: cannot be renamed: %s", path, lf_errno_text(errno));
+        lf_log(LF_LOG_WARNING, "%s: cannot rename the state: %s", path, lf_errno_text(errno));
         return false;
     }
-    lf_log(LF_LOG_INFO, "it is kept as %s", aside);
+    lf_log(LF_LOG_INFO, "the state is kept as %s", aside);
     return true;
 }
 
-/* Of this picture, and yet of no use: damaged, which is put aside, or not to be read now, for want
- * of memory or of a disk that works. What is saved from here on is not written over it. */
+/* Handles an unusable state of this picture. A damaged one is put aside. One that cannot be read
+ * now, for lack of memory or because of the disk, stays and is not overwritten by later saves. */
 static void keep_useless(lf_states *states, const char *path, const lf_error *err)
 {
     tell_left_aside(path, err);
@@ -339,7 +342,8 @@ static void keep_useless(lf_states *states, const char *path, const lf_error *er
     if (is_damaged && put_aside(path))
         return;
     spare(states, true);
-    lf_log(LF_LOG_WARNING, "%s: it stays as it is, and this picture is not saved meanwhile", path);
+    lf_log(LF_LOG_WARNING, "%s: the file stays unchanged, and the current image is not saved",
+           path);
 }
 
 bool lf_states_restore(lf_states *states, lf_renderer *renderer, bool tells)
@@ -379,9 +383,9 @@ lf_status lf_states_begin(lf_states *states, const lf_renderer *renderer, lf_out
         return lf_error_set(err, status, states->folder, "out of memory");
     name_of(&id, name);
     if (!use(states, name))
-        return lf_error_set(err, LF_E_STATE, states->folder,
-                            "the state of this picture that lies there cannot be read now, and is "
-                            "not written over");
+        return lf_error_set(
+            err, LF_E_STATE, states->folder,
+            "the saved state of this image cannot be read, so it is not overwritten");
     char *path = lf_path_join(states->folder, name);
     status = path ? lf_outfile_open(file, path, true, err)
                   : lf_error_set(err, LF_E_NOMEM, states->folder, "out of memory");

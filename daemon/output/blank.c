@@ -4,7 +4,7 @@
 
 #include "base/alloc.h"
 
-/* Whether all n pixels are like the first. */
+/* True if all n pixels equal first. */
 static bool is_plain(const uint8_t *rgb, size_t n, const uint8_t first[3])
 {
     for (size_t i = 0; i < n; i++)
@@ -53,23 +53,21 @@ lf_blank lf_blank_of_views32(const lf_views32 *views, const lf_film_settings *fi
 const char *lf_blank_words(lf_blank blank, bool of_daemon)
 {
     if (blank == LF_BLANK_BLACK)
-        return of_daemon ? "the picture is black in all views: look at the lights, the exposure "
-                           "(film.exposure) and where the camera stands (camera.fit)"
-                         : "the picture is black in all views: look at the lights, the exposure "
-                           "(--exposure) and where the camera stands (--fit)";
+        return of_daemon ? "the image is black in all views; check the lights, the exposure "
+                           "(film.exposure) and the camera position (camera.fit)"
+                         : "the image is black in all views; check the lights, the exposure "
+                           "(--exposure) and the camera position (--fit)";
     if (blank == LF_BLANK_PLAIN)
-        return of_daemon ? "the picture has a single colour in all views: look at the exposure "
-                           "(film.exposure) and where the camera stands (camera.fit)"
-                         : "the picture has a single colour in all views: look at the exposure "
-                           "(--exposure) and where the camera stands (--fit)";
+        return of_daemon ? "the image has a single colour in all views; check the exposure "
+                           "(film.exposure) and the camera position (camera.fit)"
+                         : "the image has a single colour in all views; check the exposure "
+                           "(--exposure) and the camera position (--fit)";
     return NULL;
 }
 
 const char *lf_unseen_words(bool of_daemon)
 {
     return of_daemon
-               ? "the camera sees no mesh and no volume of the scene; camera.fit moves it to "
-                 "where it does"
-               : "the camera sees no mesh and no volume of the scene; --fit moves it to where "
-                 "it does";
+               ? "the camera sees no mesh and no volume of the scene; use camera.fit to frame them"
+               : "the camera sees no mesh and no volume of the scene; use --fit to frame them";
 }

@@ -35,7 +35,7 @@ lf_status lf_content_from_scene(lf_scene *scene, const char *file, const lf_opti
     content->film = *lf_scene_film_settings(scene);
     lf_status status = lf_resolve_view(options, lf_scene_camera(scene), calibration,
                                        &content->settings, &content->layout, err);
-    content->settings.features = options->reconstruct != LF_RECONSTRUCT_OFF || options->guides;
+    content->settings.features = options->denoise != LF_DENOISE_OFF || options->guides;
     if (status != LF_OK) {
         lf_content_unref(content);
         return status;
@@ -56,7 +56,7 @@ lf_status lf_content_from_quilt(const char *file, const lf_roots *roots, const l
     lf_content *content = content_create(file);
     if (!content)
         return lf_error_set(err, LF_E_NOMEM, file, "out of memory");
-    lf_import_group group, *before = lf_import_group_begin(&group); /* of a folder's pictures */
+    lf_import_group group, *before = lf_import_group_begin(&group); /* for a folder's pictures */
     lf_status status = lf_quilt_read_photo(file, roots, options->columns, options->rows, &photo,
                                            &content->quilt, err);
     (void)lf_import_group_enter(before);
@@ -91,9 +91,9 @@ void lf_content_write_document(lf_content *content)
     content->document = text;
 }
 
-#define SCENE_REMEDY "\"view_blur\": 1 or a smaller \"cone\" in the scene's camera helps"
+#define SCENE_REMEDY "set \"view_blur\": 1 or a smaller \"cone\" in the scene's camera"
 
-/* With as many digits as tell two numbers apart. */
+/* Prints two numbers with enough digits to differ. */
 static void write_apart(double a, double b, char *of_a, char *of_b, size_t size)
 {
     for (int digits = 0; digits <= 6; digits++) {
@@ -120,23 +120,23 @@ char *lf_depth_words(const lf_depth *depth, int width, lf_depth_place place, cha
     static const struct {
         const char *what, *unit, *remedy;
     } of[] = {
-        [LF_DEPTH_PANEL] = {"a panel shows", "pixels", "camera.fit or camera.view_blur=1 helps"},
-        [LF_DEPTH_FILE] = {"a panel shows", "pixels", SCENE_REMEDY},
-        [LF_DEPTH_PRINT] = {"lenses show", "lenses", SCENE_REMEDY},
+        [LF_DEPTH_PANEL] = {"a panel", "pixels", "use camera.fit or camera.view_blur=1"},
+        [LF_DEPTH_FILE] = {"a panel", "pixels", SCENE_REMEDY},
+        [LF_DEPTH_PRINT] = {"lenses", "lenses", SCENE_REMEDY},
     };
     const bool is_before = -depth->nearest_step > depth->farthest_step;
     const double most = place == LF_DEPTH_PRINT ? 1 : depth->limit;
-    char shift[32], limit[32], far[64] = "by more than a view holds", sharp[64] = "";
+    char shift[32], limit[32], far[64] = "by more than the view width", sharp[64] = "";
     write_apart(lf_depth_shift(depth), most, shift, limit, sizeof shift);
     if (lf_depth_shift(depth) < width)
         snprintf(far, sizeof far, "by %s of %d %s", shift, width, of[place].unit);
     if (place != LF_DEPTH_PRINT)
-        snprintf(sharp, sizeof sharp, ", which is what is %s than %.4g",
-                 is_before ? "farther" : "nearer", is_before ? depth->sharp_from : depth->sharp_to);
+        snprintf(sharp, sizeof sharp, "; sharp %s distance %.4g", is_before ? "from" : "up to",
+                 is_before ? depth->sharp_from : depth->sharp_to);
     snprintf(buf, size,
-             "deeper than %s sharply: objects %s the focal plane shift %s from view to view (at "
-             "most %s is sharp%s); %s",
-             of[place].what, is_before ? "before" : "behind", far, limit, sharp, of[place].remedy);
+             "too deep for %s: objects %s the focal plane shift %s between views (limit %s%s); %s",
+             of[place].what, is_before ? "in front of" : "behind", far, limit, sharp,
+             of[place].remedy);
     return buf;
 }
 

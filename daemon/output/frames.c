@@ -10,7 +10,7 @@
 #include "quilt/quilt.h"
 
 #define MOST_FRAME 999999
-/* In a frame, of what its shutter has in common with others. */
+/* Most parts per frame of overlapping shutters. */
 #define MOST_PARTS 4
 
 #define PLACE(field) .place = offsetof(lf_frames, field)
@@ -18,18 +18,18 @@
 /* clang-format off */
 const lf_param lf_frames_params[] = {
     {.option = "turntable", .argument = "N", PLACE(turntable), .type = LF_PARAM_WHOLE, .low = 1,
-     .high = MOST_FRAME, .help = "N frames, in which the camera goes once round its target"},
+     .high = MOST_FRAME, .help = "render N frames of one camera orbit around the target"},
     {.option = "frames", .joined = ":", .argument = "A", PLACE(first), .type = LF_PARAM_WHOLE,
      .has = offsetof(lf_frames, has_range), .high = MOST_FRAME,
-     .help = "frames A to B of a scene that moves, or of the turntable"},
+     .help = "render frames A to B of an animated scene or of the turntable"},
     {.option = "frames", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE, .high = MOST_FRAME},
     {.option = "camera-rows", .joined = ":", .argument = "A", PLACE(first), .type = LF_PARAM_WHOLE,
      .has = offsetof(lf_frames, of_rows), .high = LF_MAX_CAMERA_ROWS - 1,
-     .help = "rows A to B of a grid of cameras, each by itself"},
+     .help = "render rows A to B of a camera grid, one output per row"},
     {.option = "camera-rows", .argument = "B", PLACE(last), .type = LF_PARAM_WHOLE,
      .high = LF_MAX_CAMERA_ROWS - 1},
     {.option = "overwrite", PLACE(overwrite), .type = LF_PARAM_SWITCH,
-     .help = "frames whose files are there are rendered anew, as single files always are"},
+     .help = "re-render frames whose files exist"},
     {0},
 };
 /* clang-format on */
@@ -54,17 +54,19 @@ lf_status lf_frames_check(lf_frames *frames, lf_error *err)
     if (!lf_frames_wanted(frames))
         return LF_OK;
     if (frames->of_rows && (frames->has_range || frames->turntable > 0))
-        return lf_error_set(err, LF_E_ARG, "--camera-rows", "does not go with %s",
+        return lf_error_set(err, LF_E_ARG, "--camera-rows", "cannot be combined with %s",
                             frames->turntable > 0 ? "--turntable" : "--frames");
     if (!frames->has_range && !frames->of_rows) {
         frames->first = 1;
         frames->last = frames->turntable;
     }
     if (frames->first > frames->last)
-        return lf_error_set(err, LF_E_ARG, lf_frames_option(frames), "%d:%d ends before it begins",
+        return lf_error_set(err, LF_E_ARG, lf_frames_option(frames),
+                            "%d:%d ends before it begins; expected FIRST:LAST with FIRST <= LAST",
                             frames->first, frames->last);
     if (frames->turntable > 0 && (frames->first < 1 || frames->last > frames->turntable))
-        return lf_error_set(err, LF_E_ARG, "--frames", "%d:%d is no part of --turntable %d (1:%d)",
+        return lf_error_set(err, LF_E_ARG, "--frames",
+                            "%d:%d is outside --turntable %d; expected frames within 1:%d",
                             frames->first, frames->last, frames->turntable, frames->turntable);
     return LF_OK;
 }
@@ -74,7 +76,7 @@ int lf_frames_count(const lf_frames *frames)
     return frames->last - frames->first + 1;
 }
 
-/* Where "_0001" goes. */
+/* The offset at which "_0001" is inserted. */
 static size_t place_in(const char *path)
 {
     const char *suffix = lf_layout_suffix(path), *slash = strrchr(path, '/');
@@ -102,7 +104,7 @@ uint64_t lf_frames_seed(uint64_t seed, int frame)
     return seed + (uint64_t)(int64_t)(frame - 1);
 }
 
-/* Nor do rows share it with frames. */
+/* Rows and frames do not share noise. */
 uint64_t lf_rows_seed(uint64_t seed, int row)
 {
     return seed + (uint64_t)row * UINT64_C(0x9e3779b97f4a7c15);
@@ -129,7 +131,7 @@ json_t *lf_frames_patch(int frame)
     return json_pack("{s:i}", "frame", frame);
 }
 
-/* Frame 1 is the scene's own camera to the last bit. */
+/* Frame 1 has the scene's own camera, to the last bit. */
 json_t *lf_frames_patch_turned(const lf_frames *frames, const lf_camera *camera, int frame)
 {
     double p[3];

@@ -8,7 +8,7 @@
 #define BOTTOM 100.0
 #define SIDE 108.0
 
-/* A box that turns about its vertical axis. */
+/* The bounds of a box rotating about its vertical axis. */
 typedef struct turned {
     double centre[3], radius, half_height;
 } turned;
@@ -23,8 +23,8 @@ static turned box_of(double b[2][3])
     return t;
 }
 
-/* focused: a lens is focused on what is framed. From where the camera looks now, and so far away
- * that the box stays inside the margins. */
+/* Moves the camera, without changing its direction, so that the box stays inside the margins.
+ * focused: also set the focus distance. */
 static json_t *framed(const lf_camera *camera, const turned *t, bool focused)
 {
     double d[3], length = 0.0, half = tan(0.5 * camera->fov_y);
@@ -66,7 +66,8 @@ lf_status lf_hld_patch(const lf_scene *scene, double exposure, bool frames, json
     if (!lf_scene_bounds(scene, NULL, bounds) ||
         !(hypot(hypot(bounds[1][0] - bounds[0][0], bounds[1][1] - bounds[0][1]),
                 bounds[1][2] - bounds[0][2]) > 0.0))
-        return lf_error_set(err, LF_E_STATE, "--preset hld", "nothing is there to be shown");
+        return lf_error_set(err, LF_E_STATE, "--preset hld",
+                            "the scene has nothing to show; add a mesh or a volume");
     const turned t = box_of(bounds);
     json_t *patch = json_pack("{s:f, s:{s:s, s:f}}", "backdrop", exp2(-exposure), "film", "tonemap",
                               "srgb", "exposure", exposure);

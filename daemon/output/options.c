@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "base/sandbox/import.h"
 
@@ -19,11 +20,6 @@ static const char *integrator_at(int index)
     return lf_integrator_at(index) ? lf_integrator_at(index)->name : NULL;
 }
 
-static const char *sharing_at(int index)
-{
-    return lf_integrator_at(index)->what;
-}
-
 static const char *skip_at(int index)
 {
     return lf_skip_at(index) ? lf_skip_at(index)->name : NULL;
@@ -34,13 +30,23 @@ static const char *layer_at(int index)
     return lf_layer_at(index) ? lf_layer_at(index)->name : NULL;
 }
 
-const char *lf_reconstruct_name(int index)
+const char *lf_denoise_name(int index)
 {
     static const char *const words[] = {"auto", "off", "on"};
-    return index <= LF_RECONSTRUCT_ON ? words[index] : NULL;
+    return index <= LF_DENOISE_ON ? words[index] : NULL;
 }
 
 static const char *const exposures[] = {"auto", "scene", NULL};
+
+/* Of reference modes --help has only the names. */
+static const char *sharing_at(int index)
+{
+    const lf_integrator_entry *entry = lf_integrator_at(index);
+    for (int i = 0; lf_integrator_reference(i); i++)
+        if (strcmp(entry->name, lf_integrator_reference(i)) == 0)
+            return "";
+    return entry->what;
+}
 
 #define PLACE(field) .place = offsetof(lf_options, field)
 
@@ -48,10 +54,10 @@ static const char *const exposures[] = {"auto", "scene", NULL};
 const lf_param lf_option_params[] = {
     {.option = "preset", .argument = "NAME", PLACE(preset),
      .type = LF_PARAM_NAME, .word_at = preset_at, .initial = -1,
-     .help = "layout, view size and aspect of a Looking Glass model"},
+     .help = "layout, view size and aspect of a panel"},
     {.option = "views", .argument = "N", PLACE(views),
      .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_VIEWS,
-     .help = "number of views (the scene's, else 45)"},
+     .help = "number of views (scene's, else 45)"},
     {.option = "quilt", .joined = "x", .argument = "C", PLACE(columns),
      .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_TILES,
      .help = "tiles of the quilt, columns x rows"},
@@ -62,14 +68,14 @@ const lf_param lf_option_params[] = {
     {.option = "view-size", .argument = "H", PLACE(view_height),
      .type = LF_PARAM_WHOLE, .low = 1, .high = LF_MAX_VIEW_SIDE},
     {.option = "panel", .argument = "FILE", PLACE(calibration), .type = LF_PARAM_TEXT,
-     .help = "interlaced for the panel with this calibration, into OUT.png"},
+     .help = "interlace for the panel with calibration FILE; writes OUT.png"},
     {.option = "calibration", .argument = "FILE", PLACE(calibration), .type = LF_PARAM_TEXT,
      .help = "the panel's lens calibration"},
     {.name = "integrator", .option = "integrator", .argument = "NAME", PLACE(integrator),
      .type = LF_PARAM_NAME, .word_at = integrator_at, .what_at = sharing_at,
      .refused_at = lf_integrator_reference,
-     .refusal = "is a reference mode: use quiltrender or quiltbench",
-     .about = "how views share light paths; another one starts the picture over"},
+     .refusal = "is a reference mode; use it with quiltrender or quiltbench",
+     .about = "how views share light paths; a change restarts the image"},
     {.name = "estimator", .option = "estimator", .argument = "NAME", PLACE(estimator),
      .has = offsetof(lf_options, has_estimator),
      .type = LF_PARAM_WORD, .word_at = lf_estimator_name,
@@ -78,54 +84,55 @@ const lf_param lf_option_params[] = {
      .type = LF_PARAM_WORD, .word_at = lf_sampler_name},
     {.option = "max-depth", .argument = "N", PLACE(max_depth),
      .type = LF_PARAM_WHOLE, .low = 1, .high = 65536,
-     .help = "longest path, in vertices after the camera (the scene's)"},
+     .help = "longest path, in vertices after the camera (scene's)"},
     {.option = "skip", .argument = "all|none|LIST", PLACE(skip),
      .has = offsetof(lf_options, has_skip), .type = LF_PARAM_LIST, .word_at = skip_at,
-     .help = "what is left out where the scene does not need it (all)"},
+     .help = "optimisations to use where the scene allows them (all)"},
     {.option = "aov", .argument = "all|none|LIST", PLACE(layers), .type = LF_PARAM_LIST,
-     .word_at = layer_at, .help = "layers beside the colours of EXR files (none)"},
+     .word_at = layer_at, .help = "extra layers of EXR files (none)"},
     {.option = "fit", .argument = "NAME", PLACE(fit.name), .has = offsetof(lf_options, fit.on),
      .type = LF_PARAM_TEXT, .optional = true,
-     .help = "move the camera to where the scene, or its mesh or volume NAME, fills the views"},
+     .help = "move the camera so that the scene, or mesh or volume NAME, fills the views"},
     {.name = "png", .option = "png", PLACE(file.png), .type = LF_PARAM_SWITCH,
-     .help = "the views of OUT/ as 8-bit PNG pictures in place of EXR"},
+     .help = "write the views of OUT/ as 8-bit PNG instead of EXR"},
     {.option = "still", PLACE(file.still), .type = LF_PARAM_SWITCH,
-     .help = "one view as a plain picture, 1080 pixels high; of a finished quilt its middle view"},
+     .help = "render one plain view, 1080 pixels high; of a finished quilt take the middle view"},
     {.option = "quality", .argument = "N", PLACE(file.quality), .type = LF_PARAM_WHOLE, .low = 1,
-     .high = 100, .help = "of OUT.jpg, 1 to 100 (92)"},
+     .high = 100, .help = "quality of OUT.jpg, 1 to 100 (92)"},
     {.name = "guides", .option = "guides", PLACE(guides), .type = LF_PARAM_SWITCH,
-     .help = "a picture to frame by: red is nearer than a panel shows sharply, blue farther",
-     .about = "mark what is nearer (red) or farther (blue) than a panel shows sharply"},
+     .help = "tint what is too near (red) or too far (blue) for the panel to show sharply",
+     .about = "tint what is too near (red) or too far (blue) for the panel to show sharply"},
     {.name = "threads", .option = "threads", .argument = "N", PLACE(threads),
      .type = LF_PARAM_WHOLE, .low = 0, .high = 256, .unit = "threads",
      .help = "worker threads (0: all CPUs)",
-     .about = "worker threads; 0: all CPUs; another number starts the picture over"},
+     .about = "worker threads; 0: all CPUs; a change restarts the image"},
     {.option = "seed", .argument = "S", PLACE(seed), .type = LF_PARAM_SEED,
-     .help = "whole number that the random choices follow from (0)"},
+     .help = "random seed (0)"},
     {.name = "exposure", .option = "exposure", .argument = "auto|scene|STOPS", PLACE(exposure),
      .has = offsetof(lf_options, has_exposure), .low = -32, .high = 32, .words = exposures,
-     .help = "how bright the picture is shown, in stops, instead of what the scene says; auto: as "
-             "bright as the screen allows"},
+     .help = "exposure in stops; auto: as bright as the screen allows (scene)"},
     {.name = "target_error", .option = "target-error", .argument = "RELMSE", PLACE(target_error),
      .low = 1e-12, .high = 1e6,
-     .help = "until the estimated relative mean squared error is below this",
-     .about = "render until the estimated relative mean squared error is below this"},
-    {.option = "target-shown-error", .argument = "RELMSE", PLACE(target_shown_error),
-     .low = 1e-12, .high = 1e6, .help = "the same of the reconstructed picture"},
-    {.name = "reconstruct", .option = "reconstruct", .argument = "auto|off|on",
-     PLACE(reconstruct), .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
-     .help = "the denoised picture (auto: on displays and in pictures, off in EXR files and with "
-             "--estimator)",
-     .about = "show the denoised picture; auto: with the estimator mwis"},
-    {.name = "denoise", .option = "denoise", .argument = "auto|off|on", PLACE(reconstruct),
-     .type = LF_PARAM_WORD, .word_at = lf_reconstruct_name,
-     .help = "another name for reconstruct"},
+     .help = "render until the estimated relative mean squared error is below RELMSE",
+     .about = "render until the estimated relative mean squared error is below this value"},
+    {.option = "target-denoised-error", .argument = "RELMSE", PLACE(target_denoised_error),
+     .low = 1e-12, .high = 1e6,
+     .help = "render until the error of the denoised image is below RELMSE"},
+    {.option = "target-shown-error", .former = "target-denoised-error", .argument = "RELMSE",
+     PLACE(target_denoised_error), .low = 1e-12, .high = 1e6},
+    {.name = "denoise", .option = "denoise", .argument = "auto|off|on", PLACE(denoise),
+     .type = LF_PARAM_WORD, .word_at = lf_denoise_name,
+     .help = "denoise; auto: off for EXR files and with --estimator, else on",
+     .about = "show the denoised image; auto: on if the estimator is mwis"},
+    {.name = "reconstruct", .option = "reconstruct", .former = "denoise",
+     .argument = "auto|off|on", PLACE(denoise), .type = LF_PARAM_WORD, .word_at = lf_denoise_name,
+     .about = "former name of denoise"},
     {.option = "import-memory", .argument = "GIB", PLACE(import_memory), .low = 0.125,
      .high = 65536,
-     .help = "what reading files may take (half of what there is; 0.1875 at least)"},
+     .help = "memory limit for reading files, at least 0.1875 (half of the RAM)"},
     {.option = "import-time", .argument = "SECONDS", PLACE(import_time), .type = LF_PARAM_WHOLE,
      .low = 1, .high = 86400, .initial = LF_IMPORT_SECONDS,
-     .help = "what reading all files of a scene may take"},
+     .help = "time limit for reading all files of a scene"},
     {0},
 };
 /* clang-format on */
@@ -154,9 +161,12 @@ lf_status lf_options_check_integrator(const lf_options *options, lf_error *err)
     const lf_param *unfit = entry ? lf_choices_unfit(&options->choices, entry) : NULL;
     char where[64];
     if (!unfit)
-        return LF_OK; /* others say what there is no entry of */
+        return LF_OK; /* other code reports a missing entry */
     snprintf(where, sizeof where, "--%s", unfit->option);
-    return lf_error_set(err, LF_E_ARG, where, "%s knows no %s", entry->name, unfit->about);
+    return lf_error_set(
+        err, LF_E_ARG, where,
+        "is not supported by the integrator %s; remove it or choose another --integrator",
+        entry->name);
 }
 
 const lf_preset *lf_options_preset(const lf_options *options)
@@ -167,7 +177,7 @@ const lf_preset *lf_options_preset(const lf_options *options)
     return preset;
 }
 
-/* The panel's own quilt, where it says one and no other is given. */
+/* The panel's default quilt, if it has one and no other is given. */
 static bool panel_quilt(const lf_options *options, const lf_calibration *calibration,
                         lf_layout *out)
 {
@@ -194,15 +204,15 @@ bool lf_options_preset_differs(const lf_options *options, const lf_calibration *
          preset->layout.rows == calibration->quilt_rows))
         return false;
     (void)snprintf(words, size,
-                   "the preset %s has a quilt of %dx%d, the panel itself says %dx%d in %dx%d "
-                   "pixels: without --preset that is used",
+                   "the preset %s has %dx%d tiles, but the calibration has %dx%d tiles in %dx%d "
+                   "pixels; omit --preset to use those",
                    preset->name, preset->layout.columns, preset->layout.rows,
                    calibration->quilt_columns, calibration->quilt_rows, calibration->quilt_width,
                    calibration->quilt_height);
     return true;
 }
 
-/* The quilt that the preset is, or else the panel's own; false: neither says one. */
+/* The preset's quilt, otherwise the panel's; false: neither. */
 static bool quilt_of(const lf_options *options, const lf_calibration *calibration, lf_layout *out)
 {
     const lf_preset *preset = lf_options_preset(options);
@@ -267,7 +277,7 @@ static lf_status resolve_tiles(const lf_options *options, const lf_calibration *
         if (options->columns * options->rows < layout->n_views)
             return lf_error_set(
                 err, LF_E_ARG, "--quilt",
-                "%dx%d holds %d tiles, but there are %d views (--views says how many)",
+                "%dx%d has %d tiles, but there are %d views; use a larger --quilt or set --views",
                 options->columns, options->rows, options->columns * options->rows, layout->n_views);
         layout->columns = options->columns;
         layout->rows = options->rows;
@@ -293,13 +303,12 @@ lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
     rig.n_rows = 0;
     if (camera->list)
         return lf_error_set(err, LF_E_ARG, "camera.views",
-                            "cameras listed one by one are no rig, which panels, prints and "
-                            "quiltd need (an arc, a track or a grid is); quiltrender makes quilts, "
-                            "folders and videos of them");
+                            "quiltd, panels, prints and --rgbd need an arc, a track or a grid of "
+                            "cameras; use quiltrender for other outputs");
     return lf_resolve_rows(options, &rig, calibration, out_settings, out_layout, err);
 }
 
-/* What cameras that are listed one by one do not go with. */
+/* Refuses options that need a rig, for cameras listed one by one. */
 static lf_status check_list(const lf_options *options, lf_error *err)
 {
     const struct {
@@ -307,14 +316,14 @@ static lf_status check_list(const lf_options *options, lf_error *err)
         const char *option;
     } refused[] = {{options->preset, "--preset"},
                    {options->views > 0, "--views"},
-                   {options->reconstruct == LF_RECONSTRUCT_ON, "--reconstruct on"},
-                   {options->target_shown_error > 0, "--target-shown-error"},
+                   {options->denoise == LF_DENOISE_ON, "--denoise on"},
+                   {options->target_denoised_error > 0, "--target-denoised-error"},
                    {options->layers, "--aov"},
                    {options->guides, "--guides"}};
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
         if (refused[i].given)
             return lf_error_set(err, LF_E_ARG, refused[i].option,
-                                "does not go with cameras listed one by one, which are no rig");
+                                "is not supported with a list, path or circle of cameras");
     return LF_OK;
 }
 
@@ -329,14 +338,16 @@ lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
         .seed = options->seed,
         .max_depth = options->max_depth,
         .skip = options->has_skip ? options->skip : LF_SKIP_ALL,
-        .features = options->reconstruct == LF_RECONSTRUCT_ON || options->layers & LF_LAYER_DEPTH ||
+        .features = options->denoise == LF_DENOISE_ON || options->layers & LF_LAYER_DEPTH ||
                     options->guides,
     };
     lf_layout layout = {0};
     resolve_camera(options, camera, calibration, &settings.camera);
     if (settings.camera.n_rows > 0 && options->views > 0)
-        return lf_error_set(err, LF_E_ARG, "--views", "the scene has a %s of %d x %d cameras",
-                            camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows);
+        return lf_error_set(
+            err, LF_E_ARG, "--views",
+            "cannot change the number of views; the scene has a %s of %d x %d cameras",
+            camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows);
     if (camera->list && check_list(options, err) != LF_OK)
         return LF_E_ARG;
     layout.n_views = lf_camera_views(&settings.camera);

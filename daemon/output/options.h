@@ -1,12 +1,12 @@
-/* The command line of quiltd, quiltrender and quiltbench: the options they share, and what follows
- * from them.
+/* The command line of quiltd, quiltrender and quiltbench: shared options and what they imply.
  *
- * lf_option_params is the table of the shared options. A program says which of them it takes, and
- * what else, in lf_options_rules, and reads its command line with lf_options_read. Every error is
- * one lf_error whose `where` is the option; the program prints it with lf_usage_error and returns
- * LF_EXIT_USAGE. Nothing here prints but the functions that say so; nothing exits. Strings point
- * into argv or into tables. Thread: the main thread, before others start (getopt_long has globals),
- * but for lf_resolve_view, which is pure. */
+ * lf_option_params is the table of the shared options. A program declares its options in
+ * lf_options_rules and reads its command line with lf_options_read. Each error is one lf_error
+ * whose `where` is the option; the program prints it with lf_usage_error and returns LF_EXIT_USAGE.
+ * Functions print only where stated, and never exit. Strings point into argv or into tables.
+ *
+ * Thread: the main thread, before others start, because getopt_long has globals. Exception:
+ * lf_resolve_view is pure. */
 #ifndef LF_DAEMON_OPTIONS_H
 #define LF_DAEMON_OPTIONS_H
 
@@ -24,21 +24,17 @@ enum {
     LF_EXIT_FAILED = 1,
     LF_EXIT_USAGE = 2,
     LF_EXIT_NO_DAEMON = 3,
-    LF_EXIT_INTERRUPTED = 75 /* the work is kept: the same command goes on */
+    LF_EXIT_INTERRUPTED = 75 /* the work is saved: the same command resumes it */
 };
 
-/* Whether the reconstructed picture is shown. auto: on displays and in pictures, where the
- * estimator is mwis and nobody measures: not in files of light, nor where an estimator was asked
- * for. */
-typedef enum lf_reconstruct {
-    LF_RECONSTRUCT_AUTO,
-    LF_RECONSTRUCT_OFF,
-    LF_RECONSTRUCT_ON
-} lf_reconstruct;
-/* Its names, as on the command line; NULL behind the last. */
-const char *lf_reconstruct_name(int index);
+/* Whether to show the reconstructed picture. auto: on displays and in image files, if the estimator
+ * is mwis. Off in files of linear light and if an estimator was requested, because those serve for
+ * measurements. */
+typedef enum lf_denoise { LF_DENOISE_AUTO, LF_DENOISE_OFF, LF_DENOISE_ON } lf_denoise;
+/* Its names on the command line; NULL after the last. */
+const char *lf_denoise_name(int index);
 
-/* The camera moves to where all, or the mesh or volume of this name, fills its views. */
+/* Moves the camera so that all objects, or the mesh or volume of this name, fill its views. */
 typedef struct lf_fit_option {
     bool on;
     const char *name; /* NULL: all */
@@ -46,15 +42,15 @@ typedef struct lf_fit_option {
 
 /* What kind of file is written. */
 typedef struct lf_file_options {
-    bool png;    /* of a folder: 8-bit views */
+    bool png;    /* folder of views: 8-bit PNG */
     bool still;  /* one view as a plain picture */
     int quality; /* of JPEG, 1..100; 0 = not given */
 } lf_file_options;
 
-/* What the shared options say; zero and NULL mean "not given" unless stated. Zeroed is a valid
+/* Values of the shared options. Zero and NULL mean "not given" unless stated. Zeroed is a valid
  * start. */
 typedef struct lf_options {
-    const char *preset;          /* a name that exists; lf_options_preset */
+    const char *preset;          /* an existing name; see lf_options_preset */
     int views;                   /* 1..LF_MAX_VIEWS */
     int columns, rows;           /* of the quilt */
     int view_width, view_height; /* 1..LF_MAX_VIEW_SIDE */
@@ -67,95 +63,101 @@ typedef struct lf_options {
     uint64_t seed;
     int max_depth;                           /* 0 = the scene's */
     bool has_exposure;                       /* it was given */
-    bool guides;                             /* what lies outside of the sharp depth is marked */
+    bool guides;                             /* tint what the panel cannot show sharply */
     bool has_skip;                           /* it was given */
     unsigned skip;                           /* bits of lf_skip */
-    double target_error, target_shown_error; /* > 0 */
+    double target_error, target_denoised_error; /* > 0 */
     lf_fit_option fit;
     lf_file_options file;
     double exposure; /* as in lf_exposed_film */
     int import_time; /* seconds; 0 = LF_IMPORT_SECONDS */
-    lf_reconstruct reconstruct;
-    unsigned layers;         /* bits of lf_layer, beside the colours of EXR files */
+    lf_denoise denoise;
+    unsigned layers;         /* bits of lf_layer, in addition to the colours of EXR files */
     const char *calibration; /* a file */
     double import_memory;    /* GiB; 0 = half of the machine's */
-    lf_photo photo;          /* of finished pictures: lf_photo_params */
-    lf_alone alone;          /* of files without a scene: lf_alone_params */
+    lf_photo photo;          /* for finished pictures: lf_photo_params */
+    lf_alone alone;          /* for files without a scene: lf_alone_params */
 } lf_options;
 
-/* The names of the calibration's option are --panel (quiltrender) and --calibration (the others).
- * Keys of JSON: those of render.set. */
+/* The option of the calibration is --panel in quiltrender and --calibration elsewhere. JSON keys
+ * are those of render.set. */
 extern const lf_param lf_option_params[];
-/* What to look at, and how to render: most programs take all of these. */
+/* What to show, and how to render: most programs take all of these. */
 #define LF_OPTIONS_VIEWS "preset views quilt view-size"
 #define LF_OPTIONS_RENDER                                                                          \
-    "integrator estimator sampler max-depth skip threads seed reconstruct denoise"
+    "integrator estimator sampler max-depth skip threads seed denoise reconstruct"
 #define LF_OPTIONS_IMPORT "import-memory import-time"
 
-/* Holds what reads files to what the options say (lf_import_limit). */
+/* Applies import_memory and import_time to the file readers (lf_import_limit). */
 void lf_options_limit_import(const lf_options *options);
 
-/* What the scene says of its film, but for an exposure that was asked for: stops, INFINITY = auto,
- * -INFINITY = the scene's. */
+/* The scene's film settings with this exposure in stops; INFINITY = auto, -INFINITY = the scene's
+ * exposure. */
 lf_film_settings lf_exposed_film(const lf_film_settings *film, double exposure);
 
-/* The preset that was given; NULL = none. */
+/* The preset, or NULL if none was given. */
 const lf_preset *lf_options_preset(const lf_options *options);
-/* Whether a preset was given whose tiles are not those that the panel says of itself, and what is
- * to be said of that. calibration may be NULL. */
+/* True if the preset's tiles differ from those in the panel's calibration (may be NULL); writes a
+ * warning to words. */
 bool lf_options_preset_differs(const lf_options *options, const lf_calibration *calibration,
                                char *words, size_t size);
 
-/* Codes of a program's own options begin here, above every character. */
+/* Codes of a program's own options start here, above every character. */
 enum { LF_OPTION_OWN = 256 };
 
-/* The lines of --help for what every program takes. */
+/* The last lines of every --help. */
 #define LF_OPTIONS_HELP_LAST                                                                       \
-    "  --help                 this text\n"                                                         \
-    "  --version              the version\n"
-/* The same of programs that write their completion. */
+    "  --help                 print this help\n"                                                   \
+    "  --version              print the version\n"
+/* For programs that write their completion. */
 #define LF_OPTIONS_HELP_SHELLS                                                                     \
-    "  --completion SHELL     prints what bash, zsh or fish completes; no other word beside it\n"
+    "  --completion SHELL     print a completion script: bash, zsh or fish (no other option)\n"
 
-/* Options out of a table. */
+/* Options from a table. */
 typedef struct lf_options_part {
     const lf_param *params;
-    const char *names; /* of the options that are taken (lf_param_among); NULL = all */
+    const char *names; /* options to take (lf_param_among); NULL = all */
     void *object;      /* the struct that is filled */
 } lf_options_part;
 
-/* Words that an option of a program's own table may be, for completion alone. */
+/* Values of an option of a program's own table, for completion only. */
 typedef struct lf_options_words {
-    const char *option;                /* NULL behind the last */
-    const char *(*word_at)(int index); /* NULL behind the last */
+    const char *option;                /* NULL after the last */
+    const char *(*word_at)(int index); /* NULL after the last */
 } lf_options_words;
 
-/* What the command line of a program, or of one of its commands, consists of. */
+/* The command line of a program or of one of its commands. */
 typedef struct lf_options_rules {
-    const char *program; /* what --version names */
+    const char *program; /* name printed by --version */
     /* as in getopt, beginning with ':' (":" = none, ":o:" = -o with an argument) */
     const char *letters;
     const lf_options_part *parts; /* the last has no params; NULL = none */
     const struct option *table;   /* the program's own, ended by zeros; NULL = none */
-    void (*print_help)(void);     /* NULL: --help and --version are not taken */
-    /* takes an option of the program's own table; NULL without one */
+    /* Former names of options of `table` (base/former.h): {former, name} each, {NULL} last. `take`
+     * gets the code of the option with the current name. NULL: none. */
+    const char *const (*former)[2];
+    void (*print_help)(void); /* NULL: no --help and --version */
+    /* handles an option of the program's own table; NULL without one */
     lf_status (*take)(void *context, int code, const char *argument, lf_error *err);
-    /* hears of every option of parts that was taken; may be NULL */
+    /* called for every option taken from parts; may be NULL */
     void (*taken)(void *context, const lf_param *params, const lf_param *row);
     void *context;
-    /* What else shells complete (completion.h): */
+    /* For completion (completion.h): */
     const lf_options_words *words;        /* NULL = none */
-    const char *(*operand_at)(int index); /* what the first operand may be; NULL = a file */
-    /* what may follow that operand, into word; false behind the last; NULL without operand_at */
+    const char *(*operand_at)(int index); /* values of the first operand; NULL = a file */
+    /* values after that operand, into word; false after the last; NULL without operand_at */
     bool (*follower_at)(int operand, int index, char *word, size_t size);
 } lf_options_rules;
 
-/* Takes all options, by getopt_long without its own messages; optind is then the first operand
- * (operands may stand anywhere). The word behind an option with an optional argument is that unless
- * it begins with -, holds a dot or a slash, or is a file: those are given as --OPTION=WORD.
- * *out_done: help, the version or, by `--completion SHELL` and nothing else, the program's
- * completion was asked for and printed, and nothing behind it was read. LF_E_ARG for an unknown or
- * ambiguous option, a missing or an unwanted argument, or one that is no good; errors of take. */
+/* Reads all options with getopt_long, without its own messages. optind is then the first operand;
+ * operands may be anywhere.
+ *
+ * The word after an option with an optional argument is its argument, unless the word begins with
+ * -, contains a dot or a slash, or names a file; those need --OPTION=WORD.
+ *
+ * *out_done: help, version or completion was requested and has been printed, and the rest was not
+ * read. Completion must be the only option. LF_E_ARG: an unknown or ambiguous option, a missing,
+ * unwanted or invalid argument; errors of take. */
 LF_NODISCARD lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *rules,
                                        bool *out_done, lf_error *err);
 
@@ -164,23 +166,25 @@ int lf_usage_error(const char *program, const lf_error *err);
 /* Prints "PROGRAM VERSION" to stdout. */
 void lf_print_version(const char *program);
 
-/* LF_E_ARG where a choice (lf_integrator_params) was given that options->integrator does not take.
- */
+/* LF_E_ARG: a choice (lf_integrator_params) was given that options->integrator does not take. */
 LF_NODISCARD lf_status lf_options_check_integrator(const lf_options *options, lf_error *err);
 
-/* What to render and how it is laid out: the command line wins over the preset (views, layout, view
- * size, aspect), that over the panel's calibration (aspect, cone; NULL = none), that over the
- * scene's camera (lf_scene_camera). Views default to 45, the view's height to 560 pixels (of a
- * still 1080) and its width to aspect times that. A scene that states no aspect takes that of
- * --view-size. Fills everything of *out_settings but the window (zero = whole) and everything of
- * *out_layout. LF_E_ARG for a --quilt with too few tiles or a quilt over the picture limits. */
+/* Resolves what to render and the layout. Precedence, highest first: command line; preset (views,
+ * layout, view size, aspect); panel calibration (aspect, cone; NULL = none); the scene's camera
+ * (lf_scene_camera).
+ *
+ * Defaults: 45 views; view height 560 pixels, of a still 1080; view width = aspect x height. If the
+ * scene has no aspect, --view-size sets it. Fills all of *out_settings except the window (zero =
+ * whole), and all of *out_layout. LF_E_ARG: --quilt has too few tiles, the quilt exceeds the
+ * picture limits, or the cameras are listed one by one. */
 LF_NODISCARD lf_status lf_resolve_view(const lf_options *options, const lf_camera *camera,
                                        const lf_calibration *calibration,
                                        lf_render_settings *out_settings, lf_layout *out_layout,
                                        lf_error *err);
-/* The same with all rows of a camera that is a grid (lf_camera.n_rows), which lf_resolve_view has
- * as one track in its middle: n_views of *out_layout are all of them, a tile of the quilt for each
- * where it stands. LF_E_ARG: also for --views. */
+/* Like lf_resolve_view, but keeps all rows of a camera grid (lf_camera.n_rows); lf_resolve_view
+ * uses the track in the middle of the grid. n_views of *out_layout counts all cameras, with one
+ * quilt tile each in grid order. Also accepts cameras listed one by one. LF_E_ARG: also if --views
+ * is given for a grid. */
 LF_NODISCARD lf_status lf_resolve_rows(const lf_options *options, const lf_camera *camera,
                                        const lf_calibration *calibration,
                                        lf_render_settings *out_settings, lf_layout *out_layout,

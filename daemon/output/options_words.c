@@ -5,15 +5,16 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/former.h"
 #include "base/nearest.h"
 #include "daemon/output/completion.h"
 
 #define MAX_OPTIONS 96
 
-/* Codes behind those of a program's own: help, the version, then PART_SIZE rows a part. */
+/* Codes after a program's own: help, the version, then PART_SIZE rows per part. */
 enum { CODE_HELP = 2 * LF_OPTION_OWN, CODE_VERSION, CODE_PART, PART_SIZE = 256 };
 
-/* How many long options the text before any '=' could mean. */
+/* The number of long options that the text before any '=' may abbreviate. */
 static int count_matches(const struct option *table, const char *text)
 {
     size_t n = strcspn(text, "=");
@@ -41,6 +42,16 @@ static int append(struct option *table, int n, const char *name, int has_argumen
     return n;
 }
 
+/* With the code of the option that replaced it; name_of_code finds that one first. */
+static int append_former(struct option *table, int n, const char *former, const char *name)
+{
+    int i = 0;
+    while (table[i].name && strcmp(table[i].name, name) != 0)
+        i++;
+    assert(i < n);
+    return append(table, n, former, table[i].has_arg, table[i].val);
+}
+
 static void make_table(const lf_options_rules *rules, struct option *table)
 {
     int n = 0;
@@ -58,13 +69,15 @@ static void make_table(const lf_options_rules *rules, struct option *table)
     }
     for (const struct option *own = rules->table; own && own->name; own++)
         n = append(table, n, own->name, own->has_arg, own->val);
+    for (int i = 0; rules->former && rules->former[i][0]; i++)
+        n = append_former(table, n, rules->former[i][0], rules->former[i][1]);
     if (!rules->print_help)
         return;
     n = append(table, n, "help", no_argument, CODE_HELP);
     append(table, n, "version", no_argument, CODE_VERSION);
 }
 
-/* where: the argument, dashes and all. */
+/* where: the argument with its dashes. */
 static lf_status unknown(const struct option *table, const char *where, lf_error *err)
 {
     const char *names[MAX_OPTIONS + 1], *meant = NULL;
@@ -78,17 +91,27 @@ static lf_status unknown(const struct option *table, const char *where, lf_error
     if (word[0])
         meant = lf_nearest_name(word, names);
     return meant ? lf_error_set(err, LF_E_ARG, where, "unknown option; did you mean --%s?", meant)
-                 : lf_error_set(err, LF_E_ARG, where, "unknown option (see --help)");
+                 : lf_error_set(err, LF_E_ARG, where, "unknown option; see --help");
 }
 
-/* getopt_long without its own messages; *out_code is -1 behind the last option. */
+static void log_former(const char *former, const char *name)
+{
+    char old[64], now[64];
+    snprintf(old, sizeof old, "--%s", former);
+    snprintf(now, sizeof now, "--%s", name);
+    lf_former_used(old, now);
+}
+
+/* getopt_long without its own messages; *out_code is -1 after the last option. */
 static lf_status read_next(int argc, char *const argv[], const char *letters,
                            const struct option *table, int *out_code, lf_error *err)
 {
     char where[128];
     opterr = 0;
-    int code = getopt_long(argc, argv, letters, table, NULL);
+    int at = -1, code = getopt_long(argc, argv, letters, table, &at);
     if (code != '?' && code != ':') {
+        if (at >= 0 && code < CODE_HELP && strcmp(table[at].name, name_of_code(table, code)) != 0)
+            log_former(table[at].name, name_of_code(table, code));
         *out_code = code;
         return LF_OK;
     }
@@ -101,16 +124,17 @@ static lf_status read_next(int argc, char *const argv[], const char *letters,
     if (optopt != 0) {
         snprintf(where, sizeof where, "-%c", optopt);
         return lf_error_set(err, LF_E_ARG, where,
-                            code == ':' ? "expects an argument" : "unknown option (see --help)");
+                            code == ':' ? "expects an argument" : "unknown option; see --help");
     }
     snprintf(where, sizeof where, "%.100s", text);
     if (strncmp(text, "--", 2) == 0 && count_matches(table, text + 2) > 1)
-        return lf_error_set(err, LF_E_ARG, where, "could mean several options (see --help)");
+        return lf_error_set(err, LF_E_ARG, where,
+                            "is ambiguous; give the whole name of the option (see --help)");
     return unknown(table, where, err);
 }
 
-/* Whether a word behind an option is its optional argument: what looks like a file is an operand.
- */
+/* True if the word after an option is its optional argument; a word that looks like a file is an
+ * operand. */
 static bool is_argument(const char *word)
 {
     struct stat file;
@@ -126,6 +150,8 @@ static lf_status take_row(const lf_options_rules *rules, char *const argv[], int
     const char *text = optarg;
     if (row->optional && !text && is_argument(argv[optind])) /* argv ends with NULL */
         text = argv[optind++];
+    if (row->former)
+        log_former(row->option, row->former);
     lf_status status = lf_param_from_text(row, text, part->object, err);
     if (status == LF_OK && rules->taken)
         rules->taken(rules->context, part->params, row);
@@ -150,7 +176,7 @@ lf_status lf_options_read(int argc, char *const argv[], const lf_options_rules *
         if (status != LF_OK || code == -1)
             return status;
         if (code == CODE_HELP || code == CODE_VERSION) {
-            assert(rules->print_help); /* without it the table has neither */
+            assert(rules->print_help); /* otherwise the table has neither option */
             code == CODE_HELP ? rules->print_help() : lf_print_version(rules->program);
             *out_done = true;
             return LF_OK;

@@ -38,8 +38,7 @@ void lf_orbit_camera(const lf_camera *camera, double yaw, double pitch, double z
     side[1] = up[2] * flat[0] - up[0] * flat[2];
     side[2] = up[0] * flat[1] - up[1] * flat[0];
     double elevation = asin(fmin(1, fmax(-1, height)));
-    /* A camera that the scene itself put nearer to a pole than the limit is only kept from going
-     * further. */
+    /* A camera that starts nearer to a pole than the limit only may not go further. */
     double most = fmax(limit, fabs(elevation));
     elevation = fmin(most, fmax(-most, elevation + pitch * degree));
     for (int i = 0; i < 3; i++) {

@@ -26,10 +26,11 @@ lf_status lf_output_kind_from_name(const char *name, const lf_output_kind **out,
         snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "",
                  lf_output_kinds[i]->name);
     }
-    return lf_error_set(err, LF_E_ARG, "kind", "unknown name \"%s\" (there are: %s)", name, known);
+    return lf_error_set(err, LF_E_ARG, "kind", "unknown kind \"%s\"; expected one of %s", name,
+                        known);
 }
 
-/* NULL: it has none. */
+/* NULL: no known ending. */
 static const char *ending_of(const lf_output_kind *kind, const char *path)
 {
     int i = 0;
@@ -64,7 +65,7 @@ lf_status lf_output_path(const lf_output_kind *kind, const char *path, const lf_
     char endings[64];
     const char *ending = ending_of(kind, path);
     if (!ending)
-        return lf_error_set(err, LF_E_ARG, path, "%s ends in %s", kind->what,
+        return lf_error_set(err, LF_E_ARG, path, "the name of %s must end in %s", kind->what,
                             lf_output_endings(kind, endings, sizeof endings));
     lf_status status =
         strcmp(ending, "/") == 0 ? lf_check_name(path, err) : lf_check_stem(path, ending, err);
@@ -88,13 +89,13 @@ int lf_output_n_files(const lf_output_kind *kind, int n_views)
 
 /* ------------------------------------------------------------------------------------- files -- */
 
-/* The files of one job: opened together, published together. Zeroed is a valid empty set. */
+/* The files of one job, opened and published together. Zeroed is a valid empty set. */
 typedef struct output_files {
     int n;
     lf_outfile *file; /* [n] */
 } output_files;
 
-/* For a job that ends before its files were opened. */
+/* For a job that fails before its files are opened. */
 static void close_fds(const lf_output_request *request)
 {
     for (int i = 0; i < request->n_fds; i++)
@@ -125,8 +126,8 @@ static lf_status open_one(lf_outfile *file, const lf_output_request *request, in
     return status;
 }
 
-/* Opens n files, or takes over request->fds, which must then be n. On failure nothing is open (and
- * the fds are closed). */
+/* Opens n files, or takes ownership of request->fds, which must be n. On failure nothing is open,
+ * and the fds are closed. */
 static lf_status open_all(output_files *files, const lf_output_request *request, int n,
                           lf_error *err)
 {
@@ -139,7 +140,7 @@ static lf_status open_all(output_files *files, const lf_output_request *request,
     if (request->n_fds != 0 && request->n_fds != n) {
         close_fds(request);
         abandon(files);
-        return lf_error_set(err, LF_E_ARG, request->path, "expects %d descriptors, not %d", n,
+        return lf_error_set(err, LF_E_ARG, request->path, "expects %d file descriptors, got %d", n,
                             request->n_fds);
     }
     for (int i = 0; i < n && status == LF_OK; i++) {
@@ -172,7 +173,9 @@ static lf_status make_folder(const lf_output_request *request, int n, bool *out_
                             strerror(errno));
     if (!request->overwrite && request->kind->surplus(request->path, n, false) > 0)
         return lf_error_set(err, LF_E_EXISTS, request->path,
-                            "the folder holds more than %d views already", n);
+                            "the folder already holds more than %d views; choose another folder or "
+                            "pass overwrite=true",
+                            n);
     return LF_OK;
 }
 

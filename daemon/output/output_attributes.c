@@ -1,4 +1,4 @@
-/* The settings that made a picture, as JSON and as text attributes. */
+/* The settings of a picture, as JSON and as text attributes. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -26,7 +26,8 @@ void output_attributes_fill(output_attributes *attributes, const json_t *setting
         } else {
             size_t n = json_dumpb(value, attributes->value[i], sizeof attributes->value[i] - 1,
                                   JSON_ENCODE_ANY | JSON_COMPACT);
-            if (n >= sizeof attributes->value[i]) /* a long list of cameras: the scene has it */
+            /* too long, such as a list of cameras, which the scene has */
+            if (n >= sizeof attributes->value[i])
                 continue;
             attributes->value[i][n] = '\0';
         }
@@ -46,7 +47,7 @@ static double degrees(double radians)
     return radians * (180.0 / M_PI);
 }
 
-/* Of cameras listed one by one: [position, target, up, fov_y], each. */
+/* Cameras listed one by one: [position, target, up, fov_y] each. */
 static json_t *cameras_of(const lf_camera *camera)
 {
     json_t *list = json_array();
@@ -60,7 +61,7 @@ static json_t *cameras_of(const lf_camera *camera)
     return list;
 }
 
-/* What is said of a rig. */
+/* Removes the members that describe a rig. */
 static void drop_rig(json_t *made)
 {
     static const char *const keys[] = {"fov_y",    "cone", "placement",   "target",
@@ -101,7 +102,7 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
                                 json_string(told[i].word_at(settings->choices.of[i])));
     if (camera->view_blur > 0)
         json_object_set_new(made, "view_blur", json_real(camera->view_blur));
-    if (camera->track > 0) { /* which has no cone */
+    if (camera->track > 0) { /* a track has no cone */
         json_object_set_new(made, "track", json_real(camera->track));
         json_object_set_new(made, "track_window",
                             json_string(camera->own_windows ? "own" : "shared"));

@@ -1,4 +1,4 @@
-/* Pitch test charts: prints that are drawn. */
+/* Pitch test charts. */
 #include "daemon/output/output_internal.h"
 
 static lf_status check(const lf_print *print, const char **out_warning, lf_error *err)

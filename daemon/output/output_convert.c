@@ -1,4 +1,4 @@
-/* The way from linear floats to 8 bits and back. */
+/* Conversion between linear floats and 8 bits. */
 #include "base/alloc.h"
 #include "daemon/output/output_internal.h"
 
@@ -24,7 +24,7 @@ static void tone_row(void *context, int row, int worker)
     }
 }
 
-/* Runs fn for every row, on the job's pool when it has one. */
+/* Runs fn for every row, on the job's pool if it has one. */
 static lf_status run_rows(const lf_output_request *request, int n_rows, lf_pool_fn fn,
                           void *context, lf_error *err)
 {

@@ -1,8 +1,8 @@
-/* The picture for one panel's pixels, interlaced by its calibration. */
+/* The image for one panel, interlaced by its calibration. */
 #include "base/alloc.h"
 #include "daemon/output/output_internal.h"
 
-/* zlib: beyond it files of rendered views shrink by a few percent for several times the work */
+/* zlib level; higher ones shrink files by a few percent for several times the work */
 #define PNG_LEVEL 4
 
 static const char *const filters[] = {
@@ -17,14 +17,14 @@ const lf_param lf_panel_params[] = {
      .place = offsetof(lf_panel_options, filter),
      .type = LF_PARAM_WORD,
      .words = filters,
-     .help = "how the panel's pixels are taken from the views"},
+     .help = "how panel pixels are sampled from the views"},
     {.name = "invert",
      .option = "invert",
      .argument = "MODE",
      .place = offsetof(lf_panel_options, invert),
      .type = LF_PARAM_WORD,
      .words = orders,
-     .help = "order of the views under a lens of the panel"},
+     .help = "reverse the order of the views under a lens"},
     {0},
 };
 
@@ -35,14 +35,14 @@ static const char *const curves[] = {"srgb", NULL};
 /* clang-format off */
 const lf_param lf_response_params[] = {
     {.name = "gamma", .option = "gamma", .argument = "srgb|GAMMA", PLACE(gamma), .low = 1,
-     .high = 4, .words = curves, .help = "the panel's response to its codes, where it is not sRGB"},
+     .high = 4, .words = curves, .help = "gamma of the panel (srgb)"},
     {.name = "white", .option = "white", .argument = "KELVIN", PLACE(white), .low = 4000,
-     .high = 25000, .help = "the panel's own white, as a colour temperature; is shown as D65"},
+     .high = 25000, .help = "colour temperature of the panel's white, corrected to D65"},
     {.name = "white_x", .option = "white-xy", .joined = ",", .argument = "X", PLACE(white_x),
-     .low = 0.1, .high = 0.7, .help = "the same by its chromaticity",
-     .about = "CIE x of the panel's own white, with white_y"},
+     .low = 0.1, .high = 0.7, .help = "chromaticity of the panel's white, corrected to D65",
+     .about = "CIE x of the panel's white; needs white_y"},
     {.name = "white_y", .option = "white-xy", .argument = "Y", PLACE(white_y), .low = 0.1,
-     .high = 0.7, .about = "CIE y of the panel's own white, with white_x"},
+     .high = 0.7, .about = "CIE y of the panel's white; needs white_x"},
     {0},
 };
 /* clang-format on */
@@ -65,8 +65,9 @@ static lf_status interlace(const lf_output_request *request, const lf_views8 *vi
         lf_interlace(interlacer, views, panel, request->pool);
         lf_codes_apply(&codes, panel, request->pool);
     } else {
-        status = lf_error_set(err, status, request->path, "no memory for a panel of %dx%d pixels",
-                              calibration->screen_width_px, calibration->screen_height_px);
+        status =
+            lf_error_set(err, status, request->path, "out of memory for a panel of %dx%d pixels",
+                         calibration->screen_width_px, calibration->screen_height_px);
     }
     lf_interlacer_destroy(interlacer);
     return status;
@@ -95,7 +96,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
 static const char *const endings[] = {".png", NULL};
 
 const lf_output_kind lf_output_panel = {.name = "panel",
-                                        .what = "a panel picture",
+                                        .what = "a panel image",
                                         .endings = endings,
                                         .option = "panel",
                                         .needs_panel = true,

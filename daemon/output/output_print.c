@@ -1,4 +1,4 @@
-/* Lenticular prints: the views that they need, and the TIFF with its manifest. */
+/* Lenticular prints: their views, and the TIFF with its manifest. */
 #include <math.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@
 #include "daemon/output/content.h"
 #include "daemon/output/output_internal.h"
 
-/* The column of cameras that horizontal lenses want: the rig rolled by 90 degrees, see
+/* Rolls the rig by 90 degrees to a column of cameras for horizontal lenses, see
  * lf_print_shape_of. */
 static void roll(lf_camera *camera, double width_over_height)
 {
@@ -29,7 +29,7 @@ void lf_output_print_view(const lf_print *print, lf_render_settings *settings)
 {
     lf_print rendered = *print;
     lf_print_shape shape;
-    /* the trim size as the rig sees it: across the picture and up */
+    /* trim size in the rig's picture: across and up */
     double width = print->horizontal ? print->height_mm : print->width_mm;
     double height = print->horizontal ? print->width_mm : print->height_mm;
     rendered.rolled = print->horizontal;
@@ -76,8 +76,8 @@ lf_print_run output_print_run(const lf_output_request *request)
                           .context = request->context};
 }
 
-/* The warnings of the manifest: what was said of the picture already, and how it lies, which is
- * logged, too. */
+/* Adds the warnings of the manifest: earlier notes about the picture, and its placement, which is
+ * also logged. */
 static void note_laid(const lf_output_request *request, const lf_output_source *source,
                       const lf_print *print, const lf_views32 *views, lf_image_notes *out)
 {

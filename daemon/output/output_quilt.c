@@ -14,8 +14,8 @@ static lf_status check_quilt_size(const char *path, const lf_layout *layout, lf_
     if (width > MAX_PICTURE_SIDE || height > MAX_PICTURE_SIDE ||
         width * height * 3 > MAX_PICTURE_SAMPLES)
         return lf_error_set(err, LF_E_ARG, path,
-                            "a quilt of %dx%d views of %dx%d pixels is too large for one picture "
-                            "(write a folder of views: OUT/)",
+                            "a quilt of %dx%d views of %dx%d pixels is too large for one image; "
+                            "write a folder of views (OUT/)",
                             layout->columns, layout->rows, layout->view_width, layout->view_height);
     return LF_OK;
 }
@@ -31,14 +31,15 @@ lf_status output_quilt_path(const char *path, const lf_layout *layout, char **ou
         return status;
     if (lf_layout_from_name(path, &columns, &rows, &aspect)) {
         if (columns != layout->columns || rows != layout->rows)
+            return lf_error_set(err, LF_E_ARG, path,
+                                "the name says %dx%d tiles, but the quilt has %dx%d; change the "
+                                "name or set --quilt",
+                                columns, rows, layout->columns, layout->rows);
+        if (aspect > 0 && fabs(aspect - layout->aspect) > 0.01 * layout->aspect)
             return lf_error_set(
                 err, LF_E_ARG, path,
-                "the name says %dx%d tiles, but the quilt has %dx%d (--quilt changes them)",
-                columns, rows, layout->columns, layout->rows);
-        if (aspect > 0 && fabs(aspect - layout->aspect) > 0.01 * layout->aspect)
-            return lf_error_set(err, LF_E_ARG, path,
-                                "the name says an aspect of %g, but the views have %g", aspect,
-                                layout->aspect);
+                "the name says aspect %g, but the views have %g; change the name or the aspect",
+                aspect, layout->aspect);
         *out_path = lf_strdup(path);
     } else {
         *out_path = lf_layout_name(path, layout);
@@ -61,7 +62,7 @@ static lf_status write_png(const lf_output_request *request, const lf_output_sou
     return status;
 }
 
-/* Which carries no attributes: what made a picture that is passed on is nobody's business. */
+/* Without attributes, because pictures to share should not reveal how they were made. */
 static lf_status write_jpeg(const lf_output_request *request, const lf_output_source *source,
                             lf_outfile *file, lf_error *err)
 {

@@ -1,5 +1,5 @@
-/* Views and their depth, side by side in one picture: the middle one, for players that make views
- * of it, or all, as a quilt beside a quilt. */
+/* Views and their depth in one picture: the middle view, for players that synthesise views from it,
+ * or all views, as two quilts side by side. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +16,7 @@ static const char *const sides[] = {[LF_RGBD_RIGHT] = "right",
                                     [LF_RGBD_TOP] = "top",
                                     [LF_RGBD_BOTTOM] = "bottom",
                                     NULL};
+static const char *const inversions[] = {"off", "on", NULL};
 static const char *const near_ends[] = {"white", "black", NULL};
 static const char *const extents[] = {"middle", "quilt", NULL};
 
@@ -24,20 +25,24 @@ static const char *const extents[] = {"middle", "quilt", NULL};
 /* clang-format off */
 const lf_param lf_rgbd_params[] = {
     {.name = "side", .option = "rgbd", .argument = "SIDE", PLACE(side), .type = LF_PARAM_WORD,
-     .words = sides, .help = "the middle view, its depth on this side of it, into OUT.png",
-     .about = "side on which the depth lies beside the middle view"},
+     .words = sides, .help = "write the middle view with its depth on this side to OUT.png",
+     .about = "side of the middle view on which its depth is"},
     {.name = "of", .option = "rgbd-of", .argument = "middle|quilt", PLACE(is_quilt),
      .type = LF_PARAM_WORD, .words = extents,
-     .help = "of what: the middle view, or all views, as a quilt beside a quilt of depth"},
-    {.name = "near_is", .option = "near-is", .argument = "COLOUR", PLACE(near_is_black),
-     .type = LF_PARAM_WORD, .words = near_ends, .help = "what near is in the depth of --rgbd",
-     .about = "colour of what is near in the depth"},
+     .help = "write the middle view, or a quilt next to a quilt of depth"},
+    {.name = "depth_inversion", .option = "depth-inversion", .argument = "off|on",
+     PLACE(near_is_black), .type = LF_PARAM_WORD, .words = inversions,
+     .help = "on: near is black and far is white in the depth of --rgbd (off)",
+     .about = "on: near is black and far is white in the depth"},
+    {.name = "near_is", .option = "near-is", .former = "depth-inversion", .argument = "COLOUR",
+     PLACE(near_is_black), .type = LF_PARAM_WORD, .words = near_ends,
+     .about = "former name of depth_inversion: black is on, white is off"},
     {.name = "near", .option = "near", .argument = "Z", PLACE(near), .low = 1e-9, .high = 1e9,
-     .help = "distance along the view axis that is as near as --rgbd tells",
-     .about = "distance along the view axis that is as near as the depth tells"},
+     .help = "distance along the view axis that gets the nearest depth value of --rgbd",
+     .about = "distance along the view axis that gets the nearest depth value"},
     {.name = "far", .option = "far", .argument = "Z", PLACE(far), .low = 1e-9, .high = 1e9,
-     .help = "the same of what is far",
-     .about = "distance along the view axis that is as far as the depth tells"},
+     .help = "distance along the view axis that gets the farthest depth value of --rgbd",
+     .about = "distance along the view axis that gets the farthest depth value"},
     {0},
 };
 /* clang-format on */
@@ -50,14 +55,14 @@ lf_status lf_rgbd_check(const lf_rgbd_options *rgbd, const char *where, lf_error
     return LF_OK;
 }
 
-/* Views with what is known of their pixels. */
+/* Views with depth and coverage. */
 typedef struct depth_views {
     const lf_views32 *views;
-    int middle, depth, coverage; /* the view; channels of the layers */
-    int columns, rows;           /* tiles of the picture's halves; of one, the middle view */
+    int middle, depth, coverage; /* middle view; channels of depth and coverage in the layers */
+    int columns, rows;           /* tiles of each half of the picture; 1 x 1 for the middle view */
 } depth_views;
 
-/* The view whose tile lies there, rows from the top; -1: none. */
+/* The view of this tile, rows from the top; -1: none. */
 static int view_at(const depth_views *v, int column, int row)
 {
     if (v->columns * v->rows == 1)
@@ -92,7 +97,7 @@ static lf_status open_views(const lf_output_request *request, const lf_output_so
         out->coverage = find_channel(layers, names[1]);
     }
     if (out->depth < 0 || out->coverage < 0)
-        return lf_error_set(err, LF_E_ARG, request->path, "the picture has no depth");
+        return lf_error_set(err, LF_E_ARG, request->path, "the image has no depth");
     return LF_OK;
 }
 
@@ -104,15 +109,15 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The mean of 1/Z over a pixel's rays, 0 for those that meet nothing: chance hits at the rim of a
- * cloud do not stand out. */
+/* The mean of 1/Z over a pixel's rays, 0 for rays that meet nothing. Chance hits at the rim of a
+ * cloud then stay inconspicuous. */
 static double nearness_of(const depth_views *v, const float *at)
 {
     const float depth = at[v->depth];
     return depth > 0.0f ? (double)at[v->coverage] / (double)depth : 0;
 }
 
-/* Of pixels that are covered by more than this; how many. */
+/* Collects the nearness of pixels with coverage over `least`; returns their number. */
 static size_t collect(const depth_views *v, float least, double *out)
 {
     const lf_layers32 *layers = v->views->layers;
@@ -130,14 +135,14 @@ typedef struct nearness_range {
     double near, far; /* near >= far */
 } nearness_range;
 
-/* Of n in their order, the one that a share of them is below; 0 of none. */
+/* The value below which a share of n sorted values is; 0 for none. */
 static double quantile(const double *sorted, size_t n, double share)
 {
     return n > 0 ? sorted[lround(share * (double)(n - 1))] : 0;
 }
 
-/* What the options say, else without the extremes of what is there: one pixel's noise must not
- * take the codes of all others. */
+/* The range from the options, otherwise measured without the extremes: the noise of one pixel must
+ * not use up the codes of all others. */
 static lf_status find_range(const lf_output_request *request, const depth_views *v,
                             nearness_range *out, lf_error *err)
 {
@@ -168,7 +173,7 @@ static uint8_t code_of(const nearness_range *range, double nearness)
 
 /* ----------------------------------------------------------------------------------- picture -- */
 
-/* The depth of one view; far where there is none. */
+/* Draws the depth of one view; far for an unused tile. */
 static void draw_depth(const depth_views *v, int view, const nearness_range *range,
                        bool near_is_black, uint8_t *out, size_t stride)
 {
@@ -211,7 +216,7 @@ static lf_status draw(const lf_output_request *request, const lf_output_source *
         lf_image8_init(image, above ? width : 2 * width, above ? 2 * height : height, 3);
     if (status != LF_OK)
         return lf_error_set(err, LF_E_NOMEM, request->path,
-                            "no memory for two pictures of %dx%d pixels", width, height);
+                            "out of memory for two images of %dx%d pixels", width, height);
     const size_t second = above ? (size_t)height * image->stride : (size_t)width * 3;
     uint8_t *depth = image->data + (depth_first ? 0 : second),
             *colour = image->data + (depth_first ? second : 0);
@@ -227,7 +232,7 @@ static lf_status draw(const lf_output_request *request, const lf_output_source *
     return status;
 }
 
-/* So that codes can be read as distances. */
+/* Attributes for converting codes to distances. */
 static void add_distance(output_attributes *attributes, const char *key, double nearness)
 {
     int i = attributes->n;
@@ -265,7 +270,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
 static const char *const endings[] = {".png", NULL};
 
 const lf_output_kind lf_output_rgbd = {.name = "rgbd",
-                                       .what = "a picture with depth",
+                                       .what = "an image with depth",
                                        .endings = endings,
                                        .option = "rgbd",
                                        .layers = LAYERS,

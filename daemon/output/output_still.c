@@ -1,4 +1,4 @@
-/* One view as a plain picture: the middle one, under the name that it was given. */
+/* The middle view as a plain picture, under the given name. */
 #include "base/alloc.h"
 #include "daemon/output/output_internal.h"
 
@@ -10,7 +10,8 @@ lf_status output_still_path(const char *path, const lf_layout *layout, char **ou
     (void)layout;
     if (lf_layout_from_name(path, &columns, &rows, &aspect) && (columns != 1 || rows != 1))
         return lf_error_set(err, LF_E_ARG, path,
-                            "the name says %dx%d tiles, but it is one view alone", columns, rows);
+                            "the name says %dx%d tiles, but the image is one view; change the name",
+                            columns, rows);
     *out_path = lf_strdup(path);
     return *out_path ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
 }
@@ -33,7 +34,7 @@ static lf_status write_files(const lf_output_request *request, const lf_output_s
 }
 
 const lf_output_kind lf_output_still = {.name = "still",
-                                        .what = "a picture of one view",
+                                        .what = "an image of one view",
                                         .endings = output_quilt_endings,
                                         .option = "still",
                                         .n_files = 1,

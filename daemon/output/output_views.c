@@ -27,7 +27,7 @@ static char *png_name(const char *folder, int i)
     return name_of(folder, i, ".png");
 }
 
-/* The number in "view_NNN" with this ending, else -1. */
+/* The number in "view_NNN" with this ending, otherwise -1. */
 static int view_number(const char *name, const char *ending)
 {
     uint64_t number;
@@ -38,8 +38,8 @@ static int view_number(const char *name, const char *ending)
     return strcmp(name, again) == 0 ? (int)number : -1;
 }
 
-/* Views numbered n and above, and those of the other kind, would make another light field of the
- * folder: they are counted, or removed. */
+/* Counts or removes views numbered n and above, and views of the other kind: with them the folder
+ * would be another light field. */
 static int surplus(const char *folder, int n, const char *ending, const char *other, bool remove)
 {
     DIR *dir = opendir(folder);

@@ -13,10 +13,10 @@ typedef struct run {
     float *film;
     int n_views, height;
     bool goes_on;            /* the film was not empty */
-    double before;           /* passes that it held, which are no news */
-    lf_asked at;             /* of passes that go on */
-    int64_t passes;          /* whole ones so far */
-    atomic_llong row_passes; /* summed over rows, those under way included */
+    double before;           /* passes it held, which are not new progress */
+    lf_asked at;             /* state for continued passes */
+    int64_t passes;          /* complete passes so far */
+    atomic_llong row_passes; /* summed over rows, including passes in progress */
     double start, cpu_start;
     double target_fraction;
     lf_render_progress_fn progress;
@@ -57,9 +57,9 @@ static void row_done(void *context, int passes, int worker)
         report(r);
 }
 
-/* Pairs of whole cycles are what lf_renderer_passes makes of any number of passes, but for the
- * rest, so that the film is the same as after a single call of it; with features, whose visits grow
- * with what was given, it is what these calls make. */
+/* lf_renderer_passes divides any number of passes into pairs of whole cycles, except for the rest.
+ * Calling it per pair therefore gives the same film as a single call. With features, whose visits
+ * grow with the passes so far, the film is defined by these calls. */
 static lf_status add(run *r, int64_t n_passes, bool split)
 {
     int64_t cycles = 2 * (int64_t)r->n_views;
@@ -87,8 +87,8 @@ static lf_status run_passes(run *r)
     return status;
 }
 
-/* Short visits cost more a pass than whole cycles (B and q are refreshed in each), so the rest is
- * not halved into crumbs. */
+/* Short visits cost more per pass than whole cycles, since each refreshes B and q. The rest is
+ * therefore not divided further. */
 static lf_status run_time(run *r, double seconds, double start, double (*clock_now)(void))
 {
     double spent = r->passes > 0 ? clock_now() - start : 0;
@@ -103,12 +103,12 @@ static lf_status run_time(run *r, double seconds, double start, double (*clock_n
     return status;
 }
 
-/* Looks at the error are taken at passes fixed beforehand, each half as many again as the one
- * before. The chance that any of LOOKS looks stops too early is LF_ERROR_ALPHA: every look has its
+/* The error is checked at predefined numbers of passes, each half as many again as the one before.
+ * The chance that any of LOOKS checks stops too early is LF_ERROR_ALPHA; each check has an equal
  * share. */
 enum { LOOKS = 40 };
 
-/* The estimate of what the target is of, and its bound; negative: not known. */
+/* Estimates the target's error and its bound; negative: unknown. */
 static lf_status look(run *r, double *out_estimate, double *out_bound)
 {
     const double alpha = LF_ERROR_ALPHA / LOOKS;
@@ -142,22 +142,21 @@ static lf_status run_target(run *r, double target)
         if (status != LF_OK)
             break;
         reached = bound >= 0 && bound <= target;
-        /* the error falls as one over the passes, so that this is the share of the passes that will
-         * be needed */
+        /* the error falls as 1 / passes, so this is the finished share of the passes needed */
         r->target_fraction = estimate > 0 ? target / estimate : 0;
         report(r);
     }
     return status;
 }
 
-/* What was spent before is as if it had been spent just now. */
+/* Counts the earlier cost as if it had been spent just now. */
 static void take_up(run *r, const lf_render_times *before)
 {
     r->goes_on = true;
     r->before = (double)before->passes;
     r->start -= before->seconds;
     r->cpu_start -= before->cpu_seconds;
-    if (r->budget->passes > 0) /* those that are not given again are heard of again */
+    if (r->budget->passes > 0) /* passes that are not repeated are reported again */
         return;
     r->passes = before->passes;
     atomic_store_explicit(&r->row_passes, before->passes * r->height, memory_order_relaxed);
@@ -193,8 +192,8 @@ lf_status lf_render_gather(lf_renderer *renderer, const lf_budget *budget, lf_es
     } else if (budget->cpu_seconds > 0) {
         status = run_time(&r, budget->cpu_seconds, r.cpu_start, lf_time_cpu);
     } else {
-        assert(budget->target_error > 0 || budget->target_shown_error > 0);
-        status = run_target(&r, fmax(budget->target_error, budget->target_shown_error));
+        assert(budget->target_error > 0 || budget->target_denoised_error > 0);
+        status = run_target(&r, fmax(budget->target_error, budget->target_denoised_error));
     }
     if (status == LF_E_CANCELLED)
         r.passes = atomic_load_explicit(&r.row_passes, memory_order_relaxed) / r.height;
@@ -262,7 +261,7 @@ static json_t *real_or_null(double value)
     return value >= 0 && isfinite(value) ? json_real(value) : json_null();
 }
 
-/* Of the estimator's answer, and of the reconstructed picture where there is one. */
+/* Errors of the estimator's answer, and of the reconstructed picture if there is one. */
 static void set_errors(json_t *object, const lf_render_report *report, double resolved)
 {
     double error, shown,
@@ -273,6 +272,8 @@ static void set_errors(json_t *object, const lf_render_report *report, double re
     json_object_set_new(object, "rel_mse_bound", real_or_null(bound));
     json_object_set_new(object, "error", bound >= 0 ? real_or_null(error) : json_null());
     json_object_set_new(object, "error_bound", real_or_null(bound));
+    json_object_set_new(object, "denoised_error", real_or_null(shown));
+    json_object_set_new(object, "denoised_error_bound", real_or_null(shown_bound));
     json_object_set_new(object, "shown_error", real_or_null(shown));
     json_object_set_new(object, "shown_error_bound", real_or_null(shown_bound));
 }
@@ -309,8 +310,8 @@ bool lf_render_warn_of_cut(const lf_render_stats *stats, const char *where)
     if (!(cut > least))
         return false;
     lf_log(LF_LOG_WARNING,
-           "%s: up to %.2g %% of the scattered light is missing: paths end after max_depth = %d "
-           "vertices; give a greater max_depth",
+           "%s: up to %.2g %% of the scattered light is missing, because paths end after max_depth "
+           "= %d vertices; raise max_depth",
            where, 100.0 * cut, stats->max_depth);
     return true;
 }
@@ -335,6 +336,8 @@ json_t *lf_render_report_json(const lf_render_report *report)
                                        "rel_mse_bound",
                                        "error",
                                        "error_bound",
+                                       "denoised_error",
+                                       "denoised_error_bound",
                                        "shown_error",
                                        "shown_error_bound",
                                        "rays_traced",

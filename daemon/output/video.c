@@ -20,11 +20,11 @@
 #include "daemon/output/output_internal.h"
 
 #define PROGRAM "ffmpeg"
-#define FILE_FD 3 /* of ffmpeg: what it writes into */
+#define FILE_FD 3 /* ffmpeg's descriptor of the output file */
 #define LOOK_MS 50
 #define NAP_MS 5
 #define MOST_OF_H264 4096
-#define LOOPS 2 /* in an MP4 of a loop: not every player begins again */
+#define LOOPS 2 /* repetitions in an MP4 loop, because not every player loops */
 
 /* ----------------------------------------------------------------------------------- options -- */
 
@@ -36,16 +36,16 @@ static const char *const formats[] = {"yuv420p", "yuv444p", NULL};
 /* clang-format off */
 const lf_param lf_video_params[] = {
     {.name = "fps", .option = "fps", .argument = "N", PLACE(fps), .low = 1, .high = 240,
-     .initial = 30, .help = "frames of a video in a second"},
+     .initial = 30, .help = "frames per second of a video"},
     {.name = "codec", .option = "codec", .argument = "NAME", PLACE(codec), .type = LF_PARAM_WORD,
-     .words = codecs, .help = "how a video is compressed"},
+     .words = codecs, .help = "video codec"},
     {.name = "pixel_format", .option = "pixel-format", .argument = "NAME", PLACE(is_444),
      .type = LF_PARAM_WORD, .words = formats,
-     .help = "colours of 2x2 pixels together, which players take, or of each"},
+     .help = "chroma format; most players accept only yuv420p"},
     {.name = "crf", .option = "crf", .argument = "N", PLACE(crf), .type = LF_PARAM_WHOLE,
-     .high = 51, .initial = 18, .help = "how much a video may lose, 0 to 51"},
+     .high = 51, .initial = 18, .help = "quality of a video, from 0 (best) to 51 (worst)"},
     {.option = "wiggle", PLACE(wiggle), .type = LF_PARAM_SWITCH,
-     .help = "a loop to share, through the views and back: OUT.gif or OUT.mp4"},
+     .help = "write a loop through the views and back to OUT.gif or OUT.mp4"},
     {0},
 };
 /* clang-format on */
@@ -102,18 +102,18 @@ lf_status lf_video_check(const lf_video_options *options, const lf_layout *layou
     int width = layout->columns * layout->view_width, height = layout->rows * layout->view_height;
     if (!options->is_444 && !options->wiggle && (width % 2 != 0 || height % 2 != 0))
         return lf_error_set(err, LF_E_ARG, path,
-                            "a picture of %dx%d pixels has an odd side, which yuv420p has not: "
-                            "--view-size %dx%d (or --pixel-format yuv444p)",
+                            "yuv420p cannot hold an image of %dx%d pixels, which has an odd side; "
+                            "use --view-size %dx%d or --pixel-format yuv444p",
                             width, height, layout->view_width + width % 2,
                             layout->view_height + height % 2);
     *out_warning = NULL;
     if (lf_path_has_ending(path, ".gif"))
         return LF_OK;
     if (options->codec == LF_CODEC_H264 && (width > MOST_OF_H264 || height > MOST_OF_H264))
-        *out_warning = "more than 4096 pixels a side: few players take that of H.264 (--codec h265 "
-                       "goes up to 8192)";
+        *out_warning = "more than 4096 pixels on a side, which few H.264 players accept; use "
+                       "--codec h265 (up to 8192)";
     else if (options->is_444)
-        *out_warning = "yuv444p: most players take yuv420p alone";
+        *out_warning = "most players accept only yuv420p; use --pixel-format yuv420p";
     return LF_OK;
 }
 
@@ -124,14 +124,14 @@ struct lf_video {
     const lf_cancel *cancel;
     pid_t pid; /* 0: it has ended */
     int pipe;  /* its standard input */
-    int said;  /* its standard error, a file in memory */
+    int said;  /* its standard error, a memory file */
     uint8_t *row;
     bool wiggles, is_gif;
-    int stopped_ms; /* for which it was waited for in vain, of a stop */
-    bool told;      /* that it is stopped */
+    int stopped_ms; /* time spent waiting for the stopped process */
+    bool told;      /* the stop was reported */
 };
 
-/* Out of the way of the descriptors that ffmpeg is to have. */
+/* Moves fd above the descriptors that ffmpeg gets. */
 static int raised(int fd)
 {
     int higher = fd < 0 ? -1 : fcntl(fd, F_DUPFD_CLOEXEC, FILE_FD + 1);
@@ -146,7 +146,7 @@ static int spawn(lf_video *video, int input, int file, const char *const words[]
     return lf_spawn(PROGRAM, fds, FILE_FD + 1, words, environ, &video->pid);
 }
 
-/* Words of a command line; what does not fit is a mistake of ours. */
+/* The words of a command line; too many are a programming error. */
 typedef struct words {
     int n;
     const char *list[64];
@@ -160,21 +160,21 @@ static void add(words *w, const char *const more[])
     }
 }
 
-/* Codes are sRGB's and players take them as BT.709's, whose matrix is then the one to use. */
+/* Codes are sRGB; players treat them as BT.709, so that matrix is used. */
 #define TO_BT709 "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int"
-/* One palette for all frames. Errors in a fixed pattern do not crawl from frame to frame as
- * diffused ones do. */
+/* One palette for all frames. Ordered dithering does not crawl from frame to frame as error
+ * diffusion does. */
 #define TO_PALETTE                                                                                 \
     "split[a][b];[a]palettegen=stats_mode=full[p];[b][p]paletteuse=dither=bayer:bayer_scale=3"
 
-/* How wide the pixels of a view alone are meant; 1: square, and those of a quilt always. */
+/* Pixel aspect of single views; 1: square, as always for quilts. */
 static double pixel_aspect(const lf_layout *layout)
 {
     const double wide = layout->aspect * layout->view_height / layout->view_width;
     return layout->n_views == 1 && fabs(wide - 1.0) > 2e-3 ? wide : 1.0;
 }
 
-/* Of a loop: many a page that shows them knows square pixels alone, and no large GIFs. */
+/* For loops: many web pages support only square pixels and small GIFs. */
 static void put_loop_filters(const lf_video *video, const lf_layout *layout,
                              const lf_video_options *o, char *out, size_t size)
 {
@@ -264,7 +264,8 @@ static lf_status begin_program(lf_video *video, const lf_layout *layout,
 {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
-        return lf_error_set(err, LF_E_IO, PROGRAM, "no pipe: %s", lf_errno_text(errno));
+        return lf_error_set(err, LF_E_IO, PROGRAM, "cannot create a pipe: %s",
+                            lf_errno_text(errno));
     int input = raised(ends[0]), file = fcntl(video->file.fd, F_DUPFD_CLOEXEC, FILE_FD + 1);
     video->pipe = raised(ends[1]);
     video->said = raised(memfd_create(PROGRAM, MFD_CLOEXEC));
@@ -278,7 +279,7 @@ static lf_status begin_program(lf_video *video, const lf_layout *layout,
         close(file);
     if (failed == ENOENT)
         return lf_error_set(err, LF_E_IO, PROGRAM,
-                            "is not in PATH: videos are made by it (the package is called ffmpeg)");
+                            "is not in PATH; install the package ffmpeg, which writes videos");
     return failed
                ? lf_error_set(err, LF_E_IO, PROGRAM, "cannot be started: %s", lf_errno_text(failed))
                : LF_OK;
@@ -294,9 +295,9 @@ static lf_status cancelled(const lf_video *video, lf_error *err)
     return lf_error_set(err, LF_E_CANCELLED, video->file.path, "cancelled");
 }
 
-/* After so long in which it took nothing and did not end. However slow a machine is, nothing
- * happens in a program that a signal has stopped; what counts is our own waiting, in which we were
- * not stopped ourselves. */
+/* Fails if ffmpeg has been stopped by a signal for too long. However slow a machine is, a stopped
+ * program makes no progress. Only our own waiting counts, so time in which quiltd itself was
+ * stopped does not. */
 static lf_status check_stopped(lf_video *video, int waited_ms, lf_error *err)
 {
     siginfo_t info = {0};
@@ -306,18 +307,18 @@ static lf_status check_stopped(lf_video *video, int waited_ms, lf_error *err)
         return LF_OK;
     }
     if (!video->told)
-        lf_log(LF_LOG_WARNING, PROGRAM " is stopped (signal %d); waiting for it to go on",
+        lf_log(LF_LOG_WARNING, PROGRAM " is stopped (signal %d); waiting for it to continue",
                info.si_status);
     video->told = true;
     video->stopped_ms += waited_ms;
     return video->stopped_ms < LF_VIDEO_STOPPED_S * 1000
                ? LF_OK
                : lf_error_set(err, LF_E_TIMEOUT, PROGRAM,
-                              "has been stopped (signal %d) for %d s: the video is given up",
+                              "has been stopped (signal %d) for %d s, so the video is abandoned",
                               info.si_status, LF_VIDEO_STOPPED_S);
 }
 
-/* It has ended: well, or with the first line of what it said. */
+/* Judges its exit: success, or an error with the first line of its output. */
 static lf_status judge(const lf_video *video, int ending, lf_error *err)
 {
     char text[400], how[48];
@@ -333,7 +334,7 @@ static lf_status judge(const lf_video *video, int ending, lf_error *err)
     return lf_error_set(err, LF_E_IO, PROGRAM, "%s%s%s", how, text[0] ? ": " : "", text);
 }
 
-/* Until it has ended; how is its own affair (judge). */
+/* Waits until it has ended; judge() interprets how. */
 static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
 {
     for (;;) {
@@ -341,7 +342,8 @@ static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
         if (got == video->pid)
             break;
         if (got < 0 && errno != EINTR)
-            return lf_error_set(err, LF_E_IO, PROGRAM, "is lost: %s", lf_errno_text(errno));
+            return lf_error_set(err, LF_E_IO, PROGRAM, "cannot be waited for: %s",
+                                lf_errno_text(errno));
         if (is_cancelled(video))
             return cancelled(video, err);
         nanosleep(&(struct timespec){.tv_nsec = NAP_MS * 1000000}, NULL);
@@ -353,7 +355,7 @@ static lf_status await_end(lf_video *video, int *out_ending, lf_error *err)
     return LF_OK;
 }
 
-/* No more frames: what came of it. */
+/* Ends the stream of frames and returns ffmpeg's result. */
 static lf_status close_pipe(lf_video *video, lf_error *err)
 {
     int ending = 0;
@@ -363,7 +365,7 @@ static lf_status close_pipe(lf_video *video, lf_error *err)
     return status == LF_OK ? judge(video, ending, err) : status;
 }
 
-/* It reads no more. */
+/* ffmpeg no longer reads: explains why. */
 static lf_status explain(lf_video *video, lf_error *err)
 {
     lf_status status = close_pipe(video, err);

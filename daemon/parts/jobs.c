@@ -7,8 +7,7 @@
 
 #define PROGRESS_USEC 250000
 #define MAX_JOBS 8
-/* Of those that wait: of all, so that others are never kept out by them; without their clients; and
- * of one client. */
+/* Limits of waiting jobs: in total, so that others are never kept out; detached; and per client. */
 #define MOST_WAITING 6
 #define MOST_DETACHED 4
 #define MOST_OF_CLIENT 2
@@ -96,7 +95,7 @@ bool lf_jobs_at(const lf_jobs *jobs, int i, lf_job_told *out)
     return job;
 }
 
-/* Of a detached job nobody else may hear. */
+/* Nobody else may hear about a detached job. */
 static void log_lost(const lf_job *job)
 {
     if (!job->asked.asker.detached || job->status == LF_OK)
@@ -107,7 +106,7 @@ static void log_lost(const lf_job *job)
 
 /* ---------------------------------------------------------------------------------- the ends -- */
 
-/* The job's end, whichever way it came. */
+/* Ends a job, whatever its outcome. */
 static void end_job(lf_job *job)
 {
     lf_jobs *jobs = job->jobs;
@@ -143,11 +142,11 @@ lf_status lf_jobs_cancel(lf_jobs *jobs, int64_t id, lf_error *err)
             return LF_OK;
         }
     }
-    return lf_error_set_at(err, LF_E_ARG, "job.cancel", 0, "/job", "there is no job %lld",
-                           (long long)id);
+    return lf_error_set_at(err, LF_E_ARG, "job.cancel", 0, "/job",
+                           "there is no job %lld; status lists the jobs", (long long)id);
 }
 
-/* What is written by name has begun, and ends soon: the client may have left because it knows. */
+/* An export by name that has begun ends soon; its client may have left because it knows this. */
 static bool ends_with_client(const lf_job *job)
 {
     return !job->asked.asker.detached && (!job->started || job->asked.folder_fd < 0);
@@ -219,14 +218,14 @@ static void start(lf_job *job)
     }
 }
 
-/* Whether the picture is as good as it waits for. */
+/* True if the picture has the level that the export waits for. */
 static bool may_start(const lf_jobs *jobs, const lf_export *what)
 {
     lf_engine_status now;
     if (lf_export_is_drawn(what))
         return true;
     lf_engine_get_status(jobs->home.engine, &now);
-    /* A scene that moves meanwhile is waited for again. */
+    /* If the scene has changed meanwhile, waits for the new generation. */
     return now.generation >= what->generation && now.level >= what->wait;
 }
 
@@ -248,7 +247,10 @@ lf_status lf_jobs_check_room(const lf_jobs *jobs, int others, lf_error *err)
         n++;
     return n < MAX_JOBS
                ? LF_OK
-               : lf_error_set(err, LF_E_BUSY, "export", "%d jobs are waiting or running", MAX_JOBS);
+               : lf_error_set(
+                     err, LF_E_BUSY, "export",
+                     "%d jobs are waiting or running already; try again when one has ended",
+                     MAX_JOBS);
 }
 
 lf_status lf_jobs_check_wait(const lf_jobs *jobs, const lf_export *what, lf_error *err)
@@ -264,15 +266,17 @@ lf_status lf_jobs_check_wait(const lf_jobs *jobs, const lf_export *what, lf_erro
     if (may_start(jobs, what))
         return LF_OK;
     if (of_client >= MOST_OF_CLIENT)
-        return lf_error_set(err, LF_E_BUSY, "export",
-                            "%d exports of this client are waiting already (job.cancel ends one)",
-                            MOST_OF_CLIENT);
+        return lf_error_set(
+            err, LF_E_BUSY, "export",
+            "%d exports of this client are waiting already; end one with job.cancel",
+            MOST_OF_CLIENT);
     if (what->asker.detached && detached >= MOST_DETACHED)
         return lf_error_set(err, LF_E_BUSY, "export",
-                            "%d detached exports are waiting already (job.cancel ends one)",
+                            "%d detached exports are waiting already; end one with job.cancel",
                             MOST_DETACHED);
     if (waiting >= MOST_WAITING)
-        return lf_error_set(err, LF_E_BUSY, "export", "%d exports are waiting already",
+        return lf_error_set(err, LF_E_BUSY, "export",
+                            "%d exports are waiting already; try again when one has ended",
                             MOST_WAITING);
     return LF_OK;
 }

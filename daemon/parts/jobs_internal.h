@@ -1,5 +1,4 @@
-/* The inside of jobs.h, shared by jobs.c (the event thread's side) and jobs_write.c (what a job
- * does on its own thread). */
+/* Internals of jobs.h, shared by jobs.c (event thread) and jobs_write.c (a job's thread). */
 #ifndef LF_DAEMON_JOBS_INTERNAL_H
 #define LF_DAEMON_JOBS_INTERNAL_H
 
@@ -14,13 +13,13 @@ typedef struct lf_job {
     int64_t id;
     lf_export asked;
     bool started;
-    int told; /* progress told last, in permille */
+    int told; /* last reported progress, in permille */
     sd_event_source *timer;
     pthread_t thread;
     lf_cancel cancel;
     atomic_int permille;
-    /* the thread's until it has ended */
-    char *final; /* name written */
+    /* owned by the job's thread until it has ended */
+    char *final; /* name of the written file */
     lf_status status;
     lf_error err;
 } lf_job;
@@ -32,7 +31,7 @@ struct lf_jobs {
     lf_job *first; /* the newest */
 };
 
-/* Writes what is asked for; the job's status, err and final say what became of it. */
+/* Writes the export; the job's status, err and final hold the outcome. */
 void lf_job_write(lf_job *job);
 
 #endif

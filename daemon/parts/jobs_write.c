@@ -25,12 +25,12 @@ static char *last_part(const char *path)
     return part ? memcpy(part, path + at, n - at) : NULL;
 }
 
-/* Where it is written: the folder's name, and that of a folder of views, may lead elsewhere by
+/* The destination through held descriptors, because the names of its folders may lead elsewhere by
  * now. */
 typedef struct destination {
     char *path;       /* to be written */
-    const char *told; /* what errors call it */
-    char *name;       /* in the folder that is held */
+    const char *told; /* name for errors */
+    char *name;       /* name inside the held folder */
     int views_fd;
     bool made; /* the folder of views */
 } destination;
@@ -41,7 +41,7 @@ static size_t folder_length(const char *path)
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
-/* Errors name the folder that was asked for, not the one that is held. */
+/* Replaces the held folder's path in an error by the requested one. */
 static void tell_asked_for(lf_error *err, const char *held, const char *asked)
 {
     size_t n = folder_length(held);
@@ -86,12 +86,12 @@ static lf_status destination_init(lf_job *job, const char *path, destination *ou
     return status;
 }
 
-/* snapshot NULL: of a kind that is drawn. */
+/* snapshot NULL: for a kind that is drawn. */
 static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
 {
     static const lf_content nothing;
     const lf_content *content = snapshot ? snapshot->content : &nothing;
-    /* The picture may have changed since the call: the name is settled again. */
+    /* The picture may have changed since the call, so the name is determined again. */
     lf_status status =
         lf_output_path(job->asked.kind, job->asked.file, &content->layout, &job->final, &job->err);
     if (status != LF_OK)
@@ -123,7 +123,7 @@ static lf_status write_snapshot(lf_job *job, const lf_snapshot *snapshot)
         .progress = on_progress,
         .context = job,
     };
-    job->asked.n_fds = 0; /* taken over whatever comes of it */
+    job->asked.n_fds = 0; /* ownership was taken, also on failure */
     status = lf_output_write(&request, snapshot ? &snapshot->source : NULL, &job->err);
     json_decref(settings);
     destination_finish(job, &to, status);
@@ -154,7 +154,7 @@ static lf_status write_state(lf_job *job)
     return status;
 }
 
-/* Errors of descriptors name the file that the client means by them. */
+/* Errors about descriptors get the name of the client's file. */
 static void tell_meant(lf_job *job)
 {
     if (strcmp(job->err.where, "descriptor") == 0)
@@ -171,7 +171,7 @@ void lf_job_write(lf_job *job)
         job->status = write_snapshot(job, NULL);
     } else {
         lf_snapshot snapshot;
-        job->status = lf_engine_snapshot(job->jobs->home.engine, asked->reconstruct,
+        job->status = lf_engine_snapshot(job->jobs->home.engine, asked->denoise,
                                          asked->kind->layers, &snapshot, &job->err);
         if (job->status == LF_OK)
             job->status = write_snapshot(job, &snapshot);

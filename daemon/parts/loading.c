@@ -8,20 +8,20 @@
 #include "base/sandbox/import.h"
 #include "base/thread.h"
 
-/* A client hears of what takes longer than that, so often. */
+/* Interval of progress reports to a client; shorter loads have none. */
 #define TELL_USEC 500000
-/* What is seen under way so often takes longer than a second. */
+/* A load seen in progress this often has taken longer than a second. */
 #define LOOKS_OF_LONG 3
 
 struct lf_loading {
     pthread_mutex_t lock;
-    lf_load_reading reading; /* under lock; path "" = nothing is */
-    /* the event thread's */
+    lf_load_reading reading; /* under lock; path "" = nothing is read */
+    /* owned by the event thread */
     lf_loading_events events;
     void *context;
     lf_loader *loader;
     sd_event_source *timer;
-    lf_load *first; /* those that the loader has, as they were queued */
+    lf_load *first; /* the loader's loads, in order */
     lf_load *last;
 };
 
@@ -58,7 +58,7 @@ static lf_load *find_load(const lf_loading *loading, int64_t id)
     return load;
 }
 
-/* Of one that a button turns to, the loader finds out what it is. */
+/* For a load by a button, the loader determines the file. */
 const char *lf_loading_file(const lf_load *load)
 {
     return load->kind == LF_LOAD_FILE && !load->browsed ? load->file : NULL;
@@ -94,7 +94,7 @@ bool lf_loading_cancel(lf_loading *loading, int64_t id)
     return load;
 }
 
-/* Whoever asked has left. */
+/* True if the client that asked has left. */
 static bool is_vain(const lf_loading *loading, const lf_load *load)
 {
     return loading->events.is_vain(loading->context, load);
@@ -108,7 +108,7 @@ void lf_loading_end_vain(lf_loading *loading)
     lf_loader_drop_cancelled(loading->loader);
 }
 
-/* Whether somebody wants that file instead of what is loaded. */
+/* True if a client wants this file instead of the current load. */
 static bool asks_for_file(const lf_load *load)
 {
     return load->kind == LF_LOAD_FILE && (load->deferred || load->browsed);
@@ -120,10 +120,9 @@ static bool same_file(const lf_load *a, const lf_load *b)
     return file && other && strcmp(file, other) == 0;
 }
 
-/* A load that takes longer than LOOKS_OF_LONG and that nobody waits for makes room. One that
- * somebody asked for who has left makes room for any later one; what nobody asked for (the first
- * scene, a file that changed, a frame that is played) for another file alone. Quick ones are made
- * all the same. */
+/* Cancels long loads (LOOKS_OF_LONG) that nobody waits for. If the client that asked has left, the
+ * load gives way to any later one. A load without a client (the first scene, a changed file, a
+ * played frame) gives way only to another file. Short loads always finish. */
 static void make_room(lf_loading *loading)
 {
     const lf_load *last = NULL, *last_file = NULL;
@@ -144,8 +143,8 @@ static void make_room(lf_loading *loading)
         load->job.looks += atomic_load(&load->job.running) ? 1 : 0;
         if (load->job.looks < LOOKS_OF_LONG || !replaced || atomic_load(&load->job.cancelled))
             continue;
-        lf_log(LF_LOG_INFO, "%s: its load ends for a later one",
-               lf_loading_file(load) ? lf_loading_file(load) : "a change of what is shown");
+        lf_log(LF_LOG_INFO, "%s: the load was cancelled, because a later one replaces it",
+               lf_loading_file(load) ? lf_loading_file(load) : "a change of the scene");
         lf_loader_cancel(loading->loader, load);
     }
 }

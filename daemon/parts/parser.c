@@ -16,8 +16,8 @@ typedef struct long_line {
     lf_task task;
     lf_parser *parser;
     uint64_t client;
-    bool handled; /* it is to be freed */
-    bool good;    /* request is what it says; else answer is what is wrong with it */
+    bool handled; /* on its second way: to be freed */
+    bool good;    /* request is valid; otherwise answer is the error */
     lf_rpc_request request;
     json_t *answer;
     size_t n;
@@ -44,7 +44,7 @@ static void run_line(void *context, lf_task *task)
         line->good = lf_rpc_parse(line->text, line->n, &line->request, &line->answer);
 }
 
-/* At the daemon's end: nobody is answered. */
+/* At the daemon's end: there is no answer. */
 static void drop_line(void *context, lf_task *task)
 {
     long_line *line = (long_line *)(void *)task;
@@ -58,7 +58,8 @@ static lf_client *client_of(const long_line *line)
     return lf_clients_find(line->parser->clients, line->client);
 }
 
-/* Its client says nothing more before it is freed: what was parsed is much larger than its line. */
+/* The client's next line waits until the value is freed, because it is much larger than its
+ * line. */
 static void on_line_freed(void *reader, lf_task *task)
 {
     long_line *line = (long_line *)(void *)task;

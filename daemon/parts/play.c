@@ -6,10 +6,10 @@
 #include "base/log.h"
 #include "base/thread.h"
 
-/* A frame that is not even coarse behind that long is given up for the next. */
+/* A frame that is not coarse after this time is skipped for the next one. */
 #define PATIENCE_SECONDS 3.0
 
-/* A moment that is a frame's own is that frame's, whatever the clock rounds. */
+/* A time exactly at a frame belongs to that frame, despite rounding. */
 #define ROUNDING 1e-6
 
 struct lf_play {
@@ -18,12 +18,12 @@ struct lf_play {
     sd_event_source *timer;
     bool on;
     lf_play_range range;
-    double begun;       /* lf_time_now, of the first frame */
-    int frame;          /* asked for last; below 0: none was */
-    bool on_its_way;    /* to be loaded; then it is … */
-    int64_t generation; /* … this, … */
-    double loaded;      /* … from then on */
-    /* by the panel */
+    double begun;       /* lf_time_now at the first frame */
+    int frame;          /* last frame requested; negative: none */
+    bool on_its_way;    /* its load is in progress; afterwards … */
+    int64_t generation; /* … its generation … */
+    double loaded;      /* … and when it was loaded */
+    /* on the panel */
     int64_t shown;
     lf_level level;
 };
@@ -44,7 +44,7 @@ static void wake_at(const lf_play *play, double time)
     (void)sd_event_source_set_enabled(play->timer, SD_EVENT_ONESHOT);
 }
 
-/* To the frame that is due, if the one before has been shown. */
+/* Requests the frame that is due, if the one before was shown. */
 static void go_on(lf_play *play)
 {
     const lf_play_range *r = &play->range;

@@ -1,6 +1,6 @@
-/* play: frames of a scene one after the other, at the clock's pace, and never more than one on its
- * way. It knows neither the scene nor the server: whoever made it loads the frames that it asks
- * for, and tells what became of them. Everything is the event thread's. */
+/* play: plays frames of a scene in real time, with at most one load in progress. It depends on
+ * neither scene nor server: its owner loads the frames it requests and reports the outcome. Thread:
+ * event. */
 #ifndef LF_DAEMON_PLAY_H
 #define LF_DAEMON_PLAY_H
 
@@ -12,14 +12,14 @@ typedef struct lf_play lf_play;
 
 /* What is played. */
 typedef struct lf_play_range {
-    double rate; /* frames a second */
+    double rate; /* frames per second */
     int from, to;
-    bool once; /* and then stops; else from the beginning again */
+    bool once; /* stop after the last frame; otherwise loop */
 } lf_play_range;
 
 typedef struct lf_play_events {
-    /* This frame is to be loaded; lf_play_loaded is called when that has ended, and not from
-     * within. false: it cannot be, which ends the playing. */
+    /* Load this frame. Call lf_play_loaded when the load has ended, but not from within. False: it
+     * cannot be loaded, which ends the playback. */
     bool (*due)(void *context, int frame);
 } lf_play_events;
 
@@ -28,18 +28,18 @@ LF_NODISCARD lf_status lf_play_create(sd_event *event, const lf_play_events *eve
                                       lf_play **out_play);
 /* Accepts NULL. */
 void lf_play_destroy(lf_play *play);
-/* Plays from now on: the first frame at once, then whichever is due by the clock when the one
- * before is shown coarse, or has taken long. */
+/* Starts playback. The first frame is due at once. The next one is the frame due by the clock, once
+ * the current frame is shown coarse or has taken long. */
 void lf_play_begin(lf_play *play, const lf_play_range *range);
 void lf_play_stop(lf_play *play);
-/* The frame that was due is this generation; err not NULL: it could not be loaded, which ends the
- * playing with a line in the log (LF_E_CANCELLED: without). */
+/* Outcome of the requested frame: its generation. err not NULL: the load failed; playback ends with
+ * a line in the log, without one for LF_E_CANCELLED. */
 void lf_play_loaded(lf_play *play, int64_t generation, const lf_error *err);
-/* The panel shows this generation at that level. */
+/* The panel shows this generation at this level. */
 void lf_play_shown(lf_play *play, int64_t generation, lf_level level);
-/* The file that is played was read again: its frames are others. */
+/* The played file was read again, so its frames have changed. */
 void lf_play_again(lf_play *play);
-/* What is played; NULL: nothing is. */
+/* The current playback; NULL: none. */
 const lf_play_range *lf_play_now(const lf_play *play);
 
 #endif

@@ -4,24 +4,24 @@
 
 #include "base/alloc.h"
 
-/* Presses between two loads count together: who presses faster than scenes load gets to the last
- * one, and a panel whose buttons chatter keeps nothing else from being done. */
+/* Presses between two loads are added up. A user who presses faster than scenes load gets to the
+ * last one, and a panel with bouncing buttons does not block other work. */
 #define MAX_TURNS 1000000
 
 typedef enum reset_state {
     RESET_REST,
     RESET_BUSY,
-    RESET_AGAIN, /* busy, and asked for once more */
+    RESET_AGAIN, /* busy, and requested again */
 } reset_state;
 
 struct lf_presses {
     lf_presses_events events;
     void *context;
-    json_t *camera;    /* the block as the scene's file has it: shared with the scene */
-    char *browsed;     /* where next and previous have come to; NULL = what is shown */
-    bool browsing;     /* a scene that they asked for is being loaded */
-    int turns;         /* presses since that was begun (previous: negative) */
-    reset_state reset; /* the camera on its way back */
+    json_t *camera;    /* camera block of the scene's file, shared with the scene */
+    char *browsed;     /* current position of browsing; NULL = the shown file */
+    bool browsing;     /* a requested scene is being loaded */
+    int turns;         /* presses since that load began (previous: negative) */
+    reset_state reset; /* state of the camera reset */
 };
 
 lf_status lf_presses_create(const lf_presses_events *events, void *context,
@@ -46,7 +46,7 @@ void lf_presses_destroy(lf_presses *presses)
 
 /* ---------------------------------------------------------------------------------- browsing -- */
 
-/* One at a time. The folder is looked at on the loader's thread: it may be large, or on a drive
+/* Loads one file at a time. The loader's thread reads the folder, which may be large or on a drive
  * that does not answer. */
 static void browse(lf_presses *presses, const char *from)
 {
@@ -69,7 +69,7 @@ void lf_presses_turn(lf_presses *presses, int step, const char *shown)
 void lf_presses_browsed(lf_presses *presses, const char *file)
 {
     presses->browsing = false;
-    /* From here on when a button is pressed again, also when this one cannot be shown. */
+    /* Later presses continue from here, also if this file cannot be shown. */
     lf_free(presses->browsed);
     presses->browsed = lf_strdup(file);
     if (presses->turns != 0)
@@ -88,7 +88,7 @@ void lf_presses_file(lf_presses *presses, json_t *camera, bool browsed)
 
 /* --------------------------------------------------------------------------------- resetting -- */
 
-/* One on the way, and one that takes back what came after it, stand for any number. */
+/* One reset in progress and one queued after it are enough for any number of presses. */
 void lf_presses_reset(lf_presses *presses)
 {
     if (presses->reset != RESET_REST)

@@ -1,6 +1,6 @@
-/* presses: what the buttons of a panel have asked for and is not done yet: turning to other files
- * of a folder, one load at a time, and setting the camera back to what its file says. Whoever made
- * them loads, and tells what became of it. Everything is the event thread's. */
+/* presses: pending actions of a panel's buttons: browsing to other files of a folder, one load at a
+ * time, and resetting the camera to that of the file. Its owner loads and reports the outcome.
+ * Thread: event. */
 #ifndef LF_DAEMON_PRESSES_H
 #define LF_DAEMON_PRESSES_H
 
@@ -11,11 +11,11 @@
 typedef struct lf_presses lf_presses;
 
 typedef struct lf_presses_events {
-    /* The file is to be shown that is so many on from this one in its folder; lf_presses_browsed is
-     * called when that has ended, and not from within. false: it cannot be. */
+    /* Show the file `step` places after `from` in its folder. Call lf_presses_browsed when this has
+     * ended, but not from within. False: not possible. */
     bool (*browse)(void *context, const char *from, int step);
-    /* The camera of what is shown is to become what the file says (borrowed); lf_presses_was_reset
-     * is called when that has ended, and not from within. false: it cannot be. */
+    /* Reset the camera to that of the file (borrowed). Call lf_presses_was_reset when this has
+     * ended, but not from within. False: not possible. */
     bool (*reset)(void *context, const json_t *camera);
     /* Frees a value that may be large (NULL: nothing). */
     void (*release)(void *context, json_t *value);
@@ -26,18 +26,17 @@ LF_NODISCARD lf_status lf_presses_create(const lf_presses_events *events, void *
                                          lf_presses **out_presses);
 /* Accepts NULL. */
 void lf_presses_destroy(lf_presses *presses);
-/* The next file (1), or the previous one (-1). shown: the file that is shown, or is to be; NULL:
- * none is. */
+/* Browse to the next file (1) or the previous one (-1). shown: the file that is shown or about to
+ * be; NULL: none. */
 void lf_presses_turn(lf_presses *presses, int step, const char *shown);
-/* The file that was turned to was loaded, or could not be: goes on when buttons were pressed
- * meanwhile. */
+/* The file was loaded, or could not be. Continues if buttons were pressed meanwhile. */
 void lf_presses_browsed(lf_presses *presses, const char *file);
-/* The camera is to be set back; nothing until a file was shown. */
+/* Reset the camera; does nothing until a file was shown. */
 void lf_presses_reset(lf_presses *presses);
-/* It was, or could not be: once more when that was asked for meanwhile. */
+/* The reset has ended or failed. Repeats it if it was requested meanwhile. */
 void lf_presses_was_reset(lf_presses *presses);
-/* A file is shown as it is, its camera (NULL: it has none) is what changes of it are set back to.
- * browsed: a button asked for it. */
+/* A file is shown unchanged. Its camera (NULL: none) is the one that resets restore. browsed:
+ * requested by a button. */
 void lf_presses_file(lf_presses *presses, json_t *camera, bool browsed);
 
 #endif

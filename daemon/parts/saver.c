@@ -16,7 +16,7 @@
 #define SAVE_MORE_USEC 30000000
 
 struct lf_saver {
-    lf_task task; /* the save under way */
+    lf_task task; /* the save in progress */
     lf_saver_home home;
     lf_saver_events events;
     void *context;
@@ -25,14 +25,14 @@ struct lf_saver {
     sd_event_source *timer;
     bool stopping;
     bool busy;
-    lf_saved saved; /* what the newest holds, or will when the save under way has ended */
+    lf_saved saved; /* content of the newest save, including the one in progress */
     pthread_t thread;
-    /* the thread's while busy */
+    /* owned by the thread while busy */
     lf_status status;
     lf_error err;
 };
 
-/* Holds the folder for this daemon alone, until it ends. */
+/* Locks the folder for this daemon until it ends. */
 static lf_status lock_folder(lf_saver *saver, lf_error *err)
 {
     const char *folder = saver->home.folder;
@@ -43,13 +43,10 @@ static lf_status lock_folder(lf_saver *saver, lf_error *err)
     if (flock(saver->folder_fd, LOCK_EX | LOCK_NB) == 0)
         return LF_OK;
     if (errno == EWOULDBLOCK)
-        return lf_error_set(
-            err, LF_E_BUSY, "--state",
-            "%s is another quiltd's, which is still running: each needs a folder of "
-            "its own",
-            folder);
+        return lf_error_set(err, LF_E_BUSY, "--state",
+                            "another running quiltd uses %s; choose another folder", folder);
     /* some network file systems have no locks */
-    lf_log(LF_LOG_WARNING, "--state: %s cannot be locked: %s", folder, lf_errno_text(errno));
+    lf_log(LF_LOG_WARNING, "--state: cannot lock %s: %s", folder, lf_errno_text(errno));
     return LF_OK;
 }
 
@@ -86,7 +83,7 @@ lf_states *lf_saver_states(lf_saver *saver)
     return saver->states;
 }
 
-/* Something is shown that the saved state does not hold. */
+/* True if the accumulation has changed since the last save. */
 static bool has_news(const lf_saver *saver, lf_saved *out_now)
 {
     return saver->states && saver->events.asked(saver->context, out_now) &&
@@ -122,7 +119,7 @@ static void *save_main(void *context)
     return NULL;
 }
 
-/* On a thread; not when one is under way. */
+/* Starts a save on a thread, unless one is in progress. */
 static void save(lf_saver *saver)
 {
     lf_saved now;
@@ -180,8 +177,11 @@ void lf_saver_save_now(lf_saver *saver)
     lf_error err;
     if (!has_news(saver, &now))
         return;
-    sd_notifyf(0, "EXTEND_TIMEOUT_USEC=%d\nSTATUS=saving the accumulation", SAVE_MORE_USEC);
+    sd_notifyf(0,
+               "EXTEND_TIMEOUT_USEC=%d\n"
+               "STATUS=saving the rendering state",
+               SAVE_MORE_USEC);
     lf_status status = saver->events.save(saver->context, &err);
     if (status != LF_OK && (status != LF_E_STATE || now.passes > 0))
-        lf_log(LF_LOG_ERROR, "the accumulation is not saved: %s", err.what);
+        lf_log(LF_LOG_ERROR, "the rendering state was not saved: %s", err.what);
 }

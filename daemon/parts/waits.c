@@ -4,19 +4,19 @@
 
 #include "base/alloc.h"
 
-/* Of one client, at a time. */
+/* Most waits per client. */
 #define MAX_WAITS 64
-/* With those that have left, before it is looked who that is. */
+/* Most waits, including clients that have left, before those are searched for. */
 #define MANY_WAITS 4096
-/* Answered at a time. */
+/* Waits answered per turn. */
 #define WAITS_A_TURN 64
 
 typedef struct entry {
     struct entry *next;
     lf_waits *waits;
     lf_wait wait;
-    sd_event_source *timer; /* NULL: for ever */
-    bool over;              /* to be answered, as soon as there is time */
+    sd_event_source *timer; /* NULL: no timeout */
+    bool over;              /* to be answered at the next turn */
 } entry;
 
 struct lf_waits {
@@ -24,7 +24,7 @@ struct lf_waits {
     lf_waits_events events;
     void *context;
     entry *first;          /* the newest */
-    sd_event_source *more; /* on while some may be over that a turn did not come to */
+    sd_event_source *more; /* on while a turn has left some unchecked */
 };
 
 static lf_wait_state state_of(const entry *e)
@@ -52,7 +52,7 @@ static void fail(entry *e, const lf_error *err, bool scene)
     forget(e);
 }
 
-/* Those of clients that have left end too. Thousands may be over at once: they are answered in
+/* Also ends waits of clients that have left. Thousands may be over at once: they are answered in
  * several turns. */
 void lf_waits_look(lf_waits *waits)
 {
@@ -91,7 +91,7 @@ void lf_waits_fail_files(lf_waits *waits, const lf_error *err)
     }
 }
 
-/* At most so many; true when none is left. */
+/* Fails at most `most` waits; true: none is left. */
 static bool fail_some(lf_waits *waits, const lf_error *err, bool scene, int most)
 {
     for (int n = 0; waits->first && n < most; n++) {
@@ -133,7 +133,7 @@ static int on_late(sd_event_source *source, uint64_t usec, void *context)
     while (*at != e)
         at = &(*at)->next;
     *at = e->next;
-    if (e->over) { /* in time, and not answered yet */
+    if (e->over) { /* reached in time, but not answered yet */
         answer(e);
     } else {
         e->waits->events.late(e->waits->context, &e->wait);
@@ -150,7 +150,8 @@ lf_status lf_waits_add(lf_waits *waits, const lf_wait *wait, lf_error *err)
     for (const entry *other = waits->first; other; other = other->next, all++)
         n += other->wait.client == wait->client ? 1 : 0;
     if (n >= MAX_WAITS)
-        return lf_error_set(err, LF_E_BUSY, "wait", "this client waits %d times already", n);
+        return lf_error_set(err, LF_E_BUSY, "wait",
+                            "this client has %d waits already; end one first", n);
     entry *e = lf_calloc(1, sizeof *e);
     if (!e)
         return lf_error_set(err, LF_E_NOMEM, "wait", "out of memory");
@@ -162,7 +163,7 @@ lf_status lf_waits_add(lf_waits *waits, const lf_wait *wait, lf_error *err)
         return lf_error_set(err, LF_E_NOMEM, "wait", "out of memory");
     }
     waits->first = e;
-    /* many: some have left */
+    /* there are so many that some clients must have left */
     if (all >= MANY_WAITS || state_of(e) != LF_WAIT_ON)
         lf_waits_look(waits);
     lf_waits_look_at_failure(waits);
@@ -176,7 +177,7 @@ lf_status lf_waits_create(sd_event *event, const lf_waits_events *events, void *
     if (!waits)
         return LF_E_NOMEM;
     *waits = (lf_waits){.event = event, .events = *events, .context = context};
-    /* with the time 0 a timer is due at once, and yet behind what was there before */
+    /* a timer with time 0 is due at once, but after all earlier events */
     if (sd_event_add_time(event, &waits->more, CLOCK_MONOTONIC, 0, 1, on_more, waits) < 0 ||
         sd_event_source_set_enabled(waits->more, SD_EVENT_OFF) < 0) {
         lf_waits_destroy(waits);

@@ -11,10 +11,10 @@
 #include "base/file.h"
 #include "base/log.h"
 
-/* Editors write a file in several steps; it is read when it has been quiet for so long. */
+/* Editors write a file in several steps; it is read once it was unchanged for this long. */
 #define QUIET_USEC 100000
 
-/* A file, by its folder. */
+/* A watched file, through its folder. */
 typedef struct watched {
     int id; /* inotify's, the same for all files of a folder; -1 = the folder cannot be watched */
     char *name;
@@ -79,7 +79,7 @@ static int on_watch(sd_event_source *source, int fd, uint32_t events, void *cont
 static void forget(lf_watch *watch)
 {
     for (int i = 0; i < watch->n; i++) {
-        if (watch->files[i].id >= 0) /* of a folder that is forgotten already: EINVAL */
+        if (watch->files[i].id >= 0) /* EINVAL for a folder that was removed already */
             inotify_rm_watch(watch->fd, watch->files[i].id);
         lf_free(watch->files[i].name);
     }
@@ -99,7 +99,8 @@ static void add(lf_watch *watch, const char *file)
     }
     int id = inotify_add_watch(watch->fd, folder, IN_CLOSE_WRITE | IN_MOVED_TO | IN_CREATE);
     if (id < 0)
-        lf_log(LF_LOG_WARNING, "%s: cannot be watched: %s", folder, lf_errno_text(errno));
+        lf_log(LF_LOG_WARNING, "%s: cannot watch the folder for changes: %s", folder,
+               lf_errno_text(errno));
     watch->files[watch->n++] = (watched){id, name};
     lf_free(folder);
 }

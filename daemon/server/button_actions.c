@@ -48,12 +48,11 @@ static lf_status take_word(char *word, lf_button_actions *actions, lf_error *err
     lf_action action = action_of_name(equals + 1);
     if (button == LF_BUTTONS_N)
         return lf_error_set(err, LF_E_ARG, "--buttons",
-                            "there is no button \"%s\"; expected square, left, right or circle",
-                            word);
+                            "unknown button \"%s\"; expected square, left, right or circle", word);
     if (action == LF_ACTIONS_N)
-        return lf_error_set(
-            err, LF_E_ARG, "--buttons",
-            "a button cannot do \"%s\"; expected none, next, previous, pause or reset", equals + 1);
+        return lf_error_set(err, LF_E_ARG, "--buttons",
+                            "unknown action \"%s\"; expected none, next, previous, pause or reset",
+                            equals + 1);
     actions->of[button] = action;
     return LF_OK;
 }

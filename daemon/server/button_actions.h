@@ -1,15 +1,16 @@
-/* What the buttons of a panel do: --buttons. No sockets, no devices here. */
+/* Actions of a panel's buttons: --buttons. No sockets or devices here. */
 #ifndef LF_DAEMON_BUTTON_ACTIONS_H
 #define LF_DAEMON_BUTTON_ACTIONS_H
 
 #include "device/hid/buttons.h"
 
 typedef enum lf_action {
-    LF_ACTION_NONE,     /* only told */
-    LF_ACTION_NEXT,     /* the next scene or quilt picture of the folder, by name, then the first */
-    LF_ACTION_PREVIOUS, /* the one before, then the last */
-    LF_ACTION_PAUSE,    /* rendering stops, or goes on */
-    LF_ACTION_RESET,    /* the camera as it is in the scene's file */
+    LF_ACTION_NONE,     /* none; only notified */
+    LF_ACTION_NEXT,     /* the next scene or quilt picture of the folder by name; after the last,
+                         * the first */
+    LF_ACTION_PREVIOUS, /* the previous one; before the first, the last */
+    LF_ACTION_PAUSE,    /* pause or resume rendering */
+    LF_ACTION_RESET,    /* restore the camera of the scene's file */
     LF_ACTIONS_N,
 } lf_action;
 
@@ -21,11 +22,11 @@ typedef struct lf_button_actions {
 const char *lf_action_name(lf_action action);
 /* square=pause, left=previous, right=next, circle=reset. */
 void lf_button_actions_default(lf_button_actions *out);
-/* "left=next,circle=none": those named are changed. LF_E_ARG with the word that is not known; *out
- * is untouched then. */
+/* "left=next,circle=none": changes the named buttons. LF_E_ARG with the unknown word; *out is then
+ * untouched. */
 LF_NODISCARD lf_status lf_button_actions_parse(const char *text, lf_button_actions *out,
                                                lf_error *err);
-/* The button of that name; LF_BUTTONS_N = none. */
+/* The button with this name; LF_BUTTONS_N = none. */
 lf_button lf_button_of_name(const char *name);
 
 #endif

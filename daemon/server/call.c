@@ -1,9 +1,10 @@
-/* What methods answer by, and where the paths of their calls may lie. */
+/* Answers of methods, and the allowed paths of their calls. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/alloc.h"
+#include "base/former.h"
 #include "base/frame_name.h"
 #include "daemon/server/server_internal.h"
 
@@ -22,7 +23,7 @@ void lf_reply(lf_call *call, json_t *result)
     }
 }
 
-/* The result is the last member of the answer: what is added to it stands before two brackets. */
+/* The result is the last member of the answer, so an addition goes before two closing brackets. */
 static char *answer_with(const lf_call *call, json_t *result, const char *key, const char *text)
 {
     json_t *message = lf_rpc_result(call->id, result);
@@ -68,30 +69,46 @@ lf_deferred *lf_defer(lf_call *call)
     call->answered = true;
     if (!deferred) {
         lf_error err;
-        (void)lf_error_set(&err, LF_E_BUSY, call->method,
-                           "too many calls of this client are waiting for an answer");
+        (void)lf_error_set(
+            &err, LF_E_BUSY, call->method,
+            "too many calls of this client are waiting for an answer; wait for some of them");
         lf_fail(call, &err, false);
     }
     return deferred;
 }
 
-/* ------------------------------------------------------------------------------- other names -- */
+/* ------------------------------------------------------------------------------ former names -- */
 
-lf_status lf_denoise_word(const json_t *params, const char *where, const char **out_word,
-                          lf_error *err)
+/* {former, name} */
+static const char *const former_params[][2] = {
+    {"reconstruct", "denoise"}, {"near_is", "depth_inversion"}, {"rate", "fps"}};
+
+lf_status lf_check_former(const json_t *params, const char *method, lf_error *err)
 {
-    const char *word = json_string_value(json_object_get(params, "reconstruct")),
-               *other = json_string_value(json_object_get(params, "denoise"));
-    *out_word = word ? word : other;
-    return word && other ? lf_error_set_at(err, LF_E_ARG, where, 0, "/denoise",
-                                           "is another name for reconstruct: give one of them")
-                         : LF_OK;
+    char pointer[32];
+    for (size_t i = 0; i < sizeof former_params / sizeof former_params[0]; i++) {
+        const char *former = former_params[i][0], *name = former_params[i][1];
+        if (!json_object_get(params, former))
+            continue;
+        snprintf(pointer, sizeof pointer, "/%s", former);
+        if (json_object_get(params, name))
+            return lf_error_set_at(err, LF_E_ARG, method, 0, pointer,
+                                   "is the former name of %s; give only one of them", name);
+        lf_former_used(former, name);
+    }
+    return LF_OK;
+}
+
+const json_t *lf_param_or_former(const json_t *params, const char *name, const char *former)
+{
+    const json_t *value = json_object_get(params, name);
+    return value ? value : json_object_get(params, former);
 }
 
 /* ------------------------------------------------------------------------------------- paths -- */
 
-/* Paths of clients are absolute (quiltctl makes them so); others are taken from the scene's folder.
- */
+/* Paths of clients are absolute (quiltctl makes them so); relative ones start at the scene's
+ * folder. */
 static char *absolute(const lf_server *server, const char *path)
 {
     char *folder = server->config.scene ? lf_path_folder(server->config.scene) : NULL;
@@ -100,7 +117,7 @@ static char *absolute(const lf_server *server, const char *path)
     return joined;
 }
 
-/* Of a name with a place for a frame's number no file need be there, but its folder. */
+/* For a name with a frame number field, only the folder must exist. */
 static lf_status resolve(const lf_server *server, const char *name, char **out_path, lf_error *why)
 {
     lf_status status = lf_roots_resolve(&server->roots, name, out_path, why);
@@ -121,7 +138,7 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
                               lf_error *err)
 {
     if (path[0] == '\0')
-        return lf_error_set(err, LF_E_ARG, path, "a file's name is empty");
+        return lf_error_set(err, LF_E_ARG, path, "the file name is empty");
     char *name = absolute(server, path);
     if (!name)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
@@ -132,9 +149,8 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
         return LF_OK;
     if (status == LF_E_PATH)
         return lf_error_set(err, status, path,
-                            "lies neither beneath the scene's folder nor beneath an --allow-path "
-                            "of quiltd, and its descriptor was not passed (quiltctl passes those "
-                            "of files that you may read)%s",
+                            "is outside the scene's folder and the folders of --allow-path; pass "
+                            "its descriptor, as quiltctl does%s",
                             lf_hidden_home(path));
     return lf_error_set(err, status, path, "%s", why.what);
 }
@@ -143,8 +159,8 @@ lf_status lf_server_write_path(const lf_server *server, const char *path, lf_hel
                                lf_error *err)
 {
     if (!server->export_root)
-        return lf_error_set(
-            err, LF_E_PATH, path,
-            "the daemon was started without --export-dir: it writes no files by name");
+        return lf_error_set(err, LF_E_PATH, path,
+                            "quiltd has no --export-dir, so it writes no files by name; pass file "
+                            "descriptors, as quiltctl export does");
     return lf_held_name_open(server->export_root, "--export-dir", path, out, err);
 }

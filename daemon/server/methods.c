@@ -1,11 +1,11 @@
-/* What a client's lines ask for. */
+/* Handles the requests in a client's lines. */
 #include "daemon/server/methods_internal.h"
 
 #include <string.h>
 
 #include "base/nearest.h"
 
-/* More are not looked at for what was meant. */
+/* At most this many names are compared for suggestions. */
 #define MOST_METHODS 64
 
 static int find_method(const char *name)
@@ -48,6 +48,8 @@ static void do_request(lf_server *server, lf_client *client, const lf_rpc_reques
     const lf_method *method = lf_method_at(index);
     lf_error err;
     if (lf_schema_check(lf_method_schema(index), request->params, method->name, &err) != LF_OK) {
+        lf_fail(&call, &err, false);
+    } else if (lf_check_former(request->params, method->name, &err) != LF_OK) {
         lf_fail(&call, &err, false);
     } else if (lf_server_is_stopping(server)) {
         (void)lf_error_set(&err, LF_E_BUSY, method->name, "the daemon is shutting down");

@@ -10,8 +10,8 @@ void lf_method_device_list(lf_call *call)
         lf_deferred_reply(deferred, NULL);
 }
 
-/* Whether it writes into the folder that the device of the command line writes into, whatever the
- * options of both. */
+/* True if the device writes into the folder of the command line's device, whatever the options of
+ * both. */
 static bool is_own(const lf_server *server, const char *folder, size_t n)
 {
     size_t n_own;
@@ -19,9 +19,9 @@ static bool is_own(const lf_server *server, const char *folder, size_t n)
     return own && n_own == n && memcmp(own, folder, n) == 0;
 }
 
-/* Where a device writes into a folder, a client may name the one of the command line, or one
- * beneath --export-dir, which is opened by its canonical path and following no link: that may be
- * later, and more than once. *out_spec (lf_free) is what may be opened. */
+/* Checks a device that writes into a folder. A client may name the folder of the command line's
+ * device, or one inside --export-dir. The latter is opened later, possibly more than once, by its
+ * canonical path and without following links. *out_spec (lf_free) is the allowed spec. */
 static lf_status check_spec(const lf_server *server, const char *spec, char **out_spec,
                             lf_error *err)
 {
@@ -34,7 +34,7 @@ static lf_status check_spec(const lf_server *server, const char *spec, char **ou
     }
     if (named[0] != '/')
         return lf_error_set(err, LF_E_PATH, spec,
-                            "the folder must be an absolute path beneath the --export-dir");
+                            "the folder must be an absolute path below --export-dir");
     char *folder = lf_strdup(named);
     if (!folder)
         return lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
@@ -43,10 +43,10 @@ static lf_status check_spec(const lf_server *server, const char *spec, char **ou
     folder[n] = '\0';
     lf_held_name held = {.folder_fd = -1};
     lf_status status = lf_server_write_path(server, folder, &held, err);
-    /* what follows would be taken for options, and another folder opened */
+    /* text after a comma would count as options, and another folder would be opened */
     if (status == LF_OK && strchr(held.path, ','))
         status = lf_error_set(err, LF_E_PATH, held.path,
-                              "a simulated panel's folder may not have a comma in its path");
+                              "the path of a simulated panel's folder must not contain a comma");
     else if (status == LF_OK)
         allowed = lf_device_allowed_spec(spec, held.path);
     if (status == LF_OK && !allowed)
@@ -58,7 +58,7 @@ static lf_status check_spec(const lf_server *server, const char *spec, char **ou
     return status;
 }
 
-/* A white that is said in one way is not what was said in the other. */
+/* A white given in one form replaces one given in the other. */
 static lf_status take_response(lf_server *server, json_t *params, lf_error *err)
 {
     lf_response response = server->response;
@@ -103,7 +103,8 @@ void lf_method_device_calibration(lf_call *call)
     if (!calibration) {
         lf_error err;
         (void)lf_error_set(&err, LF_E_NODEV, lf_show_spec(call->server->show),
-                           "there is no panel whose calibration is known");
+                           "no panel with a known calibration is open; open one with device.set or "
+                           "start quiltd with --calibration");
         lf_fail(call, &err, false);
         return;
     }

@@ -1,5 +1,4 @@
-/* The methods themselves, each in the file of its subject: they answer the call, or put the answer
- * off. */
+/* The methods, each in the file of its subject. A method answers its call or defers the answer. */
 #ifndef LF_DAEMON_METHODS_INTERNAL_H
 #define LF_DAEMON_METHODS_INTERNAL_H
 
@@ -23,7 +22,7 @@ void lf_method_camera_orbit(lf_call *call);
 void lf_method_camera_fit(lf_call *call);
 void lf_method_render_set(lf_call *call);
 /* methods_time.c */
-/* Which frame is shown, and what is played, as `status` shows it; null: no scene. */
+/* The current frame and playback, as in `status`; null: no scene. */
 json_t *lf_time_json(const lf_server *server);
 void lf_method_time_set(lf_call *call);
 void lf_method_time_play(lf_call *call);

@@ -19,17 +19,18 @@ void lf_method_queue(lf_call *call, lf_load *load)
     lf_server_load(call->server, load, deferred);
 }
 
-/* The descriptors that came with the call, by the names in `files`: none is left behind, and where
- * one is refused all are closed. */
+/* Takes the call's descriptors under the names in `files`: no descriptor is left over, and if one
+ * is refused all are closed. */
 static lf_status take_descriptors(lf_call *call, const json_t *names, lf_passed *passed,
                                   lf_error *err)
 {
     int fds[LF_MAX_PASSED];
     const int n = (int)json_array_size(names);
     if (lf_client_count_fds(call->client) != n || !lf_client_take_fds(call->client, fds, n))
-        return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/files",
-                               "%d files are named, and %d descriptors came with the call", n,
-                               lf_client_count_fds(call->client));
+        return lf_error_set_at(
+            err, LF_E_ARG, call->method, 0, "/files",
+            "names %d files, but %d descriptors came with the call; pass one descriptor per file",
+            n, lf_client_count_fds(call->client));
     lf_status status = LF_OK;
     for (int i = 0; i < n; i++) {
         const char *name = json_string_value(json_array_get(names, (size_t)i));
@@ -41,7 +42,7 @@ static lf_status take_descriptors(lf_call *call, const json_t *names, lf_passed 
     return status;
 }
 
-/* The files that the client has passed; *out NULL: none. */
+/* The files passed by the client; *out NULL: none. */
 static lf_status take_passed(lf_call *call, lf_passed **out, lf_error *err)
 {
     const json_t *names = json_object_get(call->params, "files");
@@ -59,7 +60,7 @@ static lf_status take_passed(lf_call *call, lf_passed **out, lf_error *err)
     return status;
 }
 
-/* What is shown instead: beneath the folders that may be read, or else a file that was passed. */
+/* The file to show: inside the readable folders, otherwise a passed file. */
 static lf_status find_file(const lf_call *call, const lf_passed *passed, char **out, lf_error *err)
 {
     const char *file = json_string_value(json_object_get(call->params, "file"));
@@ -70,7 +71,7 @@ static lf_status find_file(const lf_call *call, const lf_passed *passed, char **
     return *out ? LF_OK : lf_error_set(err, LF_E_NOMEM, file, "out of memory");
 }
 
-/* The tiles that the call says; 0: none. */
+/* The tiles given in the call; 0: none. */
 static lf_status take_tiles(const lf_call *call, lf_load *load, lf_error *err)
 {
     const char *text = json_string_value(json_object_get(call->params, "quilt"));
@@ -86,7 +87,7 @@ static lf_status take_tiles(const lf_call *call, lf_load *load, lf_error *err)
     return LF_OK;
 }
 
-/* How a picture is to lie in its view, where the call says so. */
+/* Options for placing a picture in its view, if the call has any. */
 static lf_status take_photo(const lf_call *call, lf_load *load, lf_error *err)
 {
     load->words.photo = call->server->options.photo;
@@ -99,14 +100,14 @@ static lf_status take_photo(const lf_call *call, lf_load *load, lf_error *err)
     return status;
 }
 
-/* How a file without a scene is to be shown: what the call leaves out is as on the command line. */
+/* Options for a file without a scene; missing ones are those of the command line. */
 static lf_status take_alone(const lf_call *call, lf_load *load, lf_error *err)
 {
     load->words.alone = call->server->config.options.alone;
     return lf_param_from_json(lf_alone_params, call->params, &load->words.alone, "scene.load", err);
 }
 
-/* A scene says by itself how it looks. */
+/* A scene file defines its own look, so these options are errors. */
 static lf_status refuse_words(const lf_call *call, const char *file, lf_error *err)
 {
     static const char *const words[] = {"yaw",   "pitch",          "up",           "bare",
@@ -116,13 +117,14 @@ static lf_status refuse_words(const lf_call *call, const char *file, lf_error *e
         if (!json_object_get(call->params, words[i]))
             continue;
         snprintf(pointer, sizeof pointer, "/%s", words[i]);
-        return lf_error_set_at(err, LF_E_ARG, call->method, 0, pointer,
-                               "only goes with files without a scene; a scene says it itself");
+        return lf_error_set_at(
+            err, LF_E_ARG, call->method, 0, pointer,
+            "applies only to files without a scene; set it in the scene file instead");
     }
     return LF_OK;
 }
 
-/* The words of a call that loads a file. */
+/* The parameters of a call that loads a file. */
 static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
 {
     lf_status status = take_passed(call, &load->passed, err);
@@ -164,14 +166,15 @@ void lf_method_scene_get(lf_call *call)
     const lf_content *content = call->server->content;
     lf_error err;
     if (!content) {
-        (void)lf_error_set(&err, LF_E_STATE, call->method, "nothing is shown");
+        (void)lf_error_set(&err, LF_E_STATE, call->method,
+                           "nothing is loaded; call scene.load first");
         lf_fail(call, &err, false);
         return;
     }
     if (content->scene && !content->document) {
-        (void)lf_error_set(&err, LF_E_NOMEM, call->method,
-                           "the scene's document is longer than 1 MiB, or memory for it ran out: "
-                           "it is not sent");
+        (void)lf_error_set(
+            &err, LF_E_NOMEM, call->method,
+            "the scene document is not sent, because it is longer than 1 MiB or memory ran out");
         lf_fail(call, &err, false);
         return;
     }
@@ -241,7 +244,7 @@ void lf_method_camera_fit(lf_call *call)
 
 /* -------------------------------------------------------------------------------- render.set -- */
 
-/* What the keys say, checked whole before anything is changed. */
+/* Reads and checks all keys before anything is changed. */
 static lf_status take_keys(const json_t *params, lf_engine_controls *controls, lf_options *options,
                            lf_error *err)
 {
@@ -249,12 +252,9 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     options->estimator = controls->estimator;
     options->target_error = controls->target_error;
     options->exposure = controls->has_exposure ? controls->exposure : -(double)INFINITY;
-    options->reconstruct = controls->reconstruct;
+    options->denoise = controls->denoise;
     options->guides = controls->guides;
-    const char *word;
-    lf_status status = lf_denoise_word(params, "render.set", &word, err);
-    if (status == LF_OK)
-        status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
+    lf_status status = lf_param_from_json(lf_option_params, params, options, "render.set", err);
     if (status != LF_OK)
         return status;
     controls->estimator = options->estimator;
@@ -262,7 +262,7 @@ static lf_status take_keys(const json_t *params, lf_engine_controls *controls, l
     controls->target_error = options->target_error;
     controls->exposure = options->exposure;
     controls->has_exposure = true;
-    controls->reconstruct = options->reconstruct;
+    controls->denoise = options->denoise;
     controls->guides = options->guides;
     controls->paused = paused ? json_is_true(paused) : controls->paused;
     return LF_OK;
@@ -288,9 +288,9 @@ void lf_method_render_set(lf_call *call)
                 !same_name(options.integrator, server->options.integrator);
     server->options = options;
     lf_engine_set_controls(server->engine, &controls);
-    /* Features, which a film that was begun without them lacks. */
-    bool more = before.reconstruct == LF_RECONSTRUCT_OFF &&
-                (controls.reconstruct != before.reconstruct || (controls.guides && !before.guides));
+    /* Features, which a film without them lacks. */
+    bool more = before.denoise == LF_DENOISE_OFF &&
+                (controls.denoise != before.denoise || (controls.guides && !before.guides));
     if (!over && !more) {
         lf_reply(call, json_pack("{s:I}", "generation", (json_int_t)server->generation));
         return;

@@ -6,7 +6,7 @@
 #include "base/sandbox/import.h"
 #include "daemon/server/methods_internal.h"
 
-/* What is read by its name. */
+/* The folders whose files are read by name. */
 static json_t *folders_json(const lf_server *server)
 {
     json_t *folders = json_array();
@@ -23,7 +23,7 @@ void lf_method_hello(lf_call *call)
                        "methods", lf_methods_json(), "events", lf_events_json()));
 }
 
-/* Whole, whatever JSON's integers hold here. */
+/* Exact, also beyond JSON's integers here. */
 static json_t *seed_json(uint64_t seed)
 {
     char text[24];
@@ -36,7 +36,7 @@ static json_t *known_or_null(double value)
     return value >= 0 ? json_real(value) : json_null();
 }
 
-/* What there is no end to is null. */
+/* Infinite values are null. */
 static json_t *finite_or_null(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
@@ -53,7 +53,7 @@ static json_t *depth_json(const lf_content *content)
                      finite_or_null(d->sharp_to), "exceeded", d->exceeded);
 }
 
-/* Files that clients have passed for what is shown. */
+/* Files that clients have passed for the shown content. */
 static json_t *passed_json(const lf_content *content)
 {
     json_t *names = json_array();
@@ -93,7 +93,7 @@ static void add_content(const lf_server *server, json_t *status)
     }
 }
 
-/* null: there was no such frame yet. */
+/* null: no such frame yet. */
 static json_t *cost_json(const lf_frame_cost *cost)
 {
     return cost->paths >= 0
@@ -107,19 +107,21 @@ static void add_engine(lf_server *server, json_t *status)
     lf_engine_status now;
     lf_engine_get_status(server->engine, &now);
     lf_engine_controls controls = lf_engine_get_controls(server->engine);
-    /* the engine may have a content already that the server has not been told of */
+    /* the engine may have a newer content than the server knows */
     int64_t generation = now.generation < server->generation ? now.generation : server->generation;
-    json_t *more =
-        json_pack("{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:I, s:i, s:s, s:f, s:b, s:b, s:s}",
-                  "generation", (json_int_t)generation, "level", lf_level_name(now.level), "passes",
-                  now.passes, "seconds", now.seconds, "cpu_seconds", now.cpu_seconds, "spp",
-                  known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate),
-                  "error_bound", known_or_null(now.error_bound), "missing", (json_int_t)now.missing,
-                  "threads", now.threads, "estimator", lf_estimator_name(controls.estimator),
-                  "target_error", controls.target_error, "paused", controls.paused, "guides",
-                  controls.guides, "reconstruct", now.reconstructed ? "on" : "off");
+    json_t *more = json_pack(
+        "{s:I, s:s, s:f, s:f, s:f, s:o, s:o, s:o, s:I, s:i, s:s, s:f, s:b, s:b, s:s, s:s}",
+        "generation", (json_int_t)generation, "level", lf_level_name(now.level), "passes",
+        now.passes, "seconds", now.seconds, "cpu_seconds", now.cpu_seconds, "spp",
+        known_or_null(now.spp), "error_estimate", known_or_null(now.error_estimate), "error_bound",
+        known_or_null(now.error_bound), "missing", (json_int_t)now.missing, "threads", now.threads,
+        "estimator", lf_estimator_name(controls.estimator), "target_error", controls.target_error,
+        "paused", controls.paused, "guides", controls.guides, "denoise",
+        now.reconstructed ? "on" : "off", "reconstruct", now.reconstructed ? "on" : "off");
     json_object_update(status, more);
     json_decref(more);
+    json_object_set_new(status, "denoised_error", known_or_null(now.shown_error));
+    json_object_set_new(status, "denoised_error_bound", known_or_null(now.shown_error_bound));
     json_object_set_new(status, "shown_error", known_or_null(now.shown_error));
     json_object_set_new(status, "shown_error_bound", known_or_null(now.shown_error_bound));
     json_object_set_new(status, "coarse_cost", cost_json(&now.coarse_cost));
@@ -147,15 +149,17 @@ void lf_method_status(lf_call *call)
     add_content(server, status);
     add_engine(server, status);
     json_t *more = json_pack(
-        "{s:{s:I, s:s, s:s, s:o}, s:o, s:I, s:I, s:I, s:i, s:o, s:o, s:s, s:i, s:I, s:o, s:f, s:f}",
+        "{s:{s:I, s:s, s:s, s:s, s:o}, s:o, s:I, s:I, s:I, s:i, s:o, s:o, s:s, s:i, s:I, s:o, s:f, "
+        "s:f}",
         "shown", "generation", (json_int_t)server->shown.generation, "level",
-        lf_level_name(server->shown.level), "picture", lf_server_picture_name(&server->shown),
-        "card", card_json(&server->shown), "device", lf_server_device_json(server), "updates",
-        (json_int_t)counters.updates, "bytes", (json_int_t)counters.bytes, "device_errors",
-        (json_int_t)counters.errors, "loading", lf_loader_pending(server->loader), "load",
-        lf_server_load_json(server), "reading", lf_server_reading_json(server), "landlock",
-        lf_landlock_name(lf_import_landlock()), "clients", lf_clients_count(server->clients),
-        "lines", (json_int_t)lf_clients_lines(server->clients), "jobs", lf_server_jobs_json(server),
+        lf_level_name(server->shown.level), "image", lf_server_image_name(&server->shown),
+        "picture", lf_server_picture_name(&server->shown), "card", card_json(&server->shown),
+        "device", lf_server_device_json(server), "updates", (json_int_t)counters.updates, "bytes",
+        (json_int_t)counters.bytes, "device_errors", (json_int_t)counters.errors, "loading",
+        lf_loader_pending(server->loader), "load", lf_server_load_json(server), "reading",
+        lf_server_reading_json(server), "landlock", lf_landlock_name(lf_import_landlock()),
+        "clients", lf_clients_count(server->clients), "lines",
+        (json_int_t)lf_clients_lines(server->clients), "jobs", lf_server_jobs_json(server),
         "uptime", lf_time_now() - server->life.started, "longest_turn", server->life.longest_turn);
     json_object_update(status, more);
     json_decref(more);
@@ -183,7 +187,7 @@ void lf_method_wait(lf_call *call)
     lf_error err;
     if (generation > server->generation) {
         (void)lf_error_set_at(&err, LF_E_ARG, call->method, 0, "/generation",
-                              "there is no generation %lld yet, the newest is %lld",
+                              "generation %lld does not exist yet; the newest is %lld",
                               (long long)generation, (long long)server->generation);
         lf_fail(call, &err, false);
         return;

@@ -3,7 +3,7 @@
 #include <pthread.h>
 #include <string.h>
 
-/* JSON Schemas as text: laid out by hand */
+/* JSON Schemas as text, formatted by hand */
 /* clang-format off */
 #define OBJECT(properties)                                                                         \
     "{\"type\":\"object\",\"additionalProperties\":false,\"properties\":{" properties "}}"
@@ -11,6 +11,8 @@
     "{\"type\":\"object\",\"additionalProperties\":false,\"required\":[" required                  \
     "],\"properties\":{" properties "}}"
 #define KEY(name, rest, about) "\"" name "\":{" rest ",\"description\":\"" about "\"}"
+#define FORMER(name, rest, now)                                                                    \
+    "\"" name "\":{" rest ",\"deprecated\":true,\"description\":\"former name of " now "\"}"
 #define STRING "\"type\":\"string\""
 #define NUMBER(unit) "\"type\":\"number\",\"unit\":\"" unit "\""
 #define INTEGER(unit) "\"type\":\"integer\",\"unit\":\"" unit "\""
@@ -23,124 +25,125 @@
 
 #define FILES                                                                                      \
     KEY("files", LIST(STRING) ",\"maxItems\":64",                                                  \
-        "absolute names of files whose descriptors (SCM_RIGHTS, open for reading alone) come "     \
-        "with the call, in this order: the scene may read them wherever they lie; quiltctl fills " \
-        "this in")
+        "absolute names of the files whose descriptors (SCM_RIGHTS, read-only) come with the "     \
+        "call, in order; quiltctl fills this in")
 
 #define EXPORT_KEYS                                                                                \
-    KEY("kind", STRING, "what to write") ","                                                       \
-    KEY("file", STRING, "name of the file, or of the folder with a slash at its end: beneath the " \
-        "daemon's --export-dir, or any where descriptors are passed") ","                          \
+    KEY("kind", STRING, "kind of output") ","                                                      \
+    KEY("file", STRING,                                                                            \
+        "name of the file, or of the folder with a final slash; below --export-dir unless "        \
+        "descriptors are passed") ","                                                              \
     KEY("wait", ENUM("\"coarse\",\"complete\",\"converged\"") DEFAULT("\"coarse\""),               \
-        "write it once the picture is that good") ","                                              \
-    KEY("detach", BOOLEAN("false"), "go on when the client is gone") ","                           \
-    KEY("overwrite", BOOLEAN("false"), "replace a file that exists") ","                           \
-    KEY("reconstruct", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                        \
-        "write the denoised picture; auto: what the panel shows") ","                             \
+        "level of the image to wait for") ","                                                      \
+    KEY("detach", BOOLEAN("false"), "continue after the client disconnects") ","                   \
+    KEY("overwrite", BOOLEAN("false"), "replace an existing file") ","                             \
     KEY("denoise", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                            \
-        "another name for reconstruct") ","                                                        \
+        "write the denoised image; auto: as on the panel") ","                                     \
+    FORMER("reconstruct", ENUM("\"auto\",\"off\",\"on\""), "denoise") ","                          \
     KEY("fds", INTEGER("descriptors") RANGE("0", "253") DEFAULT("0"),                              \
-        "how many descriptors (SCM_RIGHTS) came with the call, to be written instead of file: "    \
-        "one, two for a print or chart, one a view for views")
+        "number of descriptors (SCM_RIGHTS) passed to write to: one; two for a print or chart; "   \
+        "one per view for views")
 
 static const lf_method methods[] = {
-    {"hello", "version, protocol, methods and notifications", "hello", OBJECT(""),
+    {"hello", "return version, protocol, methods and notifications", "hello", OBJECT(""),
      lf_method_hello},
-    {"status", "what the daemon is doing", "status", OBJECT(""), lf_method_status},
-    {"scene.load", "show a scene file, a model, a volume or a quilt picture",
+    {"status", "return the state of the daemon", "status", OBJECT(""), lf_method_status},
+    {"scene.load", "show a scene file, a model, a volume or a quilt image",
      "scene.load file=/home/me/helmet.glb",
      OBJECT_WITH("\"file\"",
-         KEY("file", STRING, "path of what is to be shown; quiltctl makes it absolute") ","
-         KEY("quilt", STRING, "tiles of a picture whose name does not say them, COLUMNSxROWS") ","
+         KEY("file", STRING, "path of the file to show; quiltctl makes it absolute") ","
+         KEY("quilt", STRING, "tiles of an image without a quilt suffix, COLUMNSxROWS") ","
          FILES),
      lf_method_scene_load},
-    {"scene.get", "the scene that is shown", "scene.get", OBJECT(""), lf_method_scene_get},
-    {"scene.patch", "change the scene that is shown by a JSON Merge Patch (RFC 7396)",
+    {"scene.get", "return the current scene", "scene.get", OBJECT(""), lf_method_scene_get},
+    {"scene.patch", "change the current scene with a JSON Merge Patch (RFC 7396)",
      "scene.patch patch:={\"lights\":{\"sky\":null}}",
      OBJECT_WITH("\"patch\"",
          KEY("patch", "\"type\":\"object\",\"additionalProperties\":true",
-             "keys of the scene file (scene-format.md) with their new values; null takes one "
-             "away") ","
+             "keys of the scene file (scene-format.md) with their new values; null removes a "
+             "key") ","
          FILES),
      lf_method_scene_patch},
-    {"camera.set", "set keys of the scene's camera; those that are left out stay as they are",
+    {"camera.set", "set keys of the camera; other keys keep their values",
      "camera.set fov_y=20 target=0,1,0", OBJECT(""), lf_method_camera_set},
-    {"camera.orbit", "move the camera around its target", "camera.orbit yaw=15 pitch=-5",
-     OBJECT(KEY("yaw", NUMBER("degrees") DEFAULT("0"), "to the right around the target") ","
-            KEY("pitch", NUMBER("degrees") DEFAULT("0"), "upwards around the target") ","
-            KEY("zoom", NUMBER("times") RANGE("1e-3", "1e3") DEFAULT("1"),
-                "how many times nearer to the target")),
-     lf_method_camera_orbit},
-    {"camera.fit", "move the camera to where the scene, or a part of it, fills the window",
-     "camera.fit name=model fill=0.8",
-     OBJECT(KEY("name", STRING, "mesh or volume that is to fill the window; left out: everything")
+    {"camera.orbit", "orbit the camera around its target", "camera.orbit yaw=15 pitch=-5",
+     OBJECT(KEY("yaw", NUMBER("degrees") DEFAULT("0"), "rotation to the right around the target")
             ","
-            KEY("fill", NUMBER("share of the window") RANGE("0.01", "1") DEFAULT("0.9"),
-                "how much of the window's width or height it fills in every view") ","
+            KEY("pitch", NUMBER("degrees") DEFAULT("0"), "rotation upwards around the target") ","
+            KEY("zoom", NUMBER("times") RANGE("1e-3", "1e3") DEFAULT("1"),
+                "zoom factor; 2 halves the distance to the target")),
+     lf_method_camera_orbit},
+    {"camera.fit", "move the camera so that the scene, or a part of it, fills the views",
+     "camera.fit name=model fill=0.8",
+     OBJECT(KEY("name", STRING, "mesh or volume to frame; default: everything")
+            ","
+            KEY("fill", NUMBER("share of the view") RANGE("0.01", "1") DEFAULT("0.9"),
+                "share of the view's width or height to fill") ","
             KEY("steps", NUMBER("pixels") RANGE("0.01", "10000"),
-                "keep so far away that nothing jumps by more from view to view")),
+                "largest shift between neighbouring views")),
      lf_method_camera_fit},
     {"time.set", "show a frame of the scene", "time.set frame=24",
-     OBJECT_WITH("\"frame\"", KEY("frame", FRAME, "number of the frame")), lf_method_time_set},
-    {"time.play", "show one frame of the scene after the other", "time.play from=1 to=48",
-     OBJECT_WITH("\"to\"", KEY("from", FRAME, "first frame (the one that is shown)") ","
+     OBJECT_WITH("\"frame\"", KEY("frame", FRAME, "frame number")), lf_method_time_set},
+    {"time.play", "play frames of the scene", "time.play from=1 to=48",
+     OBJECT_WITH("\"to\"", KEY("from", FRAME, "first frame (the current frame)") ","
                  KEY("to", FRAME, "last frame") ","
-                 KEY("loop", BOOLEAN("true"), "begin again behind the last frame") ","
-                 KEY("rate", NUMBER("frames a second") RANGE("0.01", "1000"),
-                     "how fast they follow each other (the scene's rate)")),
+                 KEY("loop", BOOLEAN("true"), "repeat from the first frame") ","
+                 KEY("fps", NUMBER("frames per second") RANGE("0.01", "1000"),
+                     "playback speed (the scene's fps)") ","
+                 FORMER("rate", NUMBER("frames per second") RANGE("0.01", "1000"), "fps")),
      lf_method_time_play},
-    {"time.stop", "stay at the frame that is shown", "time.stop", OBJECT(""),
+    {"time.stop", "stop at the current frame", "time.stop", OBJECT(""),
      lf_method_time_stop},
-    {"wait", "answer when the panel shows the picture", "wait for=complete timeout=60",
+    {"wait", "wait until the panel shows the image", "wait for=complete timeout=60",
      OBJECT(KEY("generation", "\"type\":\"integer\",\"unit\":\"count\",\"minimum\":0",
-                "number of the picture, or a later one (the newest there is)") ","
+                "oldest generation to accept (the newest)") ","
             KEY("for", ENUM("\"coarse\",\"complete\",\"converged\"") DEFAULT("\"coarse\""),
-                "how good it is to be") ","
+                "level of the image to wait for") ","
             KEY("timeout", NUMBER("seconds") RANGE("1e-3", "1e9"),
-                "end with the error -32004 after this time (never)")),
+                "return error -32004 after this time (never)")),
      lf_method_wait},
-    {"render.set", "how to render; what is left out stays as it is",
-     "render.set reconstruct=on threads=4",
-     OBJECT(KEY("paused", "\"type\":\"boolean\"", "render no further passes")),
+    {"render.set", "set how to render; other settings keep their values",
+     "render.set denoise=on threads=4",
+     OBJECT(KEY("paused", "\"type\":\"boolean\"", "pause rendering")),
      lf_method_render_set},
-    {"export", "write a quilt, views, panel picture, print, pitch test chart or state",
+    {"export", "write a quilt, views, panel image, print, pitch test chart or state",
      "export kind=quilt file=cloud.png wait=converged",
      OBJECT_WITH("\"kind\",\"file\"", EXPORT_KEYS), lf_server_export},
-    {"job.cancel", "end an export, or the load that status shows", "job.cancel job=3",
+    {"job.cancel", "cancel an export or a load", "job.cancel job=3",
      OBJECT_WITH("\"job\"", KEY("job", INTEGER("count"),
-                                "number of the export or load, as its answer or status has it")),
+                                "job number, from export or status")),
      lf_method_job_cancel},
-    {"device.list", "devices that could be opened", "device.list", OBJECT(""),
+    {"device.list", "list the devices that can be opened", "device.list", OBJECT(""),
      lf_method_device_list},
-    {"device.set", "show on another device, and say how a panel responds",
+    {"device.set", "open another device and set the panel's response",
      "device.set spec=auto gamma=2.2",
      OBJECT_WITH("\"spec\"", KEY("spec", STRING,
-                                 "the device as --device has it: auto, none, sim:DIR and others")),
+                                 "device spec as for --device: auto, none, sim:DIR and others")),
      lf_method_device_set},
-    {"device.calibration", "the lens calibration of the panel", "device.calibration", OBJECT(""),
-     lf_method_device_calibration},
-    {"button", "do what a button of the panel does", "button name=right",
+    {"device.calibration", "return the lens calibration of the panel", "device.calibration",
+     OBJECT(""), lf_method_device_calibration},
+    {"button", "trigger the action of a panel button", "button name=right",
      OBJECT_WITH("\"name\"", KEY("name", ENUM("\"square\",\"left\",\"right\",\"circle\""),
-                                 "which of the buttons")),
+                                 "name of the button")),
      lf_method_button},
-    {"subscribe", "choose which notifications this client gets", "subscribe events=scene,frame",
+    {"subscribe", "choose the notifications for this client", "subscribe events=scene,frame",
      OBJECT_WITH("\"events\"",
          KEY("events", LIST(ENUM("\"frame\",\"converged\",\"device\",\"scene\",\"export\","
                                  "\"button\"")) ",\"maxItems\":16",
-             "names of events; an empty list: none, but the ends of one's own exports")),
+             "names of events; empty: only the ends of this client's exports")),
      lf_method_subscribe},
-    {"shutdown", "end the daemon", "shutdown", OBJECT(""), lf_method_shutdown},
+    {"shutdown", "shut down the daemon", "shutdown", OBJECT(""), lf_method_shutdown},
 };
 /* clang-format on */
 
 enum { N_METHODS = sizeof methods / sizeof *methods };
 
-/* Parsed once, never freed: as much a constant as the texts. */
+/* Parsed once and never freed: constant like the texts. */
 static json_t *schemas[N_METHODS];
 static pthread_once_t parsed = PTHREAD_ONCE_INIT;
 
-/* Methods that take the fields of a struct, and the struct's table; keeps: what is left out stays
- * as it is, and has no default. */
+/* Methods with parameters from a struct's table. keeps: missing parameters keep their values, so
+ * there is no default. */
 static const struct {
     const char *method;
     const lf_param *params;
@@ -152,7 +155,7 @@ static const struct {
               {"device.set", lf_response_params, true}, {"camera.set", lf_camera_params, true},
               {"render.set", lf_option_params, true}};
 
-/* Words that get an answer of their own, each with what is said of it. */
+/* Words with an error text of their own. */
 static json_t *refused_words(const lf_param *row)
 {
     json_t *words = json_object();
@@ -184,7 +187,7 @@ static void add_properties(const char *method, json_t *schema)
                                    table_schema(tables[i].params, tables[i].keeps));
 }
 
-/* export's kinds: those of pictures, and the daemon's own. */
+/* The kinds of export: those of pictures, and the daemon's own. */
 static void add_kinds(json_t *schema)
 {
     json_t *names = json_array();

@@ -1,4 +1,4 @@
-/* Which frame of the scene is shown, and playing them. */
+/* Methods for the shown frame and for playback. */
 #include "daemon/server/methods_internal.h"
 
 json_t *lf_time_json(const lf_server *server)
@@ -10,13 +10,13 @@ json_t *lf_time_json(const lf_server *server)
     json_t *time =
         json_pack("{s:i, s:b}", "frame", lf_scene_frame(scene), "playing", (int)!!played);
     if (played)
-        json_object_update_new(time, json_pack("{s:f, s:i, s:i, s:b}", "rate", played->rate, "from",
-                                               played->from, "to", played->to, "loop",
-                                               (int)!played->once));
+        json_object_update_new(time, json_pack("{s:f, s:f, s:i, s:i, s:b}", "fps", played->rate,
+                                               "rate", played->rate, "from", played->from, "to",
+                                               played->to, "loop", (int)!played->once));
     return time;
 }
 
-/* Whether there is something to move; else the call fails. */
+/* True if the scene has animation; otherwise the call fails. */
 static bool check_moves(lf_call *call)
 {
     const lf_content *content = call->server->content;
@@ -24,9 +24,8 @@ static bool check_moves(lf_call *call)
     if (content && content->scene && lf_scene_has_frames(content->scene))
         return true;
     (void)lf_error_set(&err, LF_E_STATE, content ? content->file : call->method,
-                       content && content->scene
-                           ? "nothing in the scene is another from frame to frame"
-                           : "no scene is shown that could move");
+                       content && content->scene ? "the scene has no animation"
+                                                 : "no scene is loaded; call scene.load first");
     lf_fail(call, &err, false);
     return false;
 }
@@ -40,7 +39,7 @@ void lf_method_time_set(lf_call *call)
 
 void lf_method_time_play(lf_call *call)
 {
-    const json_t *rate = json_object_get(call->params, "rate"),
+    const json_t *rate = lf_param_or_former(call->params, "fps", "rate"),
                  *from = json_object_get(call->params, "from"),
                  *loop = json_object_get(call->params, "loop");
     lf_error err;
@@ -55,7 +54,8 @@ void lf_method_time_play(lf_call *call)
     };
     if (range.from > range.to) {
         (void)lf_error_set_at(&err, LF_E_ARG, call->method, 0, "/to",
-                              "from %d to %d ends before it begins", range.from, range.to);
+                              "the range %d to %d ends before it begins; expected from <= to",
+                              range.from, range.to);
         lf_fail(call, &err, false);
         return;
     }

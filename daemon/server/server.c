@@ -16,9 +16,9 @@
 #include "daemon/threads/turns.h"
 
 #define DEFAULT_TARGET_ERROR 1e-4
-/* Answers to a storm come by the thousand: whoever asks meanwhile does not wait for all of them. */
+/* Under heavy load thousands of tasks arrive at once; other events are handled in between. */
 #define TASKS_A_TURN 16
-/* The scene does not wait for a panel longer than this. */
+/* Longest time that the scene waits for a panel. */
 #define BEGIN_USEC 10000000
 
 static void destroy(lf_server *server)
@@ -32,7 +32,7 @@ static void destroy(lf_server *server)
     lf_engine_destroy(server->engine);
     lf_parser_end(server->parser);
     if (server->inbox.event_fd >= 0)
-        lf_inbox_read(&server->inbox, server); /* lines that it had */
+        lf_inbox_read(&server->inbox, server); /* lines it had parsed */
     lf_releaser_destroy(server->releaser);
     server->releaser = NULL;
     lf_waits_fail(server->waits, &over, false);
@@ -62,25 +62,24 @@ static void destroy(lf_server *server)
 
 /* -------------------------------------------------------------------------- putting together -- */
 
-/* A folder for the daemon's files, made when it is missing; canonical. */
+/* A folder for the daemon's files, created if missing; canonical. */
 static lf_status make_folder(const char *option, const char *folder, char **out, lf_error *err)
 {
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return lf_error_set(err, LF_E_IO, option, "%s: cannot be made: %s", folder,
+        return lf_error_set(err, LF_E_IO, option, "cannot create the folder %s: %s", folder,
                             lf_errno_text(errno));
     char *real = realpath(folder, NULL);
     struct stat st;
     if (!real || stat(real, &st) != 0 || !S_ISDIR(st.st_mode)) {
         free(real);
-        return lf_error_set(err, LF_E_IO, option, "%s: is not a folder", folder);
+        return lf_error_set(err, LF_E_IO, option, "%s is not a folder", folder);
     }
     *out = lf_strdup(real);
     free(real);
     return *out ? LF_OK : lf_error_set(err, LF_E_NOMEM, option, "out of memory");
 }
 
-/* The folder of the scene given on the command line, and that of the file behind it when it is a
- * link. */
+/* Adds the folder of the command line's scene, and that of the target if it is a link. */
 static void add_scene_roots(lf_server *server)
 {
     const char *scene = server->config.scene;
@@ -89,7 +88,7 @@ static void add_scene_roots(lf_server *server)
     for (int i = 0; i < 2 && names[i]; i++) {
         char *folder = lf_path_folder(names[i]);
         if (folder && lf_roots_add(&server->roots, folder, NULL) != LF_OK)
-            lf_log(LF_LOG_DEBUG, "%s: is no folder to read from", folder);
+            lf_log(LF_LOG_DEBUG, "%s: is not a readable folder", folder);
         lf_free(folder);
     }
     free(real);
@@ -105,7 +104,7 @@ static lf_status make_roots(lf_server *server, lf_error *err)
     }
     add_scene_roots(server);
     if (server->roots.n_roots == 0) {
-        /* No roots at all would mean anywhere: this one is a root that nothing lies beneath. */
+        /* An empty list would allow all paths, so this root has no files in it. */
         server->roots.root[0] = lf_strdup("/dev/null");
         server->roots.n_roots = server->roots.root[0] ? 1 : 0;
         return server->roots.n_roots == 1
@@ -144,7 +143,7 @@ static lf_status make_loop(lf_server *server, lf_error *err)
     return sd_event_new(&server->event) >= 0 && server->engine_fd >= 0 &&
                    lf_inbox_init(&server->inbox) == LF_OK
                ? LF_OK
-               : lf_error_set(err, LF_E_IO, "event loop", "cannot be made");
+               : lf_error_set(err, LF_E_IO, "event loop", "cannot be created");
 }
 
 static lf_status make_threads(lf_server *server, lf_error *err)
@@ -157,7 +156,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
         .has_exposure = options->has_exposure,
         .exposure = options->exposure,
         .guides = options->guides,
-        .reconstruct = options->reconstruct,
+        .denoise = options->denoise,
     };
     lf_status status = lf_response_codes(&server->response, &controls.codes, err);
     controls.has_codes = true;
@@ -190,8 +189,8 @@ static void on_client_gone(void *context, uint64_t client)
     if (server->life.phase == LF_PHASE_LEAVING)
         return;
     lf_jobs_end_of(server->jobs, client);
-    /* Of clients that have left little waits: what one of them has asked for is made all the same,
-     * and yet nobody fills the queue by coming and going. */
+    /* Requests of clients that have left are executed, but only if few wait: nobody can fill the
+     * queue by connecting and leaving. */
     if (lf_clients_left_much(server->clients))
         lf_loading_end_vain(server->loading);
 }
@@ -221,8 +220,7 @@ static int on_begin_timer(sd_event_source *source, uint64_t usec, void *context)
     return 0;
 }
 
-/* The device's first attempt; what comes of it ends nothing but a wrong --device or --calibration.
- */
+/* Opens the first device. Only a wrong --device or --calibration ends the daemon. */
 static lf_status open_first(lf_server *server, lf_error *err)
 {
     lf_calibration calibration;
@@ -246,7 +244,7 @@ static void prepare_process(void)
     sigaddset(&ours, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &ours, NULL);
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); /* a file too large is an error of write */
+    signal(SIGXFSZ, SIG_IGN); /* writing too large a file is an error of write */
     /* Clients may pass many descriptors. */
     struct rlimit limit;
     if (getrlimit(RLIMIT_NOFILE, &limit) == 0) {

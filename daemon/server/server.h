@@ -7,7 +7,7 @@
 #include "daemon/server/button_actions.h"
 
 typedef struct lf_server_config {
-    const char *scene;       /* as given; NULL = none */
+    const char *scene;       /* as on the command line; NULL = none */
     const char *socket;      /* --socket; NULL = the default */
     const char *device;      /* spec */
     const char *calibration; /* file; NULL = the device's own */
@@ -16,7 +16,7 @@ typedef struct lf_server_config {
     const char *allow[LF_MAX_ROOTS];
     int n_allow;
     bool watch;
-    double run_for; /* seconds; 0 = until told */
+    double run_for; /* seconds; 0 = until stopped */
     lf_button_actions buttons;
     lf_options options;
     lf_response response; /* of the panel */

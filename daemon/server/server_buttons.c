@@ -1,4 +1,4 @@
-/* What the buttons of a panel do: --buttons, and the method `button`. */
+/* Actions of a panel's buttons: --buttons, and the method `button`. */
 #include "base/alloc.h"
 #include "daemon/server/server_internal.h"
 
@@ -18,7 +18,7 @@ static bool on_browse(void *context, const char *from, int step)
     return true;
 }
 
-/* The file's own camera block, and null for the keys that it does not have. */
+/* The file's own camera block, with null for the keys it does not have. */
 static json_t *camera_patch(const lf_scene *scene, const json_t *own)
 {
     json_t *camera = json_copy((json_t *)(uintptr_t)own);

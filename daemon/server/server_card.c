@@ -1,11 +1,11 @@
-/* What the panel says where there is no picture: that there is no scene, what is being loaded, or
- * why a file could not be. A picture that is shown stays, whatever becomes of the next. */
+/* Cards without a picture: that there is no scene, what is being loaded, or why loading failed. A
+ * shown picture stays, whatever happens to the next one. */
 #include <stdio.h>
 #include <string.h>
 
 #include "daemon/server/server_internal.h"
 
-/* Loads that are quicker show no card. */
+/* Shorter loads show no card. */
 #define LATE_USEC 1000000
 
 static const char *name_of(const char *path)
@@ -14,7 +14,7 @@ static const char *name_of(const char *path)
     return slash && slash[1] != '\0' ? slash + 1 : path;
 }
 
-/* Of the scene that is being rendered or loaded. */
+/* The name of the scene being rendered or loaded. */
 static const char *scene_name(const lf_server *server)
 {
     const lf_load *load = lf_loading_first(server->loading);
@@ -24,8 +24,8 @@ static const char *scene_name(const lf_server *server)
     return file ? name_of(file) : "a scene";
 }
 
-/* Of words that begin with a path and a colon, as those about a file that a scene names, those from
- * the file's name on: a card has little room. */
+/* For a text that begins with a path and a colon, such as an error about a file of the scene: the
+ * text from the file name on, because a card has little room. */
 static const char *without_folder(const char *words)
 {
     const char *colon = words[0] == '/' ? strstr(words, ": ") : NULL;
@@ -61,7 +61,7 @@ static void find_words(const lf_server *server, char *out, size_t size)
     }
 }
 
-/* A wait begins anew where nothing was waited for. */
+/* Starts a wait, unless one is in progress. */
 static void begin_wait(lf_server *server)
 {
     const bool waits =

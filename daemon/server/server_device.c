@@ -1,4 +1,4 @@
-/* The panel as clients see it: what the show tells, and what is said of it on the socket. */
+/* The panel as clients see it: events of the show, and reports on the socket. */
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/server/server_internal.h"
@@ -24,7 +24,7 @@ json_t *lf_server_device_json(const lf_server *server)
 
 /* ------------------------------------------------------------------------------------ events -- */
 
-/* The daemon's own attempt, at its start. */
+/* The daemon's own attempt at its start has ended. */
 static void first_opened(lf_server *server, const lf_error *err)
 {
     if (err && err->status != LF_E_CANCELLED)
@@ -37,7 +37,7 @@ static void first_opened(lf_server *server, const lf_error *err)
     lf_server_begin(server);
 }
 
-/* What the command line asks for has nobody to answer. */
+/* The device of the command line has no client to answer. */
 static void on_opened(void *context, void *answer, const lf_error *err)
 {
     lf_server *server = context;
@@ -79,7 +79,7 @@ static void on_lens(void *context, const lf_calibration *calibration, uint64_t p
     if (is_new && lf_options_preset_differs(&server->options, calibration, words, sizeof words))
         lf_log(LF_LOG_WARNING, "%s: %s", calibration->serial, words);
     lf_engine_set_panel(server->engine, calibration, panel, views);
-    /* Also with nothing shown: the first scene may be under way. */
+    /* Also without content, because the first scene may be loading. */
     lf_load *load = is_new ? lf_load_create(LF_LOAD_APPLY) : NULL;
     if (load)
         lf_server_load(server, load, NULL);

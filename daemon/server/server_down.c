@@ -1,4 +1,4 @@
-/* The way down: what is waited for, and for how long. */
+/* Shutdown: which parts are waited for, and how long. */
 #include <math.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
@@ -8,16 +8,17 @@
 #include "base/thread.h"
 #include "daemon/server/server_internal.h"
 
-/* On the way down: how long loads, jobs and the cancelled batch are waited for, and how long the
- * panel may take for the last frames. Together less than the 2 s promised. */
+/* Waiting times at shutdown: for loads, jobs and the cancelled batch, and for the panel's last
+ * frames. Together less than the promised 2 s. */
 #define LEAVE_USEC 500000
 #define FLUSH_MS 400
-/* From the signal to the end, and after a save: what a device has not done by then is left out. */
+/* From the signal to the end, and after a save; a device that has not finished by then is
+ * abandoned. */
 #define LAST_SECONDS 1.7
 #define CLOSE_SECONDS 0.8
-/* With --state the batch in progress must end for its accumulation to be worth anything, and a save
- * before it. systemd is told once a second how much longer it may take; after MOST_SECONDS it is
- * cancelled all the same. */
+/* With --state the batch in progress must end, because its accumulation is saved, and so must a
+ * save before it. systemd is asked once a second for more time; after MOST_SECONDS both are
+ * cancelled. */
 #define BATCH_USEC 1000000
 #define BATCH_MORE_USEC 10000000
 #define MOST_SECONDS 60
@@ -33,7 +34,7 @@ static int on_leave_timer(sd_event_source *source, uint64_t usec, void *context)
     lf_server *server = context;
     (void)source;
     (void)usec;
-    lf_log(LF_LOG_DEBUG, "loads or exports that are still under way are not waited for");
+    lf_log(LF_LOG_DEBUG, "exiting without waiting for the remaining loads and exports");
     leave(server);
     return 0;
 }
@@ -46,13 +47,13 @@ static void leave_soon(lf_server *server)
                                      LEAVE_USEC, 0, on_leave_timer, server);
 }
 
-/* Rendering and saving have come to their ends. */
+/* True if rendering and saving have ended. */
 static bool is_settled(lf_server *server)
 {
     return lf_engine_stopped(server->engine) && !lf_saver_is_busy(server->saver);
 }
 
-/* The batch in progress, or a save, is still not over: it gets more time, or none. */
+/* The batch in progress or a save has not ended: extends its time or cancels it. */
 static int on_batch_timer(sd_event_source *source, uint64_t usec, void *context)
 {
     lf_server *server = context;
@@ -61,8 +62,8 @@ static int on_batch_timer(sd_event_source *source, uint64_t usec, void *context)
         return 0;
     }
     if (lf_time_now() - server->life.stopped_at > MOST_SECONDS) {
-        lf_log(LF_LOG_WARNING, "%s has taken %d s: it is cancelled",
-               lf_saver_is_busy(server->saver) ? "saving" : "the batch in progress", MOST_SECONDS);
+        lf_log(LF_LOG_WARNING, "%s has taken %d s and is cancelled",
+               lf_saver_is_busy(server->saver) ? "saving" : "the current batch", MOST_SECONDS);
         lf_engine_stop(server->engine, true);
         leave_soon(server);
         return 0;
@@ -95,7 +96,7 @@ static void begin_way_down(lf_server *server)
     }
 }
 
-/* Exports, or a save, are under way. */
+/* True if exports or a save are in progress. */
 static bool has_jobs(const lf_server *server)
 {
     lf_job_told job;
@@ -107,7 +108,7 @@ bool lf_server_is_stopping(const lf_server *server)
     return server->life.phase >= LF_PHASE_STOPPING;
 }
 
-/* Called again whenever something that is waited for may have ended. */
+/* Called again whenever a part that is waited for may have ended. */
 void lf_server_shutdown(lf_server *server)
 {
     if (server->life.phase == LF_PHASE_LEAVING)
@@ -119,26 +120,26 @@ void lf_server_shutdown(lf_server *server)
         leave(server);
 }
 
-/* Two saves at once could leave the older one behind. */
+/* Saves after the save in progress; two at once could keep the older one. */
 static void save_last(lf_server *server)
 {
     if (is_settled(server))
         lf_saver_save_now(server->saver);
     else if (server->config.state_dir)
-        lf_log(LF_LOG_WARNING, "the accumulation is not saved: %s did not come to an end",
+        lf_log(LF_LOG_WARNING, "the rendering state was not saved, because %s did not end in time",
                lf_saver_is_busy(server->saver) ? "an earlier save" : "rendering");
 }
 
 void lf_server_finish(lf_server *server)
 {
     lf_show_close(server->show, FLUSH_MS);
-    lf_inbox_read(&server->inbox, server); /* jobs that ended since the loop did */
+    lf_inbox_read(&server->inbox, server); /* jobs that have ended since the loop */
     save_last(server);
     double end = server->life.stopped_at + LAST_SECONDS;
     if (server->config.state_dir)
         end = fmax(end, lf_time_now() + CLOSE_SECONDS);
     bool closed = lf_show_drain(server->show, end);
-    lf_inbox_read(&server->inbox, server); /* and since then */
+    lf_inbox_read(&server->inbox, server); /* and tasks since then */
     if (closed && lf_engine_stopped(server->engine) && !has_jobs(server) &&
         lf_loader_pending(server->loader) == 0)
         return;

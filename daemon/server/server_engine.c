@@ -11,9 +11,10 @@
 
 static json_t *frame_json(const lf_shown *shown)
 {
-    json_t *frame = json_pack("{s:I, s:s, s:f, s:s}", "generation", (json_int_t)shown->generation,
-                              "level", lf_level_name(shown->level), "passes", shown->passes,
-                              "picture", lf_server_picture_name(shown));
+    json_t *frame =
+        json_pack("{s:I, s:s, s:f, s:s, s:s}", "generation", (json_int_t)shown->generation, "level",
+                  lf_level_name(shown->level), "passes", shown->passes, "image",
+                  lf_server_image_name(shown), "picture", lf_server_picture_name(shown));
     if (frame && shown->card[0] != '\0')
         (void)json_object_set_new(frame, "card", lf_rpc_text(shown->card));
     return frame;
@@ -25,7 +26,7 @@ void lf_server_shown(lf_server *server, const lf_shown *shown)
     bool news = shown->generation != before->generation || shown->level != before->level;
     if (shown->card[0] != '\0' && strcmp(shown->card, before->card) != 0 &&
         lf_show_calibration(server->show))
-        lf_log(LF_LOG_INFO, "the panel says: %s", shown->card);
+        lf_log(LF_LOG_INFO, "message on the panel: %s", shown->card);
     server->shown = *shown;
     lf_notify(server->clients, LF_EVENT_FRAME, "frame", frame_json(shown));
     if (!news)
@@ -63,7 +64,7 @@ int lf_server_on_engine(sd_event_source *source, int fd, uint32_t events, void *
 
 /* ------------------------------------------------------------------------------------ loader -- */
 
-/* The answer to a load, and with it what is to be said of the scene's files. */
+/* The answer to a load, with the warnings about the scene's files. */
 static json_t *load_answer(const lf_server *server, const lf_load *load)
 {
     json_t *answer = json_pack("{s:I}", "generation", (json_int_t)server->generation);
@@ -72,7 +73,7 @@ static json_t *load_answer(const lf_server *server, const lf_load *load)
     return answer;
 }
 
-/* What is played goes on with the same file, read again. */
+/* Playback continues with the same file, read again. */
 static void play_file(lf_server *server, bool same)
 {
     if (same && server->content->scene && lf_scene_has_frames(server->content->scene))
@@ -110,7 +111,7 @@ static void load_succeeded(lf_server *server, lf_load *load)
             lf_server_watch(server);
             lf_log(LF_LOG_INFO, "%s: generation %lld%s", server->content->file,
                    (long long)load->generation,
-                   load->restored > 0 ? ", going on with the saved state" : "");
+                   load->restored > 0 ? ", continuing from the saved state" : "");
         }
         lf_waits_look(server->waits);
     }
@@ -237,7 +238,7 @@ void lf_server_reload(lf_server *server)
     lf_server_load(server, load, NULL);
 }
 
-/* What lies under the names of files that were passed is not those files. */
+/* Files on disk under the names of passed files are not those files, so they are not watched. */
 void lf_server_watch(lf_server *server)
 {
     const lf_content *content = server->content;
@@ -268,8 +269,8 @@ static void load_first(lf_server *server, const char *scene)
     int why = errno;
     lf_load *load = there ? lf_load_create(LF_LOAD_FILE) : NULL;
     if (!load) {
-        /* Said here: a folder that is not there is no root either, and "outside" would be no help.
-         */
+        /* Reported here: a missing folder is no root either, and the error "outside" would not
+         * help. */
         (void)lf_error_set(&server->error, LF_E_IO, scene, "cannot open: %s",
                            there ? "out of memory" : lf_errno_text(why));
         lf_log_error(&server->error);
@@ -281,7 +282,7 @@ static void load_first(lf_server *server, const char *scene)
     lf_server_load(server, load, NULL);
 }
 
-/* Best with the panel's calibration, which says how to render. */
+/* Waits for the panel, because its calibration determines views and aspect. */
 void lf_server_begin(lf_server *server)
 {
     if (server->life.phase != LF_PHASE_OPENING)

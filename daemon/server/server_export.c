@@ -1,5 +1,5 @@
-/* Exports: what a call's words say, checked as far as it can be before anything is written, and
- * what clients hear of the jobs (daemon/parts/jobs.h). */
+/* Exports: checks the parameters of a call as far as possible before anything is written, and
+ * reports jobs to clients (daemon/parts/jobs.h). */
 #include <string.h>
 
 #include "base/alloc.h"
@@ -22,14 +22,15 @@ static lf_status take_panel_words(const lf_server *server, lf_export *what, cons
                                   lf_error *err)
 {
     const lf_calibration *calibration = lf_show_calibration(server->show);
-    what->panel.response = server->response; /* what the panel gets, but for what is said */
+    what->panel.response = server->response; /* defaults of the panel, overridden by the call */
     lf_status status = lf_param_from_json(lf_panel_params, params, &what->panel, "export", err);
     if (status == LF_OK)
         status =
             lf_param_from_json(lf_response_params, params, &what->panel.response, "export", err);
     if (status == LF_OK && !calibration)
         return lf_error_set(err, LF_E_NODEV, lf_show_spec(server->show),
-                            "there is no panel whose calibration is known");
+                            "no panel with a known calibration is open; open one with device.set "
+                            "or start quiltd with --calibration");
     if (status == LF_OK) {
         what->has_calibration = true;
         what->calibration = *calibration;
@@ -77,7 +78,7 @@ static lf_status take_fds(lf_export *what, lf_client *client, int n, lf_error *e
         return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
     if (!lf_client_take_fds(client, what->fds, n))
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
-                               "fewer than %d descriptors came with the call", n);
+                               "expects %d file descriptors, but fewer came with the call", n);
     what->n_fds = n;
     return LF_OK;
 }
@@ -88,14 +89,14 @@ static bool ends_with(const char *text, const char *ending)
     return n > m && strcmp(text + n - m, ending) == 0;
 }
 
-/* The name: beneath --export-dir, or with descriptors just a name, whose ending tells the format.
- */
+/* Checks the name: inside --export-dir, or with descriptors only a name, whose ending selects the
+ * format. */
 static lf_status take_file(const lf_server *server, lf_export *what, const char *file,
                            lf_error *err)
 {
     if (!what->kind && !ends_with(file, STATE_ENDING))
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/file",
-                               "a state's name must end in " STATE_ENDING);
+                               "the name of a state must end in " STATE_ENDING);
     lf_status status = what->kind ? LF_OK : lf_check_stem(file, STATE_ENDING, err);
     if (status != LF_OK)
         return status;
@@ -123,7 +124,7 @@ static lf_status take_file(const lf_server *server, lf_export *what, const char 
     return status;
 }
 
-/* An accumulation is one from its first pass on; a picture, once it is coarse. */
+/* A state can be saved from the first pass on, a picture once it is coarse. */
 static lf_level wait_of(const json_t *params, bool is_state)
 {
     const char *name = string_of(params, "wait");
@@ -133,23 +134,19 @@ static lf_level wait_of(const json_t *params, bool is_state)
     return is_state ? LF_LEVEL_NONE : LF_LEVEL_COARSE;
 }
 
-/* auto: as shown; but of light the estimator's answer, unless the daemon was told on. */
-static lf_status take_reconstruct(const lf_server *server, lf_export *what, const json_t *params,
-                                  lf_error *err)
+/* auto: as shown, but files of linear light get the estimator's answer unless the daemon was
+ * started with `on`. */
+static void take_denoise(const lf_server *server, lf_export *what, const json_t *params)
 {
     const lf_engine_controls controls = lf_engine_get_controls(server->engine);
-    const char *word;
-    lf_status status = lf_denoise_word(params, "export", &word, err);
-    if (status != LF_OK)
-        return status;
-    what->reconstruct = word ? LF_RECONSTRUCT_ON : LF_RECONSTRUCT_AUTO;
-    while (what->reconstruct > LF_RECONSTRUCT_AUTO &&
-           strcmp(word, lf_reconstruct_name((int)what->reconstruct)) != 0)
-        what->reconstruct--;
-    if (what->reconstruct == LF_RECONSTRUCT_AUTO && controls.reconstruct != LF_RECONSTRUCT_ON &&
-        what->kind && lf_output_is_light(what->kind, what->file))
-        what->reconstruct = LF_RECONSTRUCT_OFF;
-    return LF_OK;
+    const char *word = json_string_value(lf_param_or_former(params, "denoise", "reconstruct"));
+    what->denoise = word ? LF_DENOISE_ON : LF_DENOISE_AUTO;
+    while (what->denoise > LF_DENOISE_AUTO &&
+           strcmp(word, lf_denoise_name((int)what->denoise)) != 0)
+        what->denoise--;
+    if (what->denoise == LF_DENOISE_AUTO && controls.denoise != LF_DENOISE_ON && what->kind &&
+        lf_output_is_light(what->kind, what->file))
+        what->denoise = LF_DENOISE_OFF;
 }
 
 static lf_status take_words(lf_export *what, lf_call *call, lf_error *err)
@@ -165,17 +162,18 @@ static lf_status take_words(lf_export *what, lf_call *call, lf_error *err)
     int n_fds = (int)number_of(params, "fds", 0);
     if (is_state && n_fds > 1)
         return lf_error_set_at(err, LF_E_ARG, "export", 0, "/fds",
-                               "a state is one file: one descriptor, not %d", n_fds);
+                               "a state is one file; pass one descriptor, not %d", n_fds);
     lf_status status = take_fds(what, call->client, n_fds, err);
     if (status == LF_OK && !is_state)
         status = lf_output_kind_from_name(kind, &what->kind, err);
     if (status == LF_OK && !lf_export_is_drawn(what) &&
         (!server->content || (is_state && !server->content->scene)))
-        return lf_error_set(err, LF_E_STATE, "export", "there is no picture to export");
+        return lf_error_set(err, LF_E_STATE, "export",
+                            "there is no image to export; call scene.load first");
     if (status == LF_OK)
         status = take_file(server, what, string_of(params, "file"), err);
     if (status == LF_OK)
-        status = take_reconstruct(server, what, params, err);
+        take_denoise(server, what, params);
     if (status == LF_OK && what->kind && what->kind->needs_panel)
         status = take_panel_words(server, what, params, err);
     if (status == LF_OK && what->kind && what->kind->check_print)
@@ -185,14 +183,15 @@ static lf_status take_words(lf_export *what, lf_call *call, lf_error *err)
     return status;
 }
 
-/* A connection that is half-closed stays until its jobs have ended; a detached one needs none. */
+/* A half-closed connection stays open until its jobs have ended; a detached job needs none. */
 static lf_status hold_client(lf_export *what, lf_client *client, lf_error *err)
 {
     what->asker.holds = !what->asker.detached && lf_client_hold(client, &what->asker.bytes);
     return what->asker.holds || what->asker.detached
                ? LF_OK
                : lf_error_set(err, LF_E_BUSY, "export",
-                              "too many calls of this client are waiting for an answer");
+                              "too many calls of this client are waiting for an answer; wait for "
+                              "some of them");
 }
 
 static void release_client(lf_server *server, const lf_asker *asker)
@@ -201,7 +200,7 @@ static void release_client(lf_server *server, const lf_asker *asker)
         lf_clients_release(server->clients, asker->client, asker->bytes);
 }
 
-/* *out as the call says, which a job may be made of; also on failure it is to be finished. */
+/* Fills out from the call; finish it also after a failure. */
 static lf_status take_export(lf_call *call, lf_export *out, lf_error *err)
 {
     lf_status status = take_words(out, call, err);
@@ -221,7 +220,7 @@ void lf_server_export(lf_call *call)
         status = take_export(call, &what, &err);
     if (status == LF_OK)
         status = lf_jobs_add(server->jobs, server->n_jobs + 1, &what, &err);
-    lf_client_drop_fds(call->client); /* more came than were announced */
+    lf_client_drop_fds(call->client); /* more descriptors came than announced */
     if (status != LF_OK) {
         release_client(server, &what.asker);
         lf_export_finish(&what);
@@ -262,7 +261,7 @@ json_t *lf_server_jobs_json(const lf_server *server)
     return list;
 }
 
-/* The one who asked hears of it without subscribing. */
+/* The client that asked gets reports without subscribing. */
 static void on_told(void *context, const lf_job_told *job)
 {
     lf_server *server = context;

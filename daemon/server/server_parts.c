@@ -1,5 +1,4 @@
-/* What is played, saved, watched, waited for and read (daemon/parts), and what follows from what
- * these tell. */
+/* Playback, saving, watching, waits and loading (daemon/parts), and reactions to their events. */
 #include "base/alloc.h"
 #include "daemon/server/server_internal.h"
 
@@ -87,8 +86,8 @@ lf_status lf_server_make_watch(lf_server *server, lf_error *err)
 
 /* ----------------------------------------------------------------------------------- waiting -- */
 
-/* A frame may be shown before the loader's word has come that its scene is shown, and whoever
- * waits asks for that next. */
+/* A frame may be shown before the loader has reported its scene, and the waiting client would query
+ * that scene next. */
 static lf_wait_state on_state(void *context, const lf_wait *wait)
 {
     const lf_server *server = context;
@@ -106,7 +105,7 @@ static bool on_is_vain(void *context, const lf_wait *wait)
     return lf_deferred_is_vain(wait->call);
 }
 
-/* There is no picture, and none is being made. */
+/* Fails if there is no picture and none is being made. */
 static const lf_error *on_failed(void *context)
 {
     const lf_server *server = context;
@@ -134,10 +133,10 @@ static void on_late(void *context, const lf_wait *wait)
 {
     const lf_server *server = context;
     lf_error err;
-    (void)lf_error_set(&err, LF_E_TIMEOUT, "wait", "not %s within %g s%s",
+    (void)lf_error_set(&err, LF_E_TIMEOUT, "wait", "the image was not %s within %g s%s",
                        lf_level_name(wait->level), wait->seconds,
                        lf_engine_get_controls(server->engine).paused
-                           ? ": rendering is paused (render.set paused=false)"
+                           ? ", because rendering is paused; continue with render.set paused=false"
                            : "");
     lf_deferred_fail(wait->call, &err, false);
 }
@@ -162,7 +161,7 @@ lf_status lf_server_make_waits(lf_server *server)
 
 /* ----------------------------------------------------------------------------------- reading -- */
 
-/* A half-closed connection stays for its answer. */
+/* A half-closed connection still waits for its answer. */
 static bool on_vain_load(void *context, const lf_load *load)
 {
     (void)context;

@@ -8,7 +8,7 @@
 #include "daemon/server/server_internal.h"
 
 #define USEC_PER_S UINT64_C(1000000)
-/* How much longer systemd is asked to wait for the first scene, every STATUS_USEC. */
+/* How much more time systemd is asked for while the first scene loads, every STATUS_USEC. */
 #define START_MORE_USEC (60 * USEC_PER_S)
 #define STATUS_USEC (5 * USEC_PER_S)
 

@@ -1,17 +1,24 @@
-/* What the daemon is doing, in the words of its answers and in systemd's. */
+/* The daemon's state, in answers and for systemd. */
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
+#include <string.h>
 #include <systemd/sd-daemon.h>
 
 #include "base/thread.h"
 #include "daemon/server/server_internal.h"
 
-const char *lf_server_picture_name(const lf_shown *shown)
+const char *lf_server_image_name(const lf_shown *shown)
 {
     if (shown->card[0] != '\0')
         return "card";
-    return shown->reconstructed ? "reconstructed" : "unfiltered";
+    return shown->reconstructed ? "denoised" : "unfiltered";
+}
+
+const char *lf_server_picture_name(const lf_shown *shown)
+{
+    const char *name = lf_server_image_name(shown);
+    return strcmp(name, "denoised") == 0 ? "reconstructed" : name;
 }
 
 const char *lf_server_state_name(const lf_server *server)
@@ -63,7 +70,7 @@ json_t *lf_server_warnings_json(const lf_server *server)
     return lines;
 }
 
-/* What is being loaded. */
+/* The current load. */
 json_t *lf_server_load_json(const lf_server *server)
 {
     static const char *const kinds[] = {[LF_LOAD_FILE] = "file",

@@ -37,8 +37,8 @@ static void close_all(lf_opener_request *request)
     request->buttons = NULL;
 }
 
-/* The HID side of the panel whose EEPROM holds this serial number; else the only one there is, when
- * it does not tell its own. */
+/* The HID interface of the panel whose EEPROM has this serial number; otherwise the only one, if it
+ * reports no serial. */
 static const lf_found *panel_of(const lf_found *found, int n, const char *serial)
 {
     for (int i = 0; i < n; i++)
@@ -82,7 +82,7 @@ static lf_status open_device(lf_opener_request *request)
                : lf_device_open(request->spec, given, &request->device, &request->err);
 }
 
-/* Only now does a request need room for them: thousands may wait. */
+/* Allocated only now, because thousands of requests may wait. */
 static lf_status list_devices(lf_opener_request *request)
 {
     request->devices = lf_calloc(LF_LISTED_DEVICES, sizeof *request->devices);

@@ -83,8 +83,8 @@ static int on_device(sd_event_source *source, int fd, uint32_t events, void *con
     return 0;
 }
 
-/* The panel that frames are made for from now on. The frame there is fits a panel that comes back:
- * it need not wait for a new one. */
+/* Sets the panel that frames are made for. The current frame still fits a panel that comes back,
+ * which need not wait for a new one. */
 static void take_calibration(lf_show *show, const lf_calibration *calibration)
 {
     bool views = show->device->ops->views;
@@ -173,7 +173,7 @@ static void on_listed(void *reader, lf_task *task)
     lf_show *show = request->owner;
     (void)reader;
     for (int i = 0; i < request->n_devices && show->device; i++)
-        if (strcmp(request->devices[i].spec, show->spec) == 0) /* in use: by this show */
+        if (strcmp(request->devices[i].spec, show->spec) == 0) /* this show uses it */
             show->device->ops->info(show->device, &request->devices[i]);
     show->events.listed(show->context, request->answer, request->devices, request->n_devices,
                         request->status != LF_OK ? &request->err : NULL);
@@ -202,7 +202,7 @@ void lf_show_stop(lf_show *show)
 void lf_show_close(lf_show *show, int timeout_ms)
 {
     double end = lf_time_now() + timeout_ms * 1e-3;
-    /* The push in flight, then the last frame. */
+    /* The push in progress, then the last frame. */
     for (int i = 0; i < 2 && show->device; i++) {
         int left = (int)((end - lf_time_now()) * 1e3);
         bool busy = show->push.state == LF_PUSH_BUSY;

@@ -1,4 +1,4 @@
-/* The buttons of the panel: found beside its display, and read. */
+/* The buttons of the panel: finds and reads them. */
 #include <stdio.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -14,7 +14,7 @@ void lf_show_drop_buttons(lf_show *show)
     show->buttons = NULL;
 }
 
-/* Presses that are dealt with in a row; the rest come when all else had its turn. */
+/* Presses handled in a row; the rest come after other events. */
 #define PRESSES_AT_ONCE 32
 
 static int on_buttons(sd_event_source *source, int fd, uint32_t events, void *context)
@@ -39,7 +39,7 @@ static int on_buttons(sd_event_source *source, int fd, uint32_t events, void *co
     return 0;
 }
 
-/* Whether they belong to the panel that is there now. */
+/* True if they belong to the current panel. */
 static bool are_wanted(const lf_show *show, const lf_opener_request *request)
 {
     return !show->stopping && show->device && show->has_calibration &&

@@ -1,6 +1,6 @@
-/* A panel that was shown with what the cache knows, because its own calibration was not there yet:
- * a drive takes seconds to appear, and the USB cable may come last. When it comes it is read, and
- * where the panel would get another one now it is opened anew. */
+/* Checks a panel that was opened with a cached calibration because its own was not available yet: a
+ * drive takes seconds to appear, and the USB cable may be plugged in last. Once it is available it
+ * is read; if it differs from the cached one, the panel is opened again. */
 #include <stdio.h>
 #include <string.h>
 
@@ -16,7 +16,7 @@ static bool is_from_cache(const lf_show *show)
     return info.calibration_cached;
 }
 
-/* The display as it calls itself, in its native mode, which is the calibration's. */
+/* The display's own name and serial, and its native mode, which is the calibration's. */
 static void describe_display(const lf_show *show, lf_edid *out)
 {
     lf_device_info info;
@@ -35,7 +35,9 @@ static void on_checked(void *reader, lf_task *task)
     show->checking = LF_SEARCH_REST;
     if (!show->stopping && is_from_cache(show) && request->denied &&
         memcmp(&request->used, &show->calibration, sizeof request->used) == 0) {
-        lf_log(LF_LOG_INFO, "%s: the panel's own calibration is not the cached one", show->spec);
+        lf_log(LF_LOG_INFO,
+               "%s: the calibration on the panel differs from the cached one; reopening",
+               show->spec);
         lf_show_open_again(show);
     } else if (!show->stopping && again) {
         lf_show_check_calibration(show);

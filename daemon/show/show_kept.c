@@ -1,4 +1,4 @@
-/* What of the frames that were shown is in the files of a device that keeps them there. */
+/* Which of the shown frames are in the files of a device that writes them. */
 #include "daemon/show/show_internal.h"
 
 #include <string.h>
@@ -27,7 +27,7 @@ void lf_show_count_push(lf_show *show)
     kept->pending[at] = (lf_kept_push){kept->pushes, frame->generation, frame->level};
 }
 
-/* How many of the pending the device has written, whole. *out_status: as its `kept`. */
+/* The number of pending pushes that the device has completely written. *out_status: of `kept`. */
 static int count_written(lf_show *show, lf_status *out_status)
 {
     lf_kept *kept = &show->kept;

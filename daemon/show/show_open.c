@@ -1,4 +1,4 @@
-/* Which device is opened when: what is asked for, and what is tried again. */
+/* When to open which device: requests and retries. */
 #include <stdio.h>
 #include <string.h>
 
@@ -7,9 +7,9 @@
 #include "base/thread.h"
 #include "daemon/show/show_internal.h"
 
-/* Between attempts to open a panel that is away, the first and, after ever longer ones, the last;
- * from plugging in something that may be a part of a panel until the rest is there; between
- * searches for a panel that was never there, where nobody tells. */
+/* Delays before: the first retry for a missing panel, and, growing, the last; a retry after a
+ * possible part of a panel was plugged in, until the rest appears; the next search for a panel that
+ * was never connected, if no events report it. */
 #define REOPEN_USEC 500000
 #define REOPEN_LAST_USEC 8000000
 #define PLUGGED_USEC 300000
@@ -37,7 +37,7 @@ static void begin_request(lf_show *show, lf_opener_request *request)
     lf_opener_submit(show->opener, request);
 }
 
-/* Begins what waits and whose queue is free. */
+/* Starts waiting requests whose queue is free. */
 static void begin_waiting(lf_show *show)
 {
     if (show->stopping)
@@ -69,7 +69,7 @@ static lf_opener_request *make_request(lf_show *show, const char *spec, uint64_t
     return request;
 }
 
-/* Opens now, or when those before it in its queue are open. */
+/* Opens now, or after the earlier requests of its queue. */
 static void submit(lf_show *show, lf_opener_request *request)
 {
     lf_opener_request **at = &show->opening.waiting;
@@ -88,7 +88,8 @@ lf_status lf_show_open(lf_show *show, const char *spec, void *answer, lf_error *
     lf_opener_request *request = make_request(show, spec, opening->requests + 1);
     if (!request)
         return lf_error_set(err, LF_E_NOMEM, "device", "out of memory");
-    if (opening->wanted[0] == '\0') { /* the first: wanted whether it is there or not */
+    if (opening->wanted[0] == '\0') { /* the first spec stays wanted whether or not it is
+                                       * connected */
         snprintf(opening->wanted, sizeof opening->wanted, "%s", spec);
         opening->backoff_usec = REOPEN_USEC;
     }
@@ -99,7 +100,7 @@ lf_status lf_show_open(lf_show *show, const char *spec, void *answer, lf_error *
     return LF_OK;
 }
 
-/* What was closed for a device that then could not be opened. */
+/* Opens again the device that was closed for one that could not be opened. */
 static void open_what_was(lf_show *show, const lf_opener_request *failed)
 {
     lf_opener_request *request = make_request(show, failed->before, failed->number);
@@ -115,23 +116,24 @@ static void answer(lf_show *show, const lf_opener_request *request, const lf_err
         show->events.opened(show->context, request->answer, err);
 }
 
-/* While it was being opened, another was asked for, in another queue, and is there. */
+/* Another device was requested meanwhile through another queue, and is open. */
 static void come_too_late(lf_show *show, lf_opener_request *request)
 {
     lf_show_discard(show, request->device, NULL);
     request->device = NULL;
     request->status = lf_error_set(&request->err, LF_E_CANCELLED, request->spec,
-                                   "another device was chosen meanwhile");
+                                   "another device was chosen in the meantime");
 }
 
-/* A display that the kernel's driver shows on is shown on through the kernel, whatever was asked
- * for. */
+/* Reports that a display used by the kernel's driver is shown through the kernel, whatever was
+ * requested. */
 static void tell_detour(const lf_opener_request *request, const lf_device *device)
 {
     lf_device_info info;
     device->ops->info(device, &info);
     if (!lf_device_is_auto(request->spec) && !lf_device_has_kind(request->spec, info.kind)) {
-        lf_log(LF_LOG_INFO, "%s: the kernel's driver shows on it: shown on through that, as %s",
+        lf_log(LF_LOG_INFO,
+               "%s: the kernel driver uses this display; quiltd opens it as %s instead",
                request->spec, info.spec);
     }
 }
@@ -153,7 +155,7 @@ static void opened(lf_show *show, lf_opener_request *request)
         opening->backoff_usec = REOPEN_USEC;
         show->events.changed(show->context);
         answer(show, request, NULL);
-        lf_show_pump(show); /* may find it gone again */
+        lf_show_pump(show); /* may find that it is gone again */
     }
 }
 
@@ -163,14 +165,14 @@ static bool worth_another_try(lf_status status)
            status == LF_E_TIMEOUT;
 }
 
-/* Whether udev tells when the device that is wanted comes back. */
+/* True if udev will report when the wanted device comes back. */
 static bool will_be_told(const lf_show *show)
 {
     return show->told_of_plugs && lf_device_is_hardware(show->opening.wanted);
 }
 
-/* Ever more rarely: finding out can take seconds, in which the panel may come back unseen, and may
- * disturb others. */
+/* Retries with growing delays: a search can take seconds, in which the panel may return unnoticed,
+ * and may disturb other programs. */
 static void try_later(lf_show *show, lf_status status)
 {
     lf_opening *opening = &show->opening;
@@ -181,12 +183,11 @@ static void try_later(lf_show *show, lf_status status)
         opening->backoff_usec < REOPEN_LAST_USEC / 2 ? 2 * opening->backoff_usec : REOPEN_LAST_USEC;
 }
 
-/* Nothing is open now: what was closed for it comes back, or what was wanted before goes on being
- * wanted. */
+/* No device is open now: the one that was closed comes back, or the previous spec stays wanted. */
 static void stays_missing(lf_show *show, const lf_opener_request *request)
 {
     bool wanted = strcmp(request->spec, show->opening.wanted) == 0;
-    if (show->kept.lost) { /* its folder was not to be made again */
+    if (show->kept.lost) { /* its folder could not be created again */
         show->kept.lost = false;
         show->events.kept(show->context, &request->err);
     }
@@ -202,7 +203,7 @@ static void stays_missing(lf_show *show, const lf_opener_request *request)
         show->events.changed(show->context);
 }
 
-/* Devices that are missing, damaged or refused are all the same to a client: there is none. */
+/* To a client, missing, damaged and refused devices are the same: there is none. */
 static void not_opened(lf_show *show, lf_opener_request *request)
 {
     if (!show->device)
@@ -232,20 +233,20 @@ void lf_show_drop_requests(lf_show *show)
     }
 }
 
-/* Whether something stands in for a panel that is looked for. */
+/* True if a stand-in is open while a panel is searched for. */
 static bool is_stand_in(const lf_show *show)
 {
     return show->device && lf_show_is_empty(show) && lf_device_is_auto(show->opening.wanted);
 }
 
-/* While no panel is there. */
+/* To be called while there is no panel. */
 static void look_again(lf_show *show)
 {
     const lf_opening *opening = &show->opening;
-    if (opening->plugged) /* while it was being looked for */
+    if (opening->plugged) /* during the search */
         lf_show_retry(show, 0);
     else if (is_stand_in(show) &&
-             opening->found != LF_E_NODEV) /* nothing need be plugged in for it to be usable */
+             opening->found != LF_E_NODEV) /* it may become usable without being plugged in */
         try_later(show, opening->found);
     else if (is_stand_in(show) && !show->told_of_plugs)
         lf_show_retry(show, SEARCH_USEC);
@@ -310,7 +311,7 @@ void lf_show_retry(lf_show *show, uint64_t usec)
 {
     lf_opening *opening = &show->opening;
     double at = lf_time_now() + (double)usec * 1e-6;
-    /* Never later than what is due already: what is plugged in may go on for ever. */
+    /* Never later than a retry that is already due, since plug events may continue for ever. */
     if (!show->stopping && (!opening->retry || at < opening->retry_at)) {
         lf_show_cancel_retry(show);
         opening->retry_at = at;

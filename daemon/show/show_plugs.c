@@ -1,6 +1,6 @@
-/* What is plugged in, as udev tells it: when its rules are done, so that what is named is there
- * with its nodes and rights. Without udev (a container) nothing is told, and panels are looked for
- * from time to time instead. */
+/* Plug events from udev, sent after its rules have run, so that devices have their nodes and
+ * rights. Without udev (a container) there are no events, and panels are searched for at
+ * intervals. */
 #include <string.h>
 #include <unistd.h>
 
@@ -9,14 +9,14 @@
 #include "daemon/show/show_internal.h"
 #include "device/find/find.h"
 
-/* Where a panel, its calibration or its buttons may appear. */
+/* Subsystems in which a panel, its calibration or its buttons may appear. */
 static const struct {
     const char *subsystem, *type;
 } watched[] = {{"usb", "usb_device"}, {"hidraw", NULL}, {"drm", NULL}, {"block", NULL}};
 
-/* udisks2 has the kernel tell of a drive again when it has mounted it. Searches have drives
- * mounted: taken for news, each would lead to the next. What others mount, which may be what the
- * user was asked to do, is news. */
+/* udisks2 makes the kernel report a drive again after mounting it. quiltd's searches mount drives;
+ * if these events counted as news, each search would start the next. Mounts by others, possibly
+ * requested from the user, are news. */
 static bool is_echo(sd_device *device, const char *subsystem, sd_device_action_t action)
 {
     const char *text;
@@ -26,7 +26,7 @@ static bool is_echo(sd_device *device, const char *subsystem, sd_device_action_t
            sd_device_get_devnum(device, &number) >= 0 && lf_find_touches(number);
 }
 
-/* The kernel's words for the USB numbers of panels and of displays with an open protocol: as in
+/* The kernel's form of the USB IDs of panels and of displays with an open protocol, as in
  * systemd/70-quiltd.rules. */
 static const char *const products[] = {"4d8/ef7e/", "1d50/614d/", "16d0/10a9/"};
 
@@ -44,9 +44,9 @@ static bool is_panel_product(const char *product)
     return false;
 }
 
-/* Whether what has appeared is a panel's, and whole: nothing is left to wait for. A USB device is
- * bound when all of its interfaces have found their drivers, and udev tells that after what it has
- * told of them; that it was added says nothing yet. */
+/* True if the new device belongs to a panel and is complete. A USB device is bound when all of its
+ * interfaces have drivers; udev reports this after the interfaces. The event that it was added is
+ * too early. */
 static bool is_panel(sd_device *device, const char *subsystem, sd_device_action_t action)
 {
     if (strcmp(subsystem, "usb") == 0)
@@ -88,10 +88,10 @@ void lf_show_watch_plugs(lf_show *show)
     if (r >= 0)
         r = start(show, show->plugs);
     if (r < 0) {
-        lf_log(LF_LOG_DEBUG, "plugging in is not seen: %s", lf_errno_text(-r));
+        lf_log(LF_LOG_DEBUG, "cannot watch for devices being plugged in: %s", lf_errno_text(-r));
         show->plugs = sd_device_monitor_unref(show->plugs);
     }
-    /* Without udev there is a monitor too: a silent one. */
+    /* A monitor exists also without udev, but it is silent. */
     show->told_of_plugs = r >= 0 && access("/run/udev/control", F_OK) == 0;
 }
 

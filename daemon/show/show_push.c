@@ -5,7 +5,7 @@
 #include "base/log.h"
 #include "quilt/quilt.h"
 
-/* Between a push that failed and the next. */
+/* Delay between a failed push and the next. */
 #define REPUSH_USEC 20000
 
 void lf_show_dispatch(lf_show *show)
@@ -32,12 +32,12 @@ void lf_show_dispatch(lf_show *show)
         break;
     case LF_DEVICE_LOST:
         show->kept.lost = true;
-        lf_show_gone(show, "its folder was removed; a new one is made");
+        lf_show_gone(show, "its folder was removed; creating a new one");
         break;
     }
 }
 
-/* False: the views of this frame come with a later one. */
+/* False: this frame's views come with a later frame. */
 static bool give_views(lf_show *show, const lf_frame *frame)
 {
     lf_device *device = show->device;
@@ -51,7 +51,7 @@ static bool give_views(lf_show *show, const lf_frame *frame)
     return views || (!frame->sent_views && !frame->lacks_views);
 }
 
-/* What of frame differs from what the panel shows. */
+/* The rectangles of frame that differ from the panel's contents. */
 static int rects_for(lf_show *show, const lf_frame *frame, lf_rect *rects)
 {
     const lf_frame *current = lf_mailbox_current(show->home.mailbox);
@@ -79,7 +79,7 @@ static lf_shown shown_of(const lf_frame *frame)
     return shown;
 }
 
-/* Of a frame that needs no push. */
+/* Reports a frame that needs no push. */
 static void tell_shown(lf_show *show, const lf_frame *frame)
 {
     show->push.frame = shown_of(frame);
@@ -105,7 +105,7 @@ static void push(lf_show *show, const lf_frame *frame)
     }
     if (status != LF_OK) {
         show->push.state = LF_PUSH_WHOLE;
-        lf_log(LF_LOG_DEBUG, "%s: a push failed: %s", show->spec, lf_status_name(status));
+        lf_log(LF_LOG_DEBUG, "%s: an update failed: %s", show->spec, lf_status_name(status));
         lf_show_retry(show, REPUSH_USEC);
         return;
     }
@@ -114,7 +114,7 @@ static void push(lf_show *show, const lf_frame *frame)
     lf_show_dispatch(show);
 }
 
-/* The frame to push next: the newest, or after a failure the one that did not get there. */
+/* The frame to push next: the newest, or after a failure the one that was not shown. */
 static const lf_frame *next_frame(lf_show *show)
 {
     const lf_frame *frame = lf_mailbox_take(show->home.mailbox);

@@ -26,12 +26,12 @@ void lf_inbox_post(lf_inbox *inbox, lf_task *task)
     pthread_mutex_lock(&inbox->lock);
     *inbox->last = task;
     inbox->last = &task->next;
-    /* Under the lock: whoever reads the task may close the descriptor next. */
+    /* Under the lock: the reader of the task may close the descriptor next. */
     lf_wakeup_signal(inbox->event_fd);
     pthread_mutex_unlock(&inbox->lock);
 }
 
-/* The first tasks, at most so many, out of the inbox. */
+/* Takes the first tasks, at most `most`, out of the inbox. */
 static lf_task *take_first(lf_inbox *inbox, int most)
 {
     lf_task *first = inbox->first, *last = first;

@@ -1,6 +1,6 @@
-/* inbox: how other threads hand something to the event thread. A task is the first member of
- * whatever is handed over; the event thread calls their `done` in the order in which they were
- * posted. Posting never fails and never blocks. */
+/* inbox: hands tasks from other threads to the event thread. A task is the first member of the
+ * struct that is handed over. The event thread calls `done` of the tasks in the order in which they
+ * were posted. Posting never fails and never blocks. */
 #ifndef LF_DAEMON_INBOX_H
 #define LF_DAEMON_INBOX_H
 
@@ -16,18 +16,18 @@ typedef struct lf_task {
 typedef struct lf_inbox {
     pthread_mutex_t lock;
     lf_task *first, **last; /* under lock */
-    int event_fd;           /* readable when there are tasks; owned */
+    int event_fd;           /* readable while there are tasks; owned */
 } lf_inbox;
 
 LF_NODISCARD lf_status lf_inbox_init(lf_inbox *inbox);
-/* Tasks that were not read are done now, with reader. */
+/* Calls `done`, with reader, for tasks that were not read. */
 void lf_inbox_finish(lf_inbox *inbox, void *reader);
 /* Thread: any. */
 void lf_inbox_post(lf_inbox *inbox, lf_task *task);
-/* Calls `done` of what is there. Thread: event. */
+/* Calls `done` of all waiting tasks. Thread: event. */
 void lf_inbox_read(lf_inbox *inbox, void *reader);
-/* Of at most so many (1 or more); event_fd stays readable while there are others, so that whoever
- * waits beside them has its turn between. Thread: event. */
+/* Like lf_inbox_read, for at most `most` (>= 1) tasks. event_fd stays readable while tasks remain,
+ * so other event sources are served in between. Thread: event. */
 void lf_inbox_read_some(lf_inbox *inbox, void *reader, int most);
 
 #endif

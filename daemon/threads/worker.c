@@ -54,7 +54,7 @@ static void *worker_main(void *context)
         task->next = NULL;
         worker->run(worker->context, task);
         for (lf_task *next; task; task = next) {
-            next = task->next; /* an inbox has its own */
+            next = task->next; /* the inbox uses `next` itself */
             post_back(worker, task);
         }
     }
@@ -73,7 +73,7 @@ lf_task *lf_worker_take(lf_worker *worker, bool (*suits)(const lf_task *task, co
     return next;
 }
 
-/* Those of the queue that suit, which it has no more. */
+/* Removes the tasks that suit from the queue and returns them. */
 static lf_task *take_all(lf_worker *worker, bool (*suits)(const lf_task *task))
 {
     lf_task *taken = NULL, **last = &taken, **at = &worker->first;

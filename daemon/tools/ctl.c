@@ -17,7 +17,7 @@
 #include "daemon/wire/client.h"
 #include "daemon/wire/listen.h"
 
-/* A line of the daemon's: at most 1 MiB. */
+/* A line of the daemon is at most 1 MiB. */
 #define MAX_ANSWER (LF_RPC_MAX_LINE + 4096)
 
 struct lf_ctl {
@@ -27,7 +27,7 @@ struct lf_ctl {
     size_t used, taken;
     double timeout, deadline; /* 0: none */
     json_int_t ids;
-    json_t *notifications; /* array: came while an answer was waited for */
+    json_t *notifications; /* array of notifications that came while waiting for an answer */
 };
 
 /* -------------------------------------------------------------------------------- connection -- */
@@ -72,16 +72,16 @@ lf_status lf_ctl_connect(const char *path, lf_ctl **out, lf_error *err)
     for (int i = 0; !path && ctl->fd < 0 && lf_default_socket(i, ctl->path, sizeof ctl->path);
          i++) {
         ctl->fd = try_connect(ctl->path);
-        if (i == 0) { /* the one that is meant before all others */
+        if (i == 0) { /* the default with the highest priority */
             snprintf(first, sizeof first, "%s", ctl->path);
             why = errno;
         }
     }
     if (ctl->fd < 0) {
-        lf_status status = lf_error_set(
-            err, LF_E_NODEV, first,
-            "no quiltd answers there: %s (start one, or give the socket of another by --socket)",
-            lf_errno_text(why));
+        lf_status status =
+            lf_error_set(err, LF_E_NODEV, first,
+                         "no quiltd answers: %s; start quiltd or pass another socket with --socket",
+                         lf_errno_text(why));
         lf_ctl_close(ctl);
         return status;
     }
@@ -100,7 +100,7 @@ void lf_ctl_close(lf_ctl *ctl)
     lf_free(ctl);
 }
 
-/* Sends text[n]; the descriptors go with its first byte. */
+/* Sends text[n], with the descriptors at its first byte. */
 static lf_status send_all(lf_ctl *ctl, const char *text, size_t n, const int *fds, int n_fds,
                           lf_error *err)
 {
@@ -137,14 +137,15 @@ void lf_ctl_set_timeout(lf_ctl *ctl, double seconds)
     ctl->deadline = seconds > 0 ? lf_time_now() + seconds : 0;
 }
 
-/* Until something comes. LF_E_TIMEOUT. */
+/* Waits for data. LF_E_TIMEOUT. */
 static lf_status await_some(const lf_ctl *ctl, lf_error *err)
 {
     struct pollfd ready = {ctl->fd, POLLIN, 0};
     for (;;) {
         double left = ctl->deadline - lf_time_now();
         if (ctl->deadline > 0 && left <= 0)
-            return lf_error_set(err, LF_E_TIMEOUT, ctl->path, "no answer within %g s (--timeout)",
+            return lf_error_set(err, LF_E_TIMEOUT, ctl->path,
+                                "no answer arrived within %g s; use a longer --timeout",
                                 ctl->timeout);
         int ms = ctl->deadline > 0 ? (int)fmin(ceil(left * 1e3), 1e6) : -1;
         if (poll(&ready, 1, ms) > 0)
@@ -152,7 +153,7 @@ static lf_status await_some(const lf_ctl *ctl, lf_error *err)
     }
 }
 
-/* The next line as JSON. */
+/* Receives the next line as JSON. */
 static lf_status receive(lf_ctl *ctl, json_t **out, lf_error *err)
 {
     for (;;) {
@@ -190,7 +191,8 @@ static lf_status take_answer(json_t *message, json_t **out_result, int *out_code
         const char *text = json_string_value(json_object_get(error, "message"));
         if (out_code)
             *out_code = (int)json_integer_value(json_object_get(error, "code"));
-        status = lf_error_set(err, LF_E_STATE, "", "%s", text ? text : "the daemon refused");
+        status = lf_error_set(err, LF_E_STATE, "", "%s",
+                              text ? text : "the daemon returned an error without a message");
     } else {
         *out_result = json_incref(json_object_get(message, "result"));
     }
@@ -209,7 +211,7 @@ lf_status lf_ctl_call(lf_ctl *ctl, const char *method, json_t *params, const int
     if (!text)
         return lf_error_set(err, LF_E_NOMEM, method, "out of memory, or not UTF-8");
     size_t length = strlen(text);
-    text[length] = '\n'; /* where the terminating 0 was */
+    text[length] = '\n'; /* in place of the terminating 0 */
     lf_status status = send_all(ctl, text, length + 1, fds, n, err);
     free(text);
     while (status == LF_OK) {

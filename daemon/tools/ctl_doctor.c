@@ -1,5 +1,4 @@
-/* quiltctl doctor: finds out what the judgement goes by, with the rights of whoever calls it; a
- * daemon need not run. */
+/* quiltctl doctor: collects the facts to judge, with the caller's rights; a daemon need not run. */
 #include <fcntl.h>
 #include <spawn.h>
 #include <stdint.h>
@@ -14,7 +13,7 @@
 
 enum { MAX_DEVICES = 32, MAX_FOUND = 32 };
 
-/* What the daemon says of itself; NULL = there is none that answers, with *err. */
+/* The daemon's status; NULL = no daemon answers, with *err. */
 static json_t *ask_daemon(const char *socket, lf_error *err)
 {
     lf_ctl *ctl = NULL;
@@ -26,7 +25,7 @@ static json_t *ask_daemon(const char *socket, lf_error *err)
     return status;
 }
 
-/* What fd gives until its end, as a text. */
+/* Reads fd to its end, as text. */
 static void read_text(int fd, char *out, size_t size)
 {
     size_t n = 0;
@@ -38,7 +37,7 @@ static void read_text(int fd, char *out, size_t size)
     out[n] = '\0';
 }
 
-/* What systemd says of the service, into out; "" where there is none to ask. */
+/* Queries systemd about the service, into out; "" without systemd. */
 static void ask_systemd(char *out, size_t size)
 {
     static const char *const words[] = {"systemctl",         "show", "quiltd.service", "-p",

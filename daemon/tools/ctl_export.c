@@ -1,5 +1,5 @@
-/* quiltctl's exports: the files are opened here, with the caller's rights, and appear when the
- * daemon says that the job is done. */
+/* quiltctl's exports: files are opened here, with the caller's rights, and published when the
+ * daemon reports that the job is done. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,7 +33,7 @@ static lf_status add_file(export_files *files, const char *path, bool overwrite,
     return status;
 }
 
-/* The picture's layout, from the daemon. */
+/* Queries the picture's layout from the daemon. */
 static lf_status ask_layout(lf_ctl *ctl, lf_layout *out, lf_error *err)
 {
     json_t *status = NULL;
@@ -49,7 +49,9 @@ static lf_status ask_layout(lf_ctl *ctl, lf_layout *out, lf_error *err)
     json_decref(status);
     out->n_views = views;
     out->aspect = aspect;
-    return r == 0 ? LF_OK : lf_error_set(err, LF_E_STATE, "export", "nothing is shown");
+    return r == 0 ? LF_OK
+                  : lf_error_set(err, LF_E_STATE, "export",
+                                 "nothing is loaded; call scene.load first");
 }
 
 /* Opens the n files of an output with this final name. */
@@ -57,8 +59,10 @@ static lf_status open_output(export_files *files, const lf_output_kind *kind, co
                              int n, bool overwrite, lf_error *err)
 {
     if (n > MAX_FILES)
-        return lf_error_set(err, LF_E_ARG, path,
-                            "more than %d views cannot be passed to the daemon at once", MAX_FILES);
+        return lf_error_set(
+            err, LF_E_ARG, path,
+            "cannot pass more than %d views at once; use quiltrender or an --export-dir of quiltd",
+            MAX_FILES);
     if (kind->surplus && mkdir(path, 0777) != 0 && errno != EEXIST)
         return lf_error_set(err, LF_E_IO, path, "cannot make the folder: %s", lf_errno_text(errno));
     lf_status status = LF_OK;
@@ -71,7 +75,7 @@ static lf_status open_output(export_files *files, const lf_output_kind *kind, co
     return status;
 }
 
-/* Opens what the kind needs; *out_path is the name with the layout in it. */
+/* Opens the files of the kind; *out_path is the name with the layout in it. */
 static lf_status open_files(lf_ctl *ctl, const char *kind_name, const char *file, bool overwrite,
                             export_files *files, char **out_path, lf_error *err)
 {
@@ -154,8 +158,8 @@ lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_result, lf_err
     int fds[MAX_FILES];
     lf_status status = LF_E_ARG;
     if (!files || !kind || !file) {
-        status =
-            lf_error_set(err, !files ? LF_E_NOMEM : LF_E_ARG, "export", "needs a kind and a file");
+        status = lf_error_set(err, !files ? LF_E_NOMEM : LF_E_ARG, "export",
+                              "expects a kind and a file; see quiltctl export --help");
         goto end;
     }
     status = open_files(ctl, kind, file, overwrite, files, &path, err);

@@ -16,13 +16,13 @@
 #include "base/text.h"
 
 #define HOW_TO_READ (O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)
-#define MAX_NESTING 16 /* of files that include files */
+#define MAX_NESTING 16 /* depth of files that include files */
 #define MAX_DOCUMENT ((uint64_t)16 << 20)
 
 typedef struct gathering {
     const json_t *folders;
     lf_ctl_files *files;
-    json_t *seen; /* an object: documents that were read, by their names */
+    json_t *seen; /* an object: documents read so far, by name */
     int nesting;
     lf_status status;
     lf_error *err;
@@ -41,7 +41,7 @@ static bool is_beneath(const char *folder, const char *path)
     return strncmp(path, folder, n) == 0 && (path[n] == '/' || folder[n - 1] == '/');
 }
 
-/* What the daemon opens itself. */
+/* True if the daemon opens this path itself. */
 static bool daemon_reads(const gathering *g, const char *path)
 {
     char *real = realpath(path, NULL);
@@ -75,7 +75,7 @@ static bool is_there(const lf_ctl_files *files, const char *name)
     return false;
 }
 
-/* Takes fd over; whether it is a new file of the call. */
+/* Takes ownership of fd; true: it is a new file of the call. */
 static bool add(gathering *g, const char *name, int fd)
 {
     lf_ctl_files *files = g->files;
@@ -85,8 +85,8 @@ static bool add(gathering *g, const char *name, int fd)
     }
     if (files->n == LF_MAX_PASSED) {
         g->status = lf_error_set(g->err, LF_E_ARG, name,
-                                 "more than %d files lie outside of the folders that quiltd may "
-                                 "read: start quiltd with --allow-path DIR",
+                                 "more than %d files are outside the folders that quiltd may read; "
+                                 "start quiltd with --allow-path DIR",
                                  LF_MAX_PASSED);
         close(fd);
         return false;
@@ -105,11 +105,11 @@ static bool add(gathering *g, const char *name, int fd)
 
 typedef struct beside {
     gathering *g;
-    const char *folder; /* of the mesh, as the reader names it */
+    const char *folder; /* the mesh's folder, as the reader names it */
     int folder_fd;
 } beside;
 
-/* The reader gets a description of its own. */
+/* The reader gets an open file description of its own. */
 static lf_status open_beside(void *context, const char *asked, bool needed, int *out_fd)
 {
     const beside *b = context;
@@ -131,7 +131,7 @@ static lf_status open_beside(void *context, const char *asked, bool needed, int 
     return LF_E_IO;
 }
 
-/* fd is of the mesh; what the reader makes of it is the daemon's to say. */
+/* fd is the mesh; errors of the reader are left for the daemon to report. */
 static void gather_beside(gathering *g, const char *name, int fd)
 {
     lf_import_request request = {.kind = LF_IMPORT_MESH,
@@ -180,7 +180,7 @@ static bool is_read_by_scenes(const char *name)
 
 static void gather_value(gathering *g, const char *folder, json_t *value);
 
-/* NULL: the daemon says what is wrong. */
+/* NULL: the daemon will report the error. */
 static json_t *read_document(const char *name)
 {
     char *text = NULL;
@@ -193,7 +193,7 @@ static json_t *read_document(const char *name)
     return doc;
 }
 
-/* The names in a scene's file, from its folder on. */
+/* Collects the names in a scene's file, relative to its folder. */
 static void gather_document(gathering *g, const char *name)
 {
     if (json_object_get(g->seen, name) || g->nesting == MAX_NESTING)
@@ -209,7 +209,7 @@ static void gather_document(gathering *g, const char *name)
     lf_free(folder);
 }
 
-/* A file by its name, which is relative to folder; and what it names. */
+/* Adds a file by its name, relative to folder, and the files it names. */
 static void gather_file(gathering *g, const char *folder, const char *file)
 {
     char name[PATH_MAX];

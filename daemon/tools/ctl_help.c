@@ -6,7 +6,7 @@
 #include <string.h>
 
 #define WIDTH 100
-#define COLUMN 26 /* of descriptions */
+#define COLUMN 26 /* column at which descriptions start */
 
 static const char *text_of(const json_t *object, const char *key)
 {
@@ -20,7 +20,7 @@ static void append(char *buf, size_t size, const char *between, const char *text
     snprintf(buf + used, size - used, "%s%s", used > 0 ? between : "", text);
 }
 
-/* A number or a word of a schema, as it is typed. */
+/* Appends a number or word of a schema, as a user types it. */
 static void append_value(char *buf, size_t size, const char *between, const json_t *value)
 {
     char text[64];
@@ -46,7 +46,7 @@ static const char *placeholder(const char *type)
     return type;
 }
 
-/* What may stand behind "key=". */
+/* The possible values of "key=". */
 static void name_value(const json_t *schema, char *buf, size_t size)
 {
     const json_t *items = json_object_get(schema, "items"), *type = json_object_get(schema, "type");
@@ -108,7 +108,7 @@ static void describe(const json_t *schema, bool required, char *buf, size_t size
         append(buf, size, "", ")");
 }
 
-/* Words on lines from COLUMN on; the first begins where the cursor is. */
+/* Prints text wrapped from COLUMN on; the first line starts at the cursor. */
 static void print_wrapped(const char *text)
 {
     size_t at = COLUMN;
@@ -214,5 +214,5 @@ void lf_ctl_print_methods(const json_t *hello)
     {
         printf("%-20s %s\n", name, text_of(entry, "summary"));
     }
-    printf("quiltctl METHOD --help says more of one.\n");
+    printf("For details: quiltctl METHOD --help\n");
 }

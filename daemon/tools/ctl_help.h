@@ -1,13 +1,13 @@
-/* ctl_help: the daemon's methods as people read them, from their schemas. Writes to stdout. */
+/* ctl_help: help on the daemon's methods, from their schemas. Writes to stdout. */
 #ifndef LF_DAEMON_CTL_HELP_H
 #define LF_DAEMON_CTL_HELP_H
 
 #include <jansson.h>
 
-/* What a method is for, its parameters with their words, units, ranges and defaults, its answer and
- * an example. entry: as hello has it. */
+/* Prints a method's purpose, parameters with values, units, ranges and defaults, result and
+ * example. entry: from `hello`. */
 void lf_ctl_print_method(const char *name, const json_t *entry);
-/* All of hello: a line for each method and parameter, and for each notification. */
+/* Prints all of `hello`: one line per method, parameter and notification. */
 void lf_ctl_print_methods(const json_t *hello);
 
 #endif

@@ -1,4 +1,4 @@
-/* quiltctl watch: what the daemon is doing, in a line for people. */
+/* quiltctl watch: a status line for people. */
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -12,7 +12,7 @@
 #include "daemon/tools/ctl.h"
 
 #define PERIOD_NS 500000000
-#define LOG_SECONDS 30.0 /* between two lines where stdout is no terminal */
+#define LOG_SECONDS 30.0 /* between two lines if stdout is not a terminal */
 
 static volatile sig_atomic_t interrupted;
 
@@ -53,14 +53,14 @@ static void add_time(char *line, double seconds)
     add(line, words);
 }
 
-/* The end of a path. */
+/* The last part of a path. */
 static const char *name_of(const json_t *object, const char *key)
 {
     const char *path = text(object, key), *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;
 }
 
-/* The error falls as one over the time; it is a look's, which was when it became another. */
+/* The error falls as 1 / time; its time is when the estimate last changed. */
 static double seconds_left(const json_t *status, double error, double target, lf_ctl_look *look)
 {
     const double now = number(status, "seconds");
@@ -165,10 +165,10 @@ char *lf_ctl_watch_line(const json_t *status, lf_ctl_look *look, char line[LF_CT
 
 /* ---------------------------------------------------------------------------------- watching -- */
 
-/* The last line of a log; a state that changed is told at once. */
+/* The last logged line; a change of state is logged at once. */
 typedef struct told {
     char state[32];
-    double at; /* 0: there is none */
+    double at; /* 0: none */
     lf_ctl_look look;
 } told;
 
@@ -178,7 +178,7 @@ static bool is_due(const json_t *status, const told *last)
            strcmp(last->state, text(status, "state")) != 0;
 }
 
-/* Bytes of a line that fit into so many columns; a character of several bytes stays whole. */
+/* The bytes of a line that fit into this many columns; multi-byte characters stay whole. */
 static int fit(const char *line, int columns)
 {
     int n = 0;

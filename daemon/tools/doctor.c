@@ -32,7 +32,7 @@ static void say_note(const report *r, const char *what, const char *detail)
 
 /* -------------------------------------------------------------------------------- the daemon -- */
 
-/* "" where the daemon, which may be of another version, says no such thing. */
+/* "" if the daemon, possibly of another version, does not report it. */
 static const char *text_of(const json_t *object, const char *key)
 {
     const char *text = json_string_value(json_object_get(object, key));
@@ -54,7 +54,7 @@ static void judge_daemon(const report *r)
     say_ok(r, "daemon", text);
 }
 
-/* The spec of the panel that the daemon shows on; "" = there is none. */
+/* The spec of the panel that the daemon uses; "" = none. */
 static const char *shown_on(const lf_doctor_facts *facts)
 {
     const json_t *device = json_object_get(facts->status, "device");
@@ -63,7 +63,7 @@ static const char *shown_on(const lf_doctor_facts *facts)
 
 /* -------------------------------------------------------------------------------- the system -- */
 
-/* Whether there is a file of this name, with jokers. */
+/* True if a file matches this pattern. */
 static bool has(const report *r, const char *pattern)
 {
     char path[PATH_MAX];
@@ -86,28 +86,28 @@ static void judge_rule(const report *r)
         }
     }
     say_note(r, "udev rule",
-             "70-quiltd.rules is not installed: panels may belong to root alone; `make install`, "
-             "then `udevadm control --reload`");
+             "70-quiltd.rules is not installed, so only root may open panels; run `make install` "
+             "and `udevadm control --reload`");
 }
 
 static void judge_system(const report *r)
 {
     judge_rule(r);
     if (!has(r, "/run/udev/control"))
-        say_note(
-            r, "udev",
-            "is not running: plugging in is not noticed, and devices get no rights from the rule");
+        say_note(r, "udev",
+                 "is not running, so quiltd does not notice new devices and the rule grants no "
+                 "access; start udev");
     if (!has(r, "/sys/bus/usb")) {
-        say_note(r, "USB", "this kernel shows no USB bus: panels are not found over USB");
+        say_note(r, "USB", "the kernel reports no USB bus, so panels are not found over USB");
     } else if (!has(r, "/sys/bus/hid/drivers/hid-generic")) {
-        say_note(r, "module hid-generic",
-                 "is not loaded: `modprobe hid-generic`, when a panel of the first generation is "
-                 "not found");
+        say_note(
+            r, "module hid-generic",
+            "is not loaded; if a first-generation panel is not found, run `modprobe hid-generic`");
     }
     if (!has(r, "/dev/dri/card*"))
-        say_note(
-            r, "displays",
-            "there is no /dev/dri/card*: this machine has no display output that quiltd could use");
+        say_note(r, "displays",
+                 "/dev/dri/card* does not exist, so this machine has no display output that quiltd "
+                 "can use");
 }
 
 /* ------------------------------------------------------------------------------- the service -- */
@@ -115,11 +115,11 @@ static void judge_system(const report *r)
 const char lf_doctor_unit_keys[] =
     "LoadState,Restart,StartLimitIntervalUSec,StartLimitBurst,OOMPolicy,MemoryMax,TasksMax";
 
-/* Below these a picture of 45 views and a thread for every processor do not fit. */
+/* Minimum for a picture of 45 views and a thread per processor. */
 #define LEAST_MEMORY (UINT64_C(1) << 30)
 enum { LEAST_TASKS = 64 };
 
-/* The value of a key, "" where the unit has none; returns value. */
+/* The value of a key, "" if the unit does not have it; returns value. */
 static char *unit_value(const char *unit, const char *key, char *value, size_t size)
 {
     size_t n = strlen(key);
@@ -132,7 +132,7 @@ static char *unit_value(const char *unit, const char *key, char *value, size_t s
     return value;
 }
 
-/* UINT64_MAX: there is no limit, or an old systemd that knows none. */
+/* UINT64_MAX: no limit, or an old systemd without this property. */
 static uint64_t unit_number(const char *text)
 {
     uint64_t number;
@@ -142,19 +142,20 @@ static uint64_t unit_number(const char *text)
 static void judge_memory(const report *r, const char *memory, const char *oom)
 {
     if (unit_number(memory) == UINT64_MAX)
-        say_note(r, "service",
-                 "MemoryMax= is not set: a scene that is too large takes the memory "
-                 "of everybody; 85% leaves the machine some");
+        say_note(
+            r, "service",
+            "MemoryMax= is not set; a large scene can use up the machine's memory. Set it to 85%");
     else if (unit_number(memory) < LEAST_MEMORY)
-        say_note(r, "service",
-                 "MemoryMax= is below 1 GiB, less than a picture of many views takes");
+        say_note(
+            r, "service",
+            "MemoryMax= is below 1 GiB, which is too little for an image of many views; raise it");
     if (strcmp(oom, "continue") != 0)
         say_note(r, "service",
-                 "OOMPolicy= is not `continue`: a file that is too large ends the "
-                 "picture, not only its reader");
+                 "OOMPolicy= is not `continue`, so a file that is too large stops the daemon, not "
+                 "only its reader; set it");
 }
 
-/* What the service is held to, and whether a picture can stay with it. */
+/* Judges the limits of the service, and whether a picture fits into them. */
 static void judge_service(const report *r)
 {
     char restart[32], interval[32], burst[32], oom[32], memory[32], tasks[32], text[400];
@@ -174,15 +175,16 @@ static void judge_service(const report *r)
     say_ok(r, "service", text);
     judge_memory(r, memory, oom);
     if (unit_number(tasks) < LEAST_TASKS)
-        say_note(r, "service", "TasksMax= is below 64: threads and readers do not fit");
-    if (strcmp(restart, "on-failure") != 0 && strcmp(restart, "always") != 0)
         say_note(r, "service",
-                 "Restart= is not `on-failure`: what ends the daemon once ends the "
-                 "picture for good");
+                 "TasksMax= is below 64, which is too low for the threads and readers; raise it");
+    if (strcmp(restart, "on-failure") != 0 && strcmp(restart, "always") != 0)
+        say_note(
+            r, "service",
+            "Restart= is not `on-failure`, so a crash of the daemon leaves the panel dark; set it");
     if (limited)
         say_note(r, "service",
-                 "StartLimitIntervalSec= is not 0: after a bad minute it is given up "
-                 "for good");
+                 "StartLimitIntervalSec= is not 0, so systemd gives up after several failed "
+                 "starts; set it to 0");
 }
 
 /* -------------------------------------------------------------------------------- the panels -- */
@@ -198,7 +200,7 @@ static void judge_panels(report *r)
         snprintf(what, sizeof what, "panel %s", info->spec);
         n_panels++;
         if (strcmp(info->spec, shown_on(r->facts)) == 0)
-            say_ok(r, what, "quiltd shows on it");
+            say_ok(r, what, "quiltd shows its image on this panel");
         else if (info->problem[0] != '\0')
             say_bad(r, what, info->problem);
         else
@@ -206,8 +208,8 @@ static void judge_panels(report *r)
     }
     if (n_panels == 0)
         say_note(r, "panels",
-                 "no display of a Looking Glass is connected (its EDID name begins with LKG), nor "
-                 "a GUD display over USB");
+                 "no Looking Glass display (EDID name LKG…) and no GUD display over USB is "
+                 "connected; check both cables");
 }
 
 static void judge_calibrations(report *r)
@@ -230,7 +232,7 @@ static void judge_calibrations(report *r)
     }
     if (n_sound == 0)
         say_note(r, "calibrations",
-                 "none was found: connect the panel's USB cable too, or give --calibration FILE");
+                 "none was found; connect the panel's USB cable too, or pass --calibration FILE");
 }
 
 bool lf_doctor_judge(const lf_doctor_facts *facts, FILE *out)

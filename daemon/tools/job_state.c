@@ -15,7 +15,7 @@
 
 #define VERSION 1
 #define MOST_TEXT (UINT32_C(1) << 20)
-#define MOST_PASSES (INT64_C(1) << 40) /* as of --passes */
+#define MOST_PASSES (INT64_C(1) << 40) /* limit of --passes */
 
 static const char magic[8] = "quiltdJB";
 
@@ -41,7 +41,7 @@ static json_t *hash_words(const uint8_t bytes[LF_STATE_HASH])
     return json_string(text);
 }
 
-/* JSON has no whole numbers of 64 bits. */
+/* JSON integers do not hold unsigned 64-bit numbers. */
 static json_t *seed_words(uint64_t seed)
 {
     char text[24];
@@ -53,10 +53,11 @@ static json_t *seed_words(uint64_t seed)
 
 static json_t *budget_words(const lf_budget *b)
 {
-    return b->passes > 0         ? json_pack("{s:I}", "passes", (json_int_t)b->passes)
-           : b->seconds > 0      ? json_pack("{s:f}", "seconds", b->seconds)
-           : b->target_error > 0 ? json_pack("{s:f}", "target_error", b->target_error)
-                                 : json_pack("{s:f}", "target_shown_error", b->target_shown_error);
+    return b->passes > 0    ? json_pack("{s:I}", "passes", (json_int_t)b->passes)
+           : b->seconds > 0 ? json_pack("{s:f}", "seconds", b->seconds)
+           : b->target_error > 0
+               ? json_pack("{s:f}", "target_error", b->target_error)
+               : json_pack("{s:f}", "target_denoised_error", b->target_denoised_error);
 }
 
 json_t *lf_job_state_of(const char *scene, const lf_renderer *renderer, const lf_budget *budget)
@@ -65,12 +66,12 @@ json_t *lf_job_state_of(const char *scene, const lf_renderer *renderer, const lf
     lf_state_id id;
     if (lf_renderer_state_id(renderer, &id) != LF_OK)
         return NULL;
-    return json_pack("{s:s, s:s, s:i, s:i, s:i, s:o, s:s, s:b, s:{s:o, s:o, s:o}, s:o}", "quiltd",
-                     LF_VERSION, "scene", scene, "views", s->camera.n_views, "width", s->width,
-                     "height", s->height, "seed", seed_words(s->seed), "integrator", s->integrator,
-                     "reconstruct", s->features, "hashes", "scene", hash_words(id.scene), "camera",
-                     hash_words(id.camera), "all", hash_words(id.whole), "budget",
-                     budget_words(budget));
+    return json_pack("{s:s, s:s, s:i, s:i, s:i, s:o, s:s, s:b, s:b, s:{s:o, s:o, s:o}, s:o}",
+                     "quiltd", LF_VERSION, "scene", scene, "views", s->camera.n_views, "width",
+                     s->width, "height", s->height, "seed", seed_words(s->seed), "integrator",
+                     s->integrator, "reconstruct", s->features, "denoise", s->features, "hashes",
+                     "scene", hash_words(id.scene), "camera", hash_words(id.camera), "all",
+                     hash_words(id.whole), "budget", budget_words(budget));
 }
 
 /* ------------------------------------------------------------------------------------ differ -- */
@@ -80,7 +81,7 @@ static bool differs(const json_t *a, const json_t *b, const char *key)
     return !json_equal(json_object_get(a, key), json_object_get(b, key));
 }
 
-/* As JSON has it; returns buf. */
+/* The member as JSON text; returns buf. */
 static const char *said(const json_t *object, const char *key, char *buf, size_t size)
 {
     char *text = json_dumps(json_object_get(object, key), JSON_ENCODE_ANY);
@@ -97,13 +98,13 @@ static void add_said(char *words, size_t size, const char *what, const json_t *t
                 said(of, key, b, sizeof b));
 }
 
-/* What the picture of a file differs in from that of a job; empty: in nothing. */
+/* Describes how a file's job differs from `of`; empty: not at all. */
 static void differences(const json_t *there, const json_t *of, char *words, size_t size)
 {
     static const char *const keys[][2] = {
         {"views", "the number of views"}, {"width", "the views' width"},
         {"height", "the views' height"},  {"seed", "the seed"},
-        {"integrator", "the integrator"}, {"reconstruct", "--reconstruct"}};
+        {"integrator", "the integrator"}, {"reconstruct", "--denoise"}};
     const json_t *hashes = json_object_get(there, "hashes"), *ours = json_object_get(of, "hashes");
     words[0] = '\0';
     if (differs(hashes, ours, "scene"))
@@ -114,7 +115,7 @@ static void differences(const json_t *there, const json_t *of, char *words, size
     if (differs(hashes, ours, "camera"))
         lf_list_add(words, size, "the camera");
     if (words[0] == '\0' && differs(hashes, ours, "all"))
-        lf_list_add(words, size, "how it is rendered");
+        lf_list_add(words, size, "the render settings");
 }
 
 /* ------------------------------------------------------------------------------------- write -- */
@@ -159,11 +160,11 @@ lf_status lf_job_state_write(const char *path, const json_t *of, const lf_render
 
 /* -------------------------------------------------------------------------------------- read -- */
 
-#define REMEDY "; remove it, or give another --state FILE"
+#define REMEDY "; remove it or pass another --state FILE"
 
 static lf_status damaged(const char *path, const char *what, lf_error *err)
 {
-    return lf_error_set(err, LF_E_FORMAT, path, "is damaged: %s" REMEDY, what);
+    return lf_error_set(err, LF_E_FORMAT, path, "is damaged (%s)" REMEDY, what);
 }
 
 static lf_status read_all(int fd, const char *path, void *data, size_t n, lf_error *err)
@@ -199,7 +200,7 @@ static bool is_progress(const json_t *words, lf_job_progress *out)
            out->times.cpu_seconds >= 0;
 }
 
-/* Up to where the film begins. */
+/* Reads the header, up to the film. */
 static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err)
 {
     head h;
@@ -209,11 +210,10 @@ static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err
         return status;
     if (memcmp(h.magic, magic, sizeof magic) != 0)
         return lf_error_set(err, LF_E_FORMAT, path,
-                            "is there already and holds no state of a job; give another --state "
-                            "FILE");
+                            "exists and is not the state of a job; pass another --state FILE");
     if (le32toh(h.version) != VERSION)
         return lf_error_set(err, LF_E_STATE, path,
-                            "is a state of version %" PRIu32 ", and this program reads version "
+                            "is a state of version %" PRIu32 ", but this program reads version "
                             "%d" REMEDY,
                             le32toh(h.version), VERSION);
     const uint32_t n = le32toh(h.n);
@@ -224,10 +224,10 @@ static lf_status read_head(int fd, const char *path, json_t **out, lf_error *err
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     status = read_all(fd, path, text, n, err);
     if (status == LF_OK && checksum(&h, text) != h.crc)
-        status = damaged(path, "the checksum of its head does not fit", err);
+        status = damaged(path, "the checksum of its head is wrong", err);
     json_t *words = status == LF_OK ? json_loadb(text, n, 0, NULL) : NULL;
     if (status == LF_OK && !is_progress(words, &progress))
-        status = damaged(path, "its head says nothing of a job", err);
+        status = damaged(path, "its head describes no job", err);
     lf_free(text);
     if (status == LF_OK)
         *out = words;
@@ -251,7 +251,7 @@ static lf_status open_head(const char *path, int *out_fd, uint64_t *out_size, js
     return status;
 }
 
-/* What the film's reader says, of this file. */
+/* Restores the film; errors name this file. */
 static lf_status restore_film(int fd, const char *path, lf_renderer *renderer, lf_error *err)
 {
     lf_error why = {0};
@@ -275,7 +275,7 @@ lf_status lf_job_state_restore(const char *path, const json_t *of, lf_renderer *
     differences(there, of, words, sizeof words);
     if (words[0] != '\0')
         status = lf_error_set(err, LF_E_STATE, path,
-                              "is the state of another job: it differs in %s" REMEDY, words);
+                              "is the state of another job, which differs in %s" REMEDY, words);
     if (status == LF_OK)
         status = restore_film(fd, path, renderer, err);
     if (status == LF_OK) {

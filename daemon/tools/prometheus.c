@@ -6,41 +6,43 @@
 
 typedef struct quantity {
     const char *name, *type, *help;
-    const char *object, *key; /* where status has it; object NULL: on top */
+    const char *object, *key; /* path in status; object NULL: top level */
 } quantity;
 
 static const quantity quantities[] = {
     {"uptime_seconds", "gauge", "Time since the daemon started.", NULL, "uptime"},
-    {"generation", "gauge", "Number of the scene and camera that are rendered.", NULL,
+    {"generation", "gauge", "Number of the scene and camera state being rendered.", NULL,
      "generation"},
-    {"shown_generation", "gauge", "Number of the scene and camera on the panel.", "shown",
+    {"shown_generation", "gauge", "Number of the scene and camera state on the panel.", "shown",
      "generation"},
-    {"passes", "gauge", "Passes over the picture of this generation.", NULL, "passes"},
-    {"render_seconds", "gauge", "Time that this generation has been rendered for.", NULL,
-     "seconds"},
-    {"render_cpu_seconds", "gauge", "The same in processor time of all threads.", NULL,
+    {"passes", "gauge", "Passes rendered for this generation.", NULL, "passes"},
+    {"render_seconds", "gauge", "Rendering time of this generation.", NULL, "seconds"},
+    {"render_cpu_seconds", "gauge", "CPU time of all threads for this generation.", NULL,
      "cpu_seconds"},
     {"samples_per_pixel", "gauge", "Mean native samples of a view pixel.", NULL, "spp"},
-    {"error_estimate", "gauge", "Estimated relative mean squared error of the unfiltered picture.",
+    {"error_estimate", "gauge", "Estimated relative mean squared error of the unfiltered image.",
      NULL, "error_estimate"},
     {"error_bound", "gauge", "Upper bound (95 %) of that error.", NULL, "error_bound"},
-    {"shown_error", "gauge", "Estimated relative mean squared error of the picture shown.", NULL,
-     "shown_error"},
-    {"shown_error_bound", "gauge", "Upper bound (95 %) of that error.", NULL, "shown_error_bound"},
-    {"target_error", "gauge", "Error below which rendering rests.", NULL, "target_error"},
-    {"missing_pixels", "gauge", "View pixels that nothing was found for yet.", NULL, "missing"},
+    {"denoised_error", "gauge", "Estimated relative mean squared error of the denoised image.",
+     NULL, "denoised_error"},
+    {"denoised_error_bound", "gauge", "Upper bound (95 %) of the error of the denoised image.",
+     NULL, "denoised_error_bound"},
+    {"shown_error", "gauge", "Former name of denoised_error.", NULL, "denoised_error"},
+    {"shown_error_bound", "gauge", "Former name of denoised_error_bound.", NULL,
+     "denoised_error_bound"},
+    {"target_error", "gauge", "Error at which rendering stops.", NULL, "target_error"},
+    {"missing_pixels", "gauge", "View pixels that no path has reached yet.", NULL, "missing"},
     {"views", "gauge", "Views of the light field.", NULL, "views"},
-    {"threads", "gauge", "Threads that render.", NULL, "threads"},
-    {"paused", "gauge", "Whether rendering was paused.", NULL, "paused"},
-    {"device_connected", "gauge", "Whether the panel is there.", "device", "present"},
-    {"frames_pushed_total", "counter", "Frames handed to the panel.", NULL, "updates"},
-    {"pushed_bytes_total", "counter", "Bytes of pixels handed to the panel.", NULL, "bytes"},
-    {"device_errors_total", "counter", "Frames that the panel did not take.", NULL,
+    {"threads", "gauge", "Worker threads.", NULL, "threads"},
+    {"paused", "gauge", "Whether rendering is paused.", NULL, "paused"},
+    {"device_connected", "gauge", "Whether the panel is connected.", "device", "present"},
+    {"frames_pushed_total", "counter", "Frames sent to the panel.", NULL, "updates"},
+    {"pushed_bytes_total", "counter", "Bytes of pixels sent to the panel.", NULL, "bytes"},
+    {"device_errors_total", "counter", "Frames that the panel did not accept.", NULL,
      "device_errors"},
-    {"loads_pending", "gauge", "Scenes and quilts that are being read, or wait for it.", NULL,
+    {"loads_pending", "gauge", "Loads of scenes and quilts in progress or waiting.", NULL,
      "loading"},
-    {"clients", "gauge", "Clients that are connected, the one that asks with them.", NULL,
-     "clients"},
+    {"clients", "gauge", "Connected clients, including this one.", NULL, "clients"},
 };
 
 static void write_head(FILE *out, const char *name, const char *type, const char *help)
@@ -48,7 +50,7 @@ static void write_head(FILE *out, const char *name, const char *type, const char
     fprintf(out, "# HELP " PREFIX "%s %s\n# TYPE " PREFIX "%s %s\n", name, help, name, type);
 }
 
-/* A label's value: backslash, quote and newline are escaped, all else is taken as it stands. */
+/* Writes a label's value: escapes backslash, quote and newline, and nothing else. */
 static void write_label(FILE *out, const char *name, const json_t *text)
 {
     fprintf(out, "%s=\"", name);
@@ -79,7 +81,7 @@ static void write_quantity(FILE *out, const quantity *q, const json_t *status)
                                        : (long long)json_is_true(value));
 }
 
-/* One sample a word, 1 for the one that holds. */
+/* Writes one sample per word, 1 for the current one. */
 static void write_words(FILE *out, const char *name, const char *help, const char *label,
                         const char *const *words, const json_t *now)
 {
@@ -95,9 +97,9 @@ static void write_states(FILE *out, const json_t *status)
 {
     static const char *const states[] = {"idle", "rendering", "converged", "paused", "error", NULL};
     static const char *const levels[] = {"none", "coarse", "complete", "converged", NULL};
-    write_words(out, "state", "What the daemon is doing: 1 for the state that it is in.", "state",
-                states, json_object_get(status, "state"));
-    write_words(out, "shown_level", "How far the picture on the panel is: 1 for its level.",
+    write_words(out, "state", "State of the daemon: 1 for the current state.", "state", states,
+                json_object_get(status, "state"));
+    write_words(out, "shown_level", "Level of the image on the panel: 1 for the current level.",
                 "level", levels, json_object_get(json_object_get(status, "shown"), "level"));
 }
 
@@ -107,14 +109,14 @@ static void write_infos(FILE *out, const json_t *status)
     const json_t *scene = json_object_get(status, "scene"),
                  *device = json_object_get(status, "device");
     if (json_is_string(scene)) {
-        write_head(out, "scene_info", "gauge", "The file that is shown; always 1.");
+        write_head(out, "scene_info", "gauge", "File on display; always 1.");
         fputs(PREFIX "scene_info{", out);
         write_label(out, "file", scene);
         fputs("} 1\n", out);
     }
     if (!json_is_object(device))
         return;
-    write_head(out, "device_info", "gauge", "The panel that is shown on; always 1.");
+    write_head(out, "device_info", "gauge", "Panel in use; always 1.");
     fputs(PREFIX "device_info{", out);
     for (size_t i = 0; i < sizeof labels / sizeof *labels; i++) {
         fputs(i > 0 ? "," : "", out);
@@ -133,7 +135,7 @@ void lf_prometheus_write(const json_t *status, FILE *out)
     write_infos(out, status);
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++)
         write_quantity(out, &quantities[i], status);
-    write_head(out, "jobs", "gauge", "Exports that are written, or wait for it.");
+    write_head(out, "jobs", "gauge", "Exports in progress or waiting.");
     fprintf(out, PREFIX "jobs %zu\n", json_array_size(json_object_get(status, "jobs")));
     write_head(out, "error", "gauge", "Whether the daemon reports an error (quiltctl status).");
     fprintf(out, PREFIX "error %d\n", json_object_get(status, "error") ? 1 : 0);

@@ -20,7 +20,7 @@ enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_JSON, OPTION_FORMAT, OPTION_TIMEOUT
 
 typedef enum format { FORMAT_TEXT, FORMAT_JSON, FORMAT_PROMETHEUS } format;
 
-/* Its names; NULL behind the last. */
+/* Names of formats; NULL after the last. */
 static const char *format_at(int index)
 {
     static const char *const names[] = {"text", "json", "prometheus"};
@@ -42,42 +42,40 @@ typedef struct arguments {
     format format;
     double timeout; /* seconds; 0 = none */
     const char *method;
-    char *const *words; /* what follows the method */
+    char *const *words; /* words after the method */
     int n_words;
 } arguments;
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
-        "       quiltctl [--socket PATH] watch\n"
-        "       quiltctl [--socket PATH] doctor\n"
-        "       quiltctl [--socket PATH] export "
-        "quilt|still|views|pictures|panel|print|chart|rgbd|state FILE\n"
-        "                [key=value ...]\n"
-        "       quiltctl METHOD --help\n"
-        "Calls a running quiltd and prints what it answers. Values are typed by the method's "
-        "schema; key:=JSON is raw.\n"
-        "`quiltctl hello` lists the methods; some of them: status, scene.load file=PATH, "
-        "scene.patch patch:=JSON,\n"
-        "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
-        "`quiltctl METHOD --help` says what a method takes and answers; it needs no daemon.\n"
-        "doctor says what stands between this machine and a picture on a panel; it needs no "
-        "daemon.\n"
-        "An export is written, and a scene with its files is read, with your rights: they may "
-        "lie anywhere.\n"
-        "\n"
-        "  --socket PATH          the daemon's socket ($QUILTD_SOCKET, "
-        "$XDG_RUNTIME_DIR/quiltd.sock,\n"
-        "                         /run/quiltd/control.sock)\n"
-        "  --json                 prints the result as JSON\n"
-        "  --format FORMAT        prints it as text (default), json or prometheus (status alone: "
-        "lines\n"
-        "                         for the textfile collector of Prometheus' node exporter)\n"
-        "  --timeout SECONDS      gives up after so long\n" LF_OPTIONS_HELP_LAST
-            LF_OPTIONS_HELP_SHELLS
-        "Exit status: 0, 1 when the daemon refused, 2 for wrong usage, 3 when no daemon "
-        "answers.\n");
+    printf("Usage: quiltctl [--socket PATH] [--json] METHOD [key=value ...]\n"
+           "       quiltctl [--socket PATH] watch\n"
+           "       quiltctl [--socket PATH] doctor\n"
+           "       quiltctl [--socket PATH] export "
+           "quilt|still|views|pictures|panel|print|chart|rgbd|state FILE\n"
+           "                [key=value ...]\n"
+           "       quiltctl METHOD --help\n"
+           "Call a method of a running quiltd and print the result. The method's schema gives the "
+           "types; key:=JSON is raw JSON.\n"
+           "`quiltctl hello` lists the methods. Examples: status, scene.load file=PATH, "
+           "scene.patch patch:=JSON,\n"
+           "camera.orbit yaw=5, wait for=complete, render.set paused=true, device.list, shutdown.\n"
+           "`quiltctl METHOD --help` prints parameters and results of a method; it needs no "
+           "daemon.\n"
+           "`quiltctl doctor` checks what this machine needs to show an image on a panel; it needs "
+           "no daemon.\n"
+           "quiltctl opens exports, scenes and their files with your own rights, in any folder.\n\n"
+           "  --socket PATH          socket of the daemon ($QUILTD_SOCKET, "
+           "$XDG_RUNTIME_DIR/quiltd.sock,\n"
+           "                         /run/quiltd/control.sock)\n"
+           "  --json                 print the result as JSON\n"
+           "  --format FORMAT        print the result as text (default), json or prometheus\n"
+           "                         (status only, for the textfile collector of its node "
+           "exporter)\n"
+           "  --timeout SECONDS      exit with status 1 if no answer arrives in "
+           "time\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS
+           "Exit status: 0; 1 if the daemon returned an error; 2 for wrong usage; 3 if no daemon "
+           "answers.\n");
 }
 
 static lf_status take_format(arguments *a, const char *text, lf_error *err)
@@ -122,16 +120,17 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
     if (status != LF_OK || *out_done)
         return status;
     if (optind >= argc)
-        return lf_error_set(err, LF_E_ARG, "METHOD", "is missing; quiltctl --help");
+        return lf_error_set(err, LF_E_ARG, "METHOD", "is missing; see quiltctl --help");
     a->method = argv[optind];
     a->words = argv + optind + 1;
     a->n_words = argc - optind - 1;
     if (a->format == FORMAT_PROMETHEUS && strcmp(a->method, "status") != 0)
-        return lf_error_set(err, LF_E_ARG, "--format", "prometheus is a format of status alone");
+        return lf_error_set(err, LF_E_ARG, "--format",
+                            "prometheus is only available for the method status");
     return LF_OK;
 }
 
-/* The daemon runs elsewhere: paths are made absolute. */
+/* Makes paths absolute, because the daemon has another working folder. */
 static void make_absolute(json_t *params, const char *key)
 {
     const char *path = json_string_value(json_object_get(params, key));
@@ -143,7 +142,7 @@ static void make_absolute(json_t *params, const char *key)
     free(here);
 }
 
-/* The folder that a device writes into likewise. */
+/* Makes the folder in a device's spec absolute. */
 static void make_spec_absolute(json_t *params)
 {
     const char *spec = json_string_value(json_object_get(params, "spec"));
@@ -156,14 +155,14 @@ static void make_spec_absolute(json_t *params)
     free(here);
 }
 
-/* The daemon writes such an export by its name, since nobody waits here for its end. */
+/* The daemon writes a detached export by name, since quiltctl does not wait for its end. */
 static bool is_detached(const json_t *params)
 {
     return json_is_true(json_object_get(params, "detach"));
 }
 
-/* Reads the words by the method's schema. first: how many are positional (export's kind and file).
- */
+/* Parses the words with the method's schema. first: number of positional words (export's kind and
+ * file). */
 static lf_status read_words(const arguments *a, const json_t *schema, json_t *params, lf_error *err)
 {
     static const char *const positional[] = {"kind", "file"};
@@ -178,14 +177,14 @@ static lf_status read_words(const arguments *a, const json_t *schema, json_t *pa
         if (status != LF_OK)
             return status;
     }
-    if (!is_detached(params)) /* else relative to the daemon's --export-dir */
+    if (!is_detached(params)) /* otherwise relative to the daemon's --export-dir */
         make_absolute(params, "file");
     make_absolute(params, "icc");
     make_spec_absolute(params);
     return lf_schema_check(schema, params, a->method, err);
 }
 
-/* The schema of a method in the daemon's hello. LF_E_ARG: there is no such method. */
+/* The schema of a method in the daemon's `hello`. LF_E_ARG: unknown method. */
 static lf_status find_schema(const json_t *hello, const char *method, const json_t **out_schema,
                              lf_error *err)
 {
@@ -195,12 +194,12 @@ static lf_status find_schema(const json_t *hello, const char *method, const json
         return LF_OK;
     const char *meant = lf_nearest_key(method, methods);
     return meant ? lf_error_set(err, LF_E_ARG, method,
-                                "is no method of this daemon; did you mean \"%s\"?", meant)
+                                "is not a method of this daemon; did you mean \"%s\"?", meant)
                  : lf_error_set(err, LF_E_ARG, method,
-                                "is no method of this daemon; quiltctl hello lists them");
+                                "is not a method of this daemon; quiltctl hello lists the methods");
 }
 
-/* The scene that is shown; NULL: none. A new reference. */
+/* The shown scene; NULL: none. A new reference. */
 static json_t *ask_scene(lf_ctl *ctl)
 {
     json_t *status = NULL, *scene = NULL;
@@ -210,7 +209,8 @@ static json_t *ask_scene(lf_ctl *ctl)
     return scene;
 }
 
-/* A call that names files, with those that the daemon may not open. params are taken over. */
+/* Makes a call that names files, passing the files that the daemon may not open. Takes ownership of
+ * params. */
 static lf_status call_with_files(lf_ctl *ctl, const arguments *a, const json_t *hello,
                                  json_t *params, json_t **out_result, lf_error *err)
 {
@@ -232,13 +232,13 @@ static lf_status call_with_files(lf_ctl *ctl, const arguments *a, const json_t *
     return status;
 }
 
-/* params are taken over. */
+/* Takes ownership of params. */
 static lf_status call(lf_ctl *ctl, const arguments *a, const json_t *hello, json_t *params,
                       json_t **out_result, lf_error *err)
 {
     if (strcmp(a->method, "export") == 0 && !is_detached(params))
         return lf_ctl_export(ctl, params, out_result, err);
-    /* a daemon of before takes none */
+    /* older daemons accept none */
     if (json_is_array(json_object_get(hello, "folders")) &&
         (strcmp(a->method, "scene.load") == 0 || strcmp(a->method, "scene.patch") == 0))
         return call_with_files(ctl, a, hello, params, out_result, err);
@@ -281,7 +281,7 @@ static void print_result(const arguments *a, const json_t *result)
     }
 }
 
-/* "METHOD --help": prints what there is to say of it; false: something else was asked for. */
+/* "METHOD --help": prints the method's help; false: not such a call. */
 static bool print_method_help(int argc, char *const argv[])
 {
     const char *method = NULL;

@@ -42,12 +42,11 @@ static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_REND
 static void print_help(void)
 {
     printf("Usage: quiltd [SCENE] [options]\n"
-           "Renders a scene (JSON) as a light field, or takes a quilt picture, and shows it on a "
-           "Looking Glass panel.\n"
-           "Where no option says otherwise, the panel's own lens calibration counts, and rendering "
-           "rests at a relative error of 1e-4.\n"
-           "\n"
-           "  --socket PATH          where clients talk to it ($QUILTD_SOCKET, "
+           "Render a scene (JSON) as a light field and show it on a Looking Glass panel. SCENE "
+           "may also be a quilt image.\n"
+           "By default, quiltd uses the lens calibration of the panel and stops rendering at a "
+           "relative error of 1e-4.\n\n"
+           "  --socket PATH          socket for clients ($QUILTD_SOCKET, "
            "$XDG_RUNTIME_DIR/quiltd.sock,\n"
            "                         /run/quiltd/control.sock)\n"
            "  --device SPEC          auto (default), drm[:OUTPUT], window[:MONITOR],\n"
@@ -57,16 +56,15 @@ static void print_help(void)
     lf_param_print_help(lf_alone_params, NULL);
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
-    printf(
-        "  --state DIR            keeps the accumulation there over restarts\n"
-        "  --allow-path DIR       clients may name files to read beneath it; may be given often\n"
-        "  --export-dir DIR       clients may name files to write beneath it\n"
-        "  --buttons LIST         what the panel's buttons do: "
-        "square=pause,left=previous,right=next,circle=reset\n"
-        "                         (none, next, previous, pause, reset)\n"
-        "  --watch                reads the scene file again when it, or what it includes, "
-        "changes\n"
-        "  --run-for SECONDS      ends by itself\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
+    printf("  --state DIR            keep rendering states in DIR across restarts\n"
+           "  --allow-path DIR       let clients read files below DIR (repeatable)\n"
+           "  --export-dir DIR       let clients write files below DIR\n"
+           "  --buttons LIST         actions of the panel's buttons: none, next, previous, pause "
+           "or reset\n"
+           "                         (square=pause,left=previous,right=next,circle=reset)\n"
+           "  --watch                reload the scene when its file or an included file changes\n"
+           "  --run-for SECONDS      exit after SECONDS\n" LF_OPTIONS_HELP_LAST
+               LF_OPTIONS_HELP_SHELLS);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -94,7 +92,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
         return lf_parse_double("--run-for", text, 0.001, 1e9, &config->run_for, err);
     case OPTION_ALLOW_PATH:
         if (config->n_allow >= LF_MAX_ROOTS - 2)
-            return lf_error_set(err, LF_E_ARG, "--allow-path", "given more than %d times",
+            return lf_error_set(err, LF_E_ARG, "--allow-path", "may be given at most %d times",
                                 LF_MAX_ROOTS - 2);
         config->allow[config->n_allow++] = text;
         return LF_OK;
@@ -103,7 +101,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* The scene's absolute path: clients and relative files go by its folder. Owned by the caller. */
+/* The scene's absolute path, whose folder is the base of relative paths. Owned by the caller. */
 static char *absolute_scene(const char *scene)
 {
     char *here = getcwd(NULL, 0);
@@ -112,7 +110,7 @@ static char *absolute_scene(const char *scene)
     return path;
 }
 
-/* What no scene can make right. */
+/* Checks that no scene could satisfy. */
 static lf_status check_tiles(const lf_options *options, lf_error *err)
 {
     const lf_preset *preset = lf_options_preset(options);
@@ -120,12 +118,13 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
     int tiles = options->columns * options->rows;
     if (preset && preset->is_plain)
         return lf_error_set(err, LF_E_ARG, "--preset",
-                            "%s is for files (quiltrender): quiltd shows views through a lens",
+                            "%s is not for panels with lenses; use it with quiltrender",
                             preset->name);
     if (tiles > 0 && tiles < views)
-        return lf_error_set(err, LF_E_ARG, "--quilt",
-                            "%dx%d holds %d tiles, but there are %d views", options->columns,
-                            options->rows, tiles, views);
+        return lf_error_set(
+            err, LF_E_ARG, "--quilt",
+            "%dx%d has %d tiles, but there are %d views; use a larger --quilt or set --views",
+            options->columns, options->rows, tiles, views);
     return LF_OK;
 }
 
@@ -161,14 +160,15 @@ int main(int argc, char *argv[])
     if (lf_response_codes(&config.response, &codes, &err) != LF_OK)
         return lf_usage_error(PROGRAM, &err);
     if (argc - optind > 1) {
-        (void)lf_error_set(&err, LF_E_ARG, argv[optind + 1], "only one scene can be shown");
+        (void)lf_error_set(&err, LF_E_ARG, argv[optind + 1],
+                           "unexpected argument; give only one scene");
         return lf_usage_error(PROGRAM, &err);
     }
-    /* An empty one is none: what a service's variable that is not set leaves. */
+    /* An empty operand counts as none: a service's unset variable expands to it. */
     bool has_scene = optind < argc && argv[optind][0] != '\0';
     char *scene = has_scene ? absolute_scene(argv[optind]) : NULL;
     if (has_scene && !scene) {
-        lf_log(LF_LOG_ERROR, "%s: its folder cannot be found", argv[optind]);
+        lf_log(LF_LOG_ERROR, "%s: cannot find the current folder", argv[optind]);
         return LF_EXIT_FAILED;
     }
     config.scene = scene;

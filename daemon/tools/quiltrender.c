@@ -1,5 +1,5 @@
-/* quiltrender: one scene or quilt to one picture, print or folder of views, or to the frames of a
- * sequence. See docs/man/quiltrender.1. */
+/* quiltrender: renders a scene or converts a quilt to one picture, print or folder of views, or to
+ * a sequence. See docs/man/quiltrender.1. */
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,7 +37,7 @@ static lf_status make_one(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* "48 views of 420x560, 16 spp, 35 s": what a file, or each of them, holds and what all took. */
+/* "48 views of 420x560, 16 spp, 35 s": content per file, and total time. */
 static void describe(const lf_rendering *r, double seconds, char *words, size_t size)
 {
     const lf_render_settings *s = &r->settings;
@@ -127,7 +127,7 @@ static void catch_signals(void)
     struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    /* a limit on file size is to be an error like a full disk */
+    /* exceeding a file size limit becomes an error like a full disk */
     action = (struct sigaction){.sa_handler = SIG_IGN};
     sigaction(SIGXFSZ, &action, NULL);
     sigaction(SIGPIPE, &action, NULL);

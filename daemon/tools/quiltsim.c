@@ -13,7 +13,7 @@
 
 #define PROGRAM "quiltsim"
 
-/* What an option's text becomes. */
+/* The type of an option's value. */
 typedef enum option_kind {
     FLAG,    /* bool, without an argument */
     FILE_OF, /* const char * */
@@ -29,7 +29,7 @@ typedef enum option_kind {
 static const struct option_rule {
     const char *name;
     option_kind kind;
-    size_t offset; /* in lf_simulator_config */
+    size_t offset; /* offset in lf_simulator_config */
 } rules[] = {
 #define TO(member) offsetof(lf_simulator_config, member)
     {"listen", PORT, TO(port)},
@@ -48,7 +48,7 @@ static const struct option_rule {
     {"hang-every", U64, TO(gud.hang_every)},
     {"unplug-after", U64, TO(gud.unplug_after)},
     {"bytes-per-second", U64, TO(gud.bytes_per_s)},
-    {"lie", FAULT, TO(gud.fault)},
+    {"fault", FAULT, TO(gud.fault)},
     {"hid-split", FLAG, TO(hid.split)},
     {"hid-stale", INT, TO(hid.stale)},
     {"hid-mute-every", INT, TO(hid.mute_every)},
@@ -60,6 +60,8 @@ static const struct option_rule {
 };
 
 enum { N_RULES = sizeof rules / sizeof rules[0] };
+
+static const char *const former[][2] = {{"lie", "fault"}, {NULL, NULL}};
 
 static const char *const faults[LF_GUD_FAULTS] = {
     [LF_GUD_HONEST] = "none",
@@ -87,36 +89,44 @@ static void print_help(void)
 {
     printf(
         "Usage: quiltsim [--listen PORT | --attach] [options]\n"
-        "Simulates a Looking Glass on USB, to be plugged in by USB/IP: calibration and buttons by "
-        "HID, pixels by GUD.\n"
+        "Simulate a Looking Glass on USB through USB/IP: calibration and buttons by HID, pixels "
+        "by GUD.\n"
         "\n"
-        "  --listen PORT          waits on 127.0.0.1 for usbip attach (%d; 0 = any free port)\n"
-        "  --attach               plugs it into this machine by vhci_hcd; takes root\n"
-        "  --calibration FILE     what the EEPROM holds, as it is (a nominal Portrait)\n"
+        "  --listen PORT          wait on 127.0.0.1 for usbip attach; 0: any free port (%d)\n"
+        "  --attach               plug the panel into this machine with vhci_hcd; needs root\n"
+        "  --calibration FILE     contents of the EEPROM, byte by byte (a nominal Portrait)\n"
         "  --size WxH             pixels of the display (the calibration's)\n"
-        "  --no-hid, --no-display leaves that part out\n"
-        "  --formats LIST         of rgb888, xrgb8888, rgb565, best first (rgb888)\n"
-        "  --buffer BYTES         most that the display takes at once (0 = no limit)\n"
-        "  --lz4                  the display takes compressed rectangles\n"
-        "  --full-update          the display wants whole frames\n"
-        "  --panel-png FILE       writes what the display shows, on SIGUSR1, on \"picture\" and at "
-        "the end\n"
+        "  --no-hid               omit the calibration and the buttons\n"
+        "  --no-display           omit the display\n"
+        "  --formats LIST         pixel formats of rgb888, xrgb8888, rgb565, best first (rgb888)\n"
+        "  --buffer BYTES         buffer size of the display; 0: no limit (0)\n"
+        "  --lz4                  accept compressed rectangles\n"
+        "  --full-update          require whole frames\n"
+        "  --panel-png FILE       write the displayed image on SIGUSR1, on \"picture\" and at the "
+        "end\n"
         "\n"
-        "What can go wrong (N counts requests; 0 = never):\n"
-        "  --stall-every N, --fail-every N, --hang-every N   refuses a rectangle, breaks off half "
-        "way, never takes it\n"
-        "  --unplug-after N, --bytes-per-second N            is gone after N rectangles, is slow\n"
-        "  --lie NAME             one of:",
+        "Faults of the display (N = 0: never):\n"
+        "  --stall-every N        refuse every Nth rectangle\n"
+        "  --fail-every N         break off every Nth rectangle half way\n"
+        "  --hang-every N         never accept every Nth rectangle\n"
+        "  --unplug-after N       unplug the panel after N rectangles\n"
+        "  --bytes-per-second N   limit the speed\n"
+        "  --fault NAME           give a wrong answer, one of:",
         LF_USBIP_PORT);
     for (int i = 0; i < LF_GUD_FAULTS; i++)
-        printf("%s%s", i % 6 == 0 && i > 0 ? "\n                         " : " ", faults[i]);
+        printf("%s%s", i % 6 == 0 ? "\n                         " : " ", faults[i]);
     printf("\n"
-           "  --hid-split, --hid-stale N, --hid-mute-every N, --hid-stall-every N, "
-           "--hid-short-every N, --hid-press-every N,\n"
-           "  --hid-wrong-echo       replies in two parts, behind N old ones, never, refused, cut, "
-           "behind a button, of another page\n"
            "\n"
-           "Lines on standard input: press square|left|right|circle, unplug, replug, picture, "
+           "Faults of the calibration and the buttons (N = 0: never):\n"
+           "  --hid-split            send each reply in two parts\n"
+           "  --hid-stale N          send N old replies before each reply\n"
+           "  --hid-mute-every N     never answer every Nth request\n"
+           "  --hid-stall-every N    refuse every Nth request\n"
+           "  --hid-short-every N    cut off every Nth reply\n"
+           "  --hid-press-every N    send a button report before every Nth reply\n"
+           "  --hid-wrong-echo       answer with another page\n"
+           "\n"
+           "Commands on standard input: press square|left|right|circle, unplug, replug, picture, "
            "counters, quit.\n"
            "\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
 }
@@ -146,13 +156,13 @@ static lf_status take_size(lf_simulator_config *config, const char *text, lf_err
     if (status != LF_OK)
         return status;
     if (pair[0] != floor(pair[0]) || pair[1] != floor(pair[1]))
-        return lf_error_set(err, LF_E_ARG, "--size", "expects whole numbers, not \"%s\"", text);
+        return lf_error_set(err, LF_E_ARG, "--size", "expects whole numbers, got \"%s\"", text);
     config->width_px = (int)pair[0];
     config->height_px = (int)pair[1];
     return LF_OK;
 }
 
-/* The format that the first n characters name, in either case. */
+/* The format named by the first n characters, in any case. */
 static lf_gud_format format_of(const char *word, size_t n)
 {
     for (size_t i = 0; i < sizeof known_formats / sizeof known_formats[0]; i++) {
@@ -172,7 +182,7 @@ static lf_status take_formats(lf_simulator_config *config, const char *text, lf_
         lf_gud_format format = length > 0 ? format_of(word, length) : LF_GUD_NO_FORMAT;
         if (format == LF_GUD_NO_FORMAT || n == (int)sizeof formats)
             return lf_error_set(err, LF_E_ARG, "--formats",
-                                "expects at most %zu of rgb888, xrgb8888, rgb565, not \"%s\"",
+                                "expects at most %zu of rgb888, xrgb8888, rgb565, got \"%s\"",
                                 sizeof formats, text);
         formats[n] = (uint8_t)format;
         word = word[length] == ',' ? word + length + 1 : NULL;
@@ -190,8 +200,8 @@ static lf_status take_fault(const char *text, int *out, lf_error *err)
             return LF_OK;
         }
     }
-    return lf_error_set(err, LF_E_ARG, "--lie", "\"%s\" is no lie that is known (see --help)",
-                        text);
+    return lf_error_set(err, LF_E_ARG, "--fault",
+                        "unknown fault \"%s\"; quiltsim --help lists the faults", text);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
@@ -219,7 +229,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* Reads the command line; *out_done: only help or the version was asked for. */
+/* Reads the command line; *out_done: only help or version was requested. */
 static lf_status read_arguments(int argc, char *const argv[], lf_simulator_config *config,
                                 bool *out_done, lf_error *err)
 {
@@ -231,6 +241,7 @@ static lf_status read_arguments(int argc, char *const argv[], lf_simulator_confi
     const lf_options_rules reading = {.program = PROGRAM,
                                       .letters = ":",
                                       .table = table,
+                                      .former = former,
                                       .print_help = print_help,
                                       .take = take,
                                       .context = config};
@@ -238,7 +249,8 @@ static lf_status read_arguments(int argc, char *const argv[], lf_simulator_confi
     if (status != LF_OK || *out_done)
         return status;
     return optind < argc
-               ? lf_error_set(err, LF_E_ARG, argv[optind], "expects options alone (see --help)")
+               ? lf_error_set(err, LF_E_ARG, argv[optind],
+                              "unexpected argument; quiltsim takes only options (see --help)")
                : LF_OK;
 }
 

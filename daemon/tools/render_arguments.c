@@ -33,28 +33,27 @@ static const struct option table[] = {
 
 static const char shared[] = LF_OPTIONS_VIEWS " " LF_OPTIONS_RENDER " " LF_OPTIONS_IMPORT
                                               " exposure panel png still quality target-error "
-                                              "target-shown-error aov"
+                                              "target-denoised-error target-shown-error aov"
                                               " fit guides";
-/* They say how paths are traced, so nothing where nothing is rendered. */
-static const char tracing[] = "integrator estimator sampler max-depth skip seed target-error "
-                              "target-shown-error aov fit guides reconstruct denoise";
+/* Options of path tracing, which have no meaning if nothing is rendered. */
+static const char tracing[] =
+    "integrator estimator sampler max-depth skip seed target-error "
+    "target-denoised-error target-shown-error aov fit guides denoise reconstruct";
 
 static void print_help(void)
 {
-    printf(
-        "Usage: quiltrender SCENE -o OUT [options]\n"
-        "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
-        "       quiltrender --state-info FILE\n"
-        "Renders a scene (JSON) into a quilt, an interlaced panel picture, a lenticular print or a "
-        "folder of views.\n"
-        "A mesh or a volume (.glb, .obj, .vdb ...) may stand in for SCENE: it is framed and lit.\n"
-        "So may a quilt picture or a folder of views: it is used as it is.\n"
-        "\n"
-        "OUT by its ending: .png, .exr or .jpg is a quilt, named ..._qsCxRaASPECT, or one view, as "
-        "named;\n"
-        ".tif a print, .mp4 a video, .gif a loop, a path ending in / a folder of views.\n"
-        "\n"
-        "What:\n");
+    printf("Usage: quiltrender SCENE -o OUT [options]\n"
+           "       quiltrender --chart LPI+-RANGE/STEP@DPI --print-size WxH -o OUT.tif [options]\n"
+           "       quiltrender --state-info FILE\n"
+           "Render a scene (JSON) to a quilt, an interlaced panel image, a lenticular print or a "
+           "folder of views.\n"
+           "SCENE may also be a mesh or a volume (.glb, .obj, .vdb ...), which quiltrender frames "
+           "and lights,\n"
+           "or a finished quilt image or folder of views, which it does not render again.\n\n"
+           "The ending of OUT chooses the output: .png, .exr or .jpg a quilt, named "
+           "..._qsCxRaASPECT, or one view, as named;\n"
+           ".tif a print; .mp4 a video; .gif a loop; a path ending in / a folder of views.\n\n"
+           "What to render:\n");
     lf_param_print_help(lf_option_params,
                         LF_OPTIONS_VIEWS " fit exposure panel png still quality aov guides");
     lf_param_print_help(lf_panel_params, NULL);
@@ -65,25 +64,27 @@ static void print_help(void)
     lf_param_print_help(lf_photo_params, NULL);
     lf_param_print_help(lf_picture_params, NULL);
     printf("\n"
-           "How long (one of them; else --passes %d, or --spp %d of what is not denoised):\n"
-           "  --passes N             base paths: N for every pixel of one view's size\n"
-           "  --spp N                base paths for every view pixel\n"
-           "  --time SECONDS\n",
+           "How long to render (one of these; default --passes %d, or --spp %d without "
+           "denoising):\n"
+           "  --passes N             render N base paths per pixel of one view\n"
+           "  --spp N                render N base paths per view pixel\n"
+           "  --time SECONDS         render as many pairs of passes as fit into SECONDS, at "
+           "least one\n",
            LF_RENDER_DEFAULT_PASSES, LF_RENDER_DEFAULT_SPP);
-    lf_param_print_help(lf_option_params, "target-error target-shown-error");
-    printf("\nSequences (a file a frame, OUT_0001 and so on, or where OUT has %%04d):\n");
+    lf_param_print_help(lf_option_params, "target-error target-denoised-error");
+    printf("\nSequences (one file per frame: OUT_0001 and so on, or OUT with %%04d):\n");
     lf_param_print_help(lf_frames_params, NULL);
     lf_param_print_help(lf_video_params, NULL);
-    printf("\nHow:\n");
+    printf("\nHow to render:\n");
     lf_param_print_help(lf_option_params, LF_OPTIONS_RENDER);
     lf_param_print_help(lf_integrator_params(), NULL);
     lf_param_print_help(lf_option_params, LF_OPTIONS_IMPORT);
-    printf(
-        "  --state FILE           keeps what is rendered: a job that was stopped goes on, exit 75\n"
-        "  --state-info FILE      prints what is in such a file, as JSON\n"
-        "  --stats FILE.json      writes what was done and what it took (- is standard output)\n"
-        "  --plan                 renders nothing: prints what it would take, and a command for "
-        "each task\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
+    printf("  --state FILE           save the work to FILE, and continue from it (exit status 75: "
+           "interrupted)\n"
+           "  --state-info FILE      print the contents of a state file as JSON\n"
+           "  --stats FILE.json      write statistics as JSON (-: standard output)\n"
+           "  --plan                 print estimated costs and one command per task; render "
+           "nothing\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
 }
 
 static lf_status take_budget(lf_render_arguments *a, int code, const char *text, lf_error *err)
@@ -127,7 +128,7 @@ static lf_status take(void *context, int code, const char *text, lf_error *err)
     }
 }
 
-/* The kind of output that an option asks for; NULL: none. */
+/* The kind of output selected by an option; NULL: none. */
 static const lf_output_kind *kind_of_option(const char *option)
 {
     for (int i = 0; lf_output_kinds[i]; i++)
@@ -145,7 +146,7 @@ static void take_video_option(lf_render_arguments *a, const char *option)
     a->mp4_option = a->mp4_option || is_fps ? a->mp4_option : option;
 }
 
-/* Remembers the kinds that were asked for, and the first option of those that say more. */
+/* Stores the selected kinds, and the first option of each group that depends on a kind. */
 static void taken(void *context, const lf_param *params, const lf_param *row)
 {
     lf_render_arguments *a = context;
@@ -169,7 +170,7 @@ static void taken(void *context, const lf_param *params, const lf_param *row)
         a->render_option = row->option;
 }
 
-/* What is drawn is not rendered: nothing that says what to render or how goes with it. */
+/* A drawn output is not rendered: refuses options about the scene and rendering. */
 static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
 {
     const lf_options *o = &a->options;
@@ -190,7 +191,7 @@ static lf_status refuse_rendering(const lf_render_arguments *a, lf_error *err)
     }
     if (!other)
         return LF_OK;
-    return lf_error_set(err, LF_E_ARG, other, "does not go with --%s: nothing is rendered",
+    return lf_error_set(err, LF_E_ARG, other, "cannot be combined with --%s, which renders nothing",
                         a->kind->option);
 }
 
@@ -209,7 +210,7 @@ static bool reads_rgbd(const lf_output_kind *kind)
     return kind->layers;
 }
 
-/* An option that says more of kinds that were not asked for. */
+/* Refuses an option that depends on a kind that was not selected. */
 static lf_status refuse_option(const char *option, bool (*reads)(const lf_output_kind *),
                                lf_error *err)
 {
@@ -221,7 +222,7 @@ static lf_status refuse_option(const char *option, bool (*reads)(const lf_output
             snprintf(known + used, sizeof known - used, "%s--%s", used ? " or " : "", kind->option);
     }
     snprintf(where, sizeof where, "--%s", option);
-    return lf_error_set(err, LF_E_ARG, where, "only goes with %s", known);
+    return lf_error_set(err, LF_E_ARG, where, "needs %s", known);
 }
 
 static lf_status check_video(const lf_render_arguments *a, lf_error *err)
@@ -233,22 +234,22 @@ static lf_status check_video(const lf_render_arguments *a, lf_error *err)
     if (!option)
         return LF_OK;
     snprintf(where, sizeof where, "--%s", option);
-    return lf_error_set(err, LF_E_ARG, where, "only goes with OUT.mp4");
+    return lf_error_set(err, LF_E_ARG, where, "applies only to OUT.mp4");
 }
 
-/* The kind, and the options that say more of it. */
+/* Checks the kind and the options that depend on it. */
 static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
 {
     char where[64];
     snprintf(where, sizeof where, "--%s", a->asked ? a->asked->option : "");
     if (a->asked_too)
         return lf_error_set(err, LF_E_ARG, where,
-                            "does not go with --%s: one job writes one of them",
+                            "cannot be combined with --%s; run one job for each output",
                             a->asked_too->option);
     if (!a->kind->check_print && a->print_option)
         return refuse_option(a->print_option, reads_print, err);
     if (a->kind->check_print && !(a->print.width_mm > 0))
-        return lf_error_set(err, LF_E_ARG, where, "needs --print-size WxH (in mm)");
+        return lf_error_set(err, LF_E_ARG, where, "needs --print-size WxH in mm");
     if (!a->kind->needs_panel && a->panel_option)
         return refuse_option(a->panel_option, reads_panel, err);
     if (!a->kind->layers && a->rgbd_option)
@@ -257,16 +258,16 @@ static lf_status check_kind(const lf_render_arguments *a, lf_error *err)
         return LF_E_ARG;
     if (a->options.layers && !lf_output_is_light(a->kind, a->out))
         return lf_error_set(err, LF_E_ARG, "--aov",
-                            "only goes with OUT.exr and folders of EXR views");
+                            "applies only to OUT.exr and folders of EXR views");
     if (a->options.file.quality > 0 && !lf_path_has_ending(a->out, ".jpg") &&
         !lf_path_has_ending(a->out, ".jpeg"))
-        return lf_error_set(err, LF_E_ARG, "--quality", "only goes with OUT.jpg");
+        return lf_error_set(err, LF_E_ARG, "--quality", "applies only to OUT.jpg");
     if (a->options.guides && (a->kind->layers || !lf_path_has_ending(a->out, ".png")))
-        return lf_error_set(err, LF_E_ARG, "--guides", "only goes with OUT.png that is shown");
+        return lf_error_set(err, LF_E_ARG, "--guides", "applies only to OUT.png without --rgbd");
     return LF_OK;
 }
 
-/* The kind whose names end as OUT does, of those that no option asks for. */
+/* The kind whose endings fit OUT, among kinds that no option selects. */
 static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind, lf_error *err)
 {
     char known[512] = "", endings[64];
@@ -286,11 +287,11 @@ static lf_status kind_of_ending(const char *out, const lf_output_kind **out_kind
                  kind->option ? " with --" : "", kind->option ? kind->option : "");
     }
     if (lf_path_has_ending(out, ".gif"))
-        return lf_error_set(err, LF_E_ARG, out, ".gif is a loop of views: --wiggle");
+        return lf_error_set(err, LF_E_ARG, out, ".gif holds a loop of views; add --wiggle");
     return lf_error_set(err, LF_E_ARG, out, "must end in %s, .mp4 (a video)", known);
 }
 
-/* What OUT is, from the options and its ending. */
+/* Determines the kind of OUT from the options and its ending. */
 static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
 {
     char *path = NULL;
@@ -313,26 +314,28 @@ static lf_status choose_kind(lf_render_arguments *a, lf_error *err)
     a->print.n_views = a->options.views;
     if (status == LF_OK && a->kind->is_drawn)
         status = a->kind->check_print(&a->print, NULL, err);
-    /* the tiles of a name are checked when the layout is known */
+    /* the tiles in a name are checked once the layout is known */
     if (status == LF_OK && !a->kind->has_tiles)
         status = lf_output_path(a->kind, a->out, NULL, &path, err);
     lf_free(path);
     return status;
 }
 
-/* A preset for a display without a lens: its videos are HEVC, and turn unless something else is
- * said of frames. */
+/* A preset for a display without a lens: its videos are HEVC, and a turntable unless an option
+ * about frames is given. */
 static lf_status take_plain_preset(lf_render_arguments *a, lf_error *err)
 {
     const lf_preset *preset = lf_options_preset(&a->options);
     if (!preset || !preset->is_plain)
         return LF_OK;
     if (a->kind->needs_panel || a->kind->check_print || a->kind->layers)
-        return lf_error_set(err, LF_E_ARG, "--preset",
-                            "%s is one view for a display without a lens: no --%s", preset->name,
-                            a->kind->option);
+        return lf_error_set(
+            err, LF_E_ARG, "--preset",
+            "%s is one view for a display without lenses and cannot be combined with --%s",
+            preset->name, a->kind->option);
     if (a->options.views > 1 || a->options.columns > 1 || a->options.rows > 1)
-        return lf_error_set(err, LF_E_ARG, "--preset", "%s is one view: no --%s", preset->name,
+        return lf_error_set(err, LF_E_ARG, "--preset",
+                            "%s is one view and cannot be combined with --%s", preset->name,
                             a->options.views > 1 ? "views" : "quilt");
     if (a->kind != &lf_output_video)
         return LF_OK;
@@ -348,43 +351,44 @@ static lf_status take_plain_preset(lf_render_arguments *a, lf_error *err)
 static lf_status take_still(lf_render_arguments *a, lf_error *err)
 {
     if (a->options.file.still && a->options.views > 1)
-        return lf_error_set(err, LF_E_ARG, "--still", "is one view: no --views %d",
-                            a->options.views);
+        return lf_error_set(err, LF_E_ARG, "--still",
+                            "is one view and cannot be combined with --views %d", a->options.views);
     if (a->options.file.still)
         a->options.views = 1;
     return LF_OK;
 }
 
-/* What goes with one picture alone. */
+/* Refuses options that are only for a single picture. */
 static lf_status check_frames(const lf_render_arguments *a, lf_error *err)
 {
     const char *where = lf_frames_option(&a->frames);
     if (a->kind->is_drawn)
-        return lf_error_set(err, LF_E_ARG, where, "does not go with --%s: nothing is rendered",
-                            a->kind->option);
+        return lf_error_set(err, LF_E_ARG, where,
+                            "cannot be combined with --%s, which renders nothing", a->kind->option);
     if (a->stats || a->state)
         return lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
-                            "does not go with %s: it is of one picture", where);
+                            "cannot be combined with %s; render one frame at a time for it", where);
     if (a->kind == &lf_output_wiggle)
-        return lf_error_set(err, LF_E_ARG, "--wiggle",
-                            "does not go with %s: it is a loop of one picture's views", where);
+        return lf_error_set(
+            err, LF_E_ARG, "--wiggle",
+            "cannot be combined with %s, because it loops through the views of one image", where);
     if (a->frames.of_rows && a->kind == &lf_output_video)
-        return lf_error_set(err, LF_E_ARG, where, "does not go with a video: rows are no frames");
+        return lf_error_set(err, LF_E_ARG, where,
+                            "cannot be combined with a video; write the rows as quilts or folders");
     return LF_OK;
 }
 
-/* auto: pictures are reconstructed; what measures, and what there is to compare with, is not. */
+/* auto: image files are reconstructed; measurements and references are not. */
 static lf_status choose_reconstruction(lf_render_arguments *a, lf_error *err)
 {
     lf_options *o = &a->options;
     const lf_integrator_entry *entry = lf_integrator_named(o->integrator);
-    if (o->reconstruct == LF_RECONSTRUCT_AUTO &&
-        (o->has_estimator || lf_output_is_light(a->kind, a->out) ||
-         (entry && !entry->reconstructs)))
-        o->reconstruct = LF_RECONSTRUCT_OFF;
-    return o->target_shown_error > 0 && o->reconstruct == LF_RECONSTRUCT_OFF
-               ? lf_error_set(err, LF_E_ARG, "--target-shown-error",
-                              "only goes with a reconstructed picture (--reconstruct on)")
+    if (o->denoise == LF_DENOISE_AUTO && (o->has_estimator || lf_output_is_light(a->kind, a->out) ||
+                                          (entry && !entry->reconstructs)))
+        o->denoise = LF_DENOISE_OFF;
+    return o->target_denoised_error > 0 && o->denoise == LF_DENOISE_OFF
+               ? lf_error_set(err, LF_E_ARG, "--target-denoised-error",
+                              "needs a denoised image; add --denoise on")
                : LF_OK;
 }
 
@@ -392,26 +396,27 @@ static lf_status check_arguments(lf_render_arguments *a, int argc, char *const a
                                  lf_error *err)
 {
     if (a->state_info && (optind < argc || a->out))
-        return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing: no SCENE and no -o");
+        return lf_error_set(err, LF_E_ARG, "--state-info", "renders nothing; omit SCENE and -o");
     if (a->state_info)
         return LF_OK;
     if (optind >= argc && !(a->asked && a->asked->is_drawn))
-        return lf_error_set(err, LF_E_ARG, "SCENE", "missing (see --help)");
+        return lf_error_set(err, LF_E_ARG, "SCENE", "is missing; see --help");
     if (optind + 1 < argc)
-        return lf_error_set(err, LF_E_ARG, argv[optind + 1], "one SCENE at a time");
+        return lf_error_set(err, LF_E_ARG, argv[optind + 1],
+                            "unexpected argument; give only one SCENE");
     a->scene = optind < argc ? argv[optind] : NULL;
     if (!a->out || a->out[0] == '\0')
-        return lf_error_set(err, LF_E_ARG, "-o", "missing: where to write");
+        return lf_error_set(err, LF_E_ARG, "-o", "is missing; it gives the output file");
     a->budget.target_error = a->options.target_error;
-    a->budget.target_shown_error = a->options.target_shown_error;
+    a->budget.target_denoised_error = a->options.target_denoised_error;
     a->n_budgets = __builtin_popcount(a->budgets) + (a->options.target_error > 0) +
-                   (a->options.target_shown_error > 0);
+                   (a->options.target_denoised_error > 0);
     if (a->n_budgets > 1)
         return lf_error_set(err, LF_E_ARG,
-                            "--passes, --spp, --time, --target-error, --target-shown-error",
-                            "only one of them");
-    if (a->options.reconstruct == LF_RECONSTRUCT_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
-        return lf_error_set(err, LF_E_ARG, "--reconstruct", "on only goes with --estimator mwis");
+                            "--passes, --spp, --time, --target-error, --target-denoised-error",
+                            "cannot be combined; give only one of them");
+    if (a->options.denoise == LF_DENOISE_ON && a->options.estimator != LF_ESTIMATOR_MWIS)
+        return lf_error_set(err, LF_E_ARG, "--denoise", "on needs --estimator mwis");
     lf_status status = lf_options_check_integrator(&a->options, err);
     if (status == LF_OK)
         status = lf_frames_check(&a->frames, err);

@@ -49,7 +49,7 @@ void lf_rendering_show(void *context, const lf_render_progress *progress)
         return;
     }
     seconds_left(seconds, fraction, left, sizeof left);
-    snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples a view pixel, %.0f s%s",
+    snprintf(text, sizeof text, "rendering %3.0f %%, %.2f samples per view pixel, %.0f s%s",
              100 * fraction, progress->passes / progress->n_views, seconds, left);
     lf_progress_line_draw(&r->line, text);
 }
@@ -74,17 +74,19 @@ lf_status lf_rendering_interrupted(const lf_rendering *r, lf_error *err)
                             r->sequence.n_done, r->sequence.n_wanted,
                             lf_frames_noun(&r->arguments->frames));
     if (r->state.is_kept)
-        return lf_error_set(err, LF_E_CANCELLED, out,
-                            "interrupted: %s keeps the work, and the same command goes on",
-                            r->arguments->state);
-    return lf_error_set(
-        err, LF_E_CANCELLED, out, "interrupted: nothing was written%s",
-        !r->scene || r->sequence.on || r->arguments->state ? "" : " (--state FILE keeps the work)");
+        return lf_error_set(
+            err, LF_E_CANCELLED, out,
+            "interrupted: the work is saved in %s; run the same command to continue",
+            r->arguments->state);
+    return lf_error_set(err, LF_E_CANCELLED, out, "interrupted: nothing was written%s",
+                        !r->scene || r->sequence.on || r->arguments->state
+                            ? ""
+                            : "; use --state FILE to keep the work");
 }
 
 /* --------------------------------------------------------------------------------- rendering -- */
 
-/* A depth that is too much for the rig, in plain words. */
+/* Warns of a depth that exceeds the limit. */
 static void warn_of_depth(const lf_rendering *r)
 {
     const lf_depth_place place = r->arguments->kind->check_print ? LF_DEPTH_PRINT : LF_DEPTH_FILE;
@@ -96,7 +98,7 @@ static void warn_of_depth(const lf_rendering *r)
                lf_depth_words(&depth, r->settings.width, place, words, sizeof words));
 }
 
-/* The same for the manifest of a print. */
+/* Measures the depth for the manifest of a print. */
 static void measure_depth(lf_rendering *r)
 {
     lf_depth depth;
@@ -107,7 +109,7 @@ static void measure_depth(lf_rendering *r)
         r->print.parallax_lenses = fmin(lf_depth_shift(&depth), r->settings.width);
 }
 
-/* Once, of a scene that the camera does not see. */
+/* Warns once if the camera sees no object of the scene. */
 static void warn_of_unseen(lf_rendering *r)
 {
     if (r->told_of_blank || lf_scene_is_seen(r->scene, &r->settings))
@@ -116,7 +118,7 @@ static void warn_of_unseen(lf_rendering *r)
     lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene, lf_unseen_words(false));
 }
 
-/* Once, of a picture in which nothing is to be seen. */
+/* Warns once of a blank picture. */
 static void warn_of_blank(lf_rendering *r, const lf_output_source *source)
 {
     const char *words =
@@ -129,7 +131,7 @@ static void warn_of_blank(lf_rendering *r, const lf_output_source *source)
     lf_log(LF_LOG_WARNING, "%s: %s", r->arguments->scene, words);
 }
 
-/* The renderer of r->scene; that of the frame or row before goes on with this one. */
+/* Creates the renderer of r->scene; the renderer of the previous frame or row is reused. */
 static lf_status begin(lf_rendering *r, const lf_render_settings *settings, lf_error *err)
 {
     warn_of_unseen(r);
@@ -146,13 +148,13 @@ static lf_status begin(lf_rendering *r, const lf_render_settings *settings, lf_e
     return status;
 }
 
-/* What is asked for beside the colours. */
+/* The layers requested in addition to the colours. */
 static unsigned layers_of(const lf_rendering *r)
 {
     return r->arguments->options.guides ? LF_GUIDE_LAYERS : r->arguments->options.layers;
 }
 
-/* Room for a picture of so many views and channels, where *picture is none. */
+/* Allocates a picture of this many views and channels, unless *picture exists. */
 static lf_status make_room(const lf_rendering *r, int views, int channels, float **picture,
                            lf_error *err)
 {
@@ -162,11 +164,11 @@ static lf_status make_room(const lf_rendering *r, int views, int channels, float
     if (*picture || channels == 0)
         return LF_OK;
     return lf_error_set(err, LF_E_NOMEM, r->arguments->out,
-                        "no memory for %d views of %dx%d pixels in %d channels", views,
+                        "out of memory for %d views of %dx%d pixels with %d channels", views,
                         r->settings.width, r->settings.height, channels);
 }
 
-/* The views of the row of cameras in hand go where they belong among all. */
+/* Copies the views of the current camera row to their place among all views. */
 static void place_row(const lf_rendering *r, int channels, const float *from, float *all)
 {
     const size_t row = (size_t)r->settings.camera.n_views * (size_t)r->settings.width *
@@ -176,7 +178,7 @@ static void place_row(const lf_rendering *r, int channels, const float *from, fl
         memcpy(all + (y * rows + mine) * row, from + y * row, row * sizeof *all);
 }
 
-/* The colours of the row of cameras in hand, and what is asked for beside them. */
+/* Renders colours and requested layers of the current camera row. */
 static lf_status render_row(lf_rendering *r, const lf_budget *budget, float *film, float *layers)
 {
     const lf_estimator estimator = r->arguments->options.estimator;
@@ -206,7 +208,8 @@ static lf_status render_row(lf_rendering *r, const lf_budget *budget, float *fil
     return status;
 }
 
-/* Every row of a grid is a rig with a seed of its own. row_film and row_layers: room for one. */
+/* Every row of a grid is a rig with a seed of its own. row_film, row_layers: buffers for one
+ * row. */
 static lf_status run_rows(lf_rendering *r, const lf_budget *budget, float *row_film,
                           float *row_layers, lf_error *err)
 {
@@ -269,14 +272,15 @@ lf_status lf_rendering_run(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* Marks what lies outside of the depth that the panel shows sharply. */
+/* Tints what the panel cannot show sharply. */
 static void mark_depth(lf_rendering *r)
 {
     lf_depth depth;
     if (!lf_scene_depth(r->scene, &r->settings, &depth))
         return;
-    lf_log(LF_LOG_INFO, "guides: sharp from %.4g to %.4g along the view axis", depth.sharp_from,
-           depth.sharp_to);
+    lf_log(LF_LOG_INFO,
+           "guides: the panel shows distances from %.4g to %.4g along the view axis sharply",
+           depth.sharp_from, depth.sharp_to);
     lf_guides_mark(&depth, r->film_settings.exposure, r->layers,
                    (size_t)r->settings.height * (size_t)lf_camera_views(&r->settings.camera) *
                        (size_t)r->settings.width,
@@ -297,7 +301,7 @@ static json_t *make_record(const lf_rendering *r)
                               (double)r->times.passes / camera_rows(r), &r->film_settings);
 }
 
-/* How bright the picture is shown; of what is drawn, not at all. */
+/* Determines the exposure of the picture; nothing for drawn outputs. */
 static lf_status expose(lf_rendering *r, const lf_output_source *source, lf_error *err)
 {
     static const lf_film_settings plain = {.tonemap = "srgb"};
@@ -318,7 +322,7 @@ static lf_status expose(lf_rendering *r, const lf_output_source *source, lf_erro
     return LF_OK;
 }
 
-/* The layers as they stand beside the colours. */
+/* The layers in the arrangement of the colours. */
 static lf_layers32 layers_laid_out(const lf_rendering *r, const char *names[LF_MAX_LAYER_CHANNELS])
 {
     const int n = lf_layer_channels(r->arguments->options.layers, names);

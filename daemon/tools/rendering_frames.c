@@ -1,4 +1,5 @@
-/* Frame after frame: what is there is kept, what does not change from one to the next is shared. */
+/* Renders frames in order: keeps frames whose files exist, and shares data that does not change
+ * between frames. */
 #include <string.h>
 #include <unistd.h>
 
@@ -7,7 +8,7 @@
 #include "daemon/output/content.h"
 #include "daemon/tools/rendering_shared.h"
 
-/* Whether all files of the frame whose name is r->path are there. */
+/* True if all files of the frame named r->path exist. */
 static bool is_there(const lf_rendering *r)
 {
     const lf_output_kind *kind = lf_rendering_kind(r);
@@ -21,7 +22,7 @@ static bool is_there(const lf_rendering *r)
     return there;
 }
 
-/* Takes a frame in hand; *out_kept: it is there and stays. */
+/* Makes a frame the current one; *out_kept: its files exist and stay. */
 static lf_status take_frame(lf_rendering *r, int frame, bool *out_kept, lf_error *err)
 {
     r->sequence.frame = frame;
@@ -30,8 +31,8 @@ static lf_status take_frame(lf_rendering *r, int frame, bool *out_kept, lf_error
     return status;
 }
 
-/* How many frames are wanted, and which: out_wanted[frame - first]. Hours of rendering must not end
- * at a file that is not there. */
+/* Counts and marks the frames to render: out_wanted[frame - first]. Also checks their files, so
+ * that hours of rendering do not end at a missing file. */
 static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
 {
     const lf_frames *frames = &r->arguments->frames;
@@ -48,9 +49,7 @@ static lf_status count_frames(lf_rendering *r, bool *out_wanted, lf_error *err)
     }
     r->sequence.n_wanted = lf_frames_count(frames) - n_kept;
     if (n_kept > 0)
-        lf_log(LF_LOG_INFO,
-               "%d of %d %s were there already and stay (--overwrite renders them"
-               " anew)",
+        lf_log(LF_LOG_INFO, "%d of %d %s exist and are kept; use --overwrite to render them again",
                n_kept, lf_frames_count(frames), lf_frames_noun(frames));
     return LF_OK;
 }
@@ -73,7 +72,7 @@ lf_status lf_rendering_patched(lf_rendering *r, const json_t *patch, const lf_sc
     return status;
 }
 
-/* The scene of the frame in hand in place of the one before. camera is that of frame 1. */
+/* Loads the scene of the current frame in place of the previous one. camera: of frame 1. */
 static lf_status load_frame(lf_rendering *r, const lf_camera *camera, lf_error *err)
 {
     json_t *patch = lf_frames_patch_turned(&r->arguments->frames, camera, r->sequence.frame);
@@ -104,7 +103,7 @@ static lf_status make_frame(lf_rendering *r, lf_shared_frames *shared, const lf_
     return status;
 }
 
-/* All that are wanted. */
+/* Renders all wanted frames. */
 static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
 {
     const lf_frames *frames = &r->arguments->frames;

@@ -1,4 +1,4 @@
-/* What a job reads, and what its name comes to, before anything is rendered. */
+/* Reads the inputs of a job and determines its final name, before rendering. */
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -16,10 +16,10 @@
 #include "daemon/output/hld.h"
 #include "daemon/tools/rendering.h"
 
-/* That are open beside those of an output. */
+/* Open files in addition to those of an output. */
 #define OTHER_FILES 64
 
-/* An hour of rendering must not end at a folder that is not there. */
+/* Checked early, so that an hour of rendering does not end at a missing folder. */
 static lf_status check_folder_of(const char *path, lf_error *err)
 {
     size_t n = strlen(path);
@@ -32,7 +32,7 @@ static lf_status check_folder_of(const char *path, lf_error *err)
     if (!folder)
         status = lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     else if (access(folder, W_OK | X_OK) != 0)
-        status = lf_error_set(err, LF_E_IO, path, "cannot write into the folder %s: %s", folder,
+        status = lf_error_set(err, LF_E_IO, path, "cannot write to the folder %s: %s", folder,
                               strerror(errno));
     lf_free(folder);
     lf_free(copy);
@@ -54,8 +54,8 @@ static lf_status prepare_print(lf_rendering *r, int n_views_most, lf_error *err)
     return status;
 }
 
-/* How a finished light field is laid out anew: a folder has neither tiles nor an aspect but what
- * the options and the names say. */
+/* The new layout of a finished light field: a folder has tiles and aspect only from options and
+ * names. */
 static void lay_out_quilt(lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
@@ -80,18 +80,19 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     const lf_options *o = &a->options;
     if (r->sequence.on)
         return lf_error_set(err, LF_E_ARG, lf_frames_option(&a->frames),
-                            "does not go with a finished quilt: nothing in it moves");
+                            "cannot be combined with a finished quilt, which has no animation");
     if (o->preset || o->view_width > 0)
         return lf_error_set(
             err, LF_E_ARG, o->preset ? "--preset" : "--view-size",
-            "does not go with a finished quilt (its name or --quilt says the layout)");
+            "cannot be combined with a finished quilt; its name or --quilt gives the layout");
     if (a->kind->layers)
-        return lf_error_set(err, LF_E_ARG, a->scene, "has no depth: --rgbd renders a scene");
+        return lf_error_set(err, LF_E_ARG, a->scene,
+                            "is a finished image without depth; --rgbd needs a scene");
     if (a->render_option) {
         char where[64];
         snprintf(where, sizeof where, "--%s", a->render_option);
         return lf_error_set(err, LF_E_ARG, where,
-                            "does not go with a finished quilt: nothing is rendered");
+                            "cannot be combined with a finished quilt, which is not rendered");
     }
     const bool is_still = a->kind == &lf_output_still ||
                           (a->kind == &lf_output_quilt && o->views == 1 && o->columns == 0),
@@ -113,16 +114,16 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     if (a->kind->check_print)
         status = prepare_print(r, r->quilt.layout.n_views, err);
     else if (o->views > r->quilt.layout.n_views)
-        status = lf_error_set(err, LF_E_ARG, "--views", "%d views asked for, but the quilt has %d",
+        status = lf_error_set(err, LF_E_ARG, "--views", "asks for %d views, but the quilt has %d",
                               o->views, r->quilt.layout.n_views);
     else if (o->views > 0 && !of_middle)
         r->quilt.layout.n_views = r->quilt.views8.n_views = r->quilt.views32.n_views = o->views;
     if (status == LF_OK && o->has_exposure && !r->quilt.is_float)
         status = lf_error_set(err, LF_E_ARG, "--exposure",
-                              "does not go with a finished picture of 8 bits (EXR has light)");
+                              "cannot be combined with a finished 8-bit image; use an EXR file");
     if (status == LF_OK)
         lay_out_quilt(r);
-    if (status == LF_OK && of_middle) { /* all views are kept: the kind takes those it writes */
+    if (status == LF_OK && of_middle) { /* keeps all views; the kind selects those it writes */
         r->layout.columns = r->layout.rows = 1;
         r->layout.n_views = is_still       ? 1
                             : o->views > 0 ? o->views
@@ -131,30 +132,32 @@ static lf_status open_quilt(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* Whether the row of cameras in hand is one of the scene's. */
+/* Checks that the current camera row exists in the scene. */
 static lf_status check_row(const lf_rendering *r, lf_error *err)
 {
     const lf_camera *camera = lf_scene_camera(r->scene);
     const lf_options *o = &r->arguments->options;
     if (camera->n_rows == 0)
         return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "the scene's cameras are no grid of rows (camera.views)");
+                            "the scene has no camera grid; set camera.views");
     if (r->arguments->frames.last >= camera->n_rows)
         return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "the scene has a %s of %d x %d cameras: rows 0:%d",
+                            "the scene has a %s of %d x %d cameras; expected rows within 0:%d",
                             camera->has_parts ? "track" : "grid", camera->n_views, camera->n_rows,
                             camera->n_rows - 1);
     const lf_output_kind *kind = r->arguments->kind;
     if (kind->needs_panel || kind->check_print)
         return lf_error_set(err, LF_E_ARG, "--camera-rows",
-                            "does not go with --%s, which has a rig of its own", kind->option);
+                            "cannot be combined with --%s, which defines its own cameras",
+                            kind->option);
     if (o->views > 0 || o->preset)
-        return lf_error_set(err, LF_E_ARG, o->preset ? "--preset" : "--views",
-                            "does not go with --camera-rows: the scene says what a row is");
+        return lf_error_set(
+            err, LF_E_ARG, o->preset ? "--preset" : "--views",
+            "cannot be combined with --camera-rows, because the scene defines the rows");
     return LF_OK;
 }
 
-/* Of a loop of views on an arc, where nothing says how many. */
+/* Default number of views of a loop on an arc. */
 static lf_options options_of(const lf_rendering *r, const lf_camera *camera)
 {
     lf_options options = r->arguments->options;
@@ -169,7 +172,7 @@ static bool is_alone(const lf_rendering *r)
     return !lf_path_has_ending(r->arguments->scene, ".json");
 }
 
-/* A file without a scene says no cone: for a print it is as wide as lenses show sharply. */
+/* A file without a scene has no cone: for a print it is as wide as lenses show sharply. */
 static void narrow_cone(lf_rendering *r)
 {
     lf_camera *camera = &r->settings.camera;
@@ -181,8 +184,8 @@ static void narrow_cone(lf_rendering *r)
         camera->cone *= 0.98 / lf_depth_shift(&depth);
     if (camera->cone < before && !r->pool) /* while it opens, not for every frame */
         lf_log(LF_LOG_INFO,
-               "%s: the views lie in a cone of %.1f degrees, not %.0f, so that lenses "
-               "show all of it sharply",
+               "%s: the view cone is %.1f degrees instead of %.0f, so that the lenses show all of "
+               "the scene sharply",
                r->arguments->scene, camera->cone * 180 / M_PI, before * 180 / M_PI);
 }
 
@@ -205,8 +208,8 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     const lf_options options = options_of(r, camera);
     lf_status status = (one_rig ? lf_resolve_view : lf_resolve_rows)(&options, camera, calibration,
                                                                      &r->settings, &r->layout, err);
-    r->reconstructs = a->options.reconstruct == LF_RECONSTRUCT_ON ||
-                      (a->options.reconstruct == LF_RECONSTRUCT_AUTO && !camera->list);
+    r->reconstructs = a->options.denoise == LF_DENOISE_ON ||
+                      (a->options.denoise == LF_DENOISE_AUTO && !camera->list);
     r->settings.features |= r->reconstructs;
     if (a->kind == &lf_output_wiggle)
         r->settings.camera.cone *= LF_WIGGLE_CONE;
@@ -224,7 +227,7 @@ lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* The scene with a patch (taken over; NULL: out of memory) in its place. */
+/* Replaces the scene by a patched one. Takes ownership of patch; NULL: out of memory. */
 static lf_status patch_scene(lf_rendering *r, json_t *patch, lf_error *err)
 {
     lf_scene *patched = NULL;
@@ -241,19 +244,19 @@ static lf_status patch_scene(lf_rendering *r, json_t *patch, lf_error *err)
     return lf_rendering_resolve(r, err);
 }
 
-/* The scene with its camera where --fit wants it. */
+/* Replaces the scene by one with the camera of --fit. */
 static lf_status fit(lf_rendering *r, lf_error *err)
 {
     const char *name = r->arguments->options.fit.name, *ground;
     json_t *patch = NULL;
     lf_status status = lf_fit_patch(r->scene, &r->settings, name, LF_CAMERA_FILL, 0.0, &patch, err);
     for (int i = 0; status == LF_OK && !name && (ground = lf_scene_ground(r->scene, i)); i++)
-        lf_log(LF_LOG_INFO, "--fit: the ground \"%s\" is left out (--fit=\"%s\" frames it)", ground,
-               ground);
+        lf_log(LF_LOG_INFO, "--fit: the ground \"%s\" is not framed; use --fit=\"%s\" to frame it",
+               ground, ground);
     return status == LF_OK ? patch_scene(r, patch, err) : status;
 }
 
-/* The scene as --preset hld wants it. A file without a scene has no camera of its own to keep. */
+/* Adapts the scene to --preset hld. A file without a scene has no camera of its own to keep. */
 static lf_status whiten(lf_rendering *r, lf_error *err)
 {
     const lf_options *o = &r->arguments->options;
@@ -263,9 +266,9 @@ static lf_status whiten(lf_rendering *r, lf_error *err)
         lf_exposed_film(film, o->has_exposure ? o->exposure : -HUGE_VAL);
     json_t *patch = NULL;
     if (exposed.auto_exposure)
-        return lf_error_set(err, LF_E_ARG, "--preset hld",
-                            "needs an exposure in stops, not \"auto\": the white of its ground "
-                            "depends on it (--exposure STOPS)");
+        return lf_error_set(
+            err, LF_E_ARG, "--preset hld",
+            "needs a fixed exposure for its white ground, not \"auto\"; pass --exposure STOPS");
     lf_status status = lf_hld_patch(r->scene, exposed.exposure, frames, &patch, err);
     return status == LF_OK ? patch_scene(r, patch, err) : status;
 }
@@ -276,14 +279,15 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
     if (a->photo_option) {
         char where[64];
         snprintf(where, sizeof where, "--%s", a->photo_option);
-        return lf_error_set(err, LF_E_ARG, where,
-                            "only goes with a finished quilt or a folder of pictures: a scene is "
-                            "rendered in the shape that is asked for");
+        return lf_error_set(
+            err, LF_E_ARG, where,
+            "applies only to finished images; a scene is rendered in the shape that you ask for");
     }
     if (a->kind->check_print &&
         (a->options.preset || a->options.columns > 0 || a->options.view_width > 0))
         return lf_error_set(err, LF_E_ARG, "--print",
-                            "says what to render: no --preset, --quilt or --view-size");
+                            "cannot be combined with --preset, --quilt and --view-size, because "
+                            "the print defines the views");
     const bool moves = r->sequence.on && !a->frames.of_rows;
     json_t *patch = moves ? lf_frames_patch(r->sequence.frame) : NULL;
     lf_status status =
@@ -294,13 +298,12 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
         lf_log_warnings(r->scene, NULL);
     if (status == LF_OK && moves && a->frames.turntable == 0 && !lf_scene_has_frames(r->scene))
         return lf_error_set(err, LF_E_ARG, "--frames",
-                            "nothing in %s is another from frame to frame (a volume's file with "
-                            "%%04d in its name is, a glTF file that moves, a number with keys; "
-                            "--turntable N turns the camera)",
+                            "%s has no animation (a file name with %%04d, a glTF animation or "
+                            "keyframes); use --turntable N to orbit the camera",
                             a->scene);
     if (status == LF_OK && a->frames.turntable > 0 && lf_scene_camera(r->scene)->list)
         return lf_error_set(err, LF_E_ARG, "--turntable",
-                            "does not go with cameras listed one by one: which would it turn?");
+                            "is not supported with a list, path or circle of cameras");
     if (status == LF_OK)
         status = lf_rendering_resolve(r, err);
     const lf_preset *preset = lf_options_preset(&a->options);
@@ -309,18 +312,17 @@ static lf_status open_scene(lf_rendering *r, lf_error *err)
     return status == LF_OK && a->options.fit.on ? fit(r, err) : status;
 }
 
-/* Files that are written beside and renamed would take the place of what they were made from.
- * Either may be NULL. */
+/* Publishing by renaming would replace the input. Either may be NULL. */
 static lf_status check_not_input(const char *path, const char *input, lf_error *err)
 {
     struct stat out, in;
     if (path && input && stat(path, &out) == 0 && stat(input, &in) == 0 &&
         out.st_dev == in.st_dev && out.st_ino == in.st_ino)
-        return lf_error_set(err, LF_E_ARG, path, "is what is being rendered: choose another name");
+        return lf_error_set(err, LF_E_ARG, path, "is the input; choose another output name");
     return LF_OK;
 }
 
-/* Whether two names are of one file, which need not be there. */
+/* True if two names are the same file, which need not exist. */
 static bool is_same_file(const char *a, const char *b)
 {
     char *folders[2] = {lf_path_folder(a), lf_path_folder(b)};
@@ -334,7 +336,7 @@ static bool is_same_file(const char *a, const char *b)
     return same;
 }
 
-/* What is kept of a job lies apart from what the job writes. */
+/* A job's state file must not be one of its outputs. */
 static lf_status check_state(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -344,12 +346,12 @@ static lf_status check_state(const lf_rendering *r, lf_error *err)
     for (size_t i = 0; i < sizeof written / sizeof *written && status == LF_OK; i++)
         if (written[i] && is_same_file(a->state, written[i]))
             status = lf_error_set(err, LF_E_ARG, "--state",
-                                  "is where something else is written: %s", written[i]);
+                                  "names the same file as another output: %s", written[i]);
     lf_free(manifest);
     return status;
 }
 
-/* The manifest of a print takes the place of another manifest, and of nothing else. */
+/* The manifest of a print may replace only another manifest. */
 static lf_status check_manifest(const lf_output_kind *kind, const char *print, const char *input,
                                 lf_error *err)
 {
@@ -362,7 +364,7 @@ static lf_status check_manifest(const lf_output_kind *kind, const char *print, c
         if (!json_object_get(there, "quiltd_print"))
             status = lf_error_set(
                 err, LF_E_ARG, path,
-                "is there already and is no manifest of a print: choose another name for the TIFF");
+                "exists and is not a print manifest; choose another name for the TIFF file");
         json_decref(there);
     }
     lf_free(path);
@@ -382,7 +384,7 @@ lf_status lf_rendering_check_outputs(const lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* OUT as it is for a frame. Caller frees. */
+/* The name of OUT for a frame. Caller frees. */
 static char *out_of(const lf_rendering *r, int frame)
 {
     const lf_render_arguments *a = r->arguments;
@@ -419,7 +421,7 @@ lf_status lf_rendering_name(lf_rendering *r, int frame, lf_error *err)
     return status;
 }
 
-/* The folders of all that is to be written. */
+/* Checks the folders of all outputs. */
 static lf_status check_folders(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -434,7 +436,7 @@ static lf_status check_folders(const lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* Measured frame by frame, brightness would flicker. EXR has light, which no exposure touches. */
+/* Automatic exposure per frame would flicker. EXR holds linear light, which has no exposure. */
 static lf_status check_exposure(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -444,8 +446,8 @@ static lf_status check_exposure(const lf_rendering *r, lf_error *err)
     if (!film.auto_exposure || lf_output_is_light(a->kind, a->out))
         return LF_OK;
     return lf_error_set(err, LF_E_ARG, a->options.has_exposure ? "--exposure" : a->scene,
-                        "%sauto would be another one in each of the %s: give stops (without %s, "
-                        "auto tells those of one picture)",
+                        "%sauto would give each of the %s another exposure; pass --exposure STOPS "
+                        "(render without %s to see what auto chooses)",
                         a->options.has_exposure ? "" : "film.exposure: ",
                         lf_frames_noun(&a->frames), lf_frames_option(&a->frames));
 }
@@ -455,15 +457,12 @@ static lf_status check_track(const lf_rendering *r, lf_error *err)
     const lf_camera *camera = &r->settings.camera;
     if (camera->n_rows > 0 && !camera->has_parts)
         return lf_error_set(err, LF_E_ARG, r->arguments->out,
-                            "a video of views needs them on a track, a path or a circle, or in a "
-                            "list, and the scene has a grid of rows: --frames or --turntable make "
-                            "videos of quilts");
+                            "a camera grid cannot become a video of views; use --frames or "
+                            "--turntable for a video of quilts");
     if (!(camera->track > 0.0) && !camera->list)
-        return lf_error_set(
-            err, LF_E_ARG, r->arguments->out,
-            "a video needs --frames, --turntable or a scene whose camera.views are "
-            "on a track, a path or a circle, or in a list; --wiggle makes a loop of "
-            "the views");
+        return lf_error_set(err, LF_E_ARG, r->arguments->out,
+                            "a video needs --frames, --turntable, --wiggle, or camera.views on a "
+                            "track, path or circle or in a list");
     return LF_OK;
 }
 
@@ -471,7 +470,7 @@ static lf_status check_wiggle(const lf_rendering *r, lf_error *err)
 {
     if (r->layout.n_views > 1)
         return LF_OK;
-    return lf_error_set(err, LF_E_ARG, "--wiggle", "needs two views or more");
+    return lf_error_set(err, LF_E_ARG, "--wiggle", "needs at least two views");
 }
 
 static lf_video_options video_options(const lf_rendering *r)
@@ -485,7 +484,8 @@ static lf_video_options video_options(const lf_rendering *r)
     return options;
 }
 
-/* Whether it can be a video; that of views begins here, before hours of rendering. */
+/* Checks whether the output can be a video. A video of views starts here, before hours of
+ * rendering. */
 static lf_status open_video(lf_rendering *r, lf_error *err)
 {
     const bool is_track = lf_rendering_is_track(r);
@@ -504,8 +504,8 @@ static lf_status open_video(lf_rendering *r, lf_error *err)
     return status;
 }
 
-/* What has more views than it can hold is told before hours of rendering. Files of one output are
- * open together, so that all of them appear: the process takes as many as it may have. */
+/* Reports an output with too many views before hours of rendering. Files of one output are open at
+ * the same time, so that all of them appear; raises the process's limit as far as allowed. */
 static lf_status provide_for_views(const lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
@@ -513,17 +513,17 @@ static lf_status provide_for_views(const lf_rendering *r, lf_error *err)
     struct rlimit limit;
     if (a->kind->has_tiles && r->layout.columns == 0)
         return lf_error_set(err, LF_E_ARG, a->out,
-                            "%d views are more than the %dx%d tiles of a quilt: a folder (a path "
-                            "that ends in /) holds them",
+                            "%d views do not fit into the %dx%d tiles of a quilt; write a folder "
+                            "(a path that ends in /)",
                             n, LF_MAX_TILES, LF_MAX_TILES);
     if (a->kind->n_files > 0 || getrlimit(RLIMIT_NOFILE, &limit) != 0)
         return LF_OK;
     limit.rlim_cur = limit.rlim_max;
     if (setrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_max < (rlim_t)n + OTHER_FILES)
-        return lf_error_set(err, LF_E_ARG, a->out,
-                            "%d views are as many open files, and a process may have %llu (ulimit "
-                            "-Hn)",
-                            n, (unsigned long long)limit.rlim_max);
+        return lf_error_set(
+            err, LF_E_ARG, a->out,
+            "%d views need as many open files, but the limit is %llu; raise it (ulimit -Hn)", n,
+            (unsigned long long)limit.rlim_max);
     return LF_OK;
 }
 
@@ -547,7 +547,8 @@ lf_status lf_rendering_open(lf_rendering *r, lf_error *err)
         status = provide_for_views(r, err);
     if (status == LF_OK && (a->stats || a->state) && r->settings.camera.n_rows > 0)
         status = lf_error_set(err, LF_E_ARG, a->stats ? "--stats" : "--state",
-                              "is of one row of cameras, and the scene has several");
+                              "supports one row of cameras, but the scene has several; render them "
+                              "with --camera-rows");
     if (status == LF_OK)
         status = lf_rendering_name(r, r->sequence.frame, err);
     if (status == LF_OK && r->sequence.on)

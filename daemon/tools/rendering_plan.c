@@ -6,19 +6,19 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What is rendered to tell the time by: so many paths, of at least two image rows. */
+/* Paths rendered to estimate the time, in at least two image rows. */
 #define PILOT_PATHS 5e5
 #define MOST_PILOT_ROWS 32
-/* Frames of a task that share parts of their shutters, in shutters. */
+/* Frames per task that share parts of their shutters, in shutters. */
 #define SHUTTERS_A_TASK 4
 
 /* ------------------------------------------------------------------------------------- tasks -- */
 
-/* What is rendered by itself, and how much of it there is. */
+/* A unit of rendering, and the number of units. */
 typedef struct work {
     int n_parts, a_frame; /* 0: frames are whole */
-    int task;             /* frames or rows of a task, at most */
-    int64_t passes;       /* of a part, or of a whole one; 0: as long as something else says */
+    int task;             /* frames or rows per task, at most */
+    int64_t passes;       /* passes of a part, or of a frame or row; 0: another limit applies */
 } work;
 
 static work work_of(const lf_rendering *r)
@@ -35,21 +35,21 @@ static work work_of(const lf_rendering *r)
     return w;
 }
 
-/* Of so many frames or rows in a task. */
+/* The units in a task of n frames or rows. */
 static int64_t units_of(const work *w, int n)
 {
     return w->n_parts > 0 ? (int64_t)(n - 1) * w->a_frame + w->n_parts : n;
 }
 
-/* Whether a word is this option, whole or as short as getopt takes it; with "=" its value is in it.
- */
+/* True if a word is this option, in full or abbreviated as getopt allows; with "=" it includes its
+ * value. */
 static bool is_option(const char *word, const char *option)
 {
     const size_t n = strcspn(word, "=");
     return n > 2 && strncmp(word, "--", 2) == 0 && strncmp(word, option, n) == 0;
 }
 
-/* As a shell takes it for one word. */
+/* Prints a word quoted for a shell. */
 static void print_word(const char *word)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
@@ -64,7 +64,7 @@ static void print_word(const char *word)
     putchar('\'');
 }
 
-/* The command line, with other frames or rows in it (none: first > last). */
+/* Prints the command line with other frames or rows (none: first > last). */
 static void print_task(const lf_render_arguments *a, int first, int last)
 {
     const char *const option = lf_frames_option(&a->frames);
@@ -100,8 +100,8 @@ static void print_tasks(const lf_rendering *r, int size)
 
 /* -------------------------------------------------------------------------------------- time -- */
 
-/* CPU seconds of so many passes of one light field: measured on some of its rows, evenly spread.
- * The film's memory is taken by the rows that are visited. */
+/* Measures the CPU seconds of this many passes of one light field on some of its rows, evenly
+ * spread. Film memory is used only by visited rows. */
 static lf_status measure(lf_rendering *r, int64_t passes, double *out_cpu, int *out_rows,
                          lf_error *err)
 {
@@ -121,7 +121,8 @@ static lf_status measure(lf_rendering *r, int64_t passes, double *out_cpu, int *
     if (status == LF_OK)
         return LF_OK;
     return lf_error_set(err, status, r->arguments->out, "%s",
-                        status == LF_E_CANCELLED ? "interrupted: not planned" : "cannot measure");
+                        status == LF_E_CANCELLED ? "interrupted; the plan is not complete"
+                                                 : "cannot measure");
 }
 
 /* -------------------------------------------------------------------------------------- plan -- */
@@ -147,7 +148,7 @@ static void print_time(const char *what, double seconds)
                             : "seconds");
 }
 
-/* Bytes of a pixel in a file, before compression. */
+/* Bytes per pixel in a file, before compression. */
 static double file_bytes(const lf_render_arguments *a)
 {
     return lf_output_is_light(a->kind, a->out)
@@ -173,11 +174,11 @@ static void print_memory(const lf_rendering *r, const work *w, int views)
     const int renderers = w->n_parts > 0 ? lf_shared_renderers(w->n_parts, w->a_frame) : 1;
     lf_render_stats stats;
     lf_renderer_stats(r->renderer, &stats);
-    print_amount("memory of sums", (double)renderers * (double)stats.film_bytes, "B");
-    print_amount("memory of a picture", 12.0 * views * r->settings.width * r->settings.height, "B");
+    print_amount("film memory", (double)renderers * (double)stats.film_bytes, "B");
+    print_amount("image memory", 12.0 * views * r->settings.width * r->settings.height, "B");
 }
 
-/* Of a task and of all of them. cpu: of what is rendered by itself. */
+/* Prints times of a task and of all tasks. cpu: of one unit. */
 static void print_times(const lf_rendering *r, const work *w, int fields, double cpu)
 {
     const int last = fields % w->task, whole = fields / w->task;
@@ -187,22 +188,22 @@ static void print_times(const lf_rendering *r, const work *w, int fields, double
     print_time("all", cpu * (double)units);
 }
 
-/* How long it takes, where that is not what the command line says. */
+/* Prints the estimated time, unless the command line sets it. */
 static lf_status tell_times(lf_rendering *r, const work *w, int fields, int rows, lf_error *err)
 {
     double cpu;
     int measured;
     if (w->passes == 0) {
-        printf("# as long as %s\n",
-               lf_rendering_budget(r).seconds > 0 ? "--time says" : "the error takes");
+        printf("# %s\n", lf_rendering_budget(r).seconds > 0
+                             ? "--time gives the time"
+                             : "the time depends on the target error");
         return LF_OK;
     }
     lf_status status = measure(r, w->passes, &cpu, &measured, err);
     if (status != LF_OK)
         return status;
     print_times(r, w, fields, cpu * rows);
-    printf("# measured on %d of %d image rows; loading, layers, reconstruction and writing are not "
-           "counted\n",
+    printf("# measured on %d of %d image rows; excludes loading, layers, denoising and writing\n",
            measured, r->settings.height);
     return LF_OK;
 }

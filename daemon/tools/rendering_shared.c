@@ -7,12 +7,12 @@
 #include "base/log.h"
 #include "daemon/output/content.h"
 
-/* A frame that some of whose parts have been rendered. */
+/* A frame of which some parts have been rendered. */
 typedef struct open_frame {
     int frame;
-    bool is_open, alone; /* alone: its parts do not go together */
+    bool is_open, alone; /* alone: its parts cannot be combined */
     lf_scene *scene;
-    lf_renderer *renderer; /* may be what an earlier frame has left */
+    lf_renderer *renderer; /* may be reused from an earlier frame */
     lf_render_settings settings;
     lf_render_times times;
 } open_frame;
@@ -21,26 +21,27 @@ struct lf_shared_frames {
     int n_parts, a_frame;
     double shutter_open;
     const bool *wanted;
-    int64_t passes;        /* of a part; 0: not known yet */
-    int64_t next;          /* the part to be rendered: part p opens p / a_frame frames on */
-    lf_scene *scene;       /* of the last part */
-    lf_renderer *renderer; /* of all parts */
-    int n_open;            /* frames that a part lies in, at most */
-    open_frame *open;      /* [n_open], a frame at its number */
+    int64_t passes;        /* passes per part; 0: not known yet */
+    int64_t next;          /* next part to render: part p begins p / a_frame frames after the
+                            * first */
+    lf_scene *scene;       /* scene of the last part */
+    lf_renderer *renderer; /* renderer of all parts */
+    int n_open;            /* most frames that contain a part */
+    open_frame *open;      /* [n_open], indexed by frame number */
 };
 
 int lf_shared_parts(const lf_rendering *r, int *out_a_frame)
 {
     const lf_render_arguments *a = r->arguments;
     const lf_camera *camera = &r->settings.camera;
-    const bool by_error = a->budget.target_error > 0 || a->budget.target_shown_error > 0;
+    const bool by_error = a->budget.target_error > 0 || a->budget.target_denoised_error > 0;
     if (!r->sequence.on || a->frames.turntable > 0 || a->frames.of_rows || camera->n_rows > 0 ||
         by_error || a->options.layers || a->options.guides || lf_scene_has_catchers(r->scene))
         return 0;
     return lf_frames_parts(camera->shutter, out_a_frame);
 }
 
-/* Frames that a part lies in, at most. */
+/* The most frames that contain a part. */
 static int most_open(int n_parts, int a_frame)
 {
     return (n_parts - 1) / a_frame + 1;
@@ -48,7 +49,7 @@ static int most_open(int n_parts, int a_frame)
 
 int lf_shared_renderers(int n_parts, int a_frame)
 {
-    return most_open(n_parts, a_frame) + 2; /* that of parts, and the frame's that is written */
+    return most_open(n_parts, a_frame) + 2; /* one for parts, and one for the frame being written */
 }
 
 lf_status lf_shared_frames_create(const lf_rendering *r, const bool *wanted, lf_shared_frames **out,
@@ -93,8 +94,8 @@ void lf_shared_frames_destroy(lf_shared_frames *shared)
 
 /* ------------------------------------------------------------------------------------- parts -- */
 
-/* What the options make of another scene's camera. Films keep known light, which some parts might
- * do without and others not. */
+/* Resolves the options for another scene's camera. Films store known light, since some parts might
+ * need it and others not. */
 static lf_status resolve(lf_rendering *r, lf_scene *scene, lf_render_settings *out, lf_error *err)
 {
     lf_scene *const before = r->scene;
@@ -106,8 +107,8 @@ static lf_status resolve(lf_rendering *r, lf_scene *scene, lf_render_settings *o
     return status;
 }
 
-/* The frame whose things a part has that opens so many frames on: the nearest of its middle whose
- * files are there. */
+/* The frame that a part takes its static data from: the one nearest to `middle` whose files
+ * exist. */
 static int frame_of(const lf_rendering *r, double middle)
 {
     const int nearest = (int)floor(middle + 0.5);
@@ -120,7 +121,7 @@ static int frame_of(const lf_rendering *r, double middle)
     return nearest > 0 ? nearest : 0;
 }
 
-/* The scene of a part, and its renderer with nothing rendered. */
+/* Creates the scene of a part and its empty renderer. */
 static lf_status begin_part(lf_shared_frames *s, lf_rendering *r, int64_t part, lf_error *err)
 {
     const double length = 1.0 / s->a_frame, opens = s->shutter_open + (double)part * length;
@@ -152,7 +153,8 @@ lf_budget lf_shared_budget(const lf_rendering *r, int n_parts)
     return budget;
 }
 
-/* Parts have equal shares of a frame: of one that is timed all get what the first came to. */
+/* Parts have equal shares of a frame: with a time budget, all get as many passes as the first
+ * needed. */
 static lf_budget budget_of(const lf_shared_frames *s, const lf_rendering *r)
 {
     const lf_budget timed = lf_shared_budget(r, s->n_parts);
@@ -162,7 +164,7 @@ static lf_budget budget_of(const lf_shared_frames *s, const lf_rendering *r)
 
 /* ------------------------------------------------------------------------------------ frames -- */
 
-/* The wanted frame's place, with its scene and a renderer that holds nothing yet. */
+/* The entry of a wanted frame, with its scene and an empty renderer. */
 static lf_status open_of(lf_shared_frames *s, lf_rendering *r, int frame, open_frame **out,
                          lf_error *err)
 {
@@ -191,7 +193,7 @@ static lf_status open_of(lf_shared_frames *s, lf_rendering *r, int frame, open_f
     return status;
 }
 
-/* What the part in the renderer of parts has found, for a frame that it lies in. */
+/* Adds the current part's film to a frame that contains it. */
 static lf_status give(lf_shared_frames *s, lf_rendering *r, int frame, const lf_render_times *times,
                       lf_error *err)
 {
@@ -208,13 +210,13 @@ static lf_status give(lf_shared_frames *s, lf_rendering *r, int frame, const lf_
         return status;
     lf_progress_line_clear(&r->line);
     lf_log(LF_LOG_WARNING,
-           "frame %d: what its shutter sees changes in kind meanwhile, so that it is rendered as "
-           "one picture, and shares nothing",
+           "frame %d: the kind of its objects changes while the shutter is open, so it is rendered "
+           "alone and shares no samples",
            frame);
     return LF_OK;
 }
 
-/* The same for all of those, from the one in hand on. */
+/* Adds it to all frames that contain it, from the current one on. */
 static lf_status share(lf_shared_frames *s, lf_rendering *r, int64_t part,
                        const lf_render_times *times, lf_error *err)
 {
@@ -230,7 +232,7 @@ static lf_status share(lf_shared_frames *s, lf_rendering *r, int64_t part,
     return status;
 }
 
-/* Of which part of the frame in hand. */
+/* The current part of the current frame, for progress. */
 typedef struct progress_of {
     lf_rendering *rendering;
     int64_t part;

@@ -1,4 +1,4 @@
-/* --state: what a job leaves behind, now and then and when it is stopped, and goes on with. */
+/* --state: saves a job's film at intervals and when it is stopped, and resumes from it. */
 #include <stdio.h>
 #include <sys/stat.h>
 
@@ -17,10 +17,10 @@ void lf_rendering_state_look(lf_rendering *r, const lf_render_progress *progress
     if (!r->arguments->state)
         return;
     if (s->goes_on && !s->told)
-        lf_log(LF_LOG_INFO, "%s: going on at %.4g spp", r->arguments->state,
+        lf_log(LF_LOG_INFO, "%s: continuing at %.4g spp", r->arguments->state,
                spp(r, progress->passes));
     s->told = true;
-    /* what stops again before anything is added never ends */
+    /* a job that stops again before adding passes would never end */
     if (lf_time_now() - s->saved < s->interval || !(progress->passes > s->passes))
         return;
     s->passes = progress->passes;
@@ -42,30 +42,30 @@ static lf_status save(lf_rendering *r, const json_t *of, bool complete, lf_error
     return status;
 }
 
-/* What is there of an earlier run. */
+/* Restores the state of an earlier run. */
 static lf_status take_up(lf_rendering *r, const lf_budget *budget, const json_t *of,
                          lf_job_progress *out, lf_error *err)
 {
     const char *path = r->arguments->state;
     struct stat st;
     if (stat(path, &st) != 0)
-        return LF_OK; /* whatever hinders it is told by the first save */
+        return LF_OK; /* the first save reports what prevents it */
     lf_status status = lf_job_state_restore(path, of, r->renderer, out, err);
     if (status != LF_OK)
         return status;
     const double there = spp(r, (double)out->times.passes), wanted = spp(r, (double)budget->passes);
     if (budget->passes > 0 && there > wanted)
         return lf_error_set(err, LF_E_STATE, path,
-                            "holds %.4g spp, and this job is of %.4g; give another --state FILE",
+                            "holds %.4g spp, but this job asks for %.4g; pass another --state FILE",
                             there, wanted);
     r->state.goes_on = r->state.is_kept = true;
     r->state.times = out->times;
     if (out->complete)
-        lf_log(LF_LOG_INFO, "%s: the picture is complete (%.4g spp)", path, there);
+        lf_log(LF_LOG_INFO, "%s: the image is complete (%.4g spp)", path, there);
     return LF_OK;
 }
 
-/* Until the budget is spent or the job is stopped; saved by then. */
+/* Renders until the budget is spent or the job is stopped, and saves. */
 static lf_status gather(lf_rendering *r, const lf_budget *budget, const json_t *of, float *film,
                         lf_error *err)
 {
@@ -77,10 +77,9 @@ static lf_status gather(lf_rendering *r, const lf_budget *budget, const json_t *
             lf_render_gather(r->renderer, budget, a->options.estimator, s->goes_on ? &before : NULL,
                              film, lf_rendering_show, r, r->pause, &s->times);
         if (status == LF_E_STATE)
-            return lf_error_set(
-                err, status, a->state,
-                "holds passes that this job would not have made (--state-info tells "
-                "of which it is); remove it, or give another --state FILE");
+            return lf_error_set(err, status, a->state,
+                                "holds passes of another job (see --state-info); remove it or pass "
+                                "another --state FILE");
         if (status != LF_OK && status != LF_E_CANCELLED)
             return lf_error_set(err, status, a->out, "rendering failed");
         const lf_status kept = save(r, of, status == LF_OK, err);
@@ -101,7 +100,7 @@ lf_status lf_rendering_state_spend(lf_rendering *r, const lf_budget *budget, flo
     r->state.saved = lf_time_now();
     if (!lf_renderer_is_its_film(r->renderer))
         return lf_error_set(err, LF_E_ARG, "--state", "is not supported with %s",
-                            r->settings.camera.list ? "cameras listed one by one"
+                            r->settings.camera.list ? "a list, path or circle of cameras"
                                                     : "this --integrator");
     json_t *of = lf_job_state_of(a->scene, r->renderer, budget);
     if (!of)

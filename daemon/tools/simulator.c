@@ -27,7 +27,7 @@
 
 enum { MAX_CONNECTIONS = 16, MAX_LINE = 256, BACKLOG = 8 };
 
-/* The panel as it comes out of the box: made anew at every replug. */
+/* A factory-new panel, made again at every replug. */
 typedef struct panel {
     lf_model_hid *hid;
     lf_model_gud *gud;
@@ -36,7 +36,7 @@ typedef struct panel {
 
 typedef struct simulator {
     const lf_simulator_config *config;
-    lf_calibration calibration; /* of the display's size and name */
+    lf_calibration calibration; /* size and name of the display */
     uint8_t eeprom[LF_MODEL_EEPROM_MAX];
     size_t n_eeprom;
     panel panel;
@@ -48,8 +48,8 @@ typedef struct simulator {
     char line[MAX_LINE];
     size_t n_line;
     bool line_too_long;
-    uint64_t plugged_ns; /* when the panel that is there now was */
-    int64_t first_ms;    /* from then to its first rectangle; -1 = it has shown none */
+    uint64_t plugged_ns; /* time at which the current panel was plugged in */
+    int64_t first_ms;    /* time from then to its first rectangle; -1 = none shown */
 } simulator;
 
 static void LF_PRINTF(1, 2) say(const char *fmt, ...)
@@ -64,7 +64,8 @@ static void LF_PRINTF(1, 2) say(const char *fmt, ...)
 
 /* ------------------------------------------------------------------------------------- panel -- */
 
-/* Numbers as {"value": x}, as the EEPROMs have them. NULL = out of memory; released with free. */
+/* Numbers are wrapped as {"value": x}, as in real EEPROMs. NULL = out of memory; release with
+ * free. */
 static char *eeprom_text(const lf_calibration *c)
 {
     const char *key;
@@ -98,8 +99,8 @@ static lf_status fill_nominal(simulator *s, lf_error *err)
     return status;
 }
 
-/* The EEPROM takes any file, also one that is no calibration; the display then needs its size from
- * elsewhere. */
+/* The EEPROM accepts any file, also one that is not a calibration; the display's size must then be
+ * given. */
 static lf_status load_calibration(simulator *s, lf_error *err)
 {
     const lf_simulator_config *config = s->config;
@@ -182,7 +183,8 @@ static lf_status panel_init(simulator *s, lf_error *err)
     }
     panel_finish(s);
     return lf_error_set(err, status, "panel",
-                        status == LF_E_NOMEM ? "out of memory" : "no display can be so");
+                        status == LF_E_NOMEM ? "out of memory"
+                                             : "the display cannot have these properties");
 }
 
 typedef struct picture_rows {
@@ -196,7 +198,7 @@ static void copy_row(void *context, int y, uint8_t *row)
     memcpy(row, rows->pixels + (size_t)y * rows->row_bytes, rows->row_bytes);
 }
 
-/* What the panel shows, into the file. */
+/* Writes the panel's picture to the file. */
 static lf_status write_picture(const simulator *s, lf_error *err)
 {
     const char *path = s->config->panel_png;
@@ -225,7 +227,8 @@ static void drop_connection(simulator *s, int i)
             (size_t)(s->n_connections - i) * sizeof s->connections[0]);
 }
 
-/* Takes over fd. Whoever has waited longest without importing goes when there are too many. */
+/* Takes ownership of fd. If there are too many connections, closes the one that has waited longest
+ * without importing. */
 static lf_status add_connection(simulator *s, int fd, bool imported)
 {
     lf_usbip *connection = NULL;
@@ -266,7 +269,7 @@ static void run_connections(simulator *s)
             continue;
         }
         if (status != LF_E_NODEV)
-            lf_log(LF_LOG_WARNING, "a connection was ended: %s", err.what);
+            lf_log(LF_LOG_WARNING, "a connection ended: %s", err.what);
         drop_connection(s, i);
         if (imported)
             say("detached");
@@ -277,9 +280,9 @@ static void take_connection(simulator *s)
 {
     int fd = accept4(s->listen_fd, NULL, NULL, SOCK_CLOEXEC), on = 1;
     if (fd < 0)
-        return; /* whoever it was has gone again */
+        return; /* the peer has already gone */
     if (setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on) < 0)
-        lf_log(LF_LOG_DEBUG, "no TCP_NODELAY: %s", lf_errno_text(errno));
+        lf_log(LF_LOG_DEBUG, "cannot set TCP_NODELAY: %s", lf_errno_text(errno));
     if (add_connection(s, fd, false) != LF_OK)
         lf_log(LF_LOG_WARNING, "a connection was refused: out of memory");
 }
@@ -305,7 +308,7 @@ static lf_status start_listening(simulator *s, int *out_port, lf_error *err)
 
 /* ---------------------------------------------------------------------------------- commands -- */
 
-/* How long the first picture was on its way. */
+/* Records the time until the first picture. */
 static void note_first(simulator *s)
 {
     lf_model_gud_counters c;
@@ -337,7 +340,8 @@ static lf_status press(const simulator *s, const char *name, lf_error *err)
         if (strcmp(name, lf_button_name((lf_button)i)) != 0)
             continue;
         if (!s->panel.hid)
-            return lf_error_set(err, LF_E_NODEV, "press", "there are no buttons now");
+            return lf_error_set(err, LF_E_NODEV, "press",
+                                "the panel is unplugged or has no buttons");
         lf_model_hid_press(s->panel.hid, (uint8_t)(1u << i));
         lf_model_hid_press(s->panel.hid, 0);
         return LF_OK;
@@ -373,8 +377,9 @@ static void take_line(simulator *s, const char *line)
     else if (strcmp(line, "quit") == 0)
         s->ends = true;
     else
-        status = lf_error_set(&err, LF_E_ARG, "stdin",
-                              "expects press BUTTON, unplug, replug, picture, counters or quit");
+        status = lf_error_set(
+            &err, LF_E_ARG, "stdin",
+            "unknown command; expected press BUTTON, unplug, replug, picture, counters or quit");
     if (status == LF_OK)
         say("ok");
     else
@@ -483,8 +488,9 @@ static lf_status start(simulator *s, lf_error *err)
 lf_status lf_simulator_run(const lf_simulator_config *config, lf_error *err)
 {
     if (config->no_hid && config->no_display)
-        return lf_error_set(err, LF_E_ARG, "--no-hid",
-                            "nothing is left of the panel with --no-display");
+        return lf_error_set(
+            err, LF_E_ARG, "--no-hid",
+            "cannot be combined with --no-display, because no part of the panel would remain");
     simulator *s = lf_calloc(1, sizeof *s);
     if (!s)
         return lf_error_set(err, LF_E_NOMEM, "quiltsim", "out of memory");

@@ -12,17 +12,17 @@
 
 #define READ_CHUNK 65536
 #define MAX_QUEUE ((size_t)1 << 20)
-/* Of a client, at a time: its lines that are handled, and the bytes of them and of what is sent.
- * Then it is the turn of whatever else there is to do. */
+/* Limits of a client's turn: lines handled, and the bytes of these lines and of their answers. Then
+ * other events are handled. */
 #define LINES_A_TURN 16
 #define BYTES_A_TURN ((size_t)65536)
-/* Calls without an answer and the bytes of their lines: of all clients, those included that have
- * left, and what each may always have. */
+/* Limits on open calls and the bytes of their lines: for all clients, including clients that have
+ * left, and the modest part that each client may always have. */
 #define MAX_CALLS_OF_ALL 4096
 #define MAX_HELD_OF_ALL ((size_t)16 << 20)
 #define MODEST_CALLS 64
 #define MODEST_BYTES ((size_t)65536)
-/* How long accepting pauses when descriptors ran out. */
+/* Pause of accepting after descriptors ran out. */
 #define ACCEPT_PAUSE_USEC 200000
 
 typedef struct buffer {
@@ -40,15 +40,15 @@ struct lf_client {
     buffer in, out;
     size_t scanned; /* bytes of `in` known to hold no newline */
     size_t sent;    /* bytes of `out` already sent */
-    buffer frame;   /* the newest frame notification, when it has to wait */
+    buffer frame;   /* the newest frame notification, if it has to wait */
     bool skipping;  /* in a line that is too long */
-    bool at_end;    /* the other side has nothing more to say */
-    bool dropped;   /* to be freed when its turn is over */
-    bool busy;      /* its lines are being worked on */
-    bool paused;    /* its next lines wait until the owner has come to an end with one */
+    bool at_end;    /* the peer has closed its sending side */
+    bool dropped;   /* to be freed after its turn */
+    bool busy;      /* its lines are being handled */
+    bool paused;    /* its next lines wait for lf_client_resume */
     int calls;
-    size_t line, held; /* bytes: of the line being handled, of those of calls */
-    size_t turn_bytes; /* handled and sent in this turn */
+    size_t line, held; /* bytes of the line being handled; of the lines of open calls */
+    size_t turn_bytes; /* bytes handled and sent in this turn */
     unsigned flags;
     int fds[LF_MAX_CLIENT_FDS];
     int n_fds;
@@ -59,11 +59,11 @@ struct lf_clients {
     int listen_fd;
     sd_event_source *listen_io, *pause;
     lf_line_fn on_line;
-    lf_gone_fn on_gone; /* NULL: nobody asks */
+    lf_gone_fn on_gone; /* may be NULL */
     void *context;
     lf_client *first;
     int count;
-    int calls, calls_left; /* of all clients, as theirs, and of those that have left */
+    int calls, calls_left; /* totals of all clients, and of clients that have left */
     size_t held, held_left;
     uint64_t serials, lines;
 };
@@ -93,7 +93,7 @@ static void buffer_finish(buffer *b)
     *b = (buffer){0};
 }
 
-/* Empties it; big ones give their memory back. */
+/* Empties the buffer; a large one frees its memory. */
 static void buffer_reset(buffer *b)
 {
     b->used = 0;
@@ -131,13 +131,13 @@ static void free_client(lf_client *client)
         owner->on_gone(owner->context, serial);
 }
 
-/* Whether a whole line is there that was not handled. */
+/* True if a complete line is waiting. */
 static bool has_line(const lf_client *client)
 {
     return client->scanned < client->in.used;
 }
 
-/* What it is woken by: nothing more is read while lines wait. */
+/* Sets the events to wait for: nothing is read while lines wait. */
 static void arm(lf_client *client)
 {
     bool waiting = client->out.used > client->sent, rests = client->paused || has_line(client),
@@ -145,7 +145,7 @@ static void arm(lf_client *client)
     uint32_t events =
         (rests || client->at_end ? 0 : (uint32_t)EPOLLIN) | (waiting ? (uint32_t)EPOLLOUT : 0);
     sd_event_source_set_io_events(client->io, events);
-    /* a connection that was closed would wake us all the time */
+    /* a closed connection would wake the loop all the time */
     sd_event_source_set_enabled(client->io, rests && !waiting ? SD_EVENT_OFF : SD_EVENT_ON);
     sd_event_source_set_enabled(client->turn, next ? SD_EVENT_ONESHOT : SD_EVENT_OFF);
 }
@@ -156,7 +156,7 @@ static bool is_done(const lf_client *client)
            client->frame.used == 0 && !client->paused && !has_line(client);
 }
 
-/* Frees a client whose time has come, unless its lines are being worked on further up the stack. */
+/* Frees a client that is done, unless its lines are being handled further up the stack. */
 static void settle(lf_client *client)
 {
     if (client->busy)
@@ -200,7 +200,7 @@ static void send_bytes(lf_client *client, const char *line, size_t n)
         return;
     size_t waiting = client->out.used - client->sent;
     if (waiting + n + 1 > MAX_QUEUE) {
-        lf_log(LF_LOG_INFO, "a client was dropped: it does not read what it is sent");
+        lf_log(LF_LOG_INFO, "disconnected a client that does not read its messages");
         drop(client);
         return;
     }
@@ -217,8 +217,8 @@ static void send_bytes(lf_client *client, const char *line, size_t n)
     flush(client);
 }
 
-/* Dropping is only noted here, since callers go on with the client; it is freed in its own turn of
- * the event loop. */
+/* Only marks the client as dropped, since callers still use it; it is freed in its own turn of the
+ * event loop. */
 static void leave(lf_client *client)
 {
     if (client->busy)
@@ -286,7 +286,7 @@ static void take_line(lf_client *client, const char *line, size_t n)
     }
 }
 
-/* Forgets the first bytes of the input. */
+/* Discards the first bytes of the input. */
 static void discard(lf_client *client, size_t n)
 {
     if (n == 0)
@@ -298,12 +298,12 @@ static void discard(lf_client *client, size_t n)
         buffer_reset(&client->in);
 }
 
-/* The input is the beginning of a line, or nothing. */
+/* The input is the start of a line, or empty. */
 static void keep_beginning(lf_client *client)
 {
     client->scanned = client->in.used;
     if (client->in.used == 0 && !client->paused)
-        lf_client_drop_fds(client); /* they came with lines that did not want them */
+        lf_client_drop_fds(client); /* they came with lines that did not use them */
     if (!client->skipping && client->in.used > LF_RPC_MAX_LINE) {
         refuse_long_line(client);
         client->skipping = true;
@@ -314,7 +314,7 @@ static void keep_beginning(lf_client *client)
     }
 }
 
-/* Hands over whole lines of the input, as many as a turn has. */
+/* Hands over complete lines of the input, as many as a turn allows. */
 static void take_lines(lf_client *client)
 {
     size_t begin = 0;
@@ -414,7 +414,7 @@ static int on_client(sd_event_source *source, int fd, uint32_t events, void *con
     return 0;
 }
 
-/* The next turn of a client whose lines were more than one turn has. */
+/* The next turn of a client that had more lines than one turn allows. */
 static int on_turn(sd_event_source *source, uint64_t usec, void *context)
 {
     lf_client *client = context;
@@ -429,7 +429,7 @@ static int on_turn(sd_event_source *source, uint64_t usec, void *context)
 
 /* --------------------------------------------------------------------------------- listening -- */
 
-/* Made with the time 0, a timer is due at once, and yet behind what was there before. */
+/* A timer with time 0 is due at once, but after all earlier events. */
 static bool listen_to(lf_client *client, sd_event *event)
 {
     return sd_event_add_io(event, &client->io, client->fd, EPOLLIN, on_client, client) >= 0 &&
@@ -479,7 +479,7 @@ static int on_listen(sd_event_source *source, int fd, uint32_t events, void *con
     if (connection >= 0) {
         add_client(clients, connection);
     } else if (errno == EMFILE || errno == ENFILE || errno == ENOMEM || errno == ENOBUFS) {
-        /* The connection stays pending and would wake us at once again. */
+        /* The pending connection would wake the loop again at once. */
         sd_event_source_set_enabled(source, SD_EVENT_OFF);
         sd_event_source_disable_unref(clients->pause);
         clients->pause = NULL;
@@ -567,7 +567,7 @@ void lf_client_resume(lf_client *client)
 {
     client->paused = false;
     if (client->in.used == 0)
-        lf_client_drop_fds(client); /* the line did not want them */
+        lf_client_drop_fds(client); /* the line did not use them */
     leave(client);
 }
 

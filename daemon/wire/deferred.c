@@ -6,8 +6,8 @@ struct lf_deferred {
     lf_clients *clients;
     uint64_t client;
     json_t *id;   /* a copy */
-    bool silent;  /* a notification: nobody waits for an answer */
-    size_t bytes; /* of the client's lines that are held */
+    bool silent;  /* a notification: no answer */
+    size_t bytes; /* bytes of the client's line that are held */
 };
 
 lf_deferred *lf_deferred_create(lf_clients *clients, lf_client *client, const json_t *id)
@@ -43,7 +43,7 @@ bool lf_deferred_is_vain(const lf_deferred *deferred)
     return !lf_clients_find(deferred->clients, deferred->client);
 }
 
-/* Sends message to whoever waits for it, and frees the deferred call. */
+/* Sends message to the client, if it is still there, and frees the deferred call. */
 static void send_answer(lf_deferred *deferred, json_t *message)
 {
     lf_client *client = lf_clients_find(deferred->clients, deferred->client);

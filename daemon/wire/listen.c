@@ -42,14 +42,16 @@ static lf_status address_of(const char *path, struct sockaddr_un *out, lf_error 
 {
     *out = (struct sockaddr_un){.sun_family = AF_UNIX};
     if (strlen(path) >= sizeof out->sun_path)
-        return lf_error_set(err, LF_E_ARG, path, "the socket's path is longer than %zu bytes",
-                            sizeof out->sun_path - 1);
+        return lf_error_set(
+            err, LF_E_ARG, path,
+            "the socket path is longer than %zu bytes; use a shorter one (--socket PATH)",
+            sizeof out->sun_path - 1);
     memcpy(out->sun_path, path, strlen(path) + 1);
     return LF_OK;
 }
 
-/* The lock lies beside the socket; whoever holds it may replace the socket. The loop: a daemon that
- * ends removes the file, and a lock on a removed file is worth nothing. */
+/* The lock file is next to the socket; its holder may replace the socket. Retries, because an
+ * ending daemon removes the file, and a lock on a removed file is worthless. */
 static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
 {
     char lock[sizeof((struct sockaddr_un *)0)->sun_path + 8];
@@ -58,13 +60,14 @@ static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
         int fd = open(lock, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
         if (fd < 0) {
             return lf_error_set(err, LF_E_IO, path,
-                                "cannot make the socket's lock beside it: %s (another place: "
-                                "--socket PATH, or QUILTD_SOCKET for quiltctl, too)",
+                                "cannot create the lock file of the socket: %s; choose another "
+                                "path with --socket PATH or QUILTD_SOCKET",
                                 lf_errno_text(errno));
         }
         if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
             close(fd);
-            return lf_error_set(err, LF_E_BUSY, path, "another quiltd has this socket");
+            return lf_error_set(err, LF_E_BUSY, path,
+                                "another quiltd uses this socket; choose another --socket PATH");
         }
         struct stat ours, there;
         if (fstat(fd, &ours) == 0 && stat(lock, &there) == 0 && ours.st_ino == there.st_ino &&
@@ -76,15 +79,16 @@ static lf_status take_lock(const char *path, int *out_fd, lf_error *err)
     }
 }
 
-/* A name left by a dead daemon is removed; one that somebody answers at, or that is no socket, is
- * not. */
+/* Removes a socket of a dead daemon, but not one at which a daemon answers, nor another kind of
+ * file. */
 static lf_status clear_name(const char *path, const struct sockaddr_un *address, lf_error *err)
 {
     struct stat st;
     if (lstat(path, &st) != 0)
         return LF_OK;
     if (!S_ISSOCK(st.st_mode))
-        return lf_error_set(err, LF_E_EXISTS, path, "is there already and is not a socket");
+        return lf_error_set(err, LF_E_EXISTS, path,
+                            "exists and is not a socket; choose another --socket PATH");
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     bool answered =
         fd >= 0 &&
@@ -92,18 +96,20 @@ static lf_status clear_name(const char *path, const struct sockaddr_un *address,
     if (fd >= 0)
         close(fd);
     if (answered)
-        return lf_error_set(err, LF_E_BUSY, path, "a program is listening there already");
-    return unlink(path) == 0
-               ? LF_OK
-               : lf_error_set(err, LF_E_IO, path, "cannot replace it: %s", lf_errno_text(errno));
+        return lf_error_set(err, LF_E_BUSY, path,
+                            "another program uses this socket; choose another --socket PATH");
+    return unlink(path) == 0 ? LF_OK
+                             : lf_error_set(err, LF_E_IO, path, "cannot replace the old socket: %s",
+                                            lf_errno_text(errno));
 }
 
-/* The system's socket is for the group too; a user's is the user's. */
+/* The system's socket is accessible to the group; a user's only to the user. */
 static void open_to_group(const char *path)
 {
     const struct group *group = strcmp(path, SYSTEM_SOCKET) == 0 ? getgrnam(SYSTEM_GROUP) : NULL;
     if (group && chown(path, (uid_t)-1, group->gr_gid) == 0 && chmod(path, 0660) != 0)
-        lf_log(LF_LOG_WARNING, "%s: cannot be opened to the group %s", path, SYSTEM_GROUP);
+        lf_log(LF_LOG_WARNING, "%s: cannot give the group %s access to the socket", path,
+               SYSTEM_GROUP);
 }
 
 static lf_status bind_and_listen(const char *path, const struct sockaddr_un *address, int *out_fd,
@@ -132,8 +138,9 @@ lf_status lf_listen(const char *socket, lf_listener *out, int *out_fd, lf_error 
     int n = sd_listen_fds(1);
     *out = (lf_listener){.lock_fd = -1};
     if (n > 1 || (n == 1 && sd_is_socket_unix(SD_LISTEN_FDS_START, SOCK_STREAM, 1, NULL, 0) <= 0))
-        return lf_error_set(err, LF_E_ARG, "systemd",
-                            "handed over something else than one listening Unix stream socket");
+        return lf_error_set(
+            err, LF_E_ARG, "systemd",
+            "passed something other than one listening Unix stream socket; check the socket unit");
     if (n == 1) {
         *out_fd = SD_LISTEN_FDS_START;
         fcntl(*out_fd, F_SETFL, fcntl(*out_fd, F_GETFL) | O_NONBLOCK);

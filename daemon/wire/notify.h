@@ -1,10 +1,10 @@
-/* notify: what clients hear that have subscribed to it. Thread: event. */
+/* notify: notifications to subscribed clients. Thread: event. */
 #ifndef LF_DAEMON_NOTIFY_H
 #define LF_DAEMON_NOTIFY_H
 
 #include "daemon/wire/client.h"
 
-/* Bits of lf_client_flags: what a client subscribed to. */
+/* Bits of lf_client_flags: the events a client subscribed to. */
 enum {
     LF_EVENT_FRAME = 1,
     LF_EVENT_CONVERGED = 2,
@@ -14,8 +14,8 @@ enum {
     LF_EVENT_BUTTON = 32,
 };
 
-/* Sends a notification to those who subscribed to `event`; params are taken over. clients may be
- * NULL: there are none yet. */
+/* Sends a notification to the clients subscribed to `event`. Takes ownership of params. clients
+ * NULL: no clients exist yet; nothing is sent. */
 void lf_notify(lf_clients *clients, unsigned event, const char *method, json_t *params);
 
 #endif

@@ -34,13 +34,13 @@ static bool parse_members(lf_rpc_request *out, json_t **out_answer)
         if (strcmp(key, "jsonrpc") != 0 && strcmp(key, "id") != 0 && strcmp(key, "method") != 0 &&
             strcmp(key, "params") != 0) {
             return refuse(out_answer, id, LF_RPC_INVALID_REQUEST,
-                          "a request has the keys jsonrpc, id, method and params only");
+                          "unknown key in the request; expected jsonrpc, id, method and params");
         }
     }
     json_t *params = json_object_get(message, "params");
     if (params && !json_is_object(params))
         return refuse(out_answer, id, LF_RPC_INVALID_PARAMS,
-                      "params must be an object: parameters are given by name");
+                      "\"params\" must be an object with parameters by name");
     out->params = params ? json_incref(params) : json_object();
     if (!out->params)
         return refuse(out_answer, id, LF_RPC_INTERNAL, "out of memory");
@@ -52,7 +52,8 @@ bool lf_rpc_parse(const char *line, size_t n, lf_rpc_request *out, json_t **out_
     *out = (lf_rpc_request){0};
     *out_answer = NULL;
     if (memchr(line, '\0', n))
-        return refuse(out_answer, NULL, LF_RPC_PARSE_ERROR, "not JSON: a zero byte");
+        return refuse(out_answer, NULL, LF_RPC_PARSE_ERROR,
+                      "not JSON: the line contains a zero byte");
     json_error_t error;
     out->message = json_loadb(line, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error);
     if (!out->message) {
@@ -63,9 +64,9 @@ bool lf_rpc_parse(const char *line, size_t n, lf_rpc_request *out, json_t **out_
     bool ok;
     if (json_is_array(out->message)) {
         ok = refuse(out_answer, NULL, LF_RPC_INVALID_REQUEST,
-                    "batches are not supported: send one object a line");
+                    "batches are not supported; send one object per line");
     } else if (!json_is_object(out->message)) {
-        ok = refuse(out_answer, NULL, LF_RPC_INVALID_REQUEST, "a request is an object");
+        ok = refuse(out_answer, NULL, LF_RPC_INVALID_REQUEST, "a request must be an object");
     } else {
         ok = parse_members(out, out_answer);
     }
@@ -81,7 +82,7 @@ void lf_rpc_request_finish(lf_rpc_request *request)
     *request = (lf_rpc_request){0};
 }
 
-/* json_pack takes its members over even when it fails; an absent id is sent as null. */
+/* json_pack takes ownership of its members even on failure; an absent id is sent as null. */
 static json_t *id_or_null(const json_t *id)
 {
     return id ? json_deep_copy(id) : json_null();

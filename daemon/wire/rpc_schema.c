@@ -9,7 +9,7 @@
 #include "base/nearest.h"
 #include "base/number.h"
 
-/* More keys than a method has are not looked at. */
+/* More than any method has. */
 #define MAX_KEYS 64
 
 typedef struct checker {
@@ -63,7 +63,7 @@ static lf_status check_type(checker *c, const json_t *type, const json_t *value)
     return FAIL(c, "expected %s", names);
 }
 
-/* Words that get an answer of their own: {word: what is said of it}. */
+/* Words with an error text of their own: {word: text}. */
 static lf_status check_refused(checker *c, const json_t *refused, const json_t *value)
 {
     const char *word = json_string_value(value),
@@ -177,7 +177,7 @@ static lf_status unknown_key(checker *c, json_t *properties, const char *key)
         return FAIL(c, "unknown key \"%s\"; did you mean \"%s\"?", key, meant);
     list_keys(properties, known, sizeof known);
     return known[0] != '\0' ? FAIL(c, "unknown key \"%s\"; known: %s", key, known)
-                            : FAIL(c, "unknown key \"%s\": there are no parameters here", key);
+                            : FAIL(c, "unknown key \"%s\"; this method has no parameters", key);
 }
 
 static lf_status check_properties(checker *c, const json_t *schema, json_t *value)
@@ -247,7 +247,7 @@ static json_t *number_of(const char *text, bool integer)
 
 static json_t *typed_value(const json_t *schema, const char *text);
 
-/* What commas part, each whole; NULL: one of them is not of its type. */
+/* The comma-separated values; NULL: one of them has the wrong type. */
 static json_t *list_of(const json_t *items, const char *text)
 {
     json_t *list = json_array();
@@ -263,7 +263,7 @@ static json_t *list_of(const json_t *items, const char *text)
     return good ? list : NULL;
 }
 
-/* Whether it is one of the words, which blanks part. */
+/* True if text is one of the blank-separated words. */
 static bool is_word(const char *text, const char *words)
 {
     const size_t n = strlen(text);
@@ -273,7 +273,7 @@ static bool is_word(const char *text, const char *words)
     return false;
 }
 
-/* NULL when the text is not of the type. */
+/* NULL: the text is not of the type. */
 static json_t *typed_value(const json_t *schema, const char *text)
 {
     const char *type = type_name(schema);
@@ -290,7 +290,7 @@ static json_t *typed_value(const json_t *schema, const char *text)
     return json_string(text);
 }
 
-/* What a text of the type is. */
+/* An example of a value of the type. */
 static const char *example_of(const json_t *schema)
 {
     static const char *const examples[][2] = {
@@ -301,9 +301,8 @@ static const char *example_of(const json_t *schema)
     const json_t *items = json_object_get(schema, "items");
     const char *type = type_name(schema);
     if (strcmp(type, "array") == 0)
-        return strchr("in", type_name(items)[0]) ? "decimal numbers with a comma between two, such "
-                                                   "as 0,0.5,1"
-                                                 : "values with a comma between two";
+        return strchr("in", type_name(items)[0]) ? "a list of decimal numbers such as 0,0.5,1"
+                                                 : "a list of values separated by commas";
     for (size_t i = 0; i < sizeof examples / sizeof *examples; i++)
         if (strcmp(type, examples[i][0]) == 0)
             return examples[i][1];

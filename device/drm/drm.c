@@ -86,7 +86,7 @@ static void shown(drm_device *drm)
 static void failed(drm_device *drm, const char *why)
 {
     char text[256];
-    snprintf(text, sizeof text, "%s does not take pictures: %s", drm->name, why);
+    snprintf(text, sizeof text, "%s does not accept images: %s", drm->name, why);
     lf_handover_problem_set(&drm->handover, text);
     drm->output.lit = false;
     enter(drm, DRM_PAUSING, PAUSE_MS);
@@ -185,7 +185,7 @@ static bool read_events(drm_device *drm)
 static void time_is_up(drm_device *drm)
 {
     if (drm->phase == DRM_FLIPPING) {
-        failed(drm, "a picture was taken but not shown within a second");
+        failed(drm, "an image was accepted but not shown within a second");
     } else if (drm->phase == DRM_PAUSING) {
         drm->phase = DRM_IDLE;
         lf_handover_end(&drm->handover, false, 0);
@@ -247,12 +247,12 @@ static lf_status take_display(drm_device *drm, lf_error *err)
     if (e == 0)
         return LF_OK;
     if (e != -EBUSY && e != -EACCES)
-        return lf_error_set(err, LF_E_IO, drm->name, "the display cannot be taken over: %s",
+        return lf_error_set(err, LF_E_IO, drm->name, "cannot take over the display: %s",
                             lf_errno_text(-e));
     drm->kms->master_name(drm->card, who, sizeof who);
     return lf_error_set(
         err, LF_E_BUSY, drm->name,
-        "%s shows on /dev/dri/card%d; within a desktop take --device window, else end it", who,
+        "%s uses /dev/dri/card%d; on a desktop use --device window, else stop that program", who,
         drm->card);
 }
 
@@ -275,9 +275,10 @@ static lf_status check_size(const drm_device *drm, const struct drm_mode_modeinf
     bool turned = mode->hdisplay == c->screen_height_px && mode->vdisplay == c->screen_width_px;
     return lf_error_set(
         err, LF_E_ARG, drm->name,
-        "its native mode is %dx%d pixels, the calibration (%.80s) is for %dx%d%s", mode->hdisplay,
-        mode->vdisplay, drm->origin.words, c->screen_width_px, c->screen_height_px,
-        turned ? ": another model, or one of the two is turned" : ": it belongs to another panel");
+        "the native mode has %dx%d pixels, but the calibration (%.80s) is for %dx%d%s",
+        mode->hdisplay, mode->vdisplay, drm->origin.words, c->screen_width_px, c->screen_height_px,
+        turned ? "; it is for another model or another orientation"
+               : "; pass the calibration of this panel");
 }
 
 static void describe(drm_device *drm, const lf_drm_found *found)

@@ -29,14 +29,14 @@ lf_status lf_drm_buffer_init(const lf_kms_calls *kms, int fd, int width, int hei
     if (pitch < (uint32_t)width * BYTES || pitch > MAX_PITCH || pitch % BYTES != 0 ||
         size < (uint64_t)pitch * (uint64_t)height || size > (uint64_t)MAX_PITCH * LF_MAX_SIDE)
         return lf_error_set(err, LF_E_FORMAT, "drm",
-                            "the driver gave memory for %dx%d pixels with rows of %u and %llu "
-                            "bytes in all, which cannot be",
+                            "the driver returned a wrong buffer for %dx%d pixels: rows of %u "
+                            "bytes, %llu bytes in total",
                             width, height, pitch, (unsigned long long)size);
     out->pitch = pitch;
     out->size = (size_t)size;
     e = kms->fb_add(fd, (uint32_t)width, (uint32_t)height, pitch, out->handle, &out->fb);
     if (e != 0)
-        return buffer_error(err, -e, "show a picture of", width, height);
+        return buffer_error(err, -e, "register an image of", width, height);
     out->map = kms->buffer_map(fd, out->handle, out->size);
     if (!out->map)
         return buffer_error(err, errno, "map the video memory of", width, height);

@@ -53,10 +53,10 @@ lf_status lf_drm_name_parse(const char *argument, lf_drm_name *out, lf_error *er
         connector = slash + 1;
     }
     if (name.card > MAX_CARD || !is_connector_name(connector))
-        return lf_error_set(
-            err, LF_E_ARG, "drm",
-            "\"%.60s\" names no display output; expected drm, drm:DP-1 or drm:card1/HDMI-A-1",
-            argument);
+        return lf_error_set(err, LF_E_ARG, "drm",
+                            "\"%.60s\" is not the name of a display output; expected drm, drm:DP-1 "
+                            "or drm:card1/HDMI-A-1",
+                            argument);
     if (connector == argument)
         name.card = -1;
     snprintf(name.connector, sizeof name.connector, "%s", connector);
@@ -183,16 +183,15 @@ static bool find_on_card(const lf_kms_calls *kms, const lf_drm_name *name, int c
 
 static lf_status not_found(const lf_drm_name *name, const drm_search *search, lf_error *err)
 {
-    char what[LF_KMS_NAME + 40] = "no Looking Glass is on a display output";
+    char what[LF_KMS_NAME + 40] = "no Looking Glass is connected to a display output";
     if (search->denied >= 0)
         return lf_error_set(err, LF_E_IO, "drm",
-                            "/dev/dri/card%d may not be opened (%s): the user has to be in the "
-                            "group video (usermod -aG video), or "
-                            "logged in at this machine's screen",
+                            "cannot open /dev/dri/card%d (%s); add the user to the group video "
+                            "(usermod -aG video) or log in at this machine's screen",
                             search->denied, lf_errno_text(search->denied_why));
     if (name->connector[0] != 0)
-        snprintf(what, sizeof what, "no monitor is on %s", name->connector);
-    return lf_error_set(err, LF_E_NODEV, "drm", "%s; there is: %s", what,
+        snprintf(what, sizeof what, "no monitor is connected to %s", name->connector);
+    return lf_error_set(err, LF_E_NODEV, "drm", "%s; found: %s", what,
                         search->seen[0] != 0 ? search->seen : "nothing");
 }
 
@@ -214,7 +213,8 @@ static lf_status find(const lf_kms_calls *kms, const lf_drm_name *name, lf_drm_f
         }
         kms->close(out->fd);
         return lf_error_set(err, LF_E_FORMAT, "drm",
-                            "the monitor on %s has no mode that can be used", out->connector.name);
+                            "the monitor on %s has no usable mode; unplug it and plug it in again",
+                            out->connector.name);
     }
     return not_found(name, &search, err);
 }
@@ -285,18 +285,16 @@ static void describe_trouble(const lf_kms_calls *kms, int fd, const lf_kms_conne
     find_orientation(kms, fd, connector->id, orientation);
     if (!lf_drm_native_mode(connector))
         snprintf(text, sizeof text,
-                 "the monitor has no mode that can be used: unplug it and plug it in again");
+                 "the monitor has no usable mode; unplug it and plug it in again");
     else if (orientation[0] != 0)
         snprintf(text, sizeof text,
-                 "the kernel takes it for a panel that is built in turned (%s), and desktops will "
-                 "turn it: set its orientation to "
-                 "normal there, or boot with video=%s:panel_orientation=normal",
+                 "the kernel reports a rotated panel (%s), so desktops rotate the image; set "
+                 "normal orientation there, or boot with video=%s:panel_orientation=normal",
                  orientation, connector->name);
     else if (out->problem[0] == 0 && !known)
         snprintf(text, sizeof text,
-                 "no calibration for it is known: plug the panel's USB in (not only its video), or "
-                 "give its visual.json with "
-                 "--calibration");
+                 "no calibration was found; connect the panel's USB cable (not only video), or "
+                 "pass its visual.json with --calibration");
     if (text[0] != 0)
         lf_device_text(out->problem, sizeof out->problem, text);
 }
@@ -305,7 +303,7 @@ static void describe_trouble(const lf_kms_calls *kms, int fd, const lf_kms_conne
 static void describe_use(const lf_kms_calls *kms, int card, int fd,
                          const lf_kms_connector *connector, lf_device_info *out)
 {
-    char who[64], by[80] = "another program", text[256], how[80] = "";
+    char who[64], by[80] = "another program", text[256], how[96] = "";
     lf_kms_crtc crtc = {0};
     const struct drm_mode_modeinfo *native = lf_drm_native_mode(connector);
     if (kms->master_name(card, who, sizeof who))
@@ -313,12 +311,12 @@ static void describe_use(const lf_kms_calls *kms, int card, int fd,
     if (connector->crtc != 0 && kms->crtc(fd, connector->crtc, &crtc) == 0 && crtc.lit && native) {
         if (crtc.mode.hdisplay != native->hdisplay || crtc.mode.vdisplay != native->vdisplay)
             snprintf(how, sizeof how,
-                     ", which scales it: it is set to %dx%d, not to its native %dx%d",
+                     ", which scales the image; set the mode from %dx%d to the native %dx%d",
                      crtc.mode.hdisplay, crtc.mode.vdisplay, native->hdisplay, native->vdisplay);
         else if (is_rotated(kms, fd, connector->crtc))
-            snprintf(how, sizeof how, ", which turns it: set its orientation to normal");
+            snprintf(how, sizeof how, ", which rotates the image; set its orientation to normal");
     }
-    snprintf(text, sizeof text, "used by %s%s; within a desktop take --device window", by, how);
+    snprintf(text, sizeof text, "used by %s%s; on a desktop use --device window", by, how);
     lf_device_text(out->problem, sizeof out->problem, text);
 }
 
@@ -345,8 +343,7 @@ static bool describe(const lf_kms_calls *kms, int card, int fd, uint32_t id, boo
         lf_device_text(out->serial, sizeof out->serial, edid.serial);
     } else {
         snprintf(out->problem, sizeof out->problem,
-                 "the monitor does not say what it is (no EDID); if it is a Looking Glass, name "
-                 "it: --device drm:card%d/%s",
+                 "the monitor has no EDID; if it is a Looking Glass, use --device drm:card%d/%s",
                  card, connector.name);
     }
     bool known = has_edid && lf_find_promise(&edid, out->calibration_from);
@@ -378,10 +375,10 @@ static int probe_card(const lf_kms_calls *kms, int card, lf_device_info *out, in
     if (fd == -EACCES || fd == -EPERM) {
         *out = (lf_device_info){.spec = "drm", .kind = "drm"};
         snprintf(out->output, sizeof out->output, "card%d", card);
-        snprintf(out->problem, sizeof out->problem,
-                 "/dev/dri/card%d may not be opened (%s): the user has to be in the group video "
-                 "(usermod -aG video)",
-                 card, lf_errno_text(-fd));
+        snprintf(
+            out->problem, sizeof out->problem,
+            "cannot open /dev/dri/card%d (%s); add the user to the group video (usermod -aG video)",
+            card, lf_errno_text(-fd));
         return 1;
     }
     if (fd < 0)

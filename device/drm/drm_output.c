@@ -244,9 +244,8 @@ lf_status lf_drm_output_init(const lf_kms_calls *kms, const lf_drm_found *found,
         return lf_error_set(err, LF_E_NOMEM, "drm", "out of memory");
     int crtc = choose_crtc(out, found, &scratch->other);
     if (crtc < 0) {
-        status = lf_error_set(
-            err, LF_E_BUSY, "drm",
-            "the card can drive no more displays than it does now; switch one off for %s", name);
+        status = lf_error_set(err, LF_E_BUSY, "drm",
+                              "the card cannot drive another display; switch one off for %s", name);
         goto fail;
     }
     out->crtc = found->resources.crtcs[crtc];
@@ -424,8 +423,7 @@ void lf_drm_output_finish(lf_drm_output *output)
 
 const char *lf_drm_output_problem(const lf_drm_output *output)
 {
-    return output->plain ? "the driver refuses full colour range, 8 bits a channel, or output that "
-                           "is not scaled, turned or recoloured: "
-                           "views may mix"
+    return output->plain ? "the driver refuses full colour range, 8 bits per channel or unscaled, "
+                           "unrotated, unprocessed output, so views may mix"
                          : "";
 }

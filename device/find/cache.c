@@ -127,7 +127,7 @@ void lf_cache_store(const lf_found *found)
         return;
     make_folders(folder);
     if (lf_outfile_text(path, text, &err) != LF_OK)
-        lf_log(LF_LOG_DEBUG, "%s: the calibration is not remembered: %s", path, err.what);
+        lf_log(LF_LOG_DEBUG, "%s: cannot cache the calibration: %s", path, err.what);
     free(text);
 }
 

@@ -26,15 +26,15 @@ const lf_drive_places lf_drive_system = {.mountinfo = "/proc/self/mountinfo",
 static lf_status cannot(const char *volume, lf_error *err)
 {
     if (errno == ENOENT || errno == ENOTDIR)
-        return lf_error_set(err, LF_E_NODEV, volume, "there is no %s/%s", FOLDER, FILE_NAME);
+        return lf_error_set(err, LF_E_NODEV, volume, "%s/%s does not exist", FOLDER, FILE_NAME);
     if (errno == ELOOP)
         return lf_error_set(err, LF_E_FORMAT, volume,
-                            "%s/%s is a symbolic link, which is not followed", FOLDER, FILE_NAME);
+                            "%s/%s is a symbolic link; quiltd reads only regular files", FOLDER,
+                            FILE_NAME);
     if (errno == EACCES || errno == EPERM)
         return lf_error_set(err, LF_E_IO, volume,
-                            "no permission to read %s/%s: it is mounted for another user; unmount "
-                            "it, or give a copy of the file "
-                            "with --calibration",
+                            "no permission to read %s/%s, which is mounted for another user; "
+                            "unmount it, or pass a copy with --calibration",
                             FOLDER, FILE_NAME);
     return lf_error_set(err, LF_E_IO, volume, "cannot read %s/%s: %s", FOLDER, FILE_NAME,
                         lf_errno_text(errno));

@@ -15,8 +15,8 @@
 #define MANAGER "/org/freedesktop/UDisks2/Manager"
 #define OPTIONS "ro,nosuid,nodev,noexec"
 #define BY_HAND                                                                                    \
-    "mount it by hand (mount -o " OPTIONS                                                          \
-    "), or give a copy of its LKG_calibration/visual.json with --calibration"
+    "mount it manually (mount -o " OPTIONS                                                         \
+    "), or pass a copy of its LKG_calibration/visual.json with --calibration"
 
 #define US_PER_S 1e6
 /* From unmounting until the kernel, udev and the event loop have told of it. */
@@ -113,16 +113,16 @@ static lf_status refused(const char *device, const sd_bus_error *why, int negati
                                          "org.freedesktop.DBus.Error.NameHasNoOwner",
                                          "org.freedesktop.DBus.Error.Spawn.ServiceNotFound"};
     if (sd_bus_error_has_name(why, SERVICE ".Error.AlreadyMounted"))
-        return lf_error_set(err, LF_E_BUSY, device, "is mounted by somebody else by now");
+        return lf_error_set(err, LF_E_BUSY, device, "another user has mounted it in the meantime");
     for (size_t i = 0; i < sizeof absent / sizeof absent[0]; i++)
         if (sd_bus_error_has_name(why, absent[i]))
             return lf_error_set(
                 err, LF_E_IO, device,
-                "is not mounted, and udisks2 is not there to do it: install udisks2, " BY_HAND);
+                "is not mounted, and udisks2 is not installed; install udisks2, " BY_HAND);
     if (why->name && strstr(why->name, ".NotAuthorized"))
         return lf_error_set(err, LF_E_IO, device,
-                            "is not mounted, and udisks2 may not mount it for this user (polkit: "
-                            "org.freedesktop.udisks2.filesystem-mount): " BY_HAND);
+                            "is not mounted, and polkit does not let udisks2 mount it for this "
+                            "user (org.freedesktop.udisks2.filesystem-mount); " BY_HAND);
     return lf_error_set(err, LF_E_IO, device,
                         "is not mounted, and udisks2 cannot mount it: %.80s; " BY_HAND,
                         why->message ? why->message : lf_errno_text(-negative_errno));
@@ -146,7 +146,7 @@ static lf_status resolve(lf_udisks *mount, const char *device, lf_error *err)
         status = refused(device, &why, r, err);
     else if (r == 0 || strlen(object) >= sizeof mount->object)
         status = lf_error_set(err, LF_E_IO, device,
-                              "is not mounted, and udisks2 does not know it: " BY_HAND);
+                              "is not mounted, and udisks2 does not list it; " BY_HAND);
     else
         snprintf(mount->object, sizeof mount->object, "%s", object);
     sd_bus_message_unref(reply);
@@ -190,9 +190,10 @@ lf_status lf_udisks_mount(const char *device, int total_ms, lf_udisks **out, lf_
     mount->number = stat(device, &st) == 0 ? st.st_rdev : 0;
     int r = connect_bus(mount);
     if (r < 0) {
-        status = lf_error_set(
-            err, LF_E_IO, device, "is not mounted, and %s to ask udisks2: " BY_HAND,
-            r == -ETIMEDOUT ? "the system bus does not answer" : "there is no system bus");
+        status = lf_error_set(err, LF_E_IO, device,
+                              "is not mounted, and udisks2 cannot be asked, because %s; " BY_HAND,
+                              r == -ETIMEDOUT ? "the system bus does not answer"
+                                              : "there is no system bus");
         goto fail;
     }
     status = resolve(mount, device, err);

@@ -189,9 +189,8 @@ static void nothing_fits(const lf_found *found, int n, const lf_edid *display, i
              display->width_px, display->height_px);
     if (n == 0) {
         lf_error_set(err, LF_E_NODEV, where,
-                     "no calibration was found: plug the panel's USB in (not only its video), or "
-                     "give its visual.json with "
-                     "--calibration");
+                     "no calibration was found; connect the panel's USB cable (not only video), or "
+                     "pass its visual.json with --calibration");
         return;
     }
     describe(&found[0], first, sizeof first);
@@ -199,17 +198,15 @@ static void nothing_fits(const lf_found *found, int n, const lf_edid *display, i
         if (found[i].problem[0] != 0)
             describe(&found[i], first, sizeof first);
     if (n_fit > 1)
-        lf_error_set(
-            err, LF_E_NODEV, where,
-            "%d calibrations fit it, and none says that it is its own: give the right one with "
-            "--calibration (the first is %s)",
-            n_fit, first);
+        lf_error_set(err, LF_E_NODEV, where,
+                     "%d calibrations fit this display, and none names it; pass the right one with "
+                     "--calibration (the first is %s)",
+                     n_fit, first);
     else
-        lf_error_set(
-            err, LF_E_NODEV, where,
-            "none of the %d calibrations found is this display's: give its visual.json with "
-            "--calibration (%s)",
-            n, first);
+        lf_error_set(err, LF_E_NODEV, where,
+                     "none of the %d calibrations found is for this display; pass its visual.json "
+                     "with --calibration (%s)",
+                     n, first);
 }
 
 const lf_found *lf_find_match(const lf_found *found, int n, const lf_edid *display, lf_error *err)

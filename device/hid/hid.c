@@ -62,7 +62,7 @@ int lf_hid_read_report(const lf_hid_link *link, int timeout_ms, int rest_ms,
 static lf_status gone(const reading *r)
 {
     return lf_error_set(r->err, LF_E_NODEV, r->where,
-                        "was unplugged while its calibration was read");
+                        "the panel was unplugged while quiltd read its calibration");
 }
 
 /* What was asked before, by whomever, and buttons. */
@@ -131,12 +131,13 @@ static lf_status read_page(const reading *r, unsigned page, uint8_t out[LF_HID_P
             return status;
     }
     if (tried > 0 && refused == tried)
-        return lf_error_set(
-            r->err, LF_E_IO, r->where,
-            "refuses to tell page %u of its calibration; plug the panel's USB in again", page);
+        return lf_error_set(r->err, LF_E_IO, r->where,
+                            "the panel refused to send calibration page %u; unplug its USB cable "
+                            "and plug it in again",
+                            page);
     return lf_error_set(
         r->err, LF_E_TIMEOUT, r->where,
-        "does not answer when asked for page %u of its calibration; plug the panel's USB in again",
+        "the panel did not send calibration page %u; unplug its USB cable and plug it in again",
         page);
 }
 
@@ -146,14 +147,13 @@ static lf_status take_length(const reading *r, const uint8_t page[LF_HID_PAGE], 
     uint32_t n =
         (uint32_t)page[0] << 24 | (uint32_t)page[1] << 16 | (uint32_t)page[2] << 8 | page[3];
     if (n == UINT32_MAX)
-        return lf_error_set(r->err, LF_E_FORMAT, r->where,
-                            "the panel's EEPROM is blank: it carries no calibration; give the "
-                            "panel's visual.json with --calibration");
+        return lf_error_set(
+            r->err, LF_E_FORMAT, r->where,
+            "the panel's EEPROM is blank; pass the panel's visual.json with --calibration");
     if (n == 0 || n > LF_HID_MAX_JSON)
         return lf_error_set(r->err, LF_E_FORMAT, r->where,
-                            "the panel's EEPROM is damaged: a calibration of %ju bytes, expected 1 "
-                            "to %d; give the panel's "
-                            "visual.json with --calibration",
+                            "the panel's EEPROM is damaged (a calibration of %ju bytes, expected 1 "
+                            "to %d); pass the panel's visual.json with --calibration",
                             (uintmax_t)n, LF_HID_MAX_JSON);
     *out = n;
     return LF_OK;
@@ -195,7 +195,7 @@ static lf_status read_once(const reading *r, lf_calibration *out)
     if (status == LF_OK)
         return LF_OK;
     return lf_error_set_at(r->err, status, r->where, why.line, why.pointer,
-                           "the calibration in the panel's EEPROM is damaged: %.120s; give the "
+                           "the calibration in the panel's EEPROM is damaged: %.120s; pass the "
                            "panel's visual.json with --calibration",
                            why.what);
 }

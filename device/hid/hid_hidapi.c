@@ -73,13 +73,11 @@ int lf_hid_list(lf_hid_place *out, int max)
 static lf_status cannot_open(const char *path, int e, lf_error *err)
 {
     if (e == ENOENT || e == ENODEV || e == ENXIO)
-        return lf_error_set(err, LF_E_NODEV, path, "is not there (any more)");
+        return lf_error_set(err, LF_E_NODEV, path, "the device does not exist or was unplugged");
     if (e == EACCES || e == EPERM)
         return lf_error_set(err, LF_E_IO, path,
-                            "no permission: the udev rule 70-quiltd.rules gives it to the group "
-                            "quiltd and to whoever sits at the "
-                            "machine; install it (make install), add the user to the group, and "
-                            "plug the panel in again");
+                            "no permission; install the udev rule 70-quiltd.rules (make install), "
+                            "add the user to the group quiltd, and plug the panel in again");
     return lf_error_set(err, LF_E_IO, path, "cannot be opened as a HID device: %s",
                         lf_errno_text(e));
 }
@@ -105,7 +103,7 @@ lf_status lf_hid_open(const char *path, lf_hid_link *out, lf_error *err)
     hid_device *device = hid_open_path(path);
     pthread_mutex_unlock(&global_lock);
     if (!device)
-        return lf_error_set(err, LF_E_IO, path, "cannot be opened by hidapi");
+        return lf_error_set(err, LF_E_IO, path, "hidapi cannot open the device");
     *out = (lf_hid_link){hid_send, hid_receive, hid_clock, close_device, device};
     return LF_OK;
 }

@@ -339,8 +339,8 @@ static lf_status take_submit(lf_usbip *usbip, lf_error *err)
     bool in = get32(h + 12) == 1;
     if (number > 15 || get32(h + 12) > 1 || (packets != 0 && packets != (uint32_t)NOT_ISO))
         return lf_error_set(err, LF_E_FORMAT, "usbip",
-                            "endpoint %u, direction %u, %u packets: not a transfer of this device",
-                            number, get32(h + 12), packets);
+                            "unexpected transfer: endpoint %u, direction %u, %u packets", number,
+                            get32(h + 12), packets);
     bool refused =
         usbip->n_urbs >= LF_USBIP_MAX_URBS ||
         (!in && (length > LF_USBIP_MAX_TRANSFER || length > LF_USBIP_MAX_WAITING - usbip->waiting));
@@ -387,8 +387,8 @@ static lf_status take_command(lf_usbip *usbip, lf_error *err)
     }
     if (command != CMD_SUBMIT || devid != LF_USBIP_DEVID)
         return lf_error_set(err, LF_E_FORMAT, "usbip",
-                            "command %u to device %x: expected a transfer to device %x", command,
-                            devid, (unsigned)LF_USBIP_DEVID);
+                            "unexpected command %u to device %x; expected a transfer to device %x",
+                            command, devid, (unsigned)LF_USBIP_DEVID);
     return take_submit(usbip, err);
 }
 

@@ -101,9 +101,10 @@ lf_status lf_optics_create(const lf_calibration *c, double eye_deg, lf_optics **
 {
     double lens_px = c->dpi / c->pitch;
     if (!(lens_px >= 2 && lens_px <= c->screen_width_px && fabs(c->slope) >= 1))
-        return lf_error_set(err, LF_E_ARG, "calibration",
-                            "the panel cannot resolve a lens of %g pixels with slope %g", lens_px,
-                            c->slope);
+        return lf_error_set(
+            err, LF_E_ARG, "calibration",
+            "the pixels of the panel are too coarse for a lens of %g pixels with slope %g", lens_px,
+            c->slope);
     lf_optics *o = lf_calloc(1, sizeof *o);
     if (!o)
         goto fail;

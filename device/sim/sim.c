@@ -169,7 +169,8 @@ static lf_status lock_folder(sim_device *sim, lf_error *err)
     if (flock(sim->dir_fd, LOCK_EX | LOCK_NB) == 0)
         return LF_OK;
     if (errno == EWOULDBLOCK)
-        return lf_error_set(err, LF_E_BUSY, dir, "another daemon shows on this simulated panel");
+        return lf_error_set(err, LF_E_BUSY, dir,
+                            "another quiltd uses this simulated panel; choose another folder");
     return lf_error_set(err, LF_E_IO, dir, "cannot lock the folder: %s", lf_errno_text(errno));
 }
 
@@ -352,7 +353,7 @@ static void unplug(sim_device *sim)
     sim->gone = true;
     if (lf_sim_plug_out(sim->dir_fd, back_ns, &err) != LF_OK) {
         char text[512];
-        snprintf(text, sizeof text, "the unplugging could not be written down: %.200s", err.what);
+        snprintf(text, sizeof text, "cannot record that the panel was unplugged: %.200s", err.what);
         lf_device_text(sim->unplug_problem, sizeof sim->unplug_problem, text);
         sim->counters.errors++;
     }

@@ -91,11 +91,11 @@ static lf_status parse_option(const char *option, size_t length, lf_sim_options 
     }
     if (!known)
         return lf_error_set(err, LF_E_ARG, "sim",
-                            "no option \"%.*s\"; there are eye, latency, bandwidth, stall, error, "
-                            "error_every, unplug, replug, rotate, links=no",
+                            "unknown option \"%.*s\"; expected eye, latency, bandwidth, stall, "
+                            "error, error_every, unplug, replug, rotate or links=no",
                             (int)name_length, option);
     if (!good)
-        return lf_error_set(err, LF_E_ARG, "sim", "option \"%.*s\" is not a number in its range",
+        return lf_error_set(err, LF_E_ARG, "sim", "option \"%.*s\" has a value outside its range",
                             (int)length, option);
     return LF_OK;
 }

@@ -82,7 +82,7 @@ static void set_problem(const lf_sim_writer *w, char *out, size_t size, const lf
 {
     char text[256];
     const char *slash = strrchr(err->where, '/');
-    snprintf(text, sizeof text, "%.90s/%.20s: %.110s; the files are behind", w->dir,
+    snprintf(text, sizeof text, "%.90s/%.20s: %.110s; the files are out of date", w->dir,
              slash ? slash + 1 : err->where, err->what);
     lf_device_text(out, size, text);
 }
@@ -273,7 +273,7 @@ void lf_sim_writer_shown(lf_sim_writer *w, const lf_sim_update *updates, int n, 
             w->errors++;
             w->owed.failed = true;
             snprintf(w->owed.problem, sizeof w->owed.problem,
-                     "the disk is too slow for updates.jsonl; lines are missing");
+                     "the disk is too slow for updates.jsonl, so lines are missing");
         }
         w->owed.ring[(w->owed.start + w->owed.n++) % RING] = updates[i];
     }
@@ -290,7 +290,7 @@ static lf_status shape_quilt(lf_image8 *quilt, int width, int height)
     return lf_image8_init(quilt, width, height, 3);
 }
 
-/* Copies a view into its tile, or blackens a tile behind the last view (the last quilt of this size
+/* Copies a view into its tile, or blackens a tile after the last view (the last quilt of this size
  * may have had more). */
 static void fill_tile(const lf_views8 *views, int tile, int x, int y, lf_image8 *quilt)
 {
@@ -358,7 +358,8 @@ uint64_t lf_sim_writer_problem(lf_sim_writer *w, char *out, size_t size)
     pthread_mutex_lock(&w->lock);
     const char *problem = w->picture_problem[0] != 0 ? w->picture_problem : w->owed.problem;
     if (problem[0] == 0 && !w->optics)
-        problem = "no view.png: the panel cannot resolve the lenses of this calibration";
+        problem = "view.png is not written, because the panel's pixels are too coarse for the "
+                  "lenses of this calibration";
     snprintf(out, size, "%s", problem);
     uint64_t errors = w->errors;
     pthread_mutex_unlock(&w->lock);
@@ -416,7 +417,7 @@ lf_status lf_sim_writer_create(const lf_sim_options *options, int folder_fd, int
     return LF_OK;
 fail:
     lf_sim_writer_destroy(w);
-    return lf_error_set(err, status, options->dir, "cannot make the simulated panel: %s",
+    return lf_error_set(err, status, options->dir, "cannot create the simulated panel: %s",
                         lf_status_name(status));
 }
 

@@ -1,10 +1,10 @@
-/* The Generic USB Display protocol, version 1: its numbers, and its structures to and from the
- * bytes on the wire (usb.md 1). Host and simulated display share this page and nothing else. Every
- * reader gets what an unknown device (or host) sent and checks it: lengths, counts, magic numbers.
- * Bytes are little-endian and unpadded.
+/* The Generic USB Display (GUD) protocol, version 1: its numbers, and conversion of its structures
+ * to and from bytes on the wire. Source: include/drm/gud.h of Linux. Host and simulated display
+ * share only this header. Readers get data of an unknown device or host and check lengths, counts
+ * and magic numbers. Bytes are little-endian and unpadded.
  *
- * Threads: any; nothing is kept. Readers leave their outputs untouched on failure. Private to
- * device/ and its tests. */
+ * Threads: any; no state. Readers leave their outputs untouched on failure. Private to device/ and
+ * its tests. */
 #ifndef LF_DEVICE_GUD_H
 #define LF_DEVICE_GUD_H
 
@@ -12,7 +12,7 @@
 
 #include "base/image.h"
 
-/* Most of what a device may list, and the sizes of one entry in bytes. */
+/* Limits on the lists of a device, and the size of one entry in bytes. */
 enum {
     LF_GUD_MAX_FORMATS = 32,
     LF_GUD_MAX_PROPERTIES = 32,
@@ -24,11 +24,11 @@ enum {
     LF_GUD_CONNECTOR_BYTES = 5,
     LF_GUD_MODE_BYTES = 24,
     LF_GUD_BUFFER_BYTES = 25,
-    LF_GUD_STATE_BYTES = 26, /* and LF_GUD_PROPERTY_BYTES a property */
+    LF_GUD_STATE_BYTES = 26, /* plus LF_GUD_PROPERTY_BYTES per property */
     LF_GUD_STATE_MAX_BYTES = LF_GUD_STATE_BYTES + 2 * LF_GUD_MAX_PROPERTIES * LF_GUD_PROPERTY_BYTES,
 };
 
-/* bRequest. wValue is the connector's index for those of connectors, else 0. */
+/* bRequest. wValue is the connector's index for connector requests, otherwise 0. */
 typedef enum lf_gud_request {
     LF_GUD_GET_STATUS = 0x00,
     LF_GUD_GET_DESCRIPTOR = 0x01,
@@ -48,7 +48,7 @@ typedef enum lf_gud_request {
     LF_GUD_SET_DISPLAY_ENABLE = 0x64,
 } lf_gud_request;
 
-/* What GET_STATUS says of the last request. */
+/* GET_STATUS: the result of the last request. */
 typedef enum lf_gud_status {
     LF_GUD_STATUS_OK,
     LF_GUD_STATUS_BUSY,
@@ -60,8 +60,8 @@ typedef enum lf_gud_status {
 } lf_gud_status;
 
 enum {
-    LF_GUD_FLAG_STATUS_ON_SET = 1 << 0, /* GET_STATUS after every set tells whether it worked */
-    /* whole frames, announced by SET_BUFFER only after a failure; never compressed */
+    LF_GUD_FLAG_STATUS_ON_SET = 1 << 0, /* GET_STATUS after every set request returns its result */
+    /* whole frames only, never compressed; SET_BUFFER announces them only after a failure */
     LF_GUD_FLAG_FULL_UPDATE = 1 << 1,
     LF_GUD_COMPRESSION_LZ4 = 1 << 0,
     LF_GUD_MODE_PREFERRED = 1 << 10,
@@ -101,11 +101,11 @@ typedef struct lf_gud_property {
     uint64_t value;
 } lf_gud_property;
 
-/* What the next bulk transfers carry. */
+/* The content of the next bulk transfers. */
 typedef struct lf_gud_buffer {
     uint32_t x, y, width, height;
     uint32_t length; /* bytes before compression */
-    /* 0, or LF_GUD_COMPRESSION_LZ4: a block without a frame around it */
+    /* 0, or LF_GUD_COMPRESSION_LZ4: a block without frame header */
     uint8_t compression;
     uint32_t compressed_length; /* 0 when not compressed */
 } lf_gud_buffer;
@@ -117,17 +117,17 @@ typedef struct lf_gud_state {
     lf_gud_property properties[2 * LF_GUD_MAX_PROPERTIES];
 } lf_gud_state;
 
-/* The name of a format, "RGB888"; "none" for what quiltd cannot send. */
+/* The name of a format, "RGB888"; "none" for formats that quiltd cannot send. */
 const char *lf_gud_format_name(lf_gud_format format);
-/* Bytes a pixel; 0 for what quiltd cannot send. */
+/* Bytes per pixel; 0 for formats that quiltd cannot send. */
 int lf_gud_format_bytes(lf_gud_format format);
-/* A status in words, "busy"; "an unknown status" beyond the list. */
+/* A status in words, "busy"; "an unknown status" for numbers outside the list. */
 const char *lf_gud_status_text(uint8_t status);
 
 /* -------------------------------------------------------------- what a device says of itself -- */
 
-/* LF_E_FORMAT: not 30 bytes, wrong magic or version, FULL_UPDATE together with compression, least
- * size above the greatest. */
+/* LF_E_FORMAT: not 30 bytes, wrong magic or version, FULL_UPDATE together with compression, minimum
+ * size above the maximum. */
 LF_NODISCARD lf_status lf_gud_descriptor_read(const uint8_t *data, size_t n, lf_gud_descriptor *out,
                                               lf_error *err);
 void lf_gud_descriptor_write(const lf_gud_descriptor *descriptor,
@@ -138,28 +138,27 @@ void lf_gud_descriptor_write(const lf_gud_descriptor *descriptor,
 LF_NODISCARD lf_status lf_gud_formats_choose(const uint8_t *data, size_t n, lf_gud_format *out,
                                              lf_error *err);
 
-/* How many connectors data[n] lists. LF_E_FORMAT: none, too many, or a part of one. */
+/* The number of connectors in data[n]. LF_E_FORMAT: none, too many, or an incomplete one. */
 LF_NODISCARD lf_status lf_gud_connectors_count(const uint8_t *data, size_t n, int *out_n,
                                                lf_error *err);
 
-/* Appends the properties that quiltd knows to state, with the values that they have (rotation:
- * none). LF_E_FORMAT as above. */
+/* Appends the properties that quiltd knows to state, with their current values (rotation: none).
+ * LF_E_FORMAT as above. */
 LF_NODISCARD lf_status lf_gud_properties_read(const uint8_t *data, size_t n, lf_gud_state *state,
                                               lf_error *err);
 
-/* Decodes at most LF_GUD_MAX_MODES modes as they are, plausible or not. LF_E_FORMAT: too many, or a
- * part of one. */
+/* Decodes at most LF_GUD_MAX_MODES modes without checking them. LF_E_FORMAT: too many, or an
+ * incomplete one. */
 LF_NODISCARD lf_status lf_gud_modes_read(const uint8_t *data, size_t n,
                                          lf_gud_mode out[LF_GUD_MAX_MODES], int *out_n,
                                          lf_error *err);
 void lf_gud_mode_write(const lf_gud_mode *mode, uint8_t out[LF_GUD_MODE_BYTES]);
-/* The preferred timing of an EDID (lf_edid_timing_read) as a mode, false when it has none. */
+/* The preferred timing of an EDID (lf_edid_timing_read) as a mode; false: none. */
 bool lf_gud_mode_from_edid(const uint8_t *edid, size_t n, lf_gud_mode *out);
 
-/* The mode to show in: of this size, or of any when width and height are 0; the preferred one
- * first, then the first listed. A mode counts only when it lies within the descriptor's limits and
- * within 1..LF_MAX_SIDE. LF_E_FORMAT: no usable mode; LF_E_ARG: usable ones, but none of this size.
- */
+/* Chooses a mode of this size, or of any size if width and height are 0: the preferred one first,
+ * then the first listed. Only modes within the descriptor's limits and 1..LF_MAX_SIDE are usable.
+ * LF_E_FORMAT: no usable mode; LF_E_ARG: usable ones, but none of this size. */
 LF_NODISCARD lf_status lf_gud_mode_choose(const lf_gud_descriptor *descriptor,
                                           const lf_gud_mode *modes, int n, int width, int height,
                                           lf_gud_mode *out, lf_error *err);
@@ -169,7 +168,7 @@ LF_NODISCARD lf_status lf_gud_mode_choose(const lf_gud_descriptor *descriptor,
 /* False: not 25 bytes. */
 bool lf_gud_buffer_read(const uint8_t *data, size_t n, lf_gud_buffer *out);
 void lf_gud_buffer_write(const lf_gud_buffer *buffer, uint8_t out[LF_GUD_BUFFER_BYTES]);
-/* False: not a state with whole properties. */
+/* False: not a state, or incomplete properties. */
 bool lf_gud_state_read(const uint8_t *data, size_t n, lf_gud_state *out);
 /* Returns the bytes written. */
 size_t lf_gud_state_write(const lf_gud_state *state, uint8_t out[LF_GUD_STATE_MAX_BYTES]);
@@ -177,10 +176,10 @@ void lf_gud_property_write(const lf_gud_property *property, uint8_t out[LF_GUD_P
 
 /* ------------------------------------------------------------------------------------ pixels -- */
 
-/* rect of an RGB frame in `format`, rows packed, into out[rect.width * rect.height * bytes]. RGB565
- * rounds to the nearest. */
+/* Converts rect of an RGB frame to `format`, rows packed, into out[rect.width * rect.height *
+ * bytes]. RGB565 rounds to nearest. */
 void lf_gud_pixels_write(lf_gud_format format, const lf_image8 *frame, lf_rect rect, uint8_t *out);
-/* n pixels back to r, g, b bytes; RGB565 widened by repeating its high bits. */
+/* Converts n pixels back to r, g, b bytes; RGB565 is widened by repeating its high bits. */
 void lf_gud_pixels_read(lf_gud_format format, const uint8_t *data, size_t n, uint8_t *out_rgb);
 
 #endif

@@ -66,13 +66,15 @@ static lf_status check_status(lf_gud_host *host, const char *what, lf_error *err
     lf_usb_result result = host->link->ops->control(host->link, true, LF_GUD_GET_STATUS, 0, &status,
                                                     1, &n, timeout_ms);
     if (result != LF_USB_OK || n != 1)
-        return failed(result != LF_USB_OK ? result : LF_USB_IO, "asking for its status", err);
+        return failed(result != LF_USB_OK ? result : LF_USB_IO, "reading the display's status",
+                      err);
     if (status >= LF_GUD_STATUSES)
-        return lf_error_set(err, LF_E_FORMAT, WHERE, "%s: its status is %d, expected 0..%d", what,
+        return lf_error_set(err, LF_E_FORMAT, WHERE,
+                            "%s failed: the display returned status %d, expected 0..%d", what,
                             status, LF_GUD_STATUSES - 1);
     if (status != LF_GUD_STATUS_OK)
-        return lf_error_set(err, LF_E_IO, WHERE, "%s: refused (%s)", what,
-                            lf_gud_status_text(status));
+        return lf_error_set(err, LF_E_IO, WHERE, "%s failed: the display refused the request (%s)",
+                            what, lf_gud_status_text(status));
     return LF_OK;
 }
 
@@ -127,13 +129,13 @@ static lf_status ask_display(lf_gud_host *host, lf_error *err)
 {
     uint8_t data[MAX_ANSWER];
     size_t n;
-    lf_status status = get(host, LF_GUD_GET_DESCRIPTOR, "reading its descriptor", data,
+    lf_status status = get(host, LF_GUD_GET_DESCRIPTOR, "reading the display's descriptor", data,
                            LF_GUD_DESCRIPTOR_BYTES + 1, &n, err);
     if (status == LF_OK)
         status = lf_gud_descriptor_read(data, n, &host->descriptor, err);
     if (status == LF_OK)
-        status = get(host, LF_GUD_GET_FORMATS, "reading its formats", data, LF_GUD_MAX_FORMATS + 1,
-                     &n, err);
+        status = get(host, LF_GUD_GET_FORMATS, "reading the display's formats", data,
+                     LF_GUD_MAX_FORMATS + 1, &n, err);
     if (status == LF_OK)
         status = lf_gud_formats_choose(data, n, &host->format, err);
     return status;
@@ -144,8 +146,8 @@ static lf_status find_connector(lf_gud_host *host, lf_error *err)
     uint8_t data[LF_GUD_MAX_CONNECTORS * LF_GUD_CONNECTOR_BYTES + 1];
     size_t n;
     int count = 0;
-    lf_status status =
-        get(host, LF_GUD_GET_CONNECTORS, "reading its connectors", data, sizeof data, &n, err);
+    lf_status status = get(host, LF_GUD_GET_CONNECTORS, "reading the display's connectors", data,
+                           sizeof data, &n, err);
     if (status == LF_OK)
         status = lf_gud_connectors_count(data, n, &count, err);
     for (int i = 0; status == LF_OK && i < count; i++) {
@@ -156,21 +158,22 @@ static lf_status find_connector(lf_gud_host *host, lf_error *err)
             (data[0] & LF_GUD_CONNECTOR_STATUS_MASK) != LF_GUD_DISCONNECTED)
             return LF_OK;
     }
-    return status != LF_OK ? status
-                           : lf_error_set(err, LF_E_NODEV, WHERE,
-                                          "nothing is connected to it: plug the panel into it");
+    return status != LF_OK
+               ? status
+               : lf_error_set(err, LF_E_NODEV, WHERE,
+                              "the USB display has no panel connected; plug the panel into it");
 }
 
 static lf_status ask_edid(lf_gud_host *host, lf_error *err)
 {
     size_t n;
-    lf_status status = get_optional(host, LF_GUD_GET_CONNECTOR_EDID, "reading its EDID", host->edid,
-                                    sizeof host->edid, &n, err);
+    lf_status status = get_optional(host, LF_GUD_GET_CONNECTOR_EDID, "reading the display's EDID",
+                                    host->edid, sizeof host->edid, &n, err);
     if (status != LF_OK)
         return status;
     if (n % 128 != 0 || n > LF_GUD_MAX_EDID)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "its EDID has %zu bytes, expected a multiple of 128, at most %d", n,
+                            "the EDID has %zu bytes, expected a multiple of 128, at most %d", n,
                             LF_GUD_MAX_EDID);
     host->n_edid = n;
     return LF_OK;
@@ -185,15 +188,15 @@ static lf_status ask_connector(lf_gud_host *host, lf_error *err)
     if (status == LF_OK)
         status = lf_gud_properties_read(data, n, &host->state, err);
     if (status == LF_OK)
-        status = get_optional(host, LF_GUD_GET_PROPERTIES, "reading its properties", data,
+        status = get_optional(host, LF_GUD_GET_PROPERTIES, "reading the display's properties", data,
                               sizeof data, &n, err);
     if (status == LF_OK)
         status = lf_gud_properties_read(data, n, &host->state, err);
     if (status == LF_OK)
         status = ask_edid(host, err);
     if (status == LF_OK)
-        status =
-            get(host, LF_GUD_GET_CONNECTOR_MODES, "reading its modes", data, sizeof data, &n, err);
+        status = get(host, LF_GUD_GET_CONNECTOR_MODES, "reading the display's modes", data,
+                     sizeof data, &n, err);
     if (status == LF_OK)
         status = lf_gud_modes_read(data, n, host->modes, &host->n_modes, err);
     if (status == LF_OK && host->n_modes == 0 &&
@@ -262,10 +265,11 @@ static lf_status choose_capacity(lf_gud_host *host, lf_error *err)
         host->descriptor.max_buffer_size != 0 ? host->descriptor.max_buffer_size : SIZE_MAX;
     size_t least = wants_whole_frames(host) ? frame : row;
     if (limit < least)
-        return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "its buffer of %zu bytes is smaller than a %s of %dx%d %s (%zu bytes)",
-                            limit, wants_whole_frames(host) ? "frame" : "row", mode->hdisplay,
-                            mode->vdisplay, lf_gud_format_name(host->format), least);
+        return lf_error_set(
+            err, LF_E_FORMAT, WHERE,
+            "the display's buffer of %zu bytes is smaller than a %s of %dx%d %s (%zu bytes)", limit,
+            wants_whole_frames(host) ? "frame" : "row", mode->hdisplay, mode->vdisplay,
+            lf_gud_format_name(host->format), least);
     host->capacity = wants_whole_frames(host) ? frame : limit < BAND_BYTES ? limit : BAND_BYTES;
     if (host->capacity > frame)
         host->capacity = frame;
@@ -328,14 +332,15 @@ lf_status lf_gud_host_start(lf_gud_host *host, lf_error *err)
     assert(host->plan);
     lf_gud_plan_forget(host->plan);
     size_t n = lf_gud_state_write(&host->state, state);
-    lf_status status = set(host, LF_GUD_SET_STATE_CHECK, "checking its mode", state, n, err);
+    lf_status status =
+        set(host, LF_GUD_SET_STATE_CHECK, "checking the display's mode", state, n, err);
     if (status == LF_OK)
-        status =
-            set(host, LF_GUD_SET_CONTROLLER_ENABLE, "switching its controller on", &on, 1, err);
+        status = set(host, LF_GUD_SET_CONTROLLER_ENABLE, "switching the display's controller on",
+                     &on, 1, err);
     if (status == LF_OK)
-        status = set(host, LF_GUD_SET_STATE_COMMIT, "setting its mode", NULL, 0, err);
+        status = set(host, LF_GUD_SET_STATE_COMMIT, "setting the display's mode", NULL, 0, err);
     if (status == LF_OK)
-        status = set(host, LF_GUD_SET_DISPLAY_ENABLE, "switching it on", &on, 1, err);
+        status = set(host, LF_GUD_SET_DISPLAY_ENABLE, "switching the display on", &on, 1, err);
     return status;
 }
 
@@ -343,10 +348,11 @@ void lf_gud_host_stop(lf_gud_host *host)
 {
     uint8_t off = 0;
     host->stopping = true;
-    lf_status status = set(host, LF_GUD_SET_DISPLAY_ENABLE, "switching it off", &off, 1, NULL);
+    lf_status status =
+        set(host, LF_GUD_SET_DISPLAY_ENABLE, "switching the display off", &off, 1, NULL);
     if (status == LF_OK)
-        status =
-            set(host, LF_GUD_SET_CONTROLLER_ENABLE, "switching its controller off", &off, 1, NULL);
+        status = set(host, LF_GUD_SET_CONTROLLER_ENABLE, "switching the display's controller off",
+                     &off, 1, NULL);
     (void)status;
     host->stopping = false;
 }

@@ -52,10 +52,12 @@ static lf_status count_entries(const char *what, size_t n, size_t size, size_t m
 {
     if (n % size != 0)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "its list of %s ends within one (%zu bytes, %zu each)", what, n, size);
+                            "the display's list of %s is cut off (%zu bytes, %zu bytes per entry)",
+                            what, n, size);
     if (n / size > max)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "it lists more than the %zu %s that the protocol allows", max, what);
+                            "the display lists more than %zu %s, the limit of the protocol", max,
+                            what);
     *out_n = (int)(n / size);
     return LF_OK;
 }
@@ -90,12 +92,13 @@ lf_status lf_gud_descriptor_read(const uint8_t *data, size_t n, lf_gud_descripto
                                  lf_error *err)
 {
     if (n != LF_GUD_DESCRIPTOR_BYTES)
-        return lf_error_set(err, LF_E_FORMAT, WHERE, "its descriptor has %zu bytes, expected %d", n,
+        return lf_error_set(err, LF_E_FORMAT, WHERE,
+                            "the display's descriptor has %zu bytes, expected %d", n,
                             LF_GUD_DESCRIPTOR_BYTES);
     if (read32(data) != MAGIC)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "its descriptor begins with 0x%08x, expected 0x%08x", read32(data),
-                            MAGIC);
+                            "the display's descriptor begins with 0x%08x, expected 0x%08x",
+                            read32(data), MAGIC);
     lf_gud_descriptor d = {
         .version = data[4],
         .flags = read32(data + 5),
@@ -108,15 +111,16 @@ lf_status lf_gud_descriptor_read(const uint8_t *data, size_t n, lf_gud_descripto
     };
     if (d.version != VERSION)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "it speaks version %d of the protocol, expected %d", d.version,
+                            "the display uses version %d of the protocol, expected %d", d.version,
                             VERSION);
     if ((d.flags & LF_GUD_FLAG_FULL_UPDATE) != 0 && d.compression != 0)
-        return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "it wants whole frames and compression, which exclude each other");
+        return lf_error_set(
+            err, LF_E_FORMAT, WHERE,
+            "the display asks for both whole frames and compression, which exclude each other");
     if (d.min_width > d.max_width || d.min_height > d.max_height)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "its least size %ux%u is above its greatest %ux%u", d.min_width,
-                            d.min_height, d.max_width, d.max_height);
+                            "the display's minimum size %ux%u exceeds its maximum size %ux%u",
+                            d.min_width, d.min_height, d.max_width, d.max_height);
     *out = d;
     return LF_OK;
 }
@@ -149,7 +153,8 @@ lf_status lf_gud_formats_choose(const uint8_t *data, size_t n, lf_gud_format *ou
             return LF_OK;
         }
     return lf_error_set(err, LF_E_FORMAT, WHERE,
-                        "none of its %d pixel formats is RGB888, XRGB8888 or RGB565", count);
+                        "none of the display's %d pixel formats is RGB888, XRGB8888 or RGB565",
+                        count);
 }
 
 lf_status lf_gud_connectors_count(const uint8_t *data, size_t n, int *out_n, lf_error *err)
@@ -161,7 +166,7 @@ lf_status lf_gud_connectors_count(const uint8_t *data, size_t n, int *out_n, lf_
     if (status != LF_OK)
         return status;
     if (count == 0)
-        return lf_error_set(err, LF_E_FORMAT, WHERE, "it has no connector");
+        return lf_error_set(err, LF_E_FORMAT, WHERE, "the display has no connector");
     *out_n = count;
     return LF_OK;
 }
@@ -291,17 +296,18 @@ lf_status lf_gud_mode_choose(const lf_gud_descriptor *descriptor, const lf_gud_m
         return LF_OK;
     }
     if (any)
-        return lf_error_set(err, LF_E_ARG, WHERE,
-                            "it shows %dx%d, but the calibration is for a panel of %dx%d",
-                            any->hdisplay, any->vdisplay, width, height);
+        return lf_error_set(
+            err, LF_E_ARG, WHERE,
+            "the display has %dx%d pixels, but the calibration is for a panel of %dx%d",
+            any->hdisplay, any->vdisplay, width, height);
     if (n == 0)
         return lf_error_set(err, LF_E_FORMAT, WHERE,
-                            "it has neither modes nor an EDID with a timing");
-    return lf_error_set(err, LF_E_FORMAT, WHERE,
-                        "none of its modes can be used: the first is %dx%d, expected 1..%d within "
-                        "its own %ux%u to %ux%u",
-                        modes[0].hdisplay, modes[0].vdisplay, LF_MAX_SIDE, descriptor->min_width,
-                        descriptor->min_height, descriptor->max_width, descriptor->max_height);
+                            "the display has neither modes nor an EDID with a timing");
+    return lf_error_set(
+        err, LF_E_FORMAT, WHERE,
+        "the display has no usable mode: the first is %dx%d, expected 1..%d within %ux%u to %ux%u",
+        modes[0].hdisplay, modes[0].vdisplay, LF_MAX_SIDE, descriptor->min_width,
+        descriptor->min_height, descriptor->max_width, descriptor->max_height);
 }
 
 /* ------------------------------------------------------------------------- what a host sends -- */

@@ -230,8 +230,7 @@ static void describe_place(const lf_usb_place *place, lf_device_info *out)
     memcpy(out->problem, place->problem, sizeof out->problem);
     if (place->output[0] != 0)
         snprintf(out->problem, sizeof out->problem,
-                 "the kernel's driver shows on it: it is shown on through that, as drm:%s",
-                 place->output);
+                 "the kernel driver uses this display; quiltd opens it as drm:%s", place->output);
 }
 
 static int usb_probe(lf_device_info *out, int max)

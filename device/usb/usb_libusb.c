@@ -381,19 +381,19 @@ static void find_output(int configuration, lf_usb_place *place)
 static void say_bound(const char *driver, lf_usb_place *place)
 {
     if (strcmp(driver, "usbfs") == 0)
-        snprintf(place->problem, sizeof place->problem, "another program has it");
+        snprintf(place->problem, sizeof place->problem, "another program uses this display");
     else if (driver[0] != 0)
         snprintf(place->problem, sizeof place->problem,
-                 "the kernel's driver \"%.32s\" shows on it: --device drm goes through the kernel, "
-                 "once it has a display output",
+                 "the kernel driver \"%.32s\" uses this display; use --device drm once it has a "
+                 "display output",
                  driver);
 }
 
 static void say_forbidden(lf_usb_place *place)
 {
     snprintf(place->problem, sizeof place->problem,
-             "no permission: install quiltd's udev rule (70-quiltd.rules, SUBSYSTEM==\"usb\" for "
-             "%04x:%04x), then plug it in again",
+             "no permission; install quiltd's udev rule (70-quiltd.rules, SUBSYSTEM==\"usb\" for "
+             "%04x:%04x) and plug the panel in again",
              place->vendor_id, place->product_id);
 }
 
@@ -499,10 +499,10 @@ static lf_status open_error(int error, lf_usb_place *place, lf_error *err)
         say_forbidden(place);
         return lf_error_set(err, LF_E_IO, place->address, "%s", place->problem);
     case LIBUSB_ERROR_BUSY:
-        return lf_error_set(err, LF_E_BUSY, place->address, "another program has it");
+        return lf_error_set(err, LF_E_BUSY, place->address, "another program uses this display");
     case LIBUSB_ERROR_NO_DEVICE:
     case LIBUSB_ERROR_NOT_FOUND:
-        return lf_error_set(err, LF_E_NODEV, place->address, "it was unplugged");
+        return lf_error_set(err, LF_E_NODEV, place->address, "the display was unplugged");
     default:
         return lf_error_set(err, error == LIBUSB_ERROR_NO_MEM ? LF_E_NOMEM : LF_E_IO,
                             place->address, "cannot open: %s", libusb_error_name(error));
@@ -562,16 +562,16 @@ lf_status lf_usb_open(const char *address, lf_usb_place *out_place, lf_usb_link 
     if (address[0] != 0 && !is_address(address))
         return lf_error_set(
             err, LF_E_ARG, address,
-            "is no address on a USB bus; expected BUS-PORT[.PORT…], for example 1-4.2");
+            "is not the address of a USB device; expected BUS-PORT[.PORT…], for example 1-4.2");
     usb_link *usb = lf_calloc(1, sizeof *usb);
     if (!usb)
         return lf_error_set(err, LF_E_NOMEM, "usb", "out of memory");
     usb->base.ops = &usb_ops;
     int error = libusb_init(&usb->context);
-    lf_status status =
-        error == LIBUSB_SUCCESS
-            ? open_device(usb, address, &place, err)
-            : lf_error_set(err, LF_E_NODEV, "usb", "no USB here: %s", libusb_error_name(error));
+    lf_status status = error == LIBUSB_SUCCESS
+                           ? open_device(usb, address, &place, err)
+                           : lf_error_set(err, LF_E_NODEV, "usb", "USB is not available: %s",
+                                          libusb_error_name(error));
     *out_place = place;
     if (status != LF_OK) {
         usb_close(&usb->base);

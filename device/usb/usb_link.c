@@ -8,17 +8,17 @@ const char *lf_usb_result_text(lf_usb_result result)
     case LF_USB_STALL:
         return "refused (STALL)";
     case LF_USB_TIMEOUT:
-        return "no answer in time";
+        return "the device did not answer in time";
     case LF_USB_CANCELLED:
         return "cancelled";
     case LF_USB_GONE:
         return "unplugged";
     case LF_USB_NOMEM:
-        return "the system has no memory for transfers (see usbcore.usbfs_memory_mb)";
+        return "the kernel has no memory for USB transfers; raise usbcore.usbfs_memory_mb";
     case LF_USB_IO:
         break;
     }
-    return "the transfer failed on the wire";
+    return "the USB transfer failed";
 }
 
 lf_status lf_usb_result_status(lf_usb_result result)

@@ -61,7 +61,7 @@ lf_status lf_sdl_load(const char *library, lf_sdl *out, lf_error *err)
     void *handle = dlopen(library ? library : "libSDL2-2.0.so.0", RTLD_NOW | RTLD_LOCAL);
     if (!handle)
         return lf_error_set(err, LF_E_NODEV, "window",
-                            "SDL2 is not installed: apt-get install libsdl2-2.0-0");
+                            "SDL2 is not installed; run apt-get install libsdl2-2.0-0");
         /* C has no conversion from an object's address to a function's; POSIX promises this one. */
 #define X(name)                                                                                    \
     do {                                                                                           \
@@ -75,7 +75,7 @@ lf_status lf_sdl_load(const char *library, lf_sdl *out, lf_error *err)
     if (missing)
         return lf_error_set(
             err, LF_E_NODEV, "window",
-            "this SDL has no SDL_%s; 2.0.16 or later is wanted: apt-get install libsdl2-2.0-0",
+            "SDL has no SDL_%s, because it is older than 2.0.16; run apt-get install libsdl2-2.0-0",
             missing);
     *out = sdl;
     return LF_OK;
@@ -84,7 +84,8 @@ lf_status lf_sdl_load(const char *library, lf_sdl *out, lf_error *err)
 lf_status lf_sdl_no_answer(int timeout_ms, lf_error *err)
 {
     return lf_error_set(err, LF_E_IO, "window",
-                        "the desktop has not answered for %d ms; it may hang", timeout_ms);
+                        "the desktop has not answered for %d ms and may have stopped responding",
+                        timeout_ms);
 }
 
 /* The driver of the desktop that is there, never another: SDL's last resort is to take a display
@@ -107,17 +108,17 @@ lf_status lf_sdl_begin(const lf_sdl *sdl, int wait_ms, lf_error *err)
     };
     if (!lf_sdl_has_desktop())
         return lf_error_set(err, LF_E_NODEV, "window",
-                            "no desktop: neither WAYLAND_DISPLAY nor DISPLAY is set; start quiltd "
-                            "within one, or take --device drm");
+                            "no desktop was found (WAYLAND_DISPLAY and DISPLAY are not set); start "
+                            "quiltd in a desktop session, or use --device drm");
     if (!take_turn(wait_ms))
         return lf_error_set(err, LF_E_BUSY, "window",
-                            "this program has a window already, or is waiting for the desktop");
+                            "this program already has a window, or is waiting for the desktop");
     for (size_t i = 0; i < sizeof hints / sizeof *hints; i++)
         sdl->SetHint(hints[i][0], hints[i][1]);
     if (connect_desktop(sdl) == 0)
         return LF_OK;
     lf_status status = lf_error_set(err, LF_E_NODEV, "window",
-                                    "the desktop cannot be reached: %.200s", sdl->GetError());
+                                    "cannot connect to the desktop: %.200s", sdl->GetError());
     sdl->TLSCleanup();
     end_turn();
     return status;

@@ -101,19 +101,19 @@ static lf_status no_monitor(const window_device *w, const lf_sdl_monitor *monito
     }
     if (w->wanted[0] != 0)
         return lf_error_set(err, LF_E_NODEV, "window",
-                            "no monitor of this desktop is called %s; there is: %s", w->wanted,
+                            "no monitor of this desktop has the name %s; found: %s", w->wanted,
                             seen);
-    return lf_error_set(err, LF_E_NODEV, "window",
-                        "no monitor of this desktop is called LKG or has the calibration's %dx%d "
-                        "pixels; there is: %s",
-                        c->screen_width_px, c->screen_height_px, seen);
+    return lf_error_set(
+        err, LF_E_NODEV, "window",
+        "no monitor of this desktop has the name LKG or the calibration's %dx%d pixels; found: %s",
+        c->screen_width_px, c->screen_height_px, seen);
 }
 
 /* ----------------------------------------------------------------------- the device's thread -- */
 
 static lf_status sdl_error(const lf_sdl *sdl, const char *what, lf_error *err)
 {
-    return lf_error_set(err, LF_E_IO, "window", "cannot make %s: %.200s", what, sdl->GetError());
+    return lf_error_set(err, LF_E_IO, "window", "cannot create %s: %.200s", what, sdl->GetError());
 }
 
 static void check_scale(window_device *w)
@@ -125,9 +125,8 @@ static void check_scale(window_device *w)
         return;
     if (width != c->screen_width_px || height != c->screen_height_px)
         snprintf(text, sizeof text,
-                 "the window has %dx%d pixels, the panel %dx%d: set the monitor to its native "
-                 "mode, to a scale of 100 %% and to normal "
-                 "orientation",
+                 "the window has %dx%d pixels, but the panel %dx%d; set the monitor to native "
+                 "mode, 100 %% scale and normal orientation",
                  width, height, c->screen_width_px, c->screen_height_px);
     lf_handover_problem_set(&w->handover, text);
 }
@@ -157,7 +156,7 @@ static lf_status make_window(window_device *w, lf_error *err)
         sdl->CreateTexture(w->renderer, SDL_PIXELFORMAT_ARGB8888, SDL_TEXTUREACCESS_STREAMING,
                            w->calibration.screen_width_px, w->calibration.screen_height_px);
     if (!w->texture)
-        return sdl_error(sdl, "a picture of the panel's size", err);
+        return sdl_error(sdl, "a texture of the panel's size", err);
     sdl->SetTextureBlendMode(w->texture, SDL_BLENDMODE_NONE);
     sdl->ShowCursor(SDL_DISABLE);
     check_scale(w);
@@ -222,7 +221,7 @@ static void show_push(window_device *w)
     }
     if (!good) {
         char text[256];
-        snprintf(text, sizeof text, "the window does not take pictures: %.180s", w->sdl.GetError());
+        snprintf(text, sizeof text, "the window does not accept images: %.180s", w->sdl.GetError());
         lf_handover_problem_set(h, text);
     }
     lf_handover_end(h, good, bytes);
@@ -356,9 +355,9 @@ static lf_status take_argument(window_device *w, const char *argument, lf_error 
     for (size_t i = 0; i < n && good; i++)
         good = !iscntrl((unsigned char)argument[i]);
     if (!good)
-        return lf_error_set(err, LF_E_ARG, "window",
-                            "\"%.60s\" is no monitor's name; expected window or window:NAME",
-                            argument);
+        return lf_error_set(
+            err, LF_E_ARG, "window",
+            "\"%.60s\" is not the name of a monitor; expected window or window:NAME", argument);
     memcpy(w->wanted, argument, n);
     return LF_OK;
 }
@@ -455,9 +454,8 @@ static int window_probe(lf_device_info *out, int max)
         const lf_edid display = edid_of(&monitors[i]);
         if (!lf_find_promise(&display, info->calibration_from))
             snprintf(info->problem, sizeof info->problem,
-                     "no calibration for it is known: plug the panel's USB in (not only its "
-                     "video), or give its visual.json with "
-                     "--calibration");
+                     "no calibration was found; connect the panel's USB cable (not only video), or "
+                     "pass its visual.json with --calibration");
     }
     return n;
 }

@@ -1,5 +1,5 @@
-/* The place of a subpixel under its lens: one body for the oracle (interlace.c) and the kernels of
- * every instruction set. Private to quilt/. */
+/* The position of a subpixel under its lens: one body for the reference (interlace.c) and the
+ * kernels of every instruction set. Private to quilt/. */
 #ifndef LF_QUILT_KERNEL_PLACE_H
 #define LF_QUILT_KERNEL_PLACE_H
 
@@ -7,7 +7,8 @@
 
 #include "quilt/kernel/kernel.h"
 
-/* looking-glass.md section 3.2: place across the cone, 0..1, of a phase in lens periods. */
+/* Position across the cone, 0..1, for a phase in lens periods; the clamp is that of
+ * lf_view_of_subpixel's sources. */
 static inline double lf_place_of(double phase, bool from_right)
 {
     double f = phase - floor(phase);

@@ -35,26 +35,26 @@ char *lf_print_dpi_text(const lf_print *print, char *buf, size_t size);
 
 /* ----------------------------------------------------------------------------------- stripes -- */
 
-/* What one printer pixel shows: at most three stripes, weights sum to 1; unused entries repeat the
- * first with weight 0. */
+/* The content of one printer pixel: at most three stripes with weights of sum 1. Unused entries
+ * repeat the first with weight 0. */
 typedef struct lf_stripe_mix {
     int32_t lens[3]; /* 0..n_lenses-1 */
     int32_t view[3]; /* 0..n_views-1 */
     float weight[3];
 } lf_stripe_mix;
 
-/* pixel counts across the lenses (x for vertical ones, y for horizontal), before mirroring. */
+/* pixel: index across the lenses (x for vertical ones, y for horizontal), before mirroring. */
 void lf_stripe_mix_at(const lf_print *print, const lf_print_shape *shape, int pixel,
                       lf_stripe_mix *out);
 
 /* ------------------------------------------------------------------------------------- views -- */
 
-/* Where the interlacer gets display light from. */
+/* The source of display light for the interlacer. */
 typedef struct lf_print_source {
     const lf_views32 *views;
     const lf_tone *tone;
     int n_stripe_views; /* the print's number of views */
-    bool resampled;     /* views are not of the print's shape: they lie as place says, in mm */
+    bool resampled;     /* views do not have the print's shape; `place` positions them, in mm */
     lf_photo_place place;
     /* floats from sample to sample of a view, across the lenses and along them */
     size_t across_step, along_step;
@@ -68,10 +68,10 @@ LF_NODISCARD lf_status lf_print_source_init(lf_print_source *source, const lf_pr
                                             const lf_print_shape *shape, const lf_views32 *views,
                                             const lf_tone *tone);
 void lf_print_source_finish(lf_print_source *source);
-/* The view of the source that stripe view i shows. */
+/* The view of the source for stripe view i. */
 int lf_print_source_view(const lf_print_source *source, int i);
-/* Linear display light of stripe view i: at printer row (column) `along`, all lenses [n_lenses][3];
- * of one lens, all rows (columns) [n_along][3]. */
+/* Linear display light of stripe view i. across: at printer row (column) `along`, all lenses
+ * [n_lenses][3]. along: of one lens, all rows (columns) [n_along][3]. */
 void lf_print_source_across(const lf_print_source *source, int i, int along, float *out);
 void lf_print_source_along(const lf_print_source *source, int i, int lens, float *out);
 
@@ -79,12 +79,12 @@ void lf_print_source_along(const lf_print_source *source, int i, int lens, float
 
 typedef struct lf_print_colour lf_print_colour;
 
-/* Loads the profile or makes sRGB's. LF_E_FORMAT, LF_E_PATH, LF_E_IO, LF_E_NOMEM. */
+/* Loads the profile or creates sRGB's. LF_E_FORMAT, LF_E_PATH, LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_print_colour_create(const lf_print *print, lf_print_colour **out,
                                               lf_error *err);
 void lf_print_colour_destroy(lf_print_colour *colour);
 int lf_print_colour_channels(const lf_print_colour *colour); /* 3 RGB, 4 CMYK */
-/* What the profile calls itself: printable ASCII, "unnamed" when it says nothing. */
+/* The name in the profile: printable ASCII, "unnamed" if it has none. */
 const char *lf_print_colour_name(const lf_print_colour *colour);
 const void *lf_print_colour_profile(const lf_print_colour *colour, size_t *out_size);
 /* n pixels of linear display light (Rec. 709, 0..1) -> device values of print->bits bits, native
@@ -95,7 +95,7 @@ void lf_print_colour_encode(const lf_print_colour *colour, size_t n, const float
 
 typedef struct lf_print_tiff lf_print_tiff;
 
-/* What a TIFF shows. */
+/* The content of a TIFF. */
 typedef struct lf_print_page {
     const lf_print *print; /* dpi, bits, compression, mirror */
     int width, height;     /* pixels */
@@ -110,15 +110,15 @@ LF_NODISCARD lf_status lf_print_tiff_open(lf_outfile *file, const lf_print_page 
                                           const lf_print_colour *colour, int rows_per_strip,
                                           lf_print_tiff **out, lf_error *err);
 int lf_print_tiff_strip_rows(const lf_print_tiff *tiff);
-/* Strips in rising order; rows as many as the strip has. */
+/* Writes a strip, in rising order, with all of its rows. */
 LF_NODISCARD lf_status lf_print_tiff_strip(lf_print_tiff *tiff, int strip, void *data, size_t size,
                                            lf_error *err);
-/* Writes the directory and releases *tiff whatever comes of it. */
+/* Writes the directory and releases *tiff, also on failure. */
 LF_NODISCARD lf_status lf_print_tiff_close(lf_print_tiff *tiff, lf_error *err);
-/* Releases without a word; accepts NULL. */
+/* Releases it without finishing the file; accepts NULL. */
 void lf_print_tiff_abandon(lf_print_tiff *tiff);
 
-/* Writes all of it. LF_E_IO, LF_E_NOMEM, LF_E_CANCELLED. */
+/* Writes a whole page. LF_E_IO, LF_E_NOMEM, LF_E_CANCELLED. */
 LF_NODISCARD lf_status lf_print_page_write(const lf_print_page *page, const lf_print_colour *colour,
                                            const lf_print_run *run, int rows_per_strip,
                                            lf_outfile *file, lf_error *err);
@@ -128,11 +128,11 @@ LF_NODISCARD lf_status lf_print_page_write(const lf_print_page *page, const lf_p
 typedef struct lf_print_facts {
     const lf_print *print;
     const lf_print_shape *shape;
-    const lf_print_source *source; /* of a picture; NULL for a chart */
+    const lf_print_source *source; /* for a picture; NULL for a chart */
     const lf_print_colour *colour;
     const lf_print_run *run;
     const char *warning; /* may be NULL */
-    json_t *chart;       /* what a chart shows, taken over; NULL for a picture */
+    json_t *chart;       /* description of a chart, ownership taken; NULL for a picture */
 } lf_print_facts;
 
 /* LF_E_IO, LF_E_NOMEM. */
@@ -141,7 +141,7 @@ LF_NODISCARD lf_status lf_print_manifest_write(const lf_print_facts *facts, cons
 
 /* --------------------------------------------------------------------------------------- all -- */
 
-/* lf_print_write with a chosen strip height (0 = default): the picture must not depend on it. */
+/* lf_print_write with a given strip height (0 = default), which must not change the picture. */
 LF_NODISCARD lf_status lf_print_write_strips(const lf_print *print, const lf_views32 *views,
                                              const lf_print_run *run, int rows_per_strip,
                                              lf_outfile *tiff, lf_outfile *manifest, lf_error *err);

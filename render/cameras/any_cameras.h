@@ -1,13 +1,13 @@
-/* mvpt and vpt of cameras that are listed one by one (lf_camera.list), as the renderer drives them
+/* mvpt and vpt for cameras listed one by one (lf_camera.list), as the renderer drives them
  * (integrator.h); private to render/.
  *
- * Nothing is rectified, so a pivot lies in another row of every view's film, and whatever a path
- * brings is added wherever it belongs by whoever found it: sums of whole numbers (splat.h), which
- * do not depend on the order and so not on the number of threads. They go into the film behind the
- * pass, with B and q of a ray a view pixel. Weights are those of rows
- * (docs/developer/estimators/cameras.md, "Densities"), with the density of each view's samples as
- * its own camera has it, what surfaces hide by rays and optical depths cell by cell (depth.h). A
- * pass over some rows shares among these. */
+ * These cameras are not rectified: a pivot lies in a different row in every view. Each worker adds
+ * contributions to any row of the film, as integers (splat.h). Integer sums do not depend on the
+ * order of addition, so they do not depend on the number of threads. They are added to the film
+ * after the pass, together with B and q of one ray per view pixel. The weights are those of rows
+ * (docs/developer/estimators/cameras.md, "Densities"), with the sample density of each view by its
+ * own camera, occlusion by rays, and optical depths cell by cell (depth.h). A pass over some rows
+ * shares paths among these rows only. */
 #ifndef LF_RENDER_ANY_CAMERAS_H
 #define LF_RENDER_ANY_CAMERAS_H
 

@@ -1,6 +1,6 @@
 /* Three small numbers in 32 bits: a shared power of two and signed bytes; private to render/. For
- * differences between the film's halves, which are kept for the error estimate alone. Rounded at
- * random in proportion, so that a difference built up in small steps neither stops nor drifts; one
+ * differences between the film's halves, which only the error estimate reads. Rounded at random in
+ * proportion, so that a difference that builds up in small steps neither stagnates nor drifts. One
  * rounding adds a standard error of at most 1/128 of the largest. */
 #ifndef LF_RENDER_FILM_DIFFERENCE_H
 #define LF_RENDER_FILM_DIFFERENCE_H
@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* random in [0, 1). What is not finite gives 0. */
+/* random in [0, 1). Non-finite values give 0. */
 static inline uint32_t lf_difference_pack(const float x[3], float random)
 {
     float largest = fmaxf(fabsf(x[0]), fmaxf(fabsf(x[1]), fabsf(x[2])));
@@ -17,7 +17,7 @@ static inline uint32_t lf_difference_pack(const float x[3], float random)
     if (!(largest > 1e-30f && largest < 1e30f))
         return 0;
     memcpy(&bits, &largest, sizeof bits);
-    /* The largest is 64 to 127 steps of a power of two. */
+    /* The largest number is 64 to 127 steps of a power of two. */
     uint32_t exponent = (bits >> 23) - 6;
     if ((bits & 0x7fffffu) > 0x7e0000u)
         exponent++;

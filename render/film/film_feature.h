@@ -1,11 +1,11 @@
-/* Features of a view pixel: where the fan of B and q met what scatters there, without any noise of
- * paths, and its albedo; private to render/. docs/developer/reconstruction.md, "Features" and
- * "Albedo".
+/* Features of a view pixel: the depth and kind of the first scattering, from the fan of B and q,
+ * without path noise, and the albedo; private to render/. docs/developer/reconstruction.md,
+ * "Features" and "Albedo".
  *
- * Each is a mean over the film points of a half, weighted by the pivot probability q. 8 bytes a
- * view pixel and half; albedo 4 of both halves together. What does not fit is rounded up or down at
- * random, without bias. The errors of that add up, so that what later visits would still tell is
- * left alone. */
+ * Each is a mean over the film points of a half, weighted by the pivot probability q. They use 8
+ * bytes per view pixel and half; albedo 4 for both halves together. Values are rounded up or down
+ * at random, without bias. These rounding errors add up, so later visits are ignored when they
+ * would add more error than information. */
 #ifndef LF_RENDER_FILM_FEATURE_H
 #define LF_RENDER_FILM_FEATURE_H
 
@@ -15,21 +15,21 @@
 
 #include "render/transport/surface/albedo.h"
 
-/* Nearness D/Z, 1 in the plane Z = D; what is nearer than D/8 counts as there. */
+/* Limit of nearness D/Z, which is 1 in the plane Z = D; points nearer than D/8 count as at D/8. */
 #define LF_NEARNESS_MAX 8.0f
 
-/* Visits of a half that features are taken from. */
+/* Number of visits of a half that contribute to features. */
 #define LF_FEATURE_VISITS 256
-/* Visits of a row that albedo is taken from: each looks at a quarter of all pixels. */
+/* Number of visits of a row that contribute to albedo: each looks at a quarter of every pixel. */
 #define LF_ALBEDO_VISITS 4
-/* Visits of a half that take more than one film point in pixels where surfaces meet. */
+/* Number of visits of a half with more than one film point in pixels where surfaces meet. */
 #define LF_OUTLINE_VISITS 4
 
 typedef struct lf_feature {
     float nearness; /* mean of D/Z, 0..LF_NEARNESS_MAX */
     float spread;   /* its standard deviation, from film points and along rays */
-    float surface;  /* share of surfaces, 0..1; the rest are media */
-    float light;    /* what surfaces reflect of lights at infinity, >= 0 (sunlight.h) */
+    float surface;  /* share of surfaces, 0..1; the rest is media */
+    float light;    /* light from infinity that surfaces reflect, >= 0 (sunlight.h) */
 } lf_feature;
 
 typedef struct lf_packed_feature {
@@ -48,7 +48,7 @@ static inline lf_feature lf_feature_unpack(lf_packed_feature p)
                         light};
 }
 
-/* x in 0..65535; u in [0, 1) rounds. Sums near the end round to what does not fit. */
+/* x in 0..65535; u in [0, 1) rounds. Saturates at the end. */
 static inline uint16_t lf_feature_whole(float x, float u)
 {
     int32_t whole = (int32_t)((x > 0.0f ? x : 0.0f) + u);
@@ -68,8 +68,8 @@ static inline lf_packed_feature lf_feature_pack(const lf_feature *f, uint32_t ra
         lf_feature_whole(f->surface * 65535.0f, u), (uint16_t)((bits + (random >> 16)) >> 16)};
 }
 
-/* Colours as square roots of 9 bits, since steps of dark ones are seen as well, metal of 5. 0: none
- * was found; what is found is LF_LEAST_ALBEDO at least. */
+/* Colours are stored as square roots in 9 bits, because small steps of dark colours are visible,
+ * metallic in 5. 0: unknown; known values are at least LF_LEAST_ALBEDO. */
 typedef uint32_t lf_packed_albedo;
 #define LF_ALBEDO_COLOUR_MAX 511.0f
 #define LF_ALBEDO_METAL_MAX 31.0f
@@ -105,7 +105,7 @@ static inline lf_packed_albedo lf_albedo_pack(const float albedo[LF_ALBEDO_NUMBE
     return p;
 }
 
-/* Means over both, each with its weight, not both 0; the same to the bit with a and b exchanged. */
+/* Means of both, each with its weight, not both 0; bitwise symmetric in a and b. */
 static inline lf_feature lf_feature_mix(const lf_feature *a, double weight_a, const lf_feature *b,
                                         double weight_b)
 {

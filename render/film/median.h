@@ -1,8 +1,8 @@
-/* The median of neighbours, which a rare bright one does not move; private to render/. */
+/* The median of neighbours, which ignores a rare bright one; private to render/. */
 #ifndef LF_RENDER_MEDIAN_H
 #define LF_RENDER_MEDIAN_H
 
-/* Of a NaN either may come out. */
+/* If either is NaN, the result may be either. */
 static inline float lf_least(float a, float b)
 {
     return a < b ? a : b;
@@ -13,7 +13,7 @@ static inline float lf_most(float a, float b)
     return a < b ? b : a;
 }
 
-/* Of five numbers that are not negative. */
+/* Of five non-negative numbers. */
 static inline float lf_median_of_five(const float x[5])
 {
     float f = lf_most(lf_least(x[0], x[1]), lf_least(x[2], x[3])),

@@ -1,4 +1,4 @@
-/* What the integrators of this folder do alike; private to render/papers/. */
+/* Code shared by the integrators of this folder; private to render/papers/. */
 #ifndef LF_RENDER_ALIKE_H
 #define LF_RENDER_ALIKE_H
 
@@ -6,11 +6,11 @@
 #include "render/transport/light/light.h"
 #include "render/visit_lattice.h"
 
-/* What all of them support; those that have surfaces, more. */
+/* Traits that all of them support; those with surfaces support more. */
 #define LF_REFERENCE_SUPPORT                                                                       \
     (LF_TRAITS_PLAIN_MEDIA | LF_TRAITS_LIGHT | LF_TRAIT_LENS | LF_TRAIT_VIEW_BLUR)
 
-/* What a ray of a rig finds that meets nothing; my: the slope of its row's plane. */
+/* The light of a rig's ray that meets nothing; my: the slope of its row's plane. */
 static inline lf_vec3 lf_rig_sky(const lf_rig *rig, const lf_scene *seen, lf_vec3 w, float my)
 {
     if (seen->backdrop.given)

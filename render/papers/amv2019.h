@@ -4,17 +4,17 @@
 
 #include "render/papers/state.h"
 
-/* Probability with which a view is taken, equations 13 and 17: min(J, 1/J) of the film's Jacobian
- * between both, times (1 - delta)^(1/alpha). own, others: pdfs of the base's lobe and of the view's
- * in the direction in which the base's is highest; alpha of the surface's roughness, 1 where
- * nothing depends on the view. delta is |own - others| / (own + others), equation 16's middle: its
- * right side, |1 - others/own|, is another number, and more than 1 where the view's lobe is twice
- * as high. */
+/* Probability of taking a view, equations 13 and 17: min(J, 1/J) of the film's Jacobian between
+ * both, times (1 - delta)^(1/alpha). The arguments own and others are pdfs of the base's lobe and
+ * of the view's lobe in the direction of the base lobe's maximum. The roughness alpha is the
+ * surface's, 1 if nothing depends on the view. Delta is |own - others| / (own + others), the middle
+ * of equation 16. Its right side, |1 - others/own|, is a different number, and exceeds 1 if the
+ * view's lobe is twice as high. */
 double lf_accepted(double jacobian, double own, double others, double alpha);
 
-/* Estimates K of equation 9 for every pair of views, the mean over a view's samples of |T'| V: of
- * what another view sees, with the Jacobian of equation 11. Random numbers are its own and always
- * the same. LF_E_NOMEM. */
+/* Estimates K of equation 9 for every pair of views: the mean over a view's samples of |T'| V, V
+ * whether another view sees them, with the Jacobian of equation 11. Uses its own fixed random
+ * numbers. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_normalise(lf_general *g);
 
 #endif

@@ -1,6 +1,6 @@
-/* Regular tracking: the cells of a regular grid along a ray, one after the other (Amanatides and
- * Woo 1987); private to render/. Coordinates are the grid's own: cells are unit cubes, the first
- * begins at 0. */
+/* Regular tracking: the cells of a regular grid along a ray, in order (Amanatides and Woo 1987);
+ * private to render/. In the grid's own coordinates: cells are unit cubes, the first begins at 0.
+ */
 #ifndef LF_RENDER_CELL_WALK_H
 #define LF_RENDER_CELL_WALK_H
 
@@ -9,11 +9,11 @@
 #include <string.h>
 
 typedef struct lf_cell_walk {
-    double t, end;        /* where the next cell is entered, and where the way ends */
-    double next[3];       /* where the next cell along each axis is entered … */
-    double stride[3];     /* … and the one behind that, from there */
-    int cell[3], step[3]; /* and from one to the next */
-    int left[3];          /* cells behind this one */
+    double t, end;        /* entry into the current cell, and end of the ray */
+    double next[3];       /* entry into the next cell along each axis … */
+    double stride[3];     /* … the distance from there to the following one … */
+    int cell[3], step[3]; /* … and the step of the cell's index */
+    int left[3];          /* number of cells after this one */
 } lf_cell_walk;
 
 /* One cell's part of the ray. */
@@ -22,8 +22,8 @@ typedef struct lf_cell_part {
     int cell[3];
 } lf_cell_part;
 
-/* Of the ray o + t w, 0 <= t <= end (which may be infinite), through n cells an axis; w need not be
- * unit. false: it passes by. */
+/* Starts the walk of the ray o + t w, 0 <= t <= end (which may be infinite), through n cells per
+ * axis; w need not be unit. false: no intersection. */
 static inline bool lf_cell_walk_init(lf_cell_walk *walk, const int n[3], const double o[3],
                                      const double w[3], double end)
 {
@@ -51,7 +51,7 @@ static inline bool lf_cell_walk_init(lf_cell_walk *walk, const int n[3], const d
     return true;
 }
 
-/* false: there are no more. */
+/* false: no more cells. */
 static inline bool lf_cell_walk_next(lf_cell_walk *walk, lf_cell_part *out)
 {
     if (!(walk->t < walk->end))

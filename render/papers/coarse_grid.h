@@ -1,9 +1,9 @@
 /* The extinction of a scene's media on one coarse grid, constant in each cell; private to render/.
- * What candidates of restir are drawn from by regular tracking with a density in closed form, and
- * what their target function takes for the transmittance: a function of the path alone, so that no
- * answer depends on how coarse it is. Cells a voxel wide, no more than 2^21 of them and 1024 along
- * an axis. A cell has the mean of its points, and 1/50 of what its media may reach there at least,
- * so that wherever there is extinction there are candidates. */
+ * restir draws candidates from it by regular tracking, with a density in closed form. Its target
+ * function uses it for the transmittance. This is a function of the path alone, so that the
+ * resolution of the grid does not bias any result. Cells are a voxel wide, but at most 2^21 in all
+ * and 1024 along an axis. A cell has the mean of its points, at least 1/50 of the maximum of its
+ * media, so that there are candidates wherever there is extinction. */
 #ifndef LF_RENDER_COARSE_GRID_H
 #define LF_RENDER_COARSE_GRID_H
 
@@ -13,9 +13,9 @@
 #include "render/transport/lanes/depth_kernel.h"
 
 typedef struct lf_coarse_grid {
-    double min[3], per_cell[3]; /* where it begins; cells per scene unit */
+    double min[3], per_cell[3]; /* the grid's corner; cells per scene unit */
     int n[3];
-    uint16_t *sigma; /* per scene unit, lf_cells_at; NULL: the scene has no media */
+    uint16_t *sigma; /* per scene unit, index by lf_cells_at; NULL: the scene has no media */
 } lf_coarse_grid;
 
 /* sigma of a cell. */
@@ -24,42 +24,44 @@ static inline float lf_coarse_grid_sigma(const lf_coarse_grid *grid, const int c
     return lf_cell_value(grid->sigma[lf_cells_at(grid->n, cell)]);
 }
 
-/* Where a collision is. */
+/* A collision point. */
 typedef struct lf_coarse_point {
     double t;
     float sigma;
 } lf_coarse_point;
 
-/* A ray that stops where its depth is `goal` (> 0; INFINITY: never), or at its end. */
+/* A ray that stops when its optical depth reaches `goal` (> 0; INFINITY: never), or at its end. */
 typedef struct lf_coarse_ray {
     lf_vec3 o, w; /* w unit */
     double end, goal;
 } lf_coarse_ray;
 
-/* What it comes to. */
+/* The result of such a ray. */
 typedef struct lf_coarse_end {
-    double depth;          /* behind it */
+    double depth;          /* up to the end of the walk */
     lf_coarse_point point; /* where it stops; sigma 0: it does not */
 } lf_coarse_end;
 
-/* The scene's volumes stand still. On the pool. LF_E_NOMEM. grid: zeroed or finished. */
+/* Makes the grid on the pool. The scene's volumes must not move. LF_E_NOMEM. grid: zeroed or
+ * finished. */
 LF_NODISCARD lf_status lf_coarse_grid_init(lf_coarse_grid *grid, const lf_scene *scene,
                                            lf_pool *pool);
 void lf_coarse_grid_finish(lf_coarse_grid *grid);
 
 /* Optical depth along o + t w, 0 <= t <= end; w unit. */
 double lf_coarse_grid_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, double end);
-/* The same for n distances, ascending and finite; what is not above 0 has none. */
+/* lf_coarse_grid_depth for n distances, ascending and finite; a distance that is not above 0 gives
+ * 0. */
 void lf_coarse_grid_depths(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, int n,
                            const double *ends, double *out_depths);
-/* The point with this optical depth before it (the oracle of lanes); false: the ray leaves the
- * media before it, and *out_depth is what it has. */
+/* The point at this optical depth (the reference for lanes); false: the ray leaves the media
+ * before, and *out_depth is its whole depth. */
 bool lf_coarse_grid_at_depth(const lf_coarse_grid *grid, lf_vec3 o, lf_vec3 w, double depth,
                              lf_coarse_point *out, double *out_depth);
 
-/* The same of n rays, side by side in lanes; in float within the grid, by a kernel of
- * depth_kernel.h: within 2e-5 of the two above (3e-5 where a ray crosses a thousand cells), and of
- * the same bits by all of them. */
+/* The same for n rays in lanes, in float within the grid, by a kernel of depth_kernel.h. Within
+ * 2e-5 of the two functions above (3e-5 if a ray crosses a thousand cells), and bitwise the same
+ * for all kernels. */
 void lf_coarse_grid_trace(const lf_coarse_grid *grid, const lf_depth_kernel *kernel, int n,
                           const lf_coarse_ray *rays, lf_coarse_end *out);
 

@@ -1,5 +1,5 @@
 /* A vertex of restir's paths: the media at a point, and how a path leaves it; private to render/.
- * Media overlap freely; which of them scattered is summed over. */
+ * Media may overlap; the code sums over the medium that scattered. */
 #ifndef LF_RENDER_PATH_VERTEX_H
 #define LF_RENDER_PATH_VERTEX_H
 
@@ -11,7 +11,7 @@ typedef struct lf_mixture {
     const lf_volume *volume[LF_MAX_VOLUMES];
     float sigma[LF_MAX_VOLUMES], total;
     lf_vec3 albedo[LF_MAX_VOLUMES];
-    int n; /* 0: there are none */
+    int n; /* 0: none */
 } lf_mixture;
 
 static inline void lf_mixture_at(lf_tracer *tracer, lf_vec3 p, lf_mixture *out)
@@ -57,13 +57,13 @@ static inline lf_vec3 lf_mixture_draw(const lf_mixture *m, lf_vec3 w, lf_tracer 
     return lf_volume_phase_sample(m->volume[i], w, u);
 }
 
-/* Which way a path leaves a vertex, and what the way brings: for another vertex (1), by a light
- * sample or into the sky (radiance; light_pdf: with which a light sample would have taken it). */
+/* How a path leaves a vertex, and the light along this direction: to another vertex (1), to a light
+ * sample or to the sky (radiance; light_pdf: of drawing the direction as a light sample). */
 typedef struct lf_leaving {
     enum { LF_LEAVES_ON, LF_LEAVES_TO_LIGHT, LF_LEAVES_TO_DELTA_LIGHT, LF_LEAVES_TO_SKY } how;
     lf_vec3 w, brings;
     float light_pdf;
-    double distance; /* of the light; else INFINITY */
+    double distance; /* to the light; else INFINITY */
 } lf_leaving;
 
 static inline lf_leaving lf_leave_on(lf_vec3 w)
@@ -78,8 +78,8 @@ static inline lf_leaving lf_leave_to_sky(const lf_scene *scene, lf_vec3 w)
     return (lf_leaving){LF_LEAVES_TO_SKY, w, radiance, pdf, (double)INFINITY};
 }
 
-/* By the light sample that these numbers draw there, which at a distance is one of a delta light,
- * as there are no surfaces; one that brings nothing: there is none. */
+/* To the light sample that these numbers draw there. Lights at a distance are delta lights here,
+ * because there are no surfaces. A sample without light: there is none. */
 static inline lf_leaving lf_leave_to_light(const lf_scene *scene, lf_vec3 p, const float u[3])
 {
     lf_light_sample light;
@@ -89,9 +89,9 @@ static inline lf_leaving lf_leave_to_light(const lf_scene *scene, lf_vec3 p, con
                         light.radiance, light.pdf, (double)light.distance};
 }
 
-/* What a path brings that comes to the vertex along w and leaves it so, over the density of what a
- * walk does not draw of it: light samples, and skies by the balance heuristic between both ways.
- * Nothing stands between. */
+/* The contribution of a path that arrives at the vertex along w and leaves it in this way, over the
+ * density of the part that a walk does not draw: light samples; skies with the balance heuristic
+ * between both strategies. There is no occlusion. */
 static inline lf_vec3 lf_mixture_leave(const lf_mixture *m, lf_vec3 w, const lf_leaving *leaving)
 {
     float pdf, by;

@@ -1,4 +1,4 @@
-/* What restir keeps (restir.h), and its stages; private to render/. */
+/* The state of restir (restir.h), and its stages; private to render/. */
 #ifndef LF_RENDER_RESTIR_STATE_H
 #define LF_RENDER_RESTIR_STATE_H
 
@@ -7,12 +7,13 @@
 #include "render/plane/rig.h"
 #include "render/transport/sampler.h"
 
-/* What reservoirs are put together with. */
+/* Kinds of reuse of reservoirs. */
 typedef struct lf_restir_reuse {
     const char *name;
-    enum { LF_RESTIR_ALONE, LF_RESTIR_DRAWN, LF_RESTIR_BLOCKS } beside; /* DRAWN: some others */
+    /* DRAWN: random neighbours */
+    enum { LF_RESTIR_ALONE, LF_RESTIR_DRAWN, LF_RESTIR_BLOCKS } beside;
     bool temporal;
-    int walks; /* of a pixel; <= LF_MAX_WALKS */
+    int walks; /* per pixel; <= LF_MAX_WALKS */
 } lf_restir_reuse;
 
 /* A view pixel of a row. */
@@ -21,10 +22,10 @@ typedef struct lf_restir_pixel {
     lf_path_sample sample;
 } lf_restir_pixel;
 
-/* What one half of a row was left with. */
+/* The stored reservoirs of one half of a row. */
 typedef struct lf_restir_left {
     uint64_t random;
-    uint32_t visits, used;   /* by how many; 0: nothing is there */
+    uint32_t visits, used;   /* number of visits; 0: empty */
     lf_restir_pixel *pixels; /* [view][column] */
 } lf_restir_left;
 
@@ -39,9 +40,9 @@ typedef struct lf_restir_worker {
     int64_t base_paths, contributions;
     lf_light_walk *walks;       /* [LF_MAX_WALKS] */
     lf_restir_pixel *pixels;    /* [view][column] of this visit */
-    lf_path_sample *spread;     /* the same, put together with their neighbours */
-    int *visited;               /* [view * width] those that this visit takes */
-    lf_restir_instanced *order; /* [view * width] the same, block by block */
+    lf_path_sample *spread;     /* the same, combined with their neighbours */
+    int *visited;               /* [view * width] pixels of this visit */
+    lf_restir_instanced *order; /* [view * width] the same, sorted by block */
     int n_visited;
 } lf_restir_worker;
 
@@ -51,24 +52,25 @@ typedef struct lf_restir {
     lf_film *film;
     lf_coarse_grid coarse;
     lf_path_space space;
-    bool across; /* neighbours are of other views, and distances count from the window */
+    bool across; /* neighbours are in other views, and distances are counted from the window */
     const lf_restir_reuse *reuse;
     lf_reuse_weights weights;
     lf_sampler_kind sampler;
     int n_workers;
     lf_restir_worker *workers;   /* [n_workers] */
-    lf_restir_left *rows;        /* [height][2]; NULL unless there is temporal reuse */
-    lf_restir_pixel *all_pixels; /* [height][2][view][column], theirs */
+    lf_restir_left *rows;        /* [height][2]; NULL without temporal reuse */
+    lf_restir_pixel *all_pixels; /* [height][2][view][column], their pixels */
 } lf_restir;
 
-/* Rays, and the reservoirs of their walks, of n <= LF_MAX_WALKS / walks pixels of a row. */
+/* Makes the rays, and the reservoirs of their walks, for n <= LF_MAX_WALKS / walks pixels of a row.
+ */
 void lf_restir_begin(const lf_restir *s, lf_restir_worker *w, int row, int n, const int *at,
                      uint64_t key, uint32_t index);
-/* Puts a pixel together with what an earlier visit has left in it. */
+/* Combines a pixel with the reservoir of an earlier visit. */
 void lf_restir_look_back(const lf_restir *s, lf_restir_worker *w, const lf_restir_left *before,
                          int at);
-/* Puts all visited pixels together with others of the same visit, by s->reuse; key: the visit's.
- * false: cancelled. */
+/* Combines all visited pixels with others of the same visit, by s->reuse; key: the visit's. false:
+ * cancelled. */
 bool lf_restir_look_beside(const lf_restir *s, lf_restir_worker *w, uint64_t key,
                            const lf_cancel *cancel);
 

@@ -1,4 +1,4 @@
-/* What the integrators of papers/ keep: one struct for all kinds; private to render/. */
+/* The state of the integrators of papers/: one struct for all kinds; private to render/. */
 #ifndef LF_RENDER_STATE_H
 #define LF_RENDER_STATE_H
 
@@ -18,32 +18,32 @@ typedef struct lf_general_worker {
     _Alignas(LF_CACHE_LINE) lf_tracer tracer;
     lf_film_sums sums;
     int64_t base_paths, contributions;
-    float *expected;     /* [view][column] of the row under way; NULL where no map is ever made */
-    bool mapped;         /* a map says what they are; else 1 */
-    lf_null_chain chain; /* of the base prefix under way */
-    /* of its pivot, by views: */
-    int column[LF_MAX_VIEWS];       /* < 0: not in its frame */
+    float *expected;     /* [view][column] of the current row; NULL if the kind never makes a map */
+    bool mapped;         /* expected comes from a map; otherwise it is 1 */
+    lf_null_chain chain; /* of the current base prefix */
+    /* of its pivot, per view: */
+    int column[LF_MAX_VIEWS];       /* < 0: outside its frame */
     lf_vec3 to_pivot[LF_MAX_VIEWS]; /* unit */
     bool selected[LF_MAX_VIEWS];
-    double ratio[LF_MAX_VIEWS];  /* rho; 0: it has no part in it */
-    double weight[LF_MAX_VIEWS]; /* of the suffix in N and W; 0: nothing */
+    double ratio[LF_MAX_VIEWS];  /* rho; 0: the view does not share */
+    double weight[LF_MAX_VIEWS]; /* of the suffix in N and W; 0: none */
 } lf_general_worker;
 
-/* What all methods support, beside media. */
+/* Traits that all methods support, besides media. */
 #define LF_GENERAL_SUPPORT                                                                         \
     (LF_TRAITS_PLAIN_SURFACES | LF_TRAITS_GLASS | LF_TRAIT_CATCHERS | LF_TRAIT_REFLECTIONS |       \
      (LF_TRAITS_LIGHT & ~LF_TRAIT_EQUIANGULAR) | LF_TRAIT_LENS | LF_TRAIT_VIEW_BLUR)
 
-/* A method. One file may have several; a line each in the table of general.c. */
+/* A method. One file may have several; one line each in the table of general.c. */
 typedef struct lf_general_kind {
     lf_integrator_entry entry;
-    bool mis;        /* W is n: every answer is N/n */
-    bool adaptive;   /* behind a pilot base samples go where a map says */
+    bool mis;        /* W is n: every estimate is N/n */
+    bool adaptive;   /* after a pilot, a map distributes the base samples */
     bool normalises; /* by K, lf_general.share_seen */
-    /* Makes that map, again and again; NULL: rows/adaptive.h does, once. */
+    /* Makes that map, repeatedly; NULL: rows/adaptive.h makes it, once. */
     lf_status (*map)(const lf_film *film, lf_counts *counts);
-    /* Of a pivot that is shared: which views get the suffix, and with which weights (weight[]).
-     * Returns false for what is no number. */
+    /* For a shared pivot: which views receive the suffix, and with which weights (weight[]).
+     * Returns false if a weight is not a number. */
     bool (*weigh)(const struct lf_general *g, lf_general_worker *w, const struct lf_prefix *p);
 } lf_general_kind;
 
@@ -60,10 +60,10 @@ typedef struct lf_general {
     lf_sampler_kind sampler;
     int max_depth, n_workers;
     lf_pool *pool;
-    lf_counts counts;  /* of adaptive kinds: what the pilot has met, and the map */
-    int n_maps;        /* made so far */
-    double next_map;   /* native samples a view pixel of each half that the next one takes */
-    float *share_seen; /* [base][view] K of 2019's equation 9; NULL: nobody asks */
+    lf_counts counts; /* of adaptive kinds: marks of the pilot, and the map */
+    int n_maps;       /* made so far */
+    double next_map;  /* native samples per view pixel of each half at which the next map is made */
+    float *share_seen;          /* [base][view] K of 2019's equation 9; NULL: not used */
     lf_general_worker *workers; /* [n_workers] */
 } lf_general;
 

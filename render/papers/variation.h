@@ -4,8 +4,8 @@
 
 #include "render/rows/adaptive.h"
 
-/* Counts in proportion to the total variation of the pilot's error along rows
- * (Fraboni et al. 2019, 4.3), pooled like the map of rows/adaptive.h. LF_E_NOMEM: as they were. */
+/* Counts in proportion to the total variation of the pilot's error along rows (Fraboni et al. 2019,
+ * 4.3), pooled as in the map of rows/adaptive.h. LF_E_NOMEM: counts are as before. */
 LF_NODISCARD lf_status lf_variation_map(const lf_film *film, lf_counts *counts);
 
 #endif

@@ -7,7 +7,7 @@
 
 enum { WIDE = LF_SECTION_WIDE };
 
-/* 1 - cover where the line of view c meets the face at depth d. */
+/* 1 - alpha where the line of view c meets the face at depth d. */
 static float passes(const lf_row_cut *alphas, const lf_face *face, float c, float s, float d)
 {
     const lf_rig *rig = alphas->rig;
@@ -86,9 +86,9 @@ void lf_alphas_before(const lf_row_cut *alphas, lf_vec3 p, const lf_hit *on, int
 typedef struct line_fan {
     lf_lines lines;
     const float *z_end;
-    float *through; /* NULL: crossings alone are wanted */
+    float *through; /* NULL: only crossings are needed */
     bool *mirrors;
-    lf_alpha_crossings *kept; /* NULL: none are wanted */
+    lf_alpha_crossings *kept; /* NULL: not needed */
 } line_fan;
 
 static bool may_meet(const lf_section_node *node, int i, const line_fan *f)
@@ -101,7 +101,7 @@ static bool may_meet(const lf_section_node *node, int i, const line_fan *f)
            node->s1[i] - f->lines.s0 >= below;
 }
 
-/* Whether a veil before depth z lets nothing through. */
+/* Whether an opaque crossing lies in front of depth z. */
 static bool is_hidden(const lf_alpha_crossings *ray, float z)
 {
     return ray->n > 0 && ray->z[ray->n - 1] < z && !(ray->passes[ray->n - 1] > 0.0f);
@@ -245,7 +245,7 @@ void lf_alphas_rewind(lf_alpha_walk *walk)
     }
 }
 
-/* The next veils of all rays that want them. */
+/* Finds the next crossings of all rays that need them. */
 static void look_farther(lf_alpha_walk *walk)
 {
     const lf_row_cut *alphas = &walk->alphas;
@@ -265,7 +265,7 @@ static void look_farther(lf_alpha_walk *walk)
     all_along(alphas, &f);
 }
 
-/* Counts the veils before z that are known; true: there may be more of them. */
+/* Counts the known crossings in front of z; true: there may be more of them. */
 static bool count(lf_alpha_crossings *ray, float z, float *through)
 {
     for (; ray->next < ray->n && ray->z[ray->next] < z; ray->next++)

@@ -1,6 +1,6 @@
 #include "render/plane/body.h"
 
-/* True when all corners of the volume's box lie on one side of the plane, or behind the cameras. */
+/* Whether all corners of the volume's box lie on one side of the plane, or behind the cameras. */
 static bool misses(const lf_volume *volume, const lf_rig *rig, const lf_row_plane *plane)
 {
     float lowest = INFINITY, highest = -INFINITY, farthest = -INFINITY;

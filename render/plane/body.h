@@ -1,6 +1,6 @@
-/* A homogeneous shape on one row's plane: nothing is resampled, every ray of the row knows its
- * interval in closed form; private to render/. (docs/developer/estimators.md, "6. Optical depth to
- * all views") */
+/* A homogeneous shape on one row's plane. Every ray of the row has its interval in closed form,
+ * without resampling; private to render/. (docs/developer/estimators.md, "6. Optical depth to all
+ * views") */
 #ifndef LF_RENDER_BODY_H
 #define LF_RENDER_BODY_H
 
@@ -14,18 +14,18 @@ typedef struct lf_body {
     float origin[3], across[3], depth[3];
 } lf_body;
 
-/* The rays of a row's plane in a volume's space, as lf_body has them. Returns false when the plane
+/* The rays of a row's plane in a volume's space, in the form of lf_body. Returns false if the plane
  * misses the volume. */
 bool lf_body_rays(const lf_volume *volume, const lf_rig *rig, const lf_row_plane *plane,
                   float origin[3], float across[3], float depth[3]);
 
-/* Cuts the shape with the row's plane. Returns false when the plane misses it. */
+/* Cuts the shape with the row's plane. Returns false if the plane misses it. */
 bool lf_body_cut(lf_body *body, const lf_volume *volume, const lf_rig *rig,
                  const lf_row_plane *plane);
 
-/* The part [*from, *to] of Z > 0 that the ray spends inside; *from >= *to: it passes by. One piece
- * of code for one ray and for the kernels' lanes, so that collisions and weights agree to the last
- * bit. */
+/* The part [*from, *to] of Z > 0 of the ray inside the shape; *from >= *to: the ray misses it.
+ * Single rays and the kernels' lanes share this code, so that collisions and weights agree bitwise.
+ */
 static inline void lf_body_interval(const lf_body *b, float x0, float slope, float *from, float *to)
 {
     float o[3], d[3];
@@ -45,16 +45,17 @@ static inline float lf_body_depth(const lf_body *body, float x0, float slope, fl
     return body->sigma_t * lf_max(lf_min(to, z_end) - from, 0.0f);
 }
 
-/* Where along a part of optical depth x a ray collides, if it does (0..1): mean and variance of the
- * truncated exponential, 1/x - 1/(e^x - 1) and 1/x^2 - e^x/(e^x - 1)^2, series where those cancel;
- * *met is 1 - e^-x. Within 1e-3, without branches and calls. */
+/* The first collision in a part of optical depth x, in units of the part's length (0..1): mean and
+ * variance of the truncated exponential, 1/x - 1/(e^x - 1) and 1/x^2 - e^x/(e^x - 1)^2. Series
+ * replace these formulas where they cancel. *met is the probability 1 - e^-x. Error below 1e-3;
+ * without branches and calls. */
 static inline void lf_body_truncated(float x, float *met, float *mean, float *variance)
 {
     float square = x * x, large = lf_max(x, 1.0f), v = large * (1.0f / 16.0f),
           root = 1.0f + v * (1.0f + 0.5f * v), e = root * root;
     e *= e;
     e *= e;
-    e = 1.0f / (e * e); /* e^-x, of what is no thinner than 1 */
+    e = 1.0f / (e * e); /* e^-x, for x >= 1 */
     float inverse = 1.0f / large, lost = 1.0f - e, ratio = e / lost,
           thin = x * (1.0f - x * (0.5f - x * (1.0f / 6.0f - x * (1.0f / 24.0f - x / 120.0f))));
     bool is_thin = x < 1.0f;
@@ -64,7 +65,7 @@ static inline void lf_body_truncated(float x, float *met, float *mean, float *va
                         : inverse * inverse - ratio * (1.0f + ratio);
 }
 
-/* What one ray of lf_body_moments finds. */
+/* Result of lf_body_moments for one ray. */
 typedef struct lf_body_met {
     float depth; /* per unit of Z */
     float share, nearness, spread;
@@ -86,13 +87,14 @@ static inline lf_body_met lf_body_meet(const lf_body *body, const lf_feature_ray
                          .spread = hit ? y * sqrtf(lf_max(relative, 0.0f)) : 0.0f};
 }
 
-/* Adds the depths of n rays to tau: the kernels' loop, here once and compiled for each instruction
- * set. */
+/* Adds the depths of n rays to tau. This is the kernels' loop, written once and compiled for each
+ * instruction set. */
 static inline void lf_body_depths(const lf_body *body, int n, const float *restrict x0,
                                   const float *restrict slope, const float *restrict z_end,
                                   float *restrict tau)
 {
-    /* a loop for each shape, with a copy that is known to be one, so that it becomes vector code */
+    /* One loop per shape, with a copy whose shape is constant, so that the compiler vectorises it.
+     */
     lf_body known = *body;
     switch (body->shape) {
 #define LF_DEPTHS(NAME, name)                                                                      \
@@ -108,7 +110,7 @@ static inline void lf_body_depths(const lf_body *body, int n, const float *restr
     }
 }
 
-/* The same with lf_kernels.within. */
+/* lf_body_depths together with lf_kernels.within. */
 static inline void lf_body_moments(const lf_body *body, const lf_feature_rays *rays,
                                    float *restrict tau, float *const out[3])
 {

@@ -11,8 +11,8 @@ bool lf_correction_needed(const lf_media *media)
 /* How dense the points are. */
 typedef struct field {
     float dense; /* per unit of Z, in units of rough */
-    float least; /* at least, where there is anything */
-    float z_end; /* of the ray that goes farthest */
+    float least; /* minimum, unless the medium is empty */
+    float z_end; /* of the longest ray */
 } field;
 
 static int tile_of(const lf_slice *slice, float x)
@@ -21,8 +21,8 @@ static int tile_of(const lf_slice *slice, float x)
     return (int)cell / slice->tile_cells_x;
 }
 
-/* The roughest tile that the fan meets between the planes about a depth, whose samples the slice is
- * made of there. */
+/* The roughest tile that the fan meets between the planes around a depth, whose samples define the
+ * slice there. */
 static float roughest(const lf_slice *slice, const lf_rays *rays, int row, float z)
 {
     int n = rays->n - 1;
@@ -41,8 +41,8 @@ static float rate_of(const field *f, float rough)
     return rough > 0.0f ? lf_max(f->dense * rough, f->least) : 0.0f;
 }
 
-/* One Poisson process of depths for the whole fan, as dense as the roughest tile that it meets
- * there wants: thinned from one that is as dense as a row's roughest. */
+/* One Poisson process of depths for the whole fan, with the density for the roughest tile that it
+ * meets at a depth. It is thinned from the density for the roughest tile of the row. */
 static void multiply(const lf_slice *slice, const float colour[3], const lf_volume *volume,
                      const lf_rays *rays, const field *f, lf_tracer *tracer, float *factor)
 {
@@ -74,8 +74,8 @@ static void multiply(const lf_slice *slice, const float colour[3], const lf_volu
     }
 }
 
-/* Any density is right on average. What collides close before a camera is seen by the others almost
- * along their line, through so many cells that the points would never end. */
+/* Any density is unbiased. This limits the number of points: a collision close in front of one
+ * camera is seen by the others almost along their line, through very many cells. */
 static void bound(field *f, const lf_slice *slice)
 {
     const float most_points = 1024.0f;
@@ -87,7 +87,7 @@ static void bound(field *f, const lf_slice *slice)
         f->dense *= most_points / points;
 }
 
-/* Of so many points that their product is no number any more, nothing comes through. */
+/* If there are so many points that their product is not finite, the transmittance is 0. */
 static void drop_nonfinite(lf_tracer *tracer, int n, float *factor)
 {
     for (int k = 0; k < n; k++) {

@@ -1,46 +1,47 @@
-/* What a pivot on a surface costs: loops over the views, and over the segments of a section, behind
- * a table of functions. fan_lanes.h is the algorithm, over lanes (lanes.h), compiled once an
- * instruction set; every one answers the same bits. Private to render/rows/. */
+/* The cost of a pivot on a surface: loops over the views, and over the segments of a section, as a
+ * table of functions. fan_lanes.h holds the algorithm, written with lanes (lanes.h) and compiled
+ * once per instruction set. All give bitwise the same results. Private to render/rows/. */
 #ifndef LF_RENDER_FAN_H
 #define LF_RENDER_FAN_H
 
 #include "render/plane/section_walk.h"
 
-/* A pivot, as views project it. */
+/* A pivot, to be projected into the views. */
 typedef struct lf_projection {
     const lf_rig *rig;
     float x, z, lx; /* lf_pivot */
     bool surface;
-    /* Of a surface, h of the view at c is -(nx (x - c) + nyz); of a point in a medium
-     * sqrt((x - c)^2 + yz2). */
+    /* h of the view at c: -(nx (x - c) + nyz) on a surface, sqrt((x - c)^2 + yz2) in a medium. */
     float nx, nyz, yz2;
 } lf_projection;
 
-/* What is known of each view then, [lanes]. */
+/* Results per view, [lanes]. */
 typedef struct lf_projected {
     float *x0, *slope, *z_end; /* its ray to the pivot */
-    int *column;               /* of its film, 0 outside of it */
-    float *h;                  /* 0: it does not see the pivot's side, or has it out of frame */
+    int *column;               /* film column; 0 outside the film */
+    float *h; /* 0: the view does not see the pivot's side, or has it out of frame */
 } lf_projected;
 
 typedef struct lf_fans {
     const char *name;
 
-    /* Fills *out for so many lanes, a multiple of LF_LANES; what lies behind the views has h 0. */
+    /* Fills *out for this number of lanes, a multiple of LF_LANES; lanes after the last view have h
+     * 0. */
     void (*project)(const lf_projection *of, int lanes, const lf_projected *out);
 
-    /* lf_kernels.densities where all depths are 0. */
+    /* lf_kernels.densities for depths that are all 0. */
     float (*densities)(int n, const float *scale, float *d);
 
-    /* Boxes that hide the point from positions between the outermost, a bit each. */
+    /* Boxes that may hide the point from positions between the outermost ones, one bit each. */
     unsigned (*meets)(const lf_section_node *node, const lf_question *q);
-    /* Segments that do, likewise; [lo, hi] are the positions that each hides it from. */
+    /* Segments that hide the point, one bit each; [lo, hi] are the positions from which each one
+     * hides it. */
     unsigned (*intervals)(const lf_section_leaf *leaf, const lf_question *q,
                           float lo[LF_SECTION_WIDE], float hi[LF_SECTION_WIDE]);
-    /* Sets q->scale to 0 wherever a segment hides the point; q is narrowed, and something left. */
+    /* Sets q->scale to 0 where a segment hides the point. q must be narrowed and not empty. */
     void (*hide)(const lf_section *section, lf_question *q);
 
-    /* lf_section_nearest, but that it answers d, -LF_SECTION_FAR: nowhere. */
+    /* lf_section_nearest, but returns d instead of Z; -LF_SECTION_FAR: no hit. */
     void (*nearest)(const lf_section *section, float s0, int n, const float *c, float *d,
                     int *segment);
 } lf_fans;

@@ -1,6 +1,6 @@
-/* Loops over views and segments, once for all instruction sets: 4 or 8 lanes (a group of views, and
- * what a box or leaf of a section holds, is 8). A fan_*.c says how wide lanes are and includes
- * this. */
+/* Loops over views and segments, written once for all instruction sets, with 4 or 8 lanes. A group
+ * of views has 8, as have a box and a leaf of a section. Each fan_*.c defines the width of lanes
+ * and includes this file. */
 #ifndef LF_RENDER_FAN_LANES_H
 #define LF_RENDER_FAN_LANES_H
 
@@ -63,8 +63,8 @@ static float densities(int n, const float *scale, float *d)
 
 /* ----------------------------------------------------------------------------- who is hidden -- */
 
-/* The same roundings as in intervals, which rise and fall with what they round: a box spans no less
- * than its segments do, so that no ray slips through between two that share an end. */
+/* Uses the same roundings as segments_before, and rounding is monotonic. So a box spans at least
+ * its segments, and no ray slips through between two segments that share an end. */
 LF_INLINE unsigned boxes_before(const lf_section_node *node, const lf_question *q)
 {
     const lanes first = all(q->c[q->first]), last = all(q->c[q->last]), behind = all(q->behind);
@@ -95,7 +95,7 @@ LF_INLINE unsigned segments_before(const lf_section_leaf *leaf, const lf_questio
     for (int i = 0; i < WIDE; i += LF_WIDTH) {
         const lanes d0 = load(leaf->d0 + i) - q->d, d1 = load(leaf->d1 + i) - q->d,
                     s0 = load(leaf->s0 + i) - q->s, s1 = load(leaf->s1 + i) - q->s;
-        /* where it comes out from behind the point */
+        /* where it crosses the depth of the point */
         const lanes cut = s0 + (s1 - s0) * ((behind - d0) / (d1 - d0));
         const lanes c0 = choose(is_less(d0, behind), cut, s0) / most(d0, behind), c1 = s1 / d1;
         lanes_int triangle;
@@ -129,7 +129,7 @@ LF_INLINE void hide_between(lf_question *q, float lo, float hi)
     }
 }
 
-/* false: nothing is left to hide. */
+/* false: every position is hidden. */
 LF_INLINE bool hide_leaf(const lf_section_leaf *leaf, lf_question *q)
 {
     float lo[WIDE], hi[WIDE], from, to;
@@ -138,7 +138,7 @@ LF_INLINE bool hide_leaf(const lf_section_leaf *leaf, lf_question *q)
         return true;
     from = lo[__builtin_ctz(hit)];
     to = hi[__builtin_ctz(hit)];
-    /* Segments of one surface share their ends, so that mostly one interval is left. */
+    /* Segments of one surface share their ends, so mostly one interval remains. */
     for (hit &= hit - 1; hit; hit &= hit - 1) {
         const int i = __builtin_ctz(hit);
         const bool apart = lo[i] > to || hi[i] < from;
@@ -166,7 +166,7 @@ static void hide(const lf_section *section, lf_question *q)
 
 /* --------------------------------------------------------------------------- what is nearest -- */
 
-/* The fan, and what it has met so far. */
+/* The fan, and its nearest hits so far. */
 typedef struct fan {
     float s; /* where its lines meet, at d = 0 */
     int n;
@@ -192,8 +192,8 @@ static unsigned fan_meets(const lf_section_node *node, const fan *f)
     return out;
 }
 
-/* A segment is met by the rays that have its ends on different sides: those that share an end agree
- * on its side. */
+/* A ray meets a segment if the segment's ends lie on different sides of the ray. Segments that
+ * share an end agree on its side. */
 LF_INLINE void meet_segment(fan *f, int from, const lf_section_leaf *leaf, int i, int segment)
 {
     const float d0 = leaf->d0[i], d1 = leaf->d1[i], s0 = leaf->s0[i] - f->s,
@@ -211,8 +211,8 @@ LF_INLINE void meet_segment(fan *f, int from, const lf_section_leaf *leaf, int i
     }
 }
 
-/* Segments that rays from between c0 and c1 may meet: linear in c, so that no ray between two that
- * have both ends on one side does. */
+/* Segments that rays between c0 and c1 may meet. The sides are linear in c: if both ends are on one
+ * side of both rays, they are for every ray between. */
 LF_INLINE unsigned sides(const lf_section_leaf *leaf, float s, float c0, float c1)
 {
     unsigned out = 0;

@@ -170,7 +170,7 @@ static void moments(const lf_slice *slice, const lf_feature_rays *rays, float *t
         moments8(slice, rays, tau, sums, k);
 }
 
-/* Two values of 16 bits behind each other, from 8 places on. */
+/* Two consecutive 16-bit values at each of 8 positions. */
 static inline void pairs8(const uint16_t *shorts, __m256i from, __m256 scale, __m256 *a, __m256 *b)
 {
     __m256i both = _mm256_i32gather_epi32((const int *)shorts, from, 2);

@@ -1,5 +1,5 @@
-/* The marches for AVX-512, 16 lanes; the rest is AVX2's. No FMA, so that they equal kernel_c.c bit
- * for bit: what that leaves out for a group of 8 rays is left out here for that half. */
+/* The marches for AVX-512, 16 lanes; the rest is AVX2's. No FMA, so that results equal kernel_c.c
+ * bit for bit. What kernel_c.c skips for a group of 8 rays is skipped here for that half. */
 #if defined(__x86_64__)
 
 #include <immintrin.h>
@@ -8,8 +8,8 @@
 
 enum { WIDTH = 16, HALVES = 2 };
 
-/* row[i], row[i + 1] for 16 samples that lie within 16 or 32 of each other: loads and permutations
- * in place of two gathers. Lanes out of order by rounding fall outside too. */
+/* row[i], row[i + 1] for 16 samples within 16 or 32 of each other: loads and permutations instead
+ * of two gathers. Lanes that are out of order by rounding use the fallback. */
 static inline void neighbours(const float *row, __m512i i, __m512 *a, __m512 *b)
 {
     int first = _mm512_cvtsi512_si32(i),
@@ -54,7 +54,7 @@ static inline __m512 share(__m512 t)
                                 _mm512_sub_ps(_mm512_set1_ps(1.0f), tail), tail);
 }
 
-/* 16 rays, and of each half where its first and its last one end. */
+/* 16 rays, with the first and last end of each half. */
 typedef struct group {
     __m512 x, s, end;
     const float *x0, *slope;
@@ -85,7 +85,7 @@ static inline __mmask16 half(int h)
     return (__mmask16)(0xffu << LF_LANES * h);
 }
 
-/* Lanes of halves that reach the plane at z, where something is between them. */
+/* Lanes of halves that reach the plane at z, if there is anything between them. */
 static inline __mmask16 reach(const group *g, const lf_slice *slice, int plane, float z)
 {
     __mmask16 lanes = 0;
@@ -100,7 +100,7 @@ static inline __mmask16 reach(const group *g, const lf_slice *slice, int plane, 
     return lanes;
 }
 
-/* Lanes of halves that go on behind the plane's cell. */
+/* Lanes of halves that continue beyond the plane's cell. */
 static inline __mmask16 beyond(const group *g, const lf_slice *slice, float z)
 {
     __mmask16 lanes = 0;
@@ -120,7 +120,7 @@ static inline __m512 before_end(const group *g, const lf_slice *slice, float z, 
     return _mm512_mask_blend_ps(on, t, one);
 }
 
-/* The length that a plane stands for. */
+/* The length that a plane represents. */
 static inline __m512 length_of(const lf_slice *slice, int plane, __m512 t)
 {
     __m512 seen = _mm512_sub_ps(share(t), _mm512_set1_ps(slice->behind[plane]));

@@ -3,9 +3,9 @@
 #ifndef LF_RENDER_KERNEL_EXP_H
 #define LF_RENDER_KERNEL_EXP_H
 
-/* exp(x) = 2^i 2^f with i = round(x log2 e); 2^f by the Taylor series of exp(f ln 2) to degree 6,
- * |f| <= 1/2: relative error below 2e-7. Weights below exp(LF_EXP_MIN) are 0: they carry no digits.
- */
+/* exp(x) = 2^i 2^f with i = round(x log2 e); 2^f is the Taylor series of exp(f ln 2) to degree 6,
+ * |f| <= 1/2. The relative error is below 2e-7. Weights below exp(LF_EXP_MIN) are set to 0, because
+ * they do not change a sum. */
 #define LF_EXP_MIN (-60.0f)
 #define LF_LOG2E 1.44269504088896341f
 #define LF_LN2_HI 0.693359375f

@@ -1,6 +1,6 @@
-/* The kernels for NEON, which every arm64 has: 4 lanes at a time; no FMA and no min or max
- * instructions (theirs treat NaN and signed zeros otherwise), so that they equal kernel_c.c bit for
- * bit. Their speed has not been measured. */
+/* The kernels for NEON, which every arm64 has: 4 lanes at a time. No FMA and no min or max
+ * instructions (these treat NaN and signed zeros differently), so that results equal kernel_c.c bit
+ * for bit. Their speed has not been measured. */
 #if defined(__aarch64__)
 
 #include <arm_neon.h>
@@ -130,7 +130,7 @@ static void moments(const lf_slice *slice, const lf_feature_rays *rays, float *t
         moments4(slice, rays, tau, sums, k);
 }
 
-/* Look-ups wait for memory: no vectors. */
+/* Look-ups are limited by memory latency: no vector code. */
 static void sample(const lf_volume *volume, const lf_line *line, int n, const float *x,
                    float *sigma)
 {

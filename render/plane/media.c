@@ -66,8 +66,8 @@ void lf_media_cut(lf_media *media, const lf_media_frame *frame, const lf_volume 
     }
 }
 
-/* Optical depth of one medium along the ray up to z_end; stops at `stop` (per unit of Z) and says
- * where. */
+/* Optical depth of one medium along the ray up to z_end; stops at `stop` (per unit of Z) and
+ * returns where. */
 static float march(const lf_medium *medium, const lf_media_ray *ray, float z_end, float stop,
                    float *out_z)
 {
@@ -83,8 +83,8 @@ static float march(const lf_medium *medium, const lf_media_ray *ray, float z_end
     return lf_min(depth, stop);
 }
 
-/* q of each medium on its own, and the probability of any collision in this medium or one behind it
- * in the list. */
+/* q of each medium alone, and the probability of any collision in this medium or a later one in the
+ * list. */
 static void exit_probabilities(const lf_media *media, const lf_media_ray *ray, int channel,
                                float *q, float *any)
 {
@@ -104,7 +104,7 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, in
 {
     lf_collision first = {.z = INFINITY, .forced_weight = 1.0f};
     float q[LF_MAX_VOLUMES], any[LF_MAX_VOLUMES], z_end = ray->z_end;
-    /* The sampler's numbers are multiples of 2^-24: what is below counts in thin media. */
+    /* The sampler's numbers are multiples of 2^-24; finer digits matter in thin media. */
     u = lf_min(u + lf_rng(tracer) * 0x1p-24f, 1.0f - 0x1p-24f);
     if (forced && media->n_here > 0) {
         exit_probabilities(media, ray, channel, q, any);
@@ -115,8 +115,8 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, in
     for (int i = 0; i < media->n_here; i++) {
         const lf_medium *medium = &media->item[media->here[i]];
         float x = i == 0 ? u : lf_rng_fine(tracer), z;
-        /* None so far and one must: this one collides with probability q / any, below the same x *
-         * any < q. */
+        /* No collision so far, and one is forced: this medium collides with probability q / any,
+         * that is if x * any < q. */
         bool must = forced && first.z == INFINITY;
         if (must)
             x = lf_min(x * any[i], q[i] == any[i] ? q[i] * (1.0f - 1e-6f) : 1.0f);
@@ -133,7 +133,7 @@ lf_collision lf_media_collide(const lf_media *media, const lf_media_ray *ray, in
     return first;
 }
 
-/* The rays of a pivot meet in one voxel. */
+/* All rays of a pivot end in one voxel. */
 static void through_voxels(const lf_voxels *voxels, const lf_rays *rays, float *tau, float *density)
 {
     const float *x0 = rays->x0, *slope = rays->slope, *z_end = rays->z_end;
@@ -143,7 +143,7 @@ static void through_voxels(const lf_voxels *voxels, const lf_rays *rays, float *
         density[k] = sigma;
 }
 
-/* Adds the depths of one medium; density NULL: not wanted. */
+/* Adds the depths of one medium; density NULL: not needed. */
 static void through(const lf_medium *medium, const lf_rays *rays, float *tau, float *density)
 {
     const lf_kernels *kernels = rays->kernels;
@@ -184,7 +184,7 @@ void lf_media_depths_of_channels(const lf_media *media, const lf_rays *rays, flo
     }
 }
 
-/* The moments of one medium's sums. */
+/* The moments from one medium's sums. */
 static void moments_of(int n, float *const sums[3], int first, lf_media_moments *out)
 {
     for (int k = 0; k < n; k++) {
@@ -195,7 +195,7 @@ static void moments_of(int n, float *const sums[3], int first, lf_media_moments 
     }
 }
 
-/* The first of two collisions, that of `to` in front with probability p. */
+/* The first of two collisions; the one of `to` is in front with probability p. */
 static void join(lf_media_moments *to, const lf_media_moments *from, int first, int n)
 {
     for (int k = first; k < first + n; k++) {

@@ -2,8 +2,7 @@
 
 #include "render/scene/geometry.h"
 
-/* Film positions, in columns, that have been met so far; a point at or behind the cameras is
- * everywhere. */
+/* Range of film positions, in columns; a point at or behind the cameras covers all columns. */
 typedef struct shadow {
     const lf_rig *rig;
     float lens_chord;
@@ -11,7 +10,8 @@ typedef struct shadow {
     float lo[LF_MAX_LANES], hi[LF_MAX_LANES];
 } shadow;
 
-/* Where every view sees the point (x, z) of the row's plane, all of the lens considered. */
+/* Adds the film positions of the point (x, z) of the row's plane in every view, over the whole
+ * lens. */
 static void add_point(shadow *s, float x, float z)
 {
     const lf_rig *rig = s->rig;
@@ -33,8 +33,8 @@ static void add_point(shadow *s, float x, float z)
 
 static void add_slice(shadow *s, const lf_slice *slice)
 {
-    /* Between two planes a ray meets what lies on either: it is straight, so their occupied parts
-     * say all. */
+    /* Between two planes a ray passes what lies on either, because it is straight. So the occupied
+     * parts of planes are sufficient. */
     for (int i = slice->first; i <= slice->last; i++) {
         if (slice->spans[i].x_lo > slice->spans[i].x_hi)
             continue;
@@ -76,7 +76,7 @@ void lf_reach_whole(lf_reach *reach, const lf_rig *rig)
     reach->any = true;
 }
 
-/* The columns of one view, a pixel more on either side for rounding. */
+/* The columns of one view, widened by a pixel on either side for rounding. */
 static void take_columns(lf_reach *reach, const shadow *s, int k)
 {
     float width = (float)s->rig->width;

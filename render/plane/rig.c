@@ -78,7 +78,7 @@ static lf_status axes(lf_rig *rig, const lf_camera *c, double *out_distance, lf_
     return LF_OK;
 }
 
-/* Where view k stands within the rig's width, from its middle. */
+/* Position of view k along the rig, from its middle. */
 static double place_in(const lf_camera *c, int k)
 {
     const int n = c->n_views;
@@ -178,7 +178,7 @@ void lf_rig_row_plane(const lf_rig *rig, float v, const float u_lens[2], lf_row_
     out->my = yw / rig->distance - out->ly / rig->focus;
 }
 
-/* (X, Y, Z, 1) in the camera space of `from` -> in that of `to`. */
+/* Maps (X, Y, Z, 1) from the camera space of `from` to the camera space of `to`. */
 static void find_pose(const lf_rig *from, const lf_rig *to, double out[3][4])
 {
     const lf_vec3 old[3] = {from->right, from->up, from->forward},

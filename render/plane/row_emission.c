@@ -4,17 +4,19 @@
 
 #include "render/transport/light/volume_emission.h"
 
-/* The fan on its way through the media, from the cameras to one depth after the other. */
+/* The fan during its walk through the media, from the cameras to increasing depths. */
 typedef struct walk {
     const lf_row_emission *emission;
     lf_tracer *tracer;
     float *behind; /* of slices: the share of a plane's hat that lies before z */
     float z;
-    float tau[LF_MAX_LANES];    /* of grids, per unit of Z, up to z */
-    float factor[LF_MAX_LANES]; /* correction weights, and what veils let through, up to z */
+    float tau[LF_MAX_LANES]; /* of grids, per unit of Z, up to z */
+    /* correction weights, and transmittance of alpha surfaces, up to z */
+    float factor[LF_MAX_LANES];
 } walk;
 
-/* A slice from w->z on: what marches leave out before the cameras they leave out before z. */
+/* A slice from w->z on: marches subtract the part before z in the same way as the part behind the
+ * cameras. */
 static void through_slice(const walk *w, const lf_slice *slice, const float *z_end, float *tau)
 {
     const lf_rays *rays = w->emission->rays;
@@ -35,7 +37,7 @@ static void through_slice(const walk *w, const lf_slice *slice, const float *z_e
         w->behind[s] = 0.0f;
 }
 
-/* Voxels from w->z on: those of cameras that stand there. */
+/* Voxels from w->z on, as for cameras at that depth. */
 static void through_voxels(const walk *w, const lf_voxels *voxels, const float *z_end, float *tau)
 {
     const lf_rays *rays = w->emission->rays;
@@ -108,7 +110,7 @@ static range range_of(const lf_medium *emissive, const lf_volume *volume, const 
     return r;
 }
 
-/* Whether the fan may meet anything of a slice at this depth, between two of its planes. */
+/* Whether the fan may meet the slice at this depth, between two of its planes. */
 static bool may_meet(const lf_slice *slice, const lf_rays *rays, float z)
 {
     float t, a = rays->x0[0] + rays->slope[0] * z,
@@ -121,8 +123,8 @@ static bool may_meet(const lf_slice *slice, const lf_rays *rays, float z)
     return met;
 }
 
-/* The field's values where rays are at this depth; 0 for those that have ended. Returns whether any
- * is not. */
+/* The field's values on the rays at this depth; 0 for rays that have ended. Returns whether any is
+ * nonzero. */
 static bool look_up(const lf_volume *volume, const lf_rays *rays, float z, float *value)
 {
     const lf_line line = lf_slice_line(volume, rays->rig, rays->plane, z);
@@ -143,7 +145,7 @@ static bool look_up(const lf_volume *volume, const lf_rays *rays, float z, float
     return lit;
 }
 
-/* Adds what comes from depth z, where values[k] stand for `step` of Z. */
+/* Adds the emission at depth z, where values[k] represent `step` of Z. */
 static void add(walk *w, const lf_volume_emission *light, float z, float step, const float *value,
                 lf_vec3 *out)
 {
@@ -205,7 +207,8 @@ static const lf_medium *own_medium(const lf_media *media, int volume)
     return found;
 }
 
-/* Returns in weight[k] the part as long as what leaves it, int exp(-sigma s) ds. */
+/* Returns in weight[k] the length of the part, weighted by its own transmittance: int exp(-sigma s)
+ * ds. */
 static void enter(const lf_row_emission *emission, const lf_body *body, inside *in, float *weight)
 {
     const lf_rays *rays = emission->rays;
@@ -220,8 +223,8 @@ static void enter(const lf_row_emission *emission, const lf_body *body, inside *
     }
 }
 
-/* Multiplies factor[k] by what the media but the shape's own, whose depth is own[k], let through up
- * to z[k]. */
+/* Multiplies factor[k] by the transmittance of all media except the shape's own, whose depth is
+ * own[k], up to z[k]. */
 static void through_others(const lf_row_emission *emission, const float *z, const float *own,
                            lf_tracer *tracer, float *factor)
 {
@@ -237,8 +240,8 @@ static void through_others(const lf_row_emission *emission, const float *z, cons
         factor[k] *= expf(-lf_max(tau[k] * emission->length[k] - own[k], 0.0f));
 }
 
-/* Multiplies weight by what other media and veils let through: the mean over points spread over the
- * part by what leaves them. */
+/* Multiplies weight by the transmittance of other media and alpha surfaces: the mean over points in
+ * the part, distributed by its own transmittance. */
 static void behind_others(const lf_row_emission *emission, const inside *in, bool others, float u,
                           lf_tracer *tracer, float *weight)
 {

@@ -19,7 +19,7 @@ static int groups(int n)
     return (n + WIDE - 1) / WIDE;
 }
 
-/* Room for so many segments in an empty section. */
+/* Allocates room for `longest` segments in an empty section. */
 static lf_status allocate(lf_section *section, size_t longest)
 {
     int leaves = groups((int)longest), nodes = groups(leaves), roots = groups(nodes);
@@ -34,8 +34,7 @@ static size_t larger(size_t a, size_t b)
     return a > b ? a : b;
 }
 
-/* Makes room for more; what is in the section is lost. false: no memory, the room is what it was.
- */
+/* Makes room for more; the section's content is lost. false: no memory, the room is as before. */
 static bool grow(lf_section *section, size_t segments, size_t slots)
 {
     lf_section_instances *places = &section->places;
@@ -99,7 +98,7 @@ static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_
                       ((double)plane->ly + (double)plane->my * c[i].z);
         above += c[i].height >= 0.0;
     }
-    /* most triangles of a row lie on one side */
+    /* most triangles of a row lie on one side of the plane */
     if (above == 0 || above == 3)
         return false;
     for (int i = 0; i < 3; i++)
@@ -107,7 +106,7 @@ static bool cut_triangle(const lf_rig *rig, const lf_row_plane *plane, const lf_
     return lf_cut_corners(rig, c, above, out);
 }
 
-/* Whether it is one of those that may not be there whole. */
+/* Whether it is an alpha surface. */
 static bool is_alpha_surface(const lf_scene *scene, const lf_row_triangle *t)
 {
     const lf_mesh *mesh = &scene->meshes[t->mesh];
@@ -154,7 +153,7 @@ static void build_boxes(lf_section *section)
     }
 }
 
-/* What a section is cut from, and what of it. */
+/* Inputs of a section, and the kind of triangles. */
 typedef struct cutting {
     const lf_row_triangles *rows;
     const lf_scene *scene;
@@ -192,8 +191,8 @@ static size_t cut_instances(lf_section *section, const cutting *of, int n)
                                     (size_t)n);
 }
 
-/* The segments of places behind the n of the list; how many there are then: none, if rays are to be
- * asked. */
+/* Adds the segments of instances after the n of the list. Returns the new number: none, if rays are
+ * used instead. */
 static int add_instances(lf_section *section, const cutting *of, int n)
 {
     lf_section_instances *places = &section->places;

@@ -4,15 +4,15 @@
 
 #include "render/plane/section.h"
 
-/* Nearer than this many D nothing hides: a camera would have to touch it. */
+/* Surfaces nearer than this many D hide nothing: a camera would have to touch them. */
 #define LF_SECTION_NEAR 1e-7
 
-/* A corner of a triangle: its place, and its height above the plane. */
+/* A corner of a triangle: position, and height above the plane. */
 typedef struct lf_cut_corner {
     double x, z, height;
 } lf_cut_corner;
 
-/* A point as the rig sees it, along one of its axes. In double, because heights above the plane are
+/* Coordinate of a point along one of the rig's axes. In double, because heights above the plane are
  * small differences; the same arithmetic for corners and pivots. */
 static inline double lf_cut_along(const lf_rig *rig, lf_vec3 axis, lf_vec3 p)
 {
@@ -41,8 +41,8 @@ static inline float lf_cut_depth(const lf_rig *rig, float d)
     return rig->window / (d * rig->window + 1.0f);
 }
 
-/* Where an edge crosses the plane, always from above to below: triangles that share it find the
- * same bits. */
+/* The point where an edge crosses the plane, always computed from above to below, so that triangles
+ * that share the edge get the same bits. */
 static inline lf_cut_corner lf_cut_crossing(lf_cut_corner a, lf_cut_corner b)
 {
     lf_cut_corner above = a.height >= 0.0 ? a : b, below = a.height >= 0.0 ? b : a;
@@ -51,14 +51,14 @@ static inline lf_cut_corner lf_cut_crossing(lf_cut_corner a, lf_cut_corner b)
                            0.0};
 }
 
-/* The ends of the segment that plane and triangle share, in front of the cameras, of which so many
- * corners are not below the plane; false: they do not meet there. */
+/* The ends of the segment that plane and triangle share, in front of the cameras. above: number of
+ * corners that are not below the plane. false: they do not intersect there. */
 static inline bool lf_cut_corners(const lf_rig *rig, const lf_cut_corner c[3], int above,
                                   lf_cut_corner out[2])
 {
     if (above == 0 || above == 3)
         return false;
-    int alone = 0; /* the corner on a side of its own */
+    int alone = 0; /* the corner alone on its side of the plane */
     while (alone < 2 && (c[alone].height >= 0.0) != (above == 1))
         alone++;
     out[0] = lf_cut_crossing(c[alone], c[(alone + 1) % 3]);
@@ -78,7 +78,7 @@ static inline bool lf_cut_corners(const lf_rig *rig, const lf_cut_corner c[3], i
     return true;
 }
 
-/* Segment i of a leaf, but for whose it is. */
+/* Stores segment i of a leaf, without its triangle and material. */
 static inline void lf_cut_put(lf_section_leaf *leaf, int i, const lf_rig *rig,
                               const lf_cut_corner end[2])
 {

@@ -27,9 +27,9 @@ static lf_linear along(const lf_rig *rig, lf_vec3 axis)
     return (lf_linear){a[0], a[1], a[2], -(a[0] * eye[0] + a[1] * eye[1] + a[2] * eye[2])};
 }
 
-/* How far X is beyond the line from the camera of a view through x of its window, all of the lens
- * considered: above 0 outside. sign -1: to the left. The lens moves a ray by no more than its chord
- * times 1 + Z/F. */
+/* Distance of X beyond the line from the camera of a view through x of its window, over the whole
+ * lens: above 0 outside. sign -1: on the left. The lens moves a ray by at most its chord times 1 +
+ * Z/F. */
 static lf_linear beyond(const lf_rig *rig, const lf_row_plane *plane, int view, double x,
                         double sign)
 {
@@ -43,8 +43,9 @@ static lf_linear beyond(const lf_rig *rig, const lf_row_plane *plane, int view, 
     return out;
 }
 
-/* All that the plane's rays can meet: before the cameras, and on either side within the lines from
- * the outermost cameras to the window's edge, up to it from the one, behind it from the other. */
+/* Everything that the plane's rays can meet: in front of the cameras and, on either side, within
+ * the lines from the outermost cameras to the window's edge. Before the window the line of one
+ * outer camera counts, behind it that of the other. */
 static lf_box_cut view_of(const lf_rig *rig, const lf_row_plane *plane)
 {
     const lf_linear Y = along(rig, rig->up), Z = along(rig, rig->forward);
@@ -74,7 +75,8 @@ typedef struct cutting {
     size_t listed; /* those in front, of other meshes */
 } cutting;
 
-/* One place: a point of the mesh to X and Z of the rig, and to its height above the plane. */
+/* One instance: maps a point of the mesh to X and Z of the rig, and to its height above the plane.
+ */
 typedef struct view {
     double x[4], z[4], height[4];
 } view;
@@ -188,7 +190,7 @@ uint32_t lf_section_instance_number(const lf_section *section, const lf_hit *on)
 {
     const lf_section_instances *places = &section->places;
     const uint32_t place = on->mesh->instances->first + on->place;
-    /* What was written there for another section is not looked up again: it names another. */
+    /* A value left by another section is ignored: it names another instance. */
     const uint32_t slot = places->slot_of[place];
     if (slot >= places->n || places->slot[slot].place != on->place ||
         places->slot[slot].mesh != on->mesh->geom_id)

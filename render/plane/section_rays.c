@@ -4,7 +4,7 @@
 
 enum { WIDE = LF_SECTION_WIDE };
 
-/* The next of what the section is made of, behind t. */
+/* The next hit of the section's kind, beyond t. */
 static bool next(const lf_section_rays *rays, lf_vec3 o, lf_vec3 w, float t, float t_max,
                  lf_hit *hit)
 {
@@ -18,7 +18,7 @@ static bool next(const lf_section_rays *rays, lf_vec3 o, lf_vec3 w, float t, flo
     return wanted;
 }
 
-/* What of a veil stops a ray of the camera, as sections have it. */
+/* The fraction of a camera ray that an alpha surface stops, as in sections. */
 static float stopped(const lf_rig *rig, const lf_hit *hit, lf_vec3 w)
 {
     float z = lf_dot(lf_sub(hit->p, rig->eye), rig->forward);
@@ -73,7 +73,7 @@ void lf_section_nearest_by_rays(const lf_row_cut *cut, const lf_lines *lines, fl
                                 int *segment)
 {
     const lf_section *section = cut->section;
-    /* Of the worker who asks, as all of the section. */
+    /* The section belongs to the calling worker. */
     lf_section_instances *places = (lf_section_instances *)(uintptr_t)&section->places;
     places->n = 0;
     for (int k = 0; k < lines->n; k++) {

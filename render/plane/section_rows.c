@@ -31,7 +31,7 @@ static void grow_rows(const lf_rig *rig, const double p[3], double *lo, double *
     *hi = v + blur > *hi ? v + blur : *hi;
 }
 
-/* A corner at a moment of the shutter, as seen by the rig. */
+/* A corner at a shutter time, as seen by the rig. */
 static void corner_at(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle, int i, double time,
                       double out[3])
 {
@@ -46,7 +46,7 @@ static void corner_at(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle,
         out[axis] += time * (close[axis] - out[axis]);
 }
 
-/* The film rows of a triangle at one moment, if all of it is before the cameras. */
+/* The film rows of a triangle at one shutter time, if all of it is in front of the cameras. */
 typedef struct cover {
     double lo, hi;
     double middle[3];
@@ -69,9 +69,9 @@ static cover cover_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle,
     return out;
 }
 
-/* All moments together. A corner that goes along a straight line past a rig that stands still has
- * its Y/Z between those of the ends; where the rig moves, what lies between two moments is no
- * farther off than half of the longest way from one to the next. */
+/* All shutter times together. If the rig does not move, a corner that moves along a straight line
+ * has its Y/Z between those of the ends. If the rig moves, the deviation between two sampled times
+ * is at most half of the largest step. */
 static span span_of(const spans *job, const lf_mesh *mesh, uint32_t triangle)
 {
     const lf_rig *rig = &job->rigs[0];
@@ -100,7 +100,7 @@ static span span_of(const spans *job, const lf_mesh *mesh, uint32_t triangle)
                 .s = (float)(all.middle[0] / z)};
     margin += 0.5 * way;
     if (all.in_front == 3 * moments) {
-        /* bounds first: a point beside the camera may be outside of what an int holds */
+        /* bounds first: the row of a point near the cameras may exceed an int */
         out.first = (int)floor(fmin(fmax(all.lo - margin, 0.0), height));
         out.last = (int)floor(fmin(fmax(all.hi + margin, -1.0), height - 1.0));
     }
@@ -125,7 +125,7 @@ static void span_chunk(void *context, int item, int worker)
     }
 }
 
-/* The bits of x in the even places. */
+/* Spreads the bits of x to even positions. */
 static uint32_t spread_bits(uint32_t x)
 {
     x = (x | x << 8) & 0x00ff00ffu;
@@ -191,7 +191,7 @@ static void sort_row(void *context, int row, int worker)
           sizeof *rows->list, by_order);
 }
 
-/* Where every row's list begins. */
+/* Computes the start of every row's list. */
 static void count_rows(lf_row_triangles *out, const lf_rig *rig, const span *all, size_t n)
 {
     for (size_t i = 0; i < n; i++)

@@ -47,8 +47,8 @@ static float step_between(const plane_box *a, const plane_box *b)
                   lf_max(fabsf(a->z_lo - b->z_lo), fabsf(a->z_hi - b->z_hi)));
 }
 
-/* What the rig's rays can meet of the volume; of a rig that moves the boxes of all its moments, and
- * as much about them as lies between two. */
+/* The part of the volume that the rig's rays can meet. For a moving rig the boxes at all sampled
+ * times, widened by the largest step. */
 static plane_box box_of(const lf_volume *volume, const lf_rig *rigs, int n)
 {
     plane_box box = camera_box(volume, &rigs[0]), last = box;
@@ -160,7 +160,7 @@ lf_line lf_slice_line(const lf_volume *volume, const lf_rig *rig, const lf_row_p
     return line;
 }
 
-/* Cells on either side of plane s, in one column of tiles, have this near them. */
+/* Marks that cells on either side of plane s, in one column of tiles, have this value near them. */
 static void note_near(lf_slice *slice, int s, int tile, float sigma)
 {
     for (int z = s / slice->tile_cells_z; z <= (s + 1) / slice->tile_cells_z; z++) {
@@ -169,7 +169,7 @@ static void note_near(lf_slice *slice, int s, int tile, float sigma)
     }
 }
 
-/* The samples of a plane that may have anything near. */
+/* The samples of a plane that may have a nonzero value near. */
 static lf_samples clip_plane(const lf_slice *slice, const lf_grid *grid, const lf_line *line)
 {
     float lo = 1.0f, hi = (float)(slice->nx - 2), dx = 1.0f / slice->inv_dx;
@@ -190,7 +190,7 @@ static lf_samples occupied(const lf_slice *slice, int s, int lo, int hi)
     return (lf_samples){lo, hi};
 }
 
-/* Samples plane s along its line. Returns the look-ups made. */
+/* Samples plane s along its line. Returns the number of look-ups. */
 static int sample(lf_slice *slice, int s, const lf_volume *volume, const lf_line *line,
                   const lf_kernels *kernels)
 {
@@ -232,8 +232,8 @@ static int sample(lf_slice *slice, int s, const lf_volume *volume, const lf_line
     return lookups;
 }
 
-/* A corner of the grid's support may lie between samples: those that are 0 beside one that is not
- * get a little of it. New ones are below 0 until all are found. */
+/* A corner of the grid's support may lie between samples: zero samples next to a nonzero one get a
+ * small value. New ones are negative until all are found. */
 static void grow(lf_slice *slice, int s, lf_samples around)
 {
     const float little = 0x1p-10f;
@@ -250,7 +250,7 @@ static void grow(lf_slice *slice, int s, lf_samples around)
     }
 }
 
-/* The samples of plane s that are within one of any that is not 0. */
+/* The samples of plane s within one of any nonzero sample. */
 static lf_samples samples_around(const lf_slice *slice, int s)
 {
     lf_samples around = {slice->nx, -1};
@@ -279,9 +279,8 @@ static void settle(lf_slice *slice, int s, lf_samples around)
     slice->last = s;
 }
 
-/* How far a straight line between samples may be from the grid. Samples that bend by d, the second
- * difference: d / 8 where they lie on a parabola, d / 4 at a kink. The sum of squares over a tile's
- * row. */
+/* Estimates the distance of linear interpolation from the grid, from the second difference d of
+ * samples: d / 8 on a parabola, d / 4 at a kink. Returns the sum of squares over a tile's row. */
 static float distances(const lf_slice *slice, int s, int from, int to)
 {
     const float *row = slice->sigma + (size_t)s * (size_t)slice->stride;
@@ -296,7 +295,7 @@ static float distances(const lf_slice *slice, int s, int from, int to)
     return 0.0625f * sum;
 }
 
-/* rough from the samples, and a little where they show nothing. */
+/* Sets rough from the samples, and to a small value where they are flat. */
 static void note_rough(lf_slice *slice)
 {
     const float little = 0x1p-10f;
@@ -343,8 +342,8 @@ int64_t lf_slice_fill(lf_slice *slice, const lf_slice_frame *frame, const lf_vol
     return lookups;
 }
 
-/* Where in a step, from = where it starts in units of the step, a density that rises linearly from
- * a by b has the integral r; r is below the integral over the whole step. */
+/* Position in a step (from = its start in units of the step) at which the integral of a density
+ * that rises linearly from a by b reaches r; r must be below the integral over the whole step. */
 static float invert(float a, float b, float from, float r)
 {
     float at = lf_max(a + b * from, 0.0f);

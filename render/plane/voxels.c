@@ -14,7 +14,7 @@ typedef struct ray {
     float from, to;     /* its part inside of the grid; from >= to: none */
 } ray;
 
-/* A march on its way. */
+/* A march in progress. */
 typedef struct march {
     float z, depth, stop; /* depths in units of the grid's values */
 } march;
@@ -46,8 +46,8 @@ static ray aim(const lf_voxels *voxels, float x0, float slope, float z_end)
     return r;
 }
 
-/* Where the ray is at Z = z: which of the cells 0 .. n - 1 of this side, `first` the lower face of
- * cell 0. Rounding leaves no cell. */
+/* The cell of the ray at Z = z, among 0 .. n - 1 with this side; `first` is the lower face of cell
+ * 0. Rounding never leads outside. */
 static int cell_at(const ray *r, int axis, float z, int first, int side, int n)
 {
     float cell = (r->o[axis] + r->d[axis] * z - (float)first) / (float)side;
@@ -66,7 +66,7 @@ static int first_of(const float next[3])
     return next[2] < next[axis] ? 2 : axis;
 }
 
-/* Sums of lf_kernels.moments on their way. */
+/* Sums of lf_kernels.moments in progress. */
 typedef struct moments {
     float scale, distance; /* optical depth of a step through value 1; D */
     float rest, sum[3];
@@ -82,8 +82,8 @@ static inline void lose(moments *m, float step, float z)
     m->sum[2] += w * (y * y);
 }
 
-/* Goes on through the voxels of one brick, up to Z = to. true = it has stopped. lost: NULL, or
- * where moments are summed up. */
+/* Walks through the voxels of one brick, up to Z = to. true: it has stopped. lost: NULL, or the
+ * moments are summed. */
 static inline bool cross_brick(const ray *r, const lf_grid *grid, size_t place, const int brick[3],
                                float to, march *m, moments *lost)
 {
@@ -153,7 +153,7 @@ float lf_voxels_march(const lf_voxels *voxels, float x0, float slope, float z_en
     return cross(voxels, x0, slope, z_end, stop, out_z, NULL);
 }
 
-/* Lanes behind the views repeat the last. */
+/* Lanes after the last view repeat it. */
 static bool repeats(const float *x0, const float *slope, const float *z_end, int k)
 {
     return k > 0 && x0[k] == x0[k - 1] && slope[k] == slope[k - 1] && z_end[k] == z_end[k - 1];

@@ -1,7 +1,6 @@
-/* A grid whose voxels have edges (interpolation "nearest") on one row's plane: nothing is
- * resampled. Along a ray its extinction is constant from face to face, so that optical depths and
- * collisions are exact; private to render/. (docs/developer/estimators.md, "6. Optical depth to all
- * views") */
+/* A grid whose voxels have edges (interpolation "nearest") on one row's plane, without resampling.
+ * Along a ray its extinction is constant from face to face, so optical depths and collisions are
+ * exact; private to render/. (docs/developer/estimators.md, "6. Optical depth to all views") */
 #ifndef LF_RENDER_VOXELS_H
 #define LF_RENDER_VOXELS_H
 
@@ -10,17 +9,17 @@
 typedef struct lf_voxels {
     const lf_grid *grid;
     float sigma_scale;
-    /* as in lf_body; a voxel is the cube of side 1 about its integers */
+    /* as in lf_body; a voxel is the cube of side 1 around its integer coordinates */
     float origin[3], across[3], depth[3];
 } lf_voxels;
 
-/* Cuts the grid with the row's plane; the volume must outlive *voxels. Returns false when the plane
+/* Cuts the grid with the row's plane; the volume must outlive *voxels. Returns false if the plane
  * misses it. */
 bool lf_voxels_cut(lf_voxels *voxels, const lf_volume *volume, const lf_rig *rig,
                    const lf_row_plane *plane);
 
-/* As lf_slice_march: from brick to brick and in those that are not empty from voxel to voxel
- * (Amanatides and Woo 1987). A ray along a face is in one of the voxels beside it. */
+/* As lf_slice_march: from brick to brick, and from voxel to voxel in bricks that are not empty
+ * (Amanatides and Woo 1987). A ray along a face is in one of the two voxels. */
 float lf_voxels_march(const lf_voxels *voxels, float x0, float slope, float z_end, float stop,
                       float *out_z);
 
@@ -32,7 +31,7 @@ void lf_voxels_depths(const lf_voxels *voxels, int n, const float *x0, const flo
 void lf_voxels_moments(const lf_voxels *voxels, const lf_feature_rays *rays, float *tau,
                        float *const sums[3]);
 
-/* sigma_t at the point (x, z) of the row's plane: the same for every ray that meets it. */
+/* sigma_t at the point (x, z) of the row's plane: the same for every ray through it. */
 float lf_voxels_density(const lf_voxels *voxels, float x, float z);
 
 #endif

@@ -1,4 +1,4 @@
-/* The hot loops of a reconstruction, behind a table of functions: the same loops (kernel_loops.h)
+/* The hot loops of a reconstruction, as a table of functions: the same loops (kernel_loops.h)
  * compiled for each instruction set, element by element, so that all give the same bits; private to
  * render/reconstruct. */
 #ifndef LF_RENDER_RECONSTRUCT_KERNEL_H
@@ -7,7 +7,8 @@
 #include "render/film/film.h"
 #include "render/reconstruct/lattice.h"
 
-/* What has less is not fitted, nor fitted to: N/W of the pixel itself is its answer. */
+/* Pixels with a smaller q are not fitted and do not contribute to the fit; their result is their
+ * own N/W. */
 #define LF_LEAST_Q 1e-4f
 
 /* Arrays [view][column] of one row, as a reconstruction reads it from a film. */
@@ -15,9 +16,10 @@ typedef struct lf_pixels {
     float *f[LF_VARIANTS][LF_FEATURES]; /* absolute coordinates; some variants share arrays */
     int *u, *z;                         /* of the cell of level 0 */
     bool *second;                       /* N/W' is less noisy than N/W */
-    /* of both halves; where it is not above LF_LEAST_Q all else but `second` is undefined */
+    /* of both halves; if it is not above LF_LEAST_Q all other fields except `second` are undefined
+     */
     float *q;
-    float (*albedo)[3]; /* above 0; NULL where the film has none */
+    float (*albedo)[3]; /* above 0; NULL if the film has none */
     float *data;
     int *cells;
 } lf_pixels;
@@ -35,31 +37,31 @@ static inline bool lf_pixel_is_fitted(const lf_pixels *pixels, size_t i)
 typedef struct lf_view_row {
     const float *q[2];
     const lf_packed_feature *feature[2];
-    const lf_packed_albedo *albedo; /* NULL: the film has none */
-    float share[2];                 /* of the samples; 0: q and features are not looked at */
+    const lf_packed_albedo *albedo; /* NULL if the film has none */
+    float share[2];                 /* of the samples; 0: q and features are not read */
     float row, view, shift, still;
-    float deep;   /* finest cells in the depth of the plane Z = D */
-    float white;  /* lf_reconstruct_view's */
+    float deep;   /* number of finest cells in the depth of the plane Z = D */
+    float white;  /* as in lf_reconstruct_view */
     int first, n; /* its pixels in lf_pixels */
 } lf_view_row;
 
-/* The planes of all nodes as one row sees them, in between the bands above and below it: constant
- * and slopes for absolute coordinates; the row's own is in the constant. */
-#define LF_TABLE_TERMS 8 /* 1 and all features but the row */
+/* The planes of all nodes for one row, interpolated between the bands above and below it: constant
+ * and slopes for absolute coordinates; the row's own term is included in the constant. */
+#define LF_TABLE_TERMS 8 /* 1 and all features except the row */
 typedef struct lf_row_table {
     int z0, nz;
-    /* [nz]: nodes [u0, u0 + nu), one more to either side of those that are there; first: of its
-     * arrays. Without nodes: two that have no weight. */
+    /* [nz]: nodes [u0, u0 + nu), including one without weight on either side; first: of its arrays.
+     * A layer without nodes has two without weight. */
     lf_deck *layers;
     float *terms; /* of a layer: [LF_TABLE_TERMS][nu][4] R, G, B; fourth of term 0: weight */
-    float *share; /* of a layer: [nu], times the weight */
+    float *share; /* of a layer: [nu], multiplied by the weight */
     int n_layers; /* allocated */
     size_t size;
 } lf_row_table;
 
-/* R of one channel as it is shown: the prediction x, and N/W by its share. n was found, over w,
- * which is 0 where that is no answer. A prediction of -x is off by x at least: of what the pixel
- * itself has found it does not outweigh as much. */
+/* R of one channel as it is shown: a blend of the prediction x and N/W by its share. n is the
+ * received radiance over w, which is 0 if N/W is not valid. A negative prediction -x is wrong by at
+ * least x, so its weight is reduced accordingly against the pixel's own N/W. */
 static inline float lf_channel_show(float n, float w, float x, float share)
 {
     const bool found = w > 0.0f;
@@ -72,7 +74,8 @@ static inline float lf_channel_show(float n, float w, float x, float share)
     return mixed > 0.0f ? mixed : 0.0f;
 }
 
-/* All of them. predicted: R, G, B and the share of N/W, below 0 where no node is near. */
+/* lf_channel_show for all channels. predicted: R, G, B and the share of N/W, below 0 if no node is
+ * near. */
 static inline void lf_pixel_show(const float n[3], float w, const float predicted[4], float out[3])
 {
     const bool near = predicted[3] >= 0.0f;
@@ -80,39 +83,39 @@ static inline void lf_pixel_show(const float n[3], float w, const float predicte
         out[c] = lf_channel_show(n[c], w, near ? predicted[c] : 0.0f, near ? predicted[3] : 1.0f);
 }
 
-/* What pixels are shown from. */
+/* Input for showing pixels. */
 typedef struct lf_to_show {
-    const lf_film_scattered *scattered[2]; /* of the halves; NULL: it has nothing; [0] before [1] */
-    const float *w2[2];                    /* NULL: W stands for W' */
-    float n;                               /* samples of both */
-    float least;                           /* W is an answer from this share of n q on */
+    const lf_film_scattered *scattered[2]; /* of the halves; NULL: no samples; [0] before [1] */
+    const float *w2[2];                    /* NULL: W replaces W' */
+    float n;                               /* samples of both halves */
+    float least;                           /* N/W is valid if W is at least this share of n q */
 } lf_to_show;
 
-/* Fits that are made side by side. */
+/* Number of fits that are solved together. */
 #define LF_SOLVE_LANES 8
 
 typedef struct lf_reconstruct_kernels {
-    /* Features of both halves; with `halves` also of each. Without, of lf_pixels alone u, z, q and
-     * f[LF_BOTH]. */
+    /* Features of both halves; with `halves` also of each. Without it, only u, z, q and f[LF_BOTH]
+     * of lf_pixels. */
     void (*read)(const lf_view_row *in, bool halves, lf_pixels *out);
     /* Adds one pixel's weight and radiance to moments. */
     void (*add)(lf_moments *m, float w, const float n[3], const float f[LF_FEATURES]);
-    /* Adds weight times the sums of `from` as seen from a place `shift` away: f + shift, 0 but
-     * for the first three features. wff on and above the diagonal alone; below it is undefined. */
+    /* Adds weight times the sums of `from`, translated by `shift`: f + shift, 0 except for the
+     * first three features. Only wff on and above the diagonal is defined. */
     void (*move)(lf_moments *to, const lf_moments *from, float weight,
                  const float shift[LF_FEATURES]);
-    /* Weighted least squares of N/W on features, a plane a channel, from where the moments are
-     * seen. Features are centred and scaled to a variance of about 1; ridge 4/W + 1e-3 (W counts
-     * pivots). depth: of a finest cell, in pixels at Z = D. Without weight: 0. Looks at wff on and
-     * above the diagonal. */
+    /* Weighted least squares of N/W on features, one plane per channel, relative to the position of
+     * the moments. Features are centred and scaled to a variance of about 1; ridge 4/W + 1e-3 (W
+     * counts pivots). depth: of a finest cell, in pixels at Z = D. Without weight the result is 0.
+     * Reads wff on and above the diagonal. */
     void (*solve)(const lf_moments *const moments[LF_SOLVE_LANES], double depth,
                   lf_plane (*const out[LF_SOLVE_LANES])[3]);
     /* The prediction of R for n pixels from `first` on, out [n][4]: R, G, B and the share of N/W,
-     * -1 where there is no node. Pixels without features are left out. */
+     * -1 if there is no node. Pixels without features are skipped. */
     void (*predict)(const lf_row_table *table, const lf_pixels *pixels, int first, int n,
                     float (*out)[4]);
-    /* R of n pixels, a row's from the first on, as they are shown; what is predicted of pixels
-     * without features is not looked at. */
+    /* R of the first n pixels of a row, as shown. Predictions for pixels without features are
+     * ignored. */
     void (*show)(const lf_to_show *in, const lf_pixels *pixels, float (*predicted)[4], int n,
                  float (*out)[3]);
 } lf_reconstruct_kernels;

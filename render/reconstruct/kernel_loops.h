@@ -4,7 +4,7 @@
 
 #include "render/reconstruct/solve_lanes.h"
 
-/* Pixels that are read side by side: without a branch, so that compilers make vectors of them. */
+/* Pixels that are read together, without branches, so that compilers vectorise the loops. */
 #ifndef READ_LANES
 #define READ_LANES 8
 #endif
@@ -25,7 +25,7 @@ static inline void unpack(const lf_packed_feature *p, int n, lane_features *out)
     }
 }
 
-/* A half has the other's where it has none of its own. */
+/* A half without features of its own gets the other half's. */
 static inline void stand_in(const float *own, const lane_features *other, int n, lane_features *f)
 {
     for (int j = 0; j < n; j++) {
@@ -50,7 +50,7 @@ static inline void mix(const lane_features *a, const lane_features *b, const flo
     }
 }
 
-/* Where the pixels from k on lie, and what else they are fitted by. */
+/* The coordinates of the pixels from k on, and their other features. */
 static inline void place(const lf_view_row *in, int k, int n, const lane_features *f,
                          const float *q, float *const out[LF_FEATURES])
 {
@@ -79,7 +79,7 @@ static inline int floor_int(float x)
     return i - ((float)i > x);
 }
 
-/* The same of n, step by step: whole it is no vector for compilers. */
+/* floor_int for n numbers, in separate steps, because compilers do not vectorise it as a whole. */
 static inline void floor_lanes(const float *x, int n, int *out)
 {
     const float most = 0x1p24f;
@@ -95,7 +95,7 @@ static inline void floor_lanes(const float *x, int n, int *out)
         out[j] = (float)down[j] > clamped[j] ? down[j] - 1 : down[j];
 }
 
-/* A node of a layer, or the layer's first with no weight. */
+/* A node of a layer; outside the layer its first node, with weight 0. */
 static inline int node_of(const lf_deck *layer, int u, float *weight)
 {
     int i = u - layer->u0;
@@ -104,7 +104,7 @@ static inline int node_of(const lf_deck *layer, int u, float *weight)
     return there ? i : 0;
 }
 
-/* Those of both halves together. */
+/* place for both halves together. */
 static inline void place_both(const lf_view_row *in, int k, int n, const lane_features *f,
                               const float *q, lf_pixels *out)
 {
@@ -121,7 +121,7 @@ static inline void place_both(const lf_view_row *in, int k, int n, const lane_fe
 
 static inline void read_lanes(const lf_view_row *in, int k, int n, bool halves, lf_pixels *out)
 {
-    /* of a half without samples nothing is looked at */
+    /* a half without samples is not read */
     const int half[2] = {in->share[0] > 0.0f ? 0 : 1, in->share[1] > 0.0f ? 1 : 0};
     const float share_a = half[0] == 0 ? in->share[0] : 0.0f,
                 share_b = half[1] == 1 ? in->share[1] : 0.0f;
@@ -261,7 +261,7 @@ static void predict(const lf_row_table *table, const lf_pixels *pixels, int firs
     }
 }
 
-/* What both halves have found of some pixels. */
+/* What both halves have received in some pixels. */
 typedef struct lane_found {
     float n[3][READ_LANES], w[READ_LANES], w2[READ_LANES];
 } lane_found;

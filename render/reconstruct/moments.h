@@ -26,45 +26,44 @@ static inline void lf_pixel_found_join(lf_pixel_found *to, const lf_pixel_found 
     to->w2 += from->w2;
 }
 
-/* What a row's halves hold of one pixel. A row that one half alone has visited counts as a half by
- * its place, one row with the next and, where one row of each cell was visited, one cell with the
- * next: its features stand for both. */
+/* The halves of a row, for one pixel. A row with visits of only one half counts as one half by its
+ * position, alternating with the next row (or, if one row of each cell was visited, with the next
+ * cell). Its features represent both halves. */
 typedef struct lf_row_halves {
-    lf_film_half half[2]; /* zeros: nothing */
+    lf_film_half half[2]; /* zeros: no samples */
     float n[2];
-    const float (*albedo)[3]; /* of its pixels, which N is divided by; NULL: nothing */
+    const float (*albedo)[3]; /* of its pixels, divisor of N; NULL: none */
 } lf_row_halves;
 
 /* albedo: borrowed, as lf_pixels_read found it. */
 lf_row_halves lf_row_halves_of(const lf_film *film, int row, const float (*albedo)[3]);
 
-/* One pixel's halves, as they are fitted to. */
+/* The halves of one pixel, as used by the fit. */
 typedef struct lf_fitted {
-    lf_pixel_found found[2]; /* N over the albedo */
-    float w[2];              /* W or W': as a summand even where it is nothing to divide by */
-    float over[2];           /* what N is divided by, 0: that is no answer */
-    float answer[2][3];      /* N/W, where there is one */
+    lf_pixel_found found[2]; /* N is divided by the albedo */
+    float w[2];              /* W or W': as a summand, even if it is not a valid divisor */
+    float over[2];           /* divisor of N, 0: not valid */
+    float answer[2][3];      /* N/W, if valid */
 } lf_fitted;
 
-/* Of pixel i, by W' where that is the second and less noisy weight. */
+/* For pixel i; with W' if `second` (the less noisy weight). */
 void lf_fitted_read(const lf_film *film, const lf_row_halves *halves, bool second, size_t i,
                     lf_fitted *out);
 
-/* All cells and sums of a band of level 0. One worker a band. LF_E_NOMEM. */
+/* Makes all cells and sums of a band of level 0. One worker per band. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_moments_gather(lf_reconstruction *r, const lf_film *film, int number,
                                          lf_reconstruct_scratch *scratch);
-/* Those of a band of a level above, from the level below. */
+/* Makes a band of a higher level from the level below. */
 LF_NODISCARD lf_status lf_moments_coarsen(lf_reconstruction *r, int level, int number);
 
-/* The share of n q that W has to come up to where weights may cancel. */
+/* The share of n q that W must reach if weights may cancel. */
 static inline float lf_least_share(const lf_film *film)
 {
     return film->layout.has_signed ? 0.25f : 0.0f;
 }
 
-/* What N is divided by where it is an answer: W, or W' where that is the second and less noisy
- * weight; 0 where it is none: it has to come up to a share of what is expected, nq, where weights
- * may cancel. */
+/* The divisor of N if it is valid: W, or W' if `second` (the less noisy weight); 0 if it is not
+ * valid. If weights may cancel, it must reach a share of its expectation nq. */
 static inline float lf_pixel_found_weight(const lf_film *film, const lf_pixel_found *found,
                                           bool second, float nq)
 {

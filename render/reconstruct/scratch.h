@@ -1,4 +1,4 @@
-/* What a thread that reads or answers rows needs; private to render/reconstruct. */
+/* Memory of a thread that reads or resolves rows; private to render/reconstruct. */
 #ifndef LF_RENDER_RECONSTRUCT_SCRATCH_H
 #define LF_RENDER_RECONSTRUCT_SCRATCH_H
 
@@ -14,14 +14,14 @@ typedef struct lf_reconstruct_scratch {
     lf_row_table table;
     float (*predicted)[4]; /* [view][column] */
     float (*times)[3];     /* [column] */
-    lf_cell_at *places;    /* [LF_CELL_SIDE][view][column], as many as there are */
+    lf_cell_at *places;    /* [LF_CELL_SIDE][view][column], only as many as needed */
     struct lf_reconstruct_scratch *next;
 } lf_reconstruct_scratch;
 
-/* One that nobody uses, for a thread of any kind; made when there is none. NULL: no memory. */
+/* Takes an unused one, for any thread; makes one if there is none. NULL: no memory. */
 lf_reconstruct_scratch *lf_scratch_take(lf_reconstruction *r);
 void lf_scratch_give(lf_reconstruction *r, lf_reconstruct_scratch *scratch);
-/* Releases all, none of which may be in use. */
+/* Releases all of them; none may be in use. */
 void lf_scratch_drop(lf_reconstruction *r);
 
 #endif

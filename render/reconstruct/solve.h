@@ -4,7 +4,7 @@
 
 #include "render/reconstruct/lattice.h"
 
-/* The nodes of a band: each half and both, from the cells around. */
+/* Fits the nodes of a band: of each half and of both, from the neighbouring cells. */
 void lf_solve_band(lf_reconstruction *r, int level, int number);
 
 #endif

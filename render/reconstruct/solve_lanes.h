@@ -1,5 +1,5 @@
-/* Fits side by side, to be compiled for an instruction set (kernel.h): every loop over lanes has
- * no branch, so that compilers make vectors of it. In doubles; private to render/reconstruct. */
+/* Fits in lanes, to be compiled for an instruction set (kernel.h). Loops over lanes have no branch,
+ * so that compilers vectorise them. In double; private to render/reconstruct. */
 #ifndef LF_RENDER_RECONSTRUCT_SOLVE_LANES_H
 #define LF_RENDER_RECONSTRUCT_SOLVE_LANES_H
 
@@ -13,13 +13,14 @@ typedef double solve_lanes[LF_SOLVE_LANES];
 typedef struct solve_system {
     solve_lanes w; /* 1 over the sum of weights */
     solve_lanes mean[LF_FEATURES], scale[LF_FEATURES];
-    /* The lower triangle; then its Cholesky factor but for the diagonal, 1 over which is `inverse`.
-     */
+    /* The lower triangle; then its Cholesky factor. The reciprocal of the factor's diagonal is in
+     * `inverse`. */
     solve_lanes a[LF_FEATURES][LF_FEATURES], inverse[LF_FEATURES];
-    solve_lanes good; /* 1; 0: it is not positive definite */
+    solve_lanes good; /* 1; 0: not positive definite */
 } solve_system;
 
-/* Variances that features are known to, or matter by: below them a slope is not asked for. */
+/* Lower limits of the variances of features: their precision, or the size that matters. A smaller
+ * variance gives no slope. */
 static inline double solve_floor(int feature, double depth)
 {
     switch (feature) {
@@ -38,7 +39,7 @@ static inline double solve_floor(int feature, double depth)
     }
 }
 
-/* The floor of light is a part of the radiance. */
+/* The lower limit for light is relative to the radiance. */
 static inline void solve_scales(const lf_moments *const m[LF_SOLVE_LANES], double depth,
                                 solve_system *s)
 {
@@ -113,7 +114,7 @@ static inline void solve_back(const solve_system *s, solve_lanes x[LF_FEATURES])
     }
 }
 
-/* One channel's plane; without a factor the constant alone. */
+/* One channel's plane; only the constant if there is no factor. */
 static inline void solve_channel(const lf_moments *const m[LF_SOLVE_LANES], const solve_system *s,
                                  int c, lf_plane (*const out[LF_SOLVE_LANES])[3])
 {

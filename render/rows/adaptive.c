@@ -7,8 +7,8 @@
 
 #include "base/alloc.h"
 
-/* A tile of one row. The pilot knows a pixel's error from one difference between halves; a tile and
- * its neighbours hold enough of them. */
+/* A tile of one row. The pilot estimates a pixel's error from a single difference between halves; a
+ * tile and its neighbours contain enough of them. */
 enum { NEIGHBOURS = 2 };
 
 /* ------------------------------------------------------------------------------------ counts -- */
@@ -75,7 +75,7 @@ void lf_counts_row(const lf_counts *counts, int row, float *out)
 
 /* --------------------------------------------------------------------------------------- map -- */
 
-/* What the pilot says of a tile, sums over its pixels. */
+/* The pilot's statistics of a tile: sums over its pixels. */
 typedef struct lf_pilot_tile {
     float error, q, pixels;
     bool delta;
@@ -88,8 +88,8 @@ typedef struct lf_map_job {
     float *least;         /* [row][tile of views][tile of columns] smallest count */
     /* [row][tile of views][tile of columns] of the tile's neighbourhood, without its own row */
     double *merit;
-    double *spent; /* [row] cost of as many samples as the merits say … */
-    double *cost;  /* [row] … and of one a pixel */
+    double *spent; /* [row] cost of the sample counts by merit … */
+    double *cost;  /* [row] … and of one sample per pixel */
     atomic_bool failed;
 } lf_map_job;
 
@@ -98,7 +98,7 @@ static lf_pilot_tile *row_pilot(const lf_map_job *job, int row)
     return job->pilot + row_start(job->counts, row);
 }
 
-/* Of a base sample in the tile, in units of one that finds a pivot. */
+/* Cost of a base sample in the tile, in units of one that finds a pivot. */
 static double cost_of(const lf_pilot_tile *tile)
 {
     const double empty = 0.25;
@@ -170,16 +170,16 @@ static void judge_row(void *context, int row, int worker)
         double cost = cost_of(&tile),
                error = tile.pixels > 0.0f ? (double)(tile.error / tile.pixels) : 0.0;
         job->merit[row_start(counts, row) + (size_t)i] = sqrt(error / cost);
-        /* Where a delta lobe is met native samples are all there is: a plain sum, to which their
-         * number must not add noise. */
+        /* In tiles with a delta lobe, native samples are the only samples: a plain sum, to which
+         * their number must not add noise. */
         job->least[row_start(counts, row) + (size_t)i] = tile.delta ? 1.0f : 0.125f;
         job->spent[row] += sqrt(error / cost) * cost;
         job->cost[row] += cost;
     }
 }
 
-/* Merits become counts: scaled so that a pass costs what it costs without a map, as far as rows
- * tell that this one's pilot had no say in. */
+/* Converts merits to counts. They are scaled so that a pass costs the same as without a map, judged
+ * by rows on which this row's pilot has no influence. */
 static void map_row(void *context, int row, int worker)
 {
     const lf_map_job *job = context;
@@ -206,7 +206,7 @@ bool lf_adaptive_ready(const lf_film *film)
     return film->height > 2 * NEIGHBOURS + 1;
 }
 
-/* A restored film knows nothing of where its pilot met delta lobes: then they may be anywhere. */
+/* A restored film does not store where its pilot met delta lobes, so any tile may have them. */
 static void assume_delta(const lf_film *film, const lf_counts *counts)
 {
     size_t n = row_start(counts, counts->height);

@@ -21,14 +21,14 @@ bool lf_between_find(const lf_film *film, int row, lf_between *out)
     return at[1] - at[0] <= LF_UNSCATTERED_COARSE;
 }
 
-/* Less of a surface is not worth a look at its texture. */
+/* A smaller share of a surface does not justify a texture look-up. */
 #define LEAST_SURFACE 0.05f
 
-/* What is told apart, least and most of both rows in one column or more. */
+/* Compared quantities: minimum and maximum over both rows, in one column or more. */
 enum { PIVOTS, NEARNESS, LIGHT, KNOWN, TOLD = KNOWN + 3 };
 typedef struct told_range {
     float low[TOLD], high[TOLD];
-    float surface; /* the most of it */
+    float surface; /* the maximum */
 } told_range;
 
 static inline float lesser(float a, float b)
@@ -64,8 +64,8 @@ static void column_range(const lf_between *rows, size_t pixel, told_range *out)
     out->surface = greater(surface[0], surface[1]);
 }
 
-/* Of two columns; apart: how much nearness may differ where there is a surface. What shines through
- * media, or is seen through them, may differ as much as it would without them. */
+/* Whether two columns differ little. apart: allowed difference of nearness if there is a surface.
+ * Light through media may differ as much as without media. */
 static bool is_smooth(const told_range *a, const told_range *b, float apart)
 {
     const float least = 1e-3f, most_q = 0.25f, q = lesser(a->low[PIVOTS], b->low[PIVOTS]),

@@ -1,6 +1,6 @@
 #include "render/rows/equiangular_row.h"
 
-/* Points for each base sample that can meet anything. */
+/* Points per base sample that can meet a medium or mesh. */
 #define SHARE 0.25f
 
 static void init_plane(lf_equiangular_plane *out, const lf_equiangular_light *equiangular,
@@ -39,8 +39,8 @@ void lf_equiangular_row_init(lf_equiangular_row *row, const lf_scene *scene, con
     }
 }
 
-/* The direction from a light's foot in which a view finds it brightest, (x, true depth in the
- * plane); any where the foot is the camera. */
+/* The direction from a light's foot in which a view sees most light, (x, true depth in the plane);
+ * arbitrary if the foot is at the camera. */
 static void axis_of(const lf_equiangular_row *row, const lf_equiangular_plane *p, int view,
                     float *out_x, float *out_z)
 {
@@ -67,7 +67,8 @@ void lf_equiangular_row_draw(const lf_equiangular_row *row, int equiangular, int
     *out_z = p->z + rho * sine / sqrtf(row->my2);
 }
 
-/* The density of the angle over that of an even one; (x, z) is the unit vector from the foot. */
+/* The density of the angle relative to the uniform density; (x, z) is the unit vector from the
+ * foot. */
 static float angular(const lf_equiangular_row *row, const lf_equiangular_plane *p, int view,
                      float x, float z)
 {
@@ -97,8 +98,8 @@ float lf_equiangular_row_ratio(const lf_equiangular_row *row, const lf_light *li
         return 0.0f;
     float over = rho2 > 0.0f ? 1.0f / sqrtf(rho2) : 0.0f,
           points = p->density * angular(row, p, view, dx * over, dz * over);
-    /* c_k D_k of one view is dx^-1 Z^-2 D times the density of its samples in (X, Z), and that of
-     * the points here is absolute. */
+    /* c_k D_k of one view is dx^-1 Z^-2 D times the density of its samples in (X, Z), but the
+     * density of the points here is absolute. */
     float jacobian = row->rig->dx * z * z / row->rig->distance;
     return (float)((double)(points * jacobian / (rho2 + p->e2)) /
                    (density * (double)light->select));

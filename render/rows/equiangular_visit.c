@@ -28,7 +28,7 @@ void lf_equiangular_balance(const lf_visit *visit, const lf_pivot *pivot, int vi
             1.0f + lf_equiangular_ratio(visit, pivot, suffix->found_light, view, sum, depth);
 }
 
-/* One point: in every medium that is there, since a collision is one medium's own. */
+/* One point, in every medium that contains it, because a collision belongs to one medium. */
 static void scatter(lf_visit *visit, int equiangular, uint64_t key, uint32_t index)
 {
     lf_scratch *w = visit->worker;
@@ -71,7 +71,7 @@ bool lf_equiangular_visit(lf_visit *visit, float weight, const lf_cancel *cancel
     const lf_equiangular_row *row = &visit->worker->equiangular;
     for (int i = 0; i < row->n; i++) {
         uint64_t key = lf_hash64(visit->random, 64 + (uint64_t)i);
-        /* Rounded down behind a uniform start: the expected number. */
+        /* Rounded down after adding a uniform number, so that the mean is the expected number. */
         int points =
             (int)(row->plane[i].points * weight + lf_sampler_radical(lf_hash64(key, 0), 0));
         for (int j = 0; j < points; j++) {

@@ -101,7 +101,7 @@ static float own(const lf_visit *visit, const lf_pivot *pivot, const lf_rays *ra
     return 1.0f;
 }
 
-/* The mean over the channels, and the least of their depths. */
+/* The mean over the channels, and the minimum of their depths. */
 static float own_density(const lf_visit *visit, const lf_pivot *pivot, const lf_rays *ray,
                          float *out_depth)
 {

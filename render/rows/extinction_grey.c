@@ -1,4 +1,4 @@
-/* One density for all light. */
+/* One density for all channels. */
 #include "render/rows/extinction.h"
 
 static void depths(const lf_visit *visit, int medium)
@@ -28,7 +28,7 @@ static void spread(lf_visit *visit, lf_vec3 y, float scale)
 {
     lf_scratch *w = visit->worker;
     const lf_film_scattered one = {{y.x, y.y, y.z}, 1.0f};
-    const lf_film_sums sums = visit->sums; /* nothing is written into this copy */
+    const lf_film_sums sums = visit->sums; /* this copy is only read */
     const int views = visit->rig->n_views;
     int64_t received = 0;
     for (int k = 0; k < views; k++) {

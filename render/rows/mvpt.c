@@ -6,13 +6,13 @@
 #include "render/rows/native.h"
 #include "render/rows/prefix_factor.h"
 
-/* Directions drawn at a pivot whose surface reflects each view's light elsewhere: a lobe that is
- * narrower than the cone of views serves few of them. */
+/* Directions drawn at a pivot on a glossy surface: a lobe narrower than the view cone serves few
+ * views. */
 #define LF_GLOSSY_DIRECTIONS 4
 
-/* h_k for the views whose frame holds the pivot and who see its side (else 0), their film columns,
- * and the rays from them. Here and below base is the view that drew the pivot; < 0: none did, it
- * was drawn about a light. */
+/* Sets h_k for the views that have the pivot in their frame and see its side (else 0), their film
+ * columns, and the rays from them. Here and below, base is the view that drew the pivot; < 0: none,
+ * the point was drawn around a light. */
 static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     const lf_rig *rig = visit->rig;
@@ -27,8 +27,8 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
     visit->kernels->fans->project(&of, lf_rig_lanes(rig), &out);
     for (int k = 0; k < rig->n_views && lf_has_fault(visit, LF_FAULT_NO_H); k++)
         w->scale[k] = w->scale[k] > 0.0f ? 1.0f : 0.0f;
-    /* The base sees its own pivot whatever rounding says about the frame's edge or a grazing
-     * surface. */
+    /* The base always sees its own pivot, although rounding may contradict at the frame's edge or
+     * on a grazing surface. */
     if (base >= 0 && !(w->scale[base] > 0.0f)) {
         float lens = pivot->lx * rig->distance / rig->focus, per_pixel = 1.0f / rig->dx;
         float u = (rig->skew[base] + lens + rig->distance * w->slope[base] - rig->x0) * per_pixel;
@@ -37,8 +37,8 @@ static void geometry(const lf_visit *visit, const lf_pivot *pivot, int base)
     }
 }
 
-/* Takes views from which a surface hides the pivot out of scale, and of the others what is kept on
- * the way; the base counts as seeing it (disagreements are counted). */
+/* Clears scale[k] if a surface hides the pivot from view k; else multiplies it by the prefix
+ * factors. The base always sees its pivot; disagreements are counted. */
 static void visibility(const lf_visit *visit, const lf_pivot *pivot, int base)
 {
     lf_scratch *w = visit->worker;
@@ -66,8 +66,8 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
     if (w->media.n_here == 0)
         return;
     visit->extinction->depths(visit, surface ? -1 : pivot->medium);
-    /* At the very edge of what is occupied rounding may find nothing; the base has collided where
-     * there is something. */
+    /* At the edge of a medium, rounding may give a density of 0, but the base has collided there.
+     */
     if (!surface && base >= 0 && !(w->sigma[base] > 0.0f))
         w->sigma[base] = lf_max(
             lf_volume_sigma_t(&visit->scene->volumes[pivot->event.volume], pivot->event.p), 1e-6f);
@@ -78,8 +78,8 @@ static void prefixes(const lf_visit *visit, const lf_pivot *pivot, int base)
     }
 }
 
-/* Expected counts of the pixels that the pivot projects to; views whose pixel nobody reads are left
- * out. */
+/* Expected counts of the pixels that the pivot projects to; views whose pixel no reader needs are
+ * excluded. */
 static void counts(const lf_visit *visit, int base, int column)
 {
     lf_scratch *w = visit->worker;
@@ -96,7 +96,8 @@ static void counts(const lf_visit *visit, int base, int column)
     }
 }
 
-/* The densities of all strategies, c_k D_k, whose sum is `sum` where all c_k are 1; returns it. */
+/* The densities of all strategies, c_k D_k. sum is their sum if all c_k are 1; returns the actual
+ * sum. */
 static float strategies(const lf_visit *visit, float sum)
 {
     lf_scratch *w = visit->worker;
@@ -112,8 +113,8 @@ static float strategies(const lf_visit *visit, float sum)
     return sum;
 }
 
-/* What views receive in place of what samples are drawn with, which stays in the sum over
- * strategies: D_k becomes D_k R_k. false = nothing is there. */
+/* Replaces the sampling densities by the densities that views receive: D_k becomes D_k R_k. The sum
+ * over strategies is unchanged. false: all are 0. */
 static bool receive(const lf_visit *visit, const lf_pivot *pivot)
 {
     lf_scratch *w = visit->worker;
@@ -142,7 +143,7 @@ static float realised_sum(const lf_visit *visit, int base)
     return sum * (float)visit->rig->n_views / (float)visit->subsets;
 }
 
-/* The lobe does not depend on the view: one radiance for all. */
+/* The lobe does not depend on the view: one radiance for all views. */
 static void spread_uniform(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
                            lf_vec3 wo, float sum)
 {
@@ -194,7 +195,7 @@ static void mix_second_lobe(lf_visit *visit, const lf_second_lobe *second, lf_ve
     }
 }
 
-/* The directions to the views in a surface's frame: linear in the slope but for their length. */
+/* The directions to the views in a surface's frame: linear in the slope except for their length. */
 void lf_fan_look_back(const lf_visit *visit, const lf_hit *hit)
 {
     lf_scratch *w = visit->worker;
@@ -211,7 +212,7 @@ void lf_fan_look_back(const lf_visit *visit, const lf_hit *hit)
     }
 }
 
-/* One term a channel: colours belong to one direction. */
+/* One term per channel, because colours belong to one direction. */
 static void tint_channels(lf_fan_lobes *lobes, int n)
 {
     for (int k = 0; k < n && lobes->n_terms > 0; k++) {
@@ -228,7 +229,7 @@ static void tint_channels(lf_fan_lobes *lobes, int n)
     lobes->colour[2] = lf_v3(0.0f, 0.0f, 1.0f);
 }
 
-/* Adds what is mirrored by the surface (lf_hit_bent_normal). */
+/* Adds the mirrored lobe of a bent normal (lf_hit_bent_normal). */
 static void fold(const lf_visit *visit, const lf_hit *hit, lf_vec3 wi, lf_fan_lobes *out)
 {
     const lf_material *material = lf_hit_material(hit);
@@ -289,7 +290,7 @@ static void add_lobes(lf_visit *visit, const lf_fan_lobes *f, lf_vec3 radiance)
         w->tracer.nonfinite++;
         return;
     }
-    /* below 0 where a control said too much */
+    /* below 0 if a control variate was too large */
     if (radiance.x == 0.0f && radiance.y == 0.0f && radiance.z == 0.0f)
         return;
     for (int t = 0; t < f->n_terms; t++)
@@ -310,9 +311,9 @@ static void add_weights(lf_visit *visit, float scale)
     }
 }
 
-/* W' of every view: what the direction would weigh, whatever is reflected along it; over = 0: there
- * is none. Views from below the shading horizon draw no directions and see nothing: their share of
- * W. */
+/* W' of every view: the weight of the direction, independent of the light along it; over = 0: no
+ * direction. Views from below the shading horizon draw no directions and receive nothing; they get
+ * their share of W. */
 static void add_directional(lf_visit *visit, const lf_pivot *pivot, float over, float sum)
 {
     lf_scratch *w = visit->worker;
@@ -343,7 +344,7 @@ static void spread_light(lf_visit *visit, const lf_pivot *pivot, const lf_suffix
         lf_scale(light->radiance, pivot->forced_weight * suffix->light_visible / denominator));
 }
 
-/* One of n directions, in balance with the light sample. */
+/* One of n directions, weighted against the light sample. */
 static void spread_direction(lf_visit *visit, const lf_pivot *pivot, const lf_suffix *suffix,
                              float sum, int n)
 {
@@ -363,7 +364,7 @@ static void spread_direction(lf_visit *visit, const lf_pivot *pivot, const lf_su
         add_directional(visit, pivot, over, (float)n * sum);
 }
 
-/* The way back to view k with probability c_k D_k / sum, u in [0, 1). */
+/* The direction back to view k with probability c_k D_k / sum, u in [0, 1). */
 static lf_vec3 some_way_back(const lf_visit *visit, const lf_pivot *pivot, float u, float sum)
 {
     const lf_scratch *w = visit->worker;
@@ -377,9 +378,9 @@ static lf_vec3 some_way_back(const lf_visit *visit, const lf_pivot *pivot, float
         lf_sub(lf_rig_point(visit->rig, w->x0[view], visit->plane.ly, 0.0f), pivot->event.p));
 }
 
-/* The lobe depends on the view: balance over all views' lobes and light sampling. Further
- * directions come from the base's own lobe, too, or from the lobes of other views, evenly over the
- * sum of densities: on the average over bases the density is sum_k c_k D_k pdf_k. */
+/* The lobe depends on the view: balance heuristic over all views' lobes and light sampling. Further
+ * directions are drawn from the base's own lobe, too, or from the lobes of other views, in
+ * proportion to their densities. Averaged over bases, the density is sum_k c_k D_k pdf_k. */
 static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suffix, float sum)
 {
     bool surface = pivot->event.kind == LF_EVENT_SURFACE;
@@ -402,7 +403,7 @@ static void spread_lobes(lf_visit *visit, const lf_pivot *pivot, lf_suffix *suff
     }
 }
 
-/* A pane weighs as everything that is met does, in W and in W'; what it reflects is native. */
+/* Thin glass has weight in W and in W' like any hit; its reflection is native. */
 static void spread_thin(lf_visit *visit, const lf_pivot *pivot, float sum)
 {
     lf_scratch *w = visit->worker;
@@ -429,7 +430,7 @@ static float fan(lf_visit *visit, int base, int column, const lf_pivot *pivot)
     return lf_has_fault(visit, LF_FAULT_REALISED) && base >= 0 ? realised_sum(visit, base) : sum;
 }
 
-/* What the densities of the fan leave out: the smallest depth (lf_kernels.densities). */
+/* The smallest depth, which the densities of the fan omit (lf_kernels.densities). */
 static float least_depth(const lf_visit *visit)
 {
     const lf_scratch *w = visit->worker;
@@ -468,7 +469,7 @@ static void pivot_mvpt(lf_visit *visit, int view, int column, const lf_pivot *pi
         spread_uniform(visit, pivot, &suffix, wo, sum);
 }
 
-/* A point about a light serves all views that see it, beside their own base samples. */
+/* A point around a light serves all views that see it, in addition to their own base samples. */
 static void equiangular_mvpt(lf_visit *visit, int view, const lf_pivot *pivot,
                              const lf_light_sample *light)
 {

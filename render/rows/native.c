@@ -6,9 +6,9 @@
 #include "render/transport/surface/surface_glass.h"
 #include "render/transport/surface/surface_texture.h"
 
-/* Whether base samples follow delta lobes also where pixels have samples of their own
- * (sample_mirrors): only if all get as many base samples, or as many as the map expects, or there
- * are no others. Those with one more than others would be brighter by it. */
+/* Whether base samples follow delta lobes also in pixels with samples of their own
+ * (sample_mirrors). Only if all pixels get equally many base samples, or as many as the map
+ * expects, or if there are no others. Otherwise pixels with one more would be brighter. */
 static bool base_counts(const lf_visit *visit)
 {
     return visit->mirror_rounds == 0 || visit->expected ||
@@ -42,9 +42,9 @@ static lf_vec3 weight_of(const lf_visit *visit, int view, size_t pixel, const lf
     return lf_scale(channels, weight);
 }
 
-/* Whether what is scattered behind the delta lobes of a first surface stands in N, with a weight, a
- * q and features of its own: where that surface has no lobe of its own in them, and pictures are
- * reconstructed. */
+/* Whether light scattered behind the delta lobes of a first surface goes to N, with its own weight,
+ * q and features. So it is if that surface has no other lobe and the film has features for the
+ * reconstruction. */
 static bool stands_apart(const lf_visit *visit, const lf_pivot *pivot)
 {
     return visit->sums.feature && visit->mirror_rounds > 0 &&
@@ -66,8 +66,8 @@ static void chain_begin(const lf_visit *visit, int view, const lf_pivot *pivot, 
                             .forward = 1.0f / sqrtf(1.0f + slope * slope + my * my)};
 }
 
-/* The albedo of a visit's pixel, that has one already, likewise. Colour that the chain itself has,
- * such as tinted glass, may be more than 1 beside the mean: what is above stays in R. */
+/* Updates the albedo of a visit's pixel in the same way. The colour of the chain itself, for
+ * example tinted glass, may exceed 1 relative to the mean; the excess stays in R. */
 static void note_chain_albedo(const lf_visit *visit, size_t pixel, float q,
                               const lf_delta_chain *chain)
 {
@@ -81,18 +81,18 @@ static void note_chain_albedo(const lf_visit *visit, size_t pixel, float q,
         lf_film_note_albedo(&visit->sums, pixel, albedo);
 }
 
-/* q and features of a visit's pixel, that has others already: of what it meets itself, if not all
- * of it is smooth. */
+/* Updates q and features of a visit's pixel, which already describe its own surface if that is not
+ * all smooth. */
 static void note_chain(const lf_visit *visit, size_t pixel, float q, const lf_delta_chain *chain)
 {
     const float inverse = 1.0f / chain->weight, nearness = chain->nearness * inverse,
                 variance = chain->nearness2 * inverse - nearness * nearness,
                 before = visit->sums.half.q[pixel];
-    lf_feature feature = {.nearness = lf_min(nearness, LF_NEARNESS_MAX),
-                          .spread = sqrtf(lf_max(variance, 0.0f)),
-                          .surface =
-                              1.0f, /* the mirror is one, whatever it shows (renderer_layers.c) */
-                          .light = chain->light * inverse};
+    lf_feature feature = {
+        .nearness = lf_min(nearness, LF_NEARNESS_MAX),
+        .spread = sqrtf(lf_max(variance, 0.0f)),
+        .surface = 1.0f, /* a mirror counts fully, whatever it shows (renderer_layers.c) */
+        .light = chain->light * inverse};
     if (q < 0.0f)
         feature = visit->sums.feature[pixel];
     else if (before > 0.0f)
@@ -103,8 +103,8 @@ static void note_chain(const lf_visit *visit, size_t pixel, float q, const lf_de
     lf_film_pivots(&visit->sums, pixel, before + q);
 }
 
-/* What was found goes to M and, apart from it, to N. What N has there to be divided by is known of
- * each sample, and so is q: the mean of it. */
+/* Light goes to M and, for light that stands apart, to N. The divisor of N is known for each
+ * sample, and so is q: its mean. */
 static void chain_end(lf_visit *visit, int view, int column, const lf_pivot *pivot,
                       const lf_delta_chain *chain)
 {
@@ -126,8 +126,8 @@ static void chain_end(lf_visit *visit, int view, int column, const lf_pivot *piv
     note_chain(visit, pixel, w * (float)visit->rig->n_views / (float)visit->subsets, chain);
 }
 
-/* What a veil sends out by itself: native, as how much of it is there is a matter of chance for a
- * sample; of other surfaces it is known (unscattered.c). */
+/* The emission of an alpha surface: native, because a sample ends on it at random. The emission of
+ * other surfaces is known (unscattered.c). */
 static void add_emission_of_alpha(lf_visit *visit, int view, int column, const lf_pivot *pivot)
 {
     const lf_hit *hit = &pivot->event.hit;

@@ -84,14 +84,14 @@ typedef struct corner {
     int material[LF_MAX_LANES];
     uint32_t triangle[LF_MAX_LANES]; /* NO_TRIANGLE: not known, or none */
     float nearness[LF_MAX_LANES];
-    float through[LF_MAX_LANES]; /* what veils let through */
+    float through[LF_MAX_LANES]; /* transmittance of alpha surfaces */
 } corner;
 
-/* An edge of the row, the upper one and the lower one: what its plane cuts. */
+/* An edge of the row, upper or lower: the sections cut by its plane. */
 enum { EDGES = 2 };
 typedef struct row_edge {
     lf_row_plane plane;
-    lf_section *section, *alphas; /* veils: NULL where there are none */
+    lf_section *section, *alphas; /* alpha surfaces: NULL if there are none */
 } row_edge;
 
 static void cut_edge(const lf_visit *visit, int edge, row_edge *out)
@@ -111,7 +111,7 @@ static void cut_edge(const lf_visit *visit, int edge, row_edge *out)
         out->alphas = NULL;
 }
 
-/* comparable: triangles from this number on are not told. */
+/* comparable: triangles from this number on are not identified. */
 static void look(const lf_visit *visit, const row_edge *edge, int column, uint32_t comparable,
                  corner *out)
 {
@@ -138,8 +138,8 @@ static void look(const lf_visit *visit, const row_edge *edge, int column, uint32
     }
 }
 
-/* Marks the views whose rays of two corners meet other surfaces, or depths that no surface between
- * could have unless it is one triangle, or of which veils let much more of one through. */
+/* Marks the views whose rays at two corners meet other surfaces, depths that no surface between
+ * could have (unless it is one triangle), or very different transmittances of alpha surfaces. */
 static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool *out)
 {
     const float steepest = 3.0f, apart = steepest * rig->dx / rig->distance, most_alpha = 0.25f;
@@ -150,8 +150,8 @@ static void mark_torn(const lf_rig *rig, const corner *a, const corner *b, bool 
                   (fabsf(a->through[k] - b->through[k]) > most_alpha);
 }
 
-/* What lies between two corners of one triangle is no outline. But a ground seen from low above has
- * much of itself in a pixel, and under suns edges of shadows. */
+/* Two corners on one triangle have no outline between them. Exception: a ground seen at a low angle
+ * varies within a pixel, and under suns it has shadow edges. */
 static uint32_t comparable_triangles(const lf_visit *visit)
 {
     const bool suns =
@@ -168,7 +168,7 @@ static bool look_at_row(const lf_visit *visit)
     uint32_t any = 0;
     corner at[2][EDGES];
     row_edge edges[EDGES];
-    bool between[2][LF_MAX_LANES]; /* the upper corner and the lower one */
+    bool between[2][LF_MAX_LANES]; /* of the upper corner and of the lower one */
     memset(at, 0, sizeof at);
     for (int edge = 0; edge < EDGES; edge++)
         cut_edge(visit, edge, &edges[edge]);
@@ -207,7 +207,7 @@ bool lf_outlines_find(const lf_visit *visit)
 
 /* ------------------------------------------------------------------------- their film points -- */
 
-/* What a pixel's film points have said. */
+/* Sums over a pixel's film points. */
 typedef struct lf_unscattered_pixel {
     float q, known[3], albedo[LF_ALBEDO_NUMBERS];
     lf_feature feature;
@@ -245,9 +245,8 @@ static void mix_pixel(const lf_visit *visit, size_t i, const lf_unscattered_pixe
         visit->worker->mirrors[i] |= had->mirror;
 }
 
-/* One more film point of those of the views [first, end) of a column that want it, which have had
- * n.
- */
+/* Takes one more film point for those of the views [first, end) of a column that need it and have
+ * had n. */
 static void take_point(const lf_unscattered *e, int column, int first, int end, int n)
 {
     const lf_visit *visit = e->visit;
@@ -289,7 +288,7 @@ static float quarters_on(float x, int quarters)
     return sum < 1.0f ? sum : sum - 1.0f;
 }
 
-/* Of planes across, so that the first visit's film points are no line. */
+/* Order across the pixel, chosen so that the first visit's film points do not lie on a line. */
 static const int quarters_across[FIRST_PLANES] = {0, 2, 1, 3};
 
 float lf_outlines_row(uint64_t offsets, uint32_t index, int plane)

@@ -17,7 +17,7 @@ static void alphas_between(const lf_visit *visit, const lf_pivot *pivot)
     lf_alphas_before(&alphas, pivot->event.p, on, lf_rig_lanes(visit->rig), w->x0, w->scale);
 }
 
-/* Base rays end on them by chance, which is all that one view's own pixel has to know. */
+/* Base rays end on alpha surfaces at random, so one view's own pixel needs no further factor. */
 static const lf_prefix_factor alphas = {
     .applies = scene_has_alphas, .between = alphas_between, .along = lf_unscattered_alphas};
 
@@ -26,7 +26,7 @@ static bool has_thin_glass(const lf_visit *visit)
     return lf_has(visit->scene, LF_TRAIT_THIN_GLASS);
 }
 
-/* A pane is met by the share of each view's light that does not come through. */
+/* Thin glass is met with the probability of the light that it does not transmit, for each view. */
 static void thin_glass_at(const lf_visit *visit, const lf_pivot *pivot)
 {
     lf_scratch *w = visit->worker;
@@ -37,7 +37,7 @@ static void thin_glass_at(const lf_visit *visit, const lf_pivot *pivot)
         w->scale[k] *= 1.0f - lf_thin_passes(pivot->event.hit.material, w->local[2][k]);
 }
 
-/* Along rays and before pivots they are veils. */
+/* Along rays and in front of pivots it acts like an alpha surface. */
 static const lf_prefix_factor thin_glass = {.applies = has_thin_glass, .at = thin_glass_at};
 
 /* ------------------------------------------------------------------------------- corrections -- */
@@ -79,8 +79,8 @@ static bool correct(const lf_visit *visit, const lf_pivot *pivot, const lf_rays 
     return true;
 }
 
-/* Where media are thin 1 - T is what is wanted: a point for every other fan, at least. What a
- * coarse visit finds is that of slices. */
+/* In thin media 1 - T matters, so at least every other fan gets a point. A coarse visit uses the
+ * slices without correction. */
 static void correct_along(const lf_unscattered *e, const lf_unscattered_rays *fan)
 {
     lf_scratch *w = e->visit->worker;

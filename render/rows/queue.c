@@ -20,8 +20,8 @@ void lf_queue_push(lf_queue *queue, lf_visit *visit, int view, int column, const
         lf_queue_flush(queue, visit);
 }
 
-/* The suffix of a pivot whose every view is sent the same: the mean of what its directions bring,
- * what they found in balance with the light sample. */
+/* The suffix of a pivot that sends the same to every view: the mean over its directions, whose
+ * light is weighted against the light sample. */
 static void take_mean(const lf_queue *queue, const lf_scene *scene, int at, lf_suffix *out)
 {
     const lf_batch_pivot *pivot = &queue->batch.pivot[at];
@@ -38,11 +38,11 @@ static void take_mean(const lf_queue *queue, const lf_scene *scene, int at, lf_s
         out->wi = k == 0 ? one.wi : out->wi;
     }
     out->has_direction = true;
-    if (pivot->has_light && !pivot->light.delta) /* one of n is counted where it is spread */
+    if (pivot->has_light && !pivot->light.delta) /* one of n is accounted for when it is spread */
         out->light.pdf += (n - 1.0f) * lf_volume_phase(volume, pivot->w, pivot->light.wi);
 }
 
-/* The suffix of a pivot: where every view is sent the same, one; else a chain of them. */
+/* The suffix of a pivot: one if it sends the same to every view; else a chain of suffixes. */
 static void take_suffixes(const lf_queue *queue, const lf_scene *scene, int at, bool same,
                           lf_suffix out[LF_BATCH_EACH])
 {

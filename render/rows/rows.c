@@ -1,4 +1,4 @@
-/* What rows of one scene and rig share: made once, and driven by the renderer. */
+/* Data that all rows of one scene and rig share: made once, and driven by the renderer. */
 #include "render/rows/rows.h"
 
 #include <stdlib.h>
@@ -16,7 +16,7 @@ static const lf_integrator_entry *entry(int index)
     return index >= 0 && index < N_SHARINGS ? &table[index]->entry : NULL;
 }
 
-/* What keeps every pivot to itself, for samples that one pixel asks for. */
+/* The sharing that keeps every pivot in its own pixel, for samples of single pixels. */
 static const lf_sharing *find_native(void)
 {
     int i = 0;
@@ -104,7 +104,7 @@ static lf_status make_queues(lf_rows *rows, const lf_sharing *sharing)
     return rows->queues ? LF_OK : LF_E_NOMEM;
 }
 
-/* What the scene needs of the film; sky where B is not stored. */
+/* The scene's requirements for the film; sky if B is not stored. */
 static lf_film_layout film_layout(const lf_scene *scene, const lf_render_settings *settings,
                                   const lf_rig *rig, float sky[3])
 {
@@ -128,11 +128,11 @@ static lf_film_layout film_layout(const lf_scene *scene, const lf_render_setting
                                 settings->features && lf_has(scene, LF_TRAIT_VARYING_ALBEDO)};
 }
 
-/* Where surfaces have edges a picture needs many row offsets and film points of B and q, which all
- * views of a visit share: a third of a cycle, by a divisor of n. Media alone are smooth, and their
- * slices want whole cycles; so does what shares nothing. A visit sees one moment: where anything
- * moves it is a fifth as long (relMSE of scenes/motion.json after equal time: vpt 1.3, mvpt 2
- * times less). */
+/* Passes per visit. Edges of surfaces need many row offsets and film points of B and q, which all
+ * views of a visit share: a third of a cycle, rounded to a divisor of n. Media alone are smooth,
+ * and their slices pay off over whole cycles; so does an integrator that shares nothing. A visit
+ * has one shutter time, so with motion it is a fifth as long. (Equal-time relMSE of
+ * scenes/motion.json: vpt 1.3 times less, mvpt 2 times.) */
 static int passes_of_a_visit(const lf_scene *scene, bool moves, const lf_sharing *sharing, int n)
 {
     const bool shares = scene->embree && sharing->entry.shares;
@@ -158,7 +158,7 @@ static void destroy(void *state)
     lf_free(rows);
 }
 
-/* Where the rig is while the shutter is open: where it stands still, one. */
+/* The rig at several shutter times; one if it does not move. */
 typedef struct rig_track {
     int n;
     lf_rig at[LF_RIG_MOMENTS];
@@ -173,7 +173,7 @@ static void find_track(const lf_rows *rows, rig_track *out)
             out->at[i] = rows->rig;
 }
 
-/* The memory: everything that can fail for want of it. */
+/* Allocates everything, so that later steps cannot run out of memory. */
 static lf_status make_memory(lf_rows *rows, const lf_sharing *sharing, const lf_film_layout *layout,
                              const rig_track *track)
 {
@@ -252,8 +252,8 @@ static lf_status create(const lf_integrator_input *input, int index, void **out_
 
 /* ------------------------------------------------------------------------------------ visits -- */
 
-/* Behind the pilot of an adaptive integrator: its map, once. Failing to make it costs nothing but
- * its gain. */
+/* Makes the map of an adaptive integrator once, after its pilot. If this fails, only the gain is
+ * lost. */
 static void begin(void *state, const lf_pass *pass)
 {
     lf_rows *rows = state;

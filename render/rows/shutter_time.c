@@ -6,7 +6,7 @@
 #include "render/transport/light/equiangular.h"
 #include "render/transport/light/light_kind.h"
 
-/* Floats that a mesh has of its own: those that Embree would read behind the last included. */
+/* Number of own floats of a mesh, including the padding that Embree reads. */
 static size_t size_of(const lf_mesh *mesh)
 {
     const size_t n = (size_t)mesh->n_vertices;
@@ -15,7 +15,7 @@ static size_t size_of(const lf_mesh *mesh)
     return 3 * n + (mesh->normals ? 3 * n : 0) + (mesh->tangents ? 4 * n : 0);
 }
 
-/* Copies of all that has a way: grids and ways stay the scene's. */
+/* Copies everything that moves; grids and motions stay the scene's. */
 static bool copy_media(lf_shutter_time *shutter, const lf_scene *scene)
 {
     size_t n = (size_t)scene->n_volumes, n_emissive = (size_t)scene->emissive.n;
@@ -80,7 +80,7 @@ void lf_shutter_time_finish(lf_shutter_time *shutter)
     *shutter = (lf_shutter_time){0};
 }
 
-/* open NULL: nothing. Eight at once, which compilers make vectors of. */
+/* open NULL: no effect. Eight at once, which compilers vectorise. */
 static void put(float *restrict out, const float *restrict open, const float *restrict close,
                 size_t n, float time)
 {
@@ -93,7 +93,7 @@ static void put(float *restrict out, const float *restrict open, const float *re
         out[i] = open[i] + time * (close[i] - open[i]);
 }
 
-/* The arrays of a moment's meshes are its own. */
+/* The arrays of interpolated meshes are owned. */
 static float *own(const float *array)
 {
     return (float *)(uintptr_t)array;
@@ -114,7 +114,8 @@ static void move_media(lf_scene *scene, float time)
 void lf_shutter_time_set(lf_shutter_time *shutter, const lf_moving *moving, float time)
 {
     const lf_scene *scene = moving->scene;
-    /* A camera that goes through its target is none then: the frame's stands in. */
+    /* A camera that passes through its target is invalid at that time; the frame's camera replaces
+     * it. */
     if (moving->settings.camera.moves && lf_rig_init_at(&shutter->rig, &moving->settings,
                                                         scene->origin, (double)time, NULL) != LF_OK)
         shutter->rig = moving->rig;

@@ -1,7 +1,7 @@
-/* B and q: what is known without sampling paths. A fan of one ray per view runs through one film
- * point of each pixel column: its rays share y and z steps, so one march gives the exit
- * transmittances of all views' pixels in that column at once (docs/developer/estimators.md, "6.
- * Optical depth to all views"). */
+/* B and q: light that is known without sampling paths. A fan of one ray per view passes through one
+ * film point of each pixel column. Its rays share y and z steps, so one march gives the
+ * transmittance to all views' pixels in that column (docs/developer/estimators.md, "6. Optical
+ * depth to all views"). */
 #include <string.h>
 
 #include "render/rows/extinction.h"
@@ -11,7 +11,7 @@
 #include "render/transport/path/sunlight.h"
 #include "render/transport/surface/surface_texture.h"
 
-/* The triangle of a segment, kept in one of n faces. */
+/* The triangle of a segment, cached in one of n faces. */
 static const lf_fan_face *face_in(const lf_visit *visit, const lf_row_cut *cut, lf_fan_face *faces,
                                   int n, int segment)
 {
@@ -35,7 +35,7 @@ static const lf_fan_face *face_of(const lf_visit *visit, int segment)
     return face_in(visit, &section, w->met.face, LF_FAN_FACES, segment);
 }
 
-/* Where ray k is at depth z. */
+/* The point of ray k at depth z. */
 static lf_vec3 place_of(const lf_visit *visit, int k, float z, lf_vec3 *out_along)
 {
     const lf_scratch *w = visit->worker;
@@ -43,7 +43,7 @@ static lf_vec3 place_of(const lf_visit *visit, int k, float z, lf_vec3 *out_alon
     return lf_madd(lf_rig_point(visit->rig, w->x0[k], visit->plane.ly, 0.0f), z, *out_along);
 }
 
-/* Where ray k meets a surface, at depth z. */
+/* The hit of ray k on a surface at depth z. */
 static void hit_of(const lf_visit *visit, int k, float z, const lf_fan_face *face,
                    lf_vec3 *out_along, lf_hit *out)
 {
@@ -77,10 +77,10 @@ static lf_vec3 emission_of(const lf_visit *visit, int k, const lf_material *mate
     return lf_hit_material(&hit)->emission;
 }
 
-/* One ray's known light, what volumes emit along it included, and pivot probability; material: of
- * the surface it meets, NULL: none; q_medium: what media take of light, along the whole ray or to
- * the surface, and transmittance what they leave; sky: what is behind it all, NULL: to be looked
- * up. */
+/* Stores the known light of one ray, including volume emission along it, and its pivot probability.
+ * material: of the surface that it meets, NULL: none. q_medium: fraction of light lost in media,
+ * along the whole ray or up to the surface; transmittance: the remainder. sky: the light behind,
+ * NULL: look it up. */
 static void write_known(const lf_visit *visit, size_t pixel, int k, const lf_material *material,
                         float q_medium, lf_vec3 transmittance, const lf_vec3 *sky)
 {
@@ -123,8 +123,8 @@ static float sunlight_of(const lf_visit *visit, int k, float z, const lf_fan_fac
                                  lf_scale(along, -1.0f / visit->worker->length[k]));
 }
 
-/* Where another ray through ray k's pixel meets the plane of what ray k meets at depth z. off: from
- * the slopes of ray k to its. Along the face ray k itself has to do. */
+/* The point where another ray through ray k's pixel meets the plane of ray k's surface at depth z.
+ * off: slope difference of the other ray. For a grazing face ray k's own point is used. */
 static lf_vec3 beside_at(const lf_visit *visit, int k, float z, const lf_face *face,
                          const float off[2])
 {
@@ -147,7 +147,7 @@ static void albedo_at(const lf_visit *visit, int k, float z, const lf_fan_face *
                       lf_rig_spread(visit->rig) * z, out);
 }
 
-/* What is not told by a surface: what media scatter is smooth. */
+/* Albedo for light that is not from surfaces: scattering by media is smooth. */
 static const float no_albedo[LF_ALBEDO_NUMBERS] = {1.0f, 1.0f, 1.0f, 0.0f};
 
 static void mix_albedo(float albedo[LF_ALBEDO_NUMBERS], const float other[LF_ALBEDO_NUMBERS],
@@ -157,8 +157,8 @@ static void mix_albedo(float albedo[LF_ALBEDO_NUMBERS], const float other[LF_ALB
         albedo[c] += share * (other[c] - albedo[c]);
 }
 
-/* Of the surface that ray k meets, of which this share is not hidden by media, and of the veils
- * before it, of which that is seen. */
+/* Albedo of the surface that ray k meets, weighted by the share that media do not hide, and of the
+ * alpha surfaces in front of it, weighted by their visible share. */
 static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surface, float alphas,
                          const float off[2])
 {
@@ -176,10 +176,10 @@ static void write_albedo(const lf_visit *visit, size_t pixel, int k, float surfa
 
 /* ---------------------------------------------------------------------------------- features -- */
 
-/* Less of a surface is not worth a look at its light. */
+/* A smaller visible share of a surface does not justify looking up its light. */
 #define LEAST_SEEN 1e-3f
 
-/* What ray k sees of one veil at depth z; share: of the ray. */
+/* Adds one alpha surface at depth z to the features of ray k; share: of the ray. */
 static void see_alpha(const lf_unscattered *e, int k, int segment, float z, float share,
                       const float off[2], lf_alpha_seen *out)
 {
@@ -193,7 +193,7 @@ static void see_alpha(const lf_unscattered *e, int k, int segment, float z, floa
         const lf_fan_face *face =
             face_in(e->visit, &alphas, w->alpha.face, LF_ALPHA_FACES, segment);
         const bool thin = face->face.material->glass.is_thin;
-        if (thin) /* it counts in q and W, and sends nothing */
+        if (thin) /* counts in q and W, and sends no light */
             memset(met, 0, sizeof met);
         else if (albedo)
             albedo_at(e->visit, k, z, face, off, met);
@@ -207,7 +207,7 @@ static void see_alpha(const lf_unscattered *e, int k, int segment, float z, floa
     out->spread = sqrtf((1.0f - part) * (out->spread * out->spread + part * (apart * apart)));
 }
 
-/* What ray k sees of all veils that it crosses; media among them are not looked at. */
+/* The alpha surfaces that ray k crosses, ignoring media among them. */
 static void see_alphas(const lf_unscattered *e, int k, const float off[2])
 {
     const lf_alpha_crossings *ray = &e->visit->worker->alpha.walk.ray[k];
@@ -223,7 +223,7 @@ static void see_alphas(const lf_unscattered *e, int k, const float off[2])
     out->light /= out->cover > 0.0f ? out->cover : 1.0f;
 }
 
-/* Puts veils before a feature of which q is known; what they have of all pivots. */
+/* Adds alpha surfaces in front of a feature with known q; returns their share of all pivots. */
 static float add_alphas(const lf_alpha_seen *alphas, float q, lf_feature *feature)
 {
     const float behind = alphas->left * q;
@@ -244,7 +244,7 @@ static float add_alphas(const lf_alpha_seen *alphas, float q, lf_feature *featur
     return part;
 }
 
-/* What one ray met that scatters, q of it known: a medium, or behind it a surface. */
+/* The feature of one ray with known q: a medium, or a surface behind it. */
 static void write_feature(const lf_unscattered *e, size_t pixel, int k, bool lobe,
                           const float off[2])
 {
@@ -332,7 +332,8 @@ float lf_unscattered_film_point(uint64_t key, int column, uint32_t index)
                               index);
 }
 
-/* The groups of lanes [*from, *to) that hold all views which can meet something in this column. */
+/* The groups of lanes [*from, *to) that contain all views which can meet anything in this column.
+ */
 static void lanes_of(const lf_reach *reach, int n_views, int column, int *from, int *to)
 {
     int first = n_views, last = -1;

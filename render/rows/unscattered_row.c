@@ -1,4 +1,5 @@
-/* The fans of a row: of every column, or, in a coarse visit, of those where something changes. */
+/* The fans of a row: of every column or, in a coarse visit, of the columns where something changes.
+ */
 #include <string.h>
 
 #include "render/rows/outlines.h"
@@ -53,7 +54,7 @@ static bool is_torn(const lf_unscattered *e, const lf_fan_end *a, const lf_fan_e
     return a->material[k] != b->material[k] || fabsf(a->nearness[k] - b->nearness[k]) > apart;
 }
 
-/* Whether view k sees a texture, of which the columns between know nothing. */
+/* Whether view k sees a texture, which cannot be interpolated between columns. */
 static bool sees_texture(const lf_unscattered *e, const lf_fan_end *at, int k)
 {
     const int material = at->material[k];
@@ -62,8 +63,7 @@ static bool sees_texture(const lf_unscattered *e, const lf_fan_end *at, int k)
             e->visit->scene->materials[material].textures);
 }
 
-/* Whether an edge runs between two columns of view k: what is seen there would be torn to a ramp.
- */
+/* Whether an edge lies between two columns of view k: interpolation would turn it into a ramp. */
 static bool has_edge(const lf_unscattered *e, const lf_fan_end *a, const lf_fan_end *b, int k)
 {
     const float most_q = 0.1f;
@@ -73,8 +73,8 @@ static bool has_edge(const lf_unscattered *e, const lf_fan_end *a, const lf_fan_
            b->has_alphas[k] || sees_texture(e, a, k) || sees_texture(e, b, k);
 }
 
-/* What a column between two others gets, t of the way from a to b; what has more of the pivots
- * counts for more in what they are like. */
+/* Interpolates a column between two others, at t from a to b; features are weighted by the pivots.
+ */
 static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b, float t)
 {
     const lf_film_sums *sums = &visit->sums;
@@ -104,8 +104,8 @@ static void interpolate(const lf_visit *visit, size_t pixel, size_t a, size_t b,
     lf_film_note_albedo(sums, pixel, albedo);
 }
 
-/* The columns between two fans of these groups of views: followed where a group has an edge there.
- */
+/* The columns between two fans of these groups of views: traced if a group has an edge there, else
+ * interpolated. */
 static void fill_between(const lf_unscattered *e, const lf_fan_end *a, const lf_fan_end *b,
                          uint32_t groups)
 {
@@ -137,7 +137,7 @@ static void fill_between(const lf_unscattered *e, const lf_fan_end *a, const lf_
     }
 }
 
-/* Nothing is looked for in what lies between other rows; fans follow. */
+/* Marks pixels between other rows as not computed; the fans follow. */
 static void leave_smooth(const lf_unscattered *e)
 {
     const lf_rig *rig = e->visit->rig;
@@ -169,8 +169,8 @@ static void coarse_row(const lf_unscattered *e)
     }
 }
 
-/* Marks the neighbours too: rays of a row lie in one plane, so where a delta lobe begins or ends
- * one of its pixels has found it. */
+/* Marks the neighbours too: rays of a row lie in one plane, so at the border of a delta lobe one of
+ * the neighbouring pixels has found it. */
 static void widen(bool *mirrors, int n_views, int width)
 {
     for (int view = 0; view < n_views; view++, mirrors += width) {
@@ -183,7 +183,8 @@ static void widen(bool *mirrors, int n_views, int width)
     }
 }
 
-/* Contributions that this visit gives a view pixel, on average where a map has other numbers. */
+/* Number of contributions that this visit adds to a view pixel; the mean, if a map gives other
+ * numbers. */
 static float contributions(const lf_visit_plan *plan)
 {
     float paths = (float)plan->order.subsets / (float)plan->order.column_step;
@@ -203,7 +204,7 @@ static void choose_quarter(lf_unscattered *e)
     e->down = visit->plane.ly != 0.0f ? 0.0f : of_quarter.my - visit->plane.my;
 }
 
-/* What is said of a visit's plane. */
+/* Data of a visit's plane. */
 static lf_unscattered begin(const lf_visit *visit)
 {
     lf_scratch *w = visit->worker;

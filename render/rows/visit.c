@@ -1,4 +1,5 @@
-/* A visit of a row: plane, slice, exits, base samples. What is the same for every integrator. */
+/* A visit of a row: plane, slices, unscattered light, base samples. The part that all integrators
+ * share. */
 #include "render/rows/extinction.h"
 #include "render/rows/outlines.h"
 #include "render/rows/queue.h"
@@ -6,8 +7,8 @@
 
 /* ------------------------------------------------------------------------------------- visit -- */
 
-/* Native samples that a visit takes of each pixel with a delta lobe: one, so that the shortest
- * visit shows a mirror's image whole; two where sharing takes so many that they are six or fewer
+/* Native samples that a visit takes in each pixel with a delta lobe: one, so that even the shortest
+ * visit completes a mirror's image; two if sharing needs so many suffixes that this is at most six
  * for each of its samples. */
 static int mirror_rounds(const lf_visit_plan *plan)
 {
@@ -17,7 +18,7 @@ static int mirror_rounds(const lf_visit_plan *plan)
     return MIRROR_TIMES * plan->order.subsets < 2 * plan->rig->n_views ? 1 : 2;
 }
 
-/* B, q and features of a visit. It finds the visit's plane cut, and leaves it so. */
+/* B, q and features of a visit. The visit's plane must be cut, and is cut again at the end. */
 static void find_known(lf_visit *visit)
 {
     const bool fault = lf_has_fault(visit, LF_FAULT_OTHER_ROW);
@@ -42,13 +43,13 @@ static const lf_film_counts *given_before(const lf_visit *visit)
     return &plan->film->streams[plan->order.stream].rows[visit->row];
 }
 
-/* Where the lattice goes on. */
+/* Position at which the lattice continues. */
 static int64_t passes_before(const lf_visit *visit)
 {
     return llround(given_before(visit)->n[visit->half] * visit->rig->n_views);
 }
 
-/* Everything but the plane. */
+/* Initialises everything except the plane. */
 static void begin(const lf_visit_plan *plan, lf_visit *visit)
 {
     const int views = plan->rig->n_views;
@@ -101,7 +102,7 @@ static bool sample_lattice(lf_visit *visit, const lf_cancel *cancel)
             if (lf_cancelled(cancel))
                 return false;
             base.view = lf_visit_lattice_view(&visit->lattice, base.column, j);
-            /* So many samples the pixel has had. */
+            /* number of samples that the pixel has had */
             base.index = (uint32_t)((passes + j) / visit->rig->n_views);
             lf_base_sample(visit, &base);
         }
@@ -109,9 +110,9 @@ static bool sample_lattice(lf_visit *visit, const lf_cancel *cancel)
     return true;
 }
 
-/* As many samples as the map expects: a pixel's count runs on from visit to visit, rounded down
- * behind a start that the lattice spreads over the pixels, so that each gets its own number on
- * average and is never a sample away from it. false = cancelled. */
+/* Takes as many samples as the map expects. A pixel's count runs on from visit to visit, rounded
+ * down after a start that the lattice spreads over the pixels. So each pixel gets its own number on
+ * average and is never off by one sample or more. false: cancelled. */
 static bool sample_counts(lf_visit *visit, const lf_cancel *cancel)
 {
     const int width = visit->rig->width, views = visit->rig->n_views,
@@ -127,8 +128,8 @@ static bool sample_counts(lf_visit *visit, const lf_cancel *cancel)
             double phase = rank / views - floor(rank / views);
             uint32_t begin = (uint32_t)floor(phase + expected * n),
                      end = (uint32_t)floor(phase + expected * (n + share));
-            /* Behind a sure sample the realised number is as good as the expected one, and has no
-             * noise of its own. */
+            /* With at least one certain sample, the realised number is as good as the expected one,
+             * and adds no noise. */
             double count = expected * share < 1.0 ? expected * share : (double)(end - begin);
             visit->alone = end > begin ? (float)(share / count) : 1.0f;
             for (uint32_t i = begin; i < end; i++) {
@@ -146,10 +147,10 @@ static bool sample_counts(lf_visit *visit, const lf_cancel *cancel)
     return true;
 }
 
-/* Delta lobes are nobody else's to find. Pixels whose film point of B and q met one get native
- * samples of their own, as many each. The film points are a net with the row offsets. The choice of
- * the pixels knows nothing of the samples: their number is what the weights expect (native.c).
- * false = cancelled. */
+/* Delta lobes cannot be shared. Pixels whose film point of B and q met one get native samples of
+ * their own, equally many each. The film points form a net with the row offsets. The choice of
+ * pixels is independent of the samples, and their number is what the weights expect (native.c).
+ * false: cancelled. */
 static bool sample_mirrors(lf_visit *visit, const lf_cancel *cancel)
 {
     const uint64_t key = visit->number.key;
@@ -173,8 +174,8 @@ static bool sample_mirrors(lf_visit *visit, const lf_cancel *cancel)
     return true;
 }
 
-/* B, q and features of a row without base samples, but where it lies between rows that change
- * little; of delta lobes, which are in B, it has some. false = cancelled. */
+/* B, q and features of a row without base samples, except between rows that differ little. It takes
+ * some samples of delta lobes, which are part of B. false: cancelled. */
 static bool put_provisional(lf_visit *visit, const lf_cancel *cancel)
 {
     lf_scratch *w = visit->worker;
@@ -182,7 +183,7 @@ static bool put_provisional(lf_visit *visit, const lf_cancel *cancel)
     lf_between rows;
     const bool between = !w->mirrors && lf_between_find(film, visit->row, &rows);
     if (between && lf_between_mark(&rows, visit->rig, w->met.smooth))
-        return true; /* all of it: it is as good as missing */
+        return true; /* nothing is kept: the row counts as missing */
     if (visit->plan->shutter)
         lf_visit_set_shutter_time(visit, visit->number);
     lf_visit_cut(visit, visit->number, 0);
@@ -192,7 +193,7 @@ static bool put_provisional(lf_visit *visit, const lf_cancel *cancel)
     if (known)
         lf_unscattered_row(visit, between);
     if (visit->rig->n_views == 1)
-        visit->more -= 1.0f; /* no base sample beside them (native.c) */
+        visit->more -= 1.0f; /* no base sample in addition (native.c) */
     if (known && visit->mirror_rounds > 0 && !sample_mirrors(visit, cancel))
         return false;
     lf_film_put_provisional(film, visit->row, known ? &w->sums : NULL, visit->subsets);
@@ -205,7 +206,7 @@ static double given_by(const lf_visit *visit)
     return (double)visit->subsets / visit->plan->order.column_step;
 }
 
-/* Counts a visit whose plane holds nothing to be met. */
+/* Counts a visit with an empty plane. */
 static void count_empty(const lf_visit *visit)
 {
     const lf_visit_plan *plan = visit->plan;
@@ -234,7 +235,7 @@ static bool sample(lf_visit *visit, const lf_cancel *cancel)
 bool lf_visit_row(const lf_visit_plan *plan, int row, int half, lf_scratch *worker,
                   const lf_cancel *cancel)
 {
-    /* holes are filled where there is a count to weigh as much as */
+    /* hole samples need a count to derive their weight from */
     if (plan->order.subsets == 0 && !(plan->film->rows[row].n[half] > 0.0))
         half = 1 - half;
     lf_visit visit = {.worker = worker, .sums = worker->sums, .row = row, .half = half};

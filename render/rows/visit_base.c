@@ -1,19 +1,19 @@
-/* Base samples: a ray of one view, from its film point to the pivot that it finds. */
+/* Base samples: a ray of one view, from its film point to its pivot. */
 #include "render/rows/extinction.h"
 #include "render/rows/native.h"
 #include "render/rows/queue.h"
 #include "render/rows/visit_steps.h"
 
-/* A base ray on its way, as far as it is known. */
+/* A base ray while it is traced. */
 typedef struct base_ray {
     lf_sampler sampler;
-    float u[2]; /* of its place in the pixel; the second goes on to the media */
+    float u[2]; /* position in the pixel; the second number is reused for media */
     lf_media_ray line;
     lf_vec3 eye;
     lf_pivot pivot;
-    bool surface; /* it ends on one … */
-    bool thin;    /* … which is a pane */
-    bool shared;  /* what is found there is everybody's */
+    bool surface; /* it ends on a surface … */
+    bool thin;    /* … of thin glass */
+    bool shared;  /* its pivot is shared */
 } base_ray;
 
 void lf_pivot_begin(lf_pivot *pivot, lf_vec3 w, float lens, lf_sampler *sampler)
@@ -51,7 +51,7 @@ static void aim(const lf_visit *visit, const lf_base *base, base_ray *ray)
     lf_pivot_begin(&ray->pivot, lf_scale(along, 1.0f / line->length), lens, &ray->sampler);
 }
 
-/* The surface that it ends on, if nothing scatters before. */
+/* Finds the surface on which it ends, unless it scatters before. */
 static void meet(const lf_visit *visit, base_ray *ray)
 {
     lf_tracer *tracer = &visit->worker->tracer;
@@ -65,8 +65,8 @@ static void meet(const lf_visit *visit, base_ray *ray)
         ray->line.z_end = event->hit.t / ray->line.length;
 }
 
-/* Whether collisions before the surface are forced: not where something reflects, on the surface or
- * on a pane before it. */
+/* Whether collisions in front of the surface are forced: not if the surface, or thin glass in front
+ * of it, reflects. */
 static bool is_forced(const lf_visit *visit, const base_ray *ray)
 {
     const lf_event *event = &ray->pivot.event;

@@ -1,4 +1,4 @@
-/* The plane of a visit, at its moment, and what it cuts. */
+/* The plane of a visit, at its shutter time, and the sections cut by it. */
 #include "render/rows/extinction.h"
 #include "render/rows/outlines.h"
 #include "render/rows/prefix_factor.h"

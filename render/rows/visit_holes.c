@@ -1,4 +1,4 @@
-/* Holes of a row: pixels where something scatters that no path has reached. */
+/* Holes of a row: pixels in which scattering is possible but no path has found any yet. */
 #include "render/rows/outlines.h"
 #include "render/rows/visit_steps.h"
 
@@ -6,7 +6,8 @@
 typedef struct film_points {
     lf_visit_number number;
     int plane;
-    int tries; /* samples of a pixel, at most; 0: what is left counts as dark from now on */
+    /* maximum number of samples per pixel; 0: remaining holes count as dark from now on */
+    int tries;
 } film_points;
 
 /* Takes native samples in a hole, the first at its film point, until it is none: *out_hole. false =
@@ -33,8 +34,8 @@ static bool fill_pixel(lf_visit *visit, const film_points *at, const lf_film_hal
     return true;
 }
 
-/* Fills the holes of a row until none is left farther than hole_reach columns from a pixel that has
- * something; *out_left: how many there are. false = cancelled. */
+/* Fills the holes of a row until none is farther than hole_reach columns from a filled pixel.
+ * *out_left: number of remaining holes. false: cancelled. */
 static bool fill(lf_visit *visit, const film_points *at, int *out_left, const lf_cancel *cancel)
 {
     const lf_film *film = visit->plan->film;
@@ -46,7 +47,7 @@ static bool fill(lf_visit *visit, const film_points *at, int *out_left, const lf
     for (int view = 0; view < visit->rig->n_views; view++) {
         for (int column = 0, filled = -1; column < width; column++) {
             const size_t pixel = (size_t)view * (size_t)width + (size_t)column;
-            /* Nobody reads it. */
+            /* No reader needs the pixel. */
             if (visit->expected && !(visit->expected[pixel] > 0.0f))
                 continue;
             const bool far = column - filled >= visit->plan->order.hole_reach;

@@ -1,5 +1,5 @@
-/* The steps of a visit, a file each (visit_*.c); private to render/rows/. visit.c puts them in
- * order. */
+/* The steps of a visit, one file each (visit_*.c); visit.c calls them in order. Private to
+ * render/rows/. */
 #ifndef LF_RENDER_VISIT_STEPS_H
 #define LF_RENDER_VISIT_STEPS_H
 
@@ -20,13 +20,13 @@ int lf_lattice_inverse(int step, int n);
 
 /* ------------------------------------------------------------------------------- visit_cut.c -- */
 
-/* Draws the moment of a visit of what moves (lf_visit_plan.moment). */
+/* Draws the shutter time of a visit, if the scene moves (lf_visit_plan.moving). */
 void lf_visit_set_shutter_time(lf_visit *visit, lf_visit_number number);
-/* Draws a plane of a visit (0: its own; else one of its outlines), and cuts volumes, meshes and the
- * lights in media with it. */
+/* Draws a plane of a visit (0: its own; else one for outlines), and cuts volumes, meshes and
+ * equiangular lights with it. */
 void lf_visit_cut(lf_visit *visit, lf_visit_number number, int plane);
 
-/* Planes in which a visit finds B and q, at most; index is its number in its half. */
+/* The number of planes in which a visit finds B and q; index is its number in its half. */
 int lf_visit_planes(const lf_visit_plan *plan, int64_t index);
 
 /* ------------------------------------------------------------------------------ visit_base.c -- */
@@ -34,23 +34,23 @@ int lf_visit_planes(const lf_visit_plan *plan, int64_t index);
 /* A base sample to be taken. */
 typedef struct lf_base {
     int view, column;
-    float film;       /* where in the pixel, 0..1; < 0: drawn */
-    bool native_only; /* its delta lobes are followed, and nothing is shared */
+    float film;       /* position in the pixel, 0..1; < 0: drawn */
+    bool native_only; /* follow only its delta lobes and share nothing */
     uint64_t key;     /* of the random numbers of its pixel */
-    uint32_t index;   /* which of them */
+    uint32_t index;   /* number of the sample within key */
 } lf_base;
 
-/* Takes it: spreads the pivot that it finds over the views, and adds its native samples. */
+/* Takes a base sample: spreads its pivot over the views, and adds its native samples. */
 void lf_base_sample(lf_visit *visit, const lf_base *base);
 
 /* ----------------------------------------------------------------------------- visit_holes.c -- */
 
-/* Fills the holes of a row: in the plane of the visit that has just been (now: its number in its
- * half; < 0: none has), where most are found at once, then in those of earlier visits, one of which
- * has found that something scatters there: of the pass's stream, then of the others. Each sample
- * weighs as much as the half's count so far (docs/developer/estimators.md, "8. Three estimators").
- * What only older visits have met counts as dark until a path arrives, whose weight is beyond
- * comparison. false = cancelled. */
+/* Fills the holes of a row. First it uses the plane of the current visit (now: its number in its
+ * half; < 0: none), which finds most. Then it uses planes of earlier visits, one of which has found
+ * scattering there: visits of the pass's stream first, then of other streams. Each sample weighs as
+ * much as the half's count so far (docs/developer/estimators.md, "8. Three estimators"). A pixel
+ * that only older visits have met counts as dark until a path arrives. The weight of that path is
+ * then far above all others. false: cancelled. */
 bool lf_fill_holes(lf_visit *visit, int64_t now, const lf_cancel *cancel);
 
 #endif

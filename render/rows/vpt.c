@@ -1,6 +1,6 @@
-/* vpt: each view alone, the baseline. The same base samples, suffixes, samplers and known light as
- * mvpt; nothing is shared, so no weights are needed but one over the expected count of the base's
- * own pixel. */
+/* vpt: each view separately, the baseline. It uses the same base samples, suffixes, samplers and
+ * known light as mvpt. Nothing is shared, so the only weight is one over the expected count of the
+ * base pixel. */
 #include "render/rows/extinction.h"
 #include "render/rows/native.h"
 #include "render/rows/prefix_factor.h"
@@ -11,7 +11,7 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
     lf_vec3 channels;
     float correction = lf_prefix_own(visit, view, pivot, &channels);
     if (correction == 0.0f)
-        return; /* nothing is there */
+        return; /* the pivot sends nothing */
     lf_suffix suffix = {0};
     lf_vec3 wo = lf_scale(pivot->event.w, -1.0f);
     if (given)
@@ -38,7 +38,7 @@ static void pivot_vpt(lf_visit *visit, int view, int column, const lf_pivot *piv
         lf_film_weigh_direction(&visit->sums, pixel, weight);
 }
 
-/* h sigma and the optical depth of a pivot in a medium, as this view alone samples it. */
+/* h sigma and the optical depth of a pivot in a medium, as this view samples it. */
 static float density(const lf_visit *visit, int view, const lf_pivot *pivot, float *out_depth)
 {
     lf_own_ray ray;
@@ -55,7 +55,7 @@ static void balance_vpt(lf_visit *visit, int view, int column, const lf_pivot *p
     lf_equiangular_balance(visit, pivot, view, sum, depth, suffix);
 }
 
-/* A point about a light serves one view, as every sample here does. */
+/* A point around a light serves one view, like every sample here. */
 static void equiangular_vpt(lf_visit *visit, int view, const lf_pivot *pivot,
                             const lf_light_sample *light)
 {

@@ -52,7 +52,7 @@ static inline void lf_affine_cofactors(const lf_affine *a, double out[3][3])
     }
 }
 
-/* What takes outward normals to outward normals (not of unit length): the inverse transpose up to a
+/* Maps outward normals to outward normals (not of unit length): the inverse transpose up to a
  * positive factor. */
 static inline void lf_affine_normals(const lf_affine *a, double out[3][3])
 {
@@ -61,8 +61,8 @@ static inline void lf_affine_normals(const lf_affine *a, double out[3][3])
         out[i / 3][i % 3] = -out[i / 3][i % 3];
 }
 
-/* false when a flattens space: its determinant is 0, not finite, or lost in rounding against its
- * columns, or its inverse has an entry beyond LF_MAX_INVERSE (its last column aside). */
+/* false if a is singular: its determinant is 0, not finite, or smaller than rounding relative to
+ * its columns, or its inverse has an entry beyond LF_MAX_INVERSE (the last column excepted). */
 static inline bool lf_affine_invert(const lf_affine *a, lf_affine *out)
 {
     double scale = 1.0;

@@ -12,7 +12,7 @@ typedef struct coded {
     uint32_t thing;
 } coded;
 
-/* The 21 lowest bits of x in every third place. */
+/* Spreads the 21 lowest bits of x to every third position. */
 static uint64_t spread_bits(uint64_t x)
 {
     x = (x | x << 32) & 0x1f00000000ffff;
@@ -111,7 +111,7 @@ void lf_box_tree_finish(lf_box_tree *tree)
 
 /* ----------------------------------------------------------------------------------- walking -- */
 
-/* A function's value in the middle of a box, and how far from it those of its points are. */
+/* A function's value in the middle of a box, and its largest deviation in the box. */
 static inline double middle_of(const lf_linear *f, const double middle[3], const double half[3],
                                double *out_reach)
 {

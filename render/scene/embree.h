@@ -1,5 +1,5 @@
-/* Embree 4, or 3 where there is no other; private to render/. Both have the same names but for how
- * a ray is asked, which is here. */
+/* Embree 4, or Embree 3 if 4 is not installed; private to render/. They have the same names except
+ * for ray queries, which this header wraps. */
 #ifndef LF_RENDER_EMBREE_H
 #define LF_RENDER_EMBREE_H
 
@@ -9,7 +9,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-/* rtcIntersect1 of a ray that Embree takes (ray.h), also from within the function of a user
+/* rtcIntersect1 of a ray that Embree accepts (ray.h), also from within the callback of a user
  * geometry. */
 static inline void lf_embree_intersect(RTCScene scene, struct RTCRayHit *rh)
 {
@@ -22,7 +22,7 @@ static inline void lf_embree_intersect(RTCScene scene, struct RTCRayHit *rh)
 #endif
 }
 
-/* rtcOccluded1 in the same way: tfar < 0 where something is met. */
+/* rtcOccluded1 in the same way: tfar < 0 if the ray is occluded. */
 static inline void lf_embree_occluded(RTCScene scene, struct RTCRay *ray)
 {
 #if RTC_VERSION_MAJOR >= 4

@@ -65,7 +65,8 @@ const char *lf_geometry_file(const lf_geometry *geometry, int mesh)
 
 void lf_geometry_unref(lf_geometry *geometry)
 {
-    /* Acquire-release: whoever frees sees what the other owners did before they let go. */
+    /* Acquire-release: the thread that frees must see what the other owners did before they
+     * released. */
     if (!geometry || atomic_fetch_sub_explicit(&geometry->refs, 1, memory_order_acq_rel) != 1)
         return;
     if (geometry->embree)

@@ -8,22 +8,23 @@
 #include "render/scene/grid.h"
 #include "render/scene/look_up.h"
 
-#define MOST_BRICKS 6e7 /* that are looked through for what comes to them: half a GiB */
+/* Maximum number of bricks that are searched for incoming values: half a GiB. */
+#define MOST_BRICKS 6e7
 
-/* Bricks are counted in the grid's own lattice, in which those of what comes out lie, too, below 0
- * where it flows there: brick b has the voxels 8 b - 1 to 8 b + 7. */
+/* Bricks are counted in the grid's own lattice, also for results, which may flow to negative
+ * indices: brick b has the voxels 8 b - 1 to 8 b + 7. */
 typedef struct flowing {
     const lf_grid *grid;
     const lf_flow *flow;
-    float to_component[3][3][4];  /* voxels of the grid -> those of a component */
-    float to_voxels[3][3];        /* velocities -> voxels of the grid per unit of time */
-    double least[3], most[3];     /* voxels that a value goes, all times included, and 0 */
-    int first[3], n[3];           /* bricks that values may come to … */
-    uint64_t *wanted;             /* … [z][y][x], bit k: step k has something there */
+    float to_component[3][3][4]; /* from voxels of the grid to voxels of a component */
+    float to_voxels[3][3];       /* velocities -> voxels of the grid per unit of time */
+    double least[3], most[3];    /* range of displacements in voxels, over all times, including 0 */
+    int first[3], n[3];          /* bricks that values may come to … */
+    uint64_t *wanted;            /* … [z][y][x], bit k: step k has a value there */
     int used_first[3], used_n[3]; /* those that they do come to */
     lf_grid_steps *out;
     double contrast[LF_MAX_STEPS]; /* of steps */
-    const lf_import_group *group;  /* of whoever asked, not of the pool's threads */
+    const lf_import_group *group;  /* of the calling thread, not of the pool's threads */
 } flowing;
 
 /* --------------------------------------------------------------------------------- one voxel -- */
@@ -46,14 +47,14 @@ static void velocity_at(const flowing *f, const float p[3], float out[3])
         out[i] = f->to_voxels[i][0] * v[0] + f->to_voxels[i][1] * v[1] + f->to_voxels[i][2] * v[2];
 }
 
-/* What comes to a point, where the velocity is v, in a time. */
+/* The value that arrives at a point with velocity v, after a time. */
 static float carried(const flowing *f, const float p[3], const float v[3], float time)
 {
     float q[3], u[3];
     for (int i = 0; i < 3; i++)
         q[i] = p[i] - time * v[i];
     velocity_at(f, q, u);
-    /* Out of what is stored of them: those of the point itself. */
+    /* Where no velocity is stored at the origin, the velocity of the point itself is used. */
     const float *from = u[0] != 0.0f || u[1] != 0.0f || u[2] != 0.0f ? u : v;
     for (int i = 0; i < 3; i++)
         q[i] = p[i] - time * from[i];
@@ -61,7 +62,7 @@ static float carried(const flowing *f, const float p[3], const float v[3], float
                             : lf_grid_value(f->grid, q[0], q[1], q[2]);
 }
 
-/* A brick's voxel, by its place there. */
+/* A brick's voxel, by its index in the brick. */
 static void voxel_of(const int b[3], int place, float out[3])
 {
     const int side = LF_BRICK_VALUES,
@@ -78,7 +79,7 @@ static int clamp_brick(double voxel, int bricks)
     return (int)fmin(fmax(b, 0.0), bricks - 1.0);
 }
 
-/* Whether a grid may have a value between two points; true where that takes long to say. */
+/* Whether a grid may have a value between two points; true if the test would take long. */
 static bool may_have(const lf_grid *grid, const double lo[3], const double hi[3])
 {
     const double most = 4096;
@@ -120,7 +121,7 @@ static bool may_flow(const flowing *f, const int b[3])
     return false;
 }
 
-/* Whether anything may come to a brick. */
+/* Whether any value may arrive in a brick. */
 static bool may_come(const flowing *f, const int b[3])
 {
     double lo[3], hi[3];
@@ -227,7 +228,8 @@ static void find_reach(flowing *f)
     }
 }
 
-/* Where a value may come to along one axis: where it was, or as far as velocities are known. */
+/* The range that values may reach along one axis: where they were, or as far as velocities are
+ * known. */
 static void find_range(const flowing *f, const lf_affine from[3], int axis, double out[2])
 {
     double known[2] = {INFINITY, -INFINITY};
@@ -278,7 +280,7 @@ static uint64_t wanted_at(const flowing *f, const int b[3])
     return f->wanted[at];
 }
 
-/* The box of what is wanted, and how many bricks are. */
+/* The box of the used bricks, and their number. */
 static uint64_t find_used(flowing *f)
 {
     int last[3] = {0};
@@ -299,7 +301,7 @@ static uint64_t find_used(flowing *f)
     return n;
 }
 
-/* An empty grid in the box of all steps, whose bricks are those of step k. */
+/* An empty grid in the box of all steps, with the bricks of step k. */
 static lf_status make_step(flowing *f, int k, lf_error *err)
 {
     int64_t size[3];
@@ -380,7 +382,7 @@ static void fill_layer(void *context, int z, int worker)
         }
 }
 
-/* sum f^2 / sum f over the voxels of a grid, each of which is counted once; 0: there is nothing. */
+/* sum f^2 / sum f over the voxels of a grid, each counted once; 0: an empty grid. */
 static double contrast_of(const lf_grid *grid)
 {
     double sum = 0.0, squares = 0.0;
@@ -404,7 +406,7 @@ static void finish_step(void *context, int k, int worker)
         lf_grid_shorten(f->out->grid[k], true);
 }
 
-/* lf_grid_steps.lost, of the steps in which anything is left. */
+/* lf_grid_steps.lost, over the steps that are not empty. */
 static float lost_by(const flowing *f)
 {
     double sum = 0.0;
@@ -472,7 +474,8 @@ lf_grid_steps *lf_grid_steps_ref(lf_grid_steps *steps)
 
 void lf_grid_steps_unref(lf_grid_steps *steps)
 {
-    /* Acquire-release: whoever frees sees what the other owners did before they let go. */
+    /* Acquire-release: the thread that frees must see what the other owners did before they
+     * released. */
     if (!steps || atomic_fetch_sub_explicit(&steps->refs, 1, memory_order_acq_rel) != 1)
         return;
     for (int k = 0; k < steps->n; k++)

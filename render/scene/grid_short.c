@@ -12,13 +12,13 @@ static uint32_t bits_of(float value)
     return bits;
 }
 
-/* To the nearest of what is kept, or the even one of two. */
+/* Rounds to the nearest stored number, ties to even. */
 static uint32_t rounded(uint32_t bits)
 {
     return (bits + 0xfff + (bits >> DROPPED & 1)) >> DROPPED;
 }
 
-/* Of a value, where the exponent of the largest is `most`; 0: it is too small. */
+/* Encodes a value, if the exponent of the largest is `most`; 0: the value is too small. */
 static uint16_t shorten(float value, uint32_t most)
 {
     uint32_t kept = rounded(bits_of(value)), lost = ((most - MOST) << 10) + 0x3ff;
@@ -32,7 +32,7 @@ void lf_grid_shorten(lf_grid *grid, bool rounds)
     for (size_t i = 0; i < n; i++)
         largest = lf_max(largest, grid->values[i]);
     uint32_t most = rounded(bits_of(largest)) >> 10;
-    most = most < MOST ? MOST : most; /* down to the least of a float that is no denormal */
+    most = most < MOST ? MOST : most; /* at least the smallest normal float */
     uint32_t scale_bits = (127 + most - MOST) << 23;
     if (scale_bits >> 23 > 254) /* no float: above 2^63 */
         return;

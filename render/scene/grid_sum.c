@@ -5,7 +5,7 @@
 
 #include "render/scene/look_up.h"
 
-/* Where voxel 0 of b lies in the indices of a; false: their voxels are not the same. */
+/* Offset of voxel 0 of b in the indices of a; false: their voxels do not coincide. */
 static bool offset_of(const lf_grid *a, const lf_grid *b, int64_t out[3])
 {
     const double same = 1e-5, whole = 1e-3; /* of a voxel */
@@ -45,13 +45,13 @@ static float voxel(const lf_grid *grid, const int64_t at[3])
     return lf_grid_stored(grid, lf_grid_cell(grid, c));
 }
 
-/* Two grids, and where each lies in the sum. */
+/* Two grids, and their positions in the sum. */
 typedef struct pair {
     const lf_grid *grid[2];
     int64_t at[2][3];
 } pair;
 
-/* The voxels of one of them that are above 0: marks them in the sum, or sets them to it. */
+/* The voxels of one grid that are above 0: marks them in the sum, or adds them to it. */
 static void add_brick(const pair *p, int which, const int b[3], bool mark, lf_grid *out)
 {
     for (int i = 0; i < LF_BRICK * LF_BRICK * LF_BRICK; i++) {

@@ -1,5 +1,5 @@
-/* A scene as those hold it who look at nothing in it but what its document says: loaded and
- * committed by render/render.h, immutable, counted. */
+/* A scene as an opaque handle, for code that reads only its document. render/render.h loads it; it
+ * is immutable and reference counted. */
 #ifndef LF_RENDER_HANDLE_H
 #define LF_RENDER_HANDLE_H
 
@@ -9,37 +9,37 @@
 
 typedef struct lf_scene lf_scene;
 
-/* Everything of the scene's film block. */
+/* The scene's film block. */
 typedef struct lf_film_settings {
     double exposure;    /* stops: radiance is multiplied by 2^exposure for display */
-    bool auto_exposure; /* the picture says: exposure is 0 until it has */
+    bool auto_exposure; /* exposure is chosen from the image; until then it is 0 */
     char tonemap[16];   /* "srgb" (clamp), "filmic", "aces" or "neutral" */
 } lf_film_settings;
 
 lf_scene *lf_scene_ref(lf_scene *scene);
-/* Accepts NULL. The last one takes long where the scene is large. */
+/* Accepts NULL. Releasing the last reference to a large scene takes long. */
 void lf_scene_unref(lf_scene *scene);
 
-/* The files that were included, by the names they were opened under; NULL behind the last. */
+/* The included files, by the names under which they were opened; NULL after the last. */
 const char *lf_scene_included(const lf_scene *scene, int index);
-/* Borrowed, valid as long as the scene. The document is the merged one: it includes nothing. */
+/* Borrowed, valid as long as the scene. The document is the merged one, without includes. */
 const json_t *lf_scene_json(const lf_scene *scene);
-/* The fewest bytes in which its document could be written. */
+/* The size of its document in the shortest form. */
 size_t lf_scene_json_bytes(const lf_scene *scene);
 const char *lf_scene_folder(const lf_scene *scene);
 const lf_camera *lf_scene_camera(const lf_scene *scene);
 const lf_film_settings *lf_scene_film_settings(const lf_scene *scene);
-/* What the document says of time: which frame it is, and frames a second. */
+/* The document's frame number and frames per second. */
 int lf_scene_frame(const lf_scene *scene);
 double lf_scene_rate(const lf_scene *scene);
-/* Whether the scene is another one where its document says another "frame". */
+/* Whether the scene depends on the "frame" of its document. */
 bool lf_scene_has_frames(const lf_scene *scene);
-/* Whether a mesh of it catches shadows of others, and does not show itself. */
+/* Whether it has a shadow catcher: a mesh that shows only shadows of others on it. */
 bool lf_scene_has_catchers(const lf_scene *scene);
-/* What the files of the scene hold and its pictures lack (textures, transparency, lights of a mesh
- * file, faces that stand in one place, …), and what is seldom meant (no light at all): one line for
- * people, with the file's name, control characters escaped. NULL behind the last; they belong to
- * the scene. At most 65, of which the last says how many more there are. */
+/* Warnings. They name features of the scene's files that are not rendered (textures, transparency,
+ * lights of a mesh file, coincident faces, …), and probable mistakes (no light at all). One line
+ * each, with the file's name, control characters escaped. NULL after the last; the scene owns them.
+ * At most 65; the last then says how many more there are. */
 const char *lf_scene_warning(const lf_scene *scene, int index);
 
 #endif

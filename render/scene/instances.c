@@ -30,7 +30,7 @@ static lf_box nothing(void)
     return (lf_box){lf_v3(INFINITY, INFINITY, INFINITY), lf_v3(-INFINITY, -INFINITY, -INFINITY)};
 }
 
-/* A box that holds the mesh where a map puts it. */
+/* A box that contains the mesh transformed by a map. */
 static lf_box mapped(const lf_affine *map, const lf_box *own)
 {
     lf_box out = nothing();
@@ -56,7 +56,7 @@ static lf_box box_of_triangle(const lf_mesh *mesh, uint32_t triangle)
     return out;
 }
 
-/* What a map does to lengths: bounds of its largest and smallest singular value. */
+/* The effect of a map on lengths: bounds of its largest and smallest singular value. */
 static void lengths_of(const lf_affine *map, float *out_most, float *out_least)
 {
     double most = 0.0, inverse = 0.0;
@@ -184,15 +184,15 @@ static void bounds(const struct RTCBoundsFunctionArguments *args)
                                          .upper_z = box->max.z};
 }
 
-/* A ray in the space of a place: t of the way outside is begin + t / speed. */
+/* A ray in the space of an instance: t of the outer ray is begin + t / speed. */
 typedef struct brought {
     struct RTCRayHit own;
     double begin, speed;
 } brought;
 
-/* The ray in the space of a place, from where it comes near to the mesh on. That depends on the
- * line alone, so that a ray which goes on behind a hit is rounded as before. Whatever the map is,
- * Embree takes it (limits.h). false: it does not come near. */
+/* Transforms a ray to the space of an instance, starting where it comes near to the mesh. The start
+ * depends only on the line, so that a ray that continues after a hit is rounded as before. Embree
+ * accepts the ray for any map (limits.h). false: it does not come near. */
 static bool bring(const lf_instances *instances, uint32_t place, const struct RTCRay *ray,
                   brought *out)
 {
@@ -215,7 +215,7 @@ static bool bring(const lf_instances *instances, uint32_t place, const struct RT
     if (!(half2 >= -1e-6 * radius * radius))
         return false;
     const double half = 1.001 * sqrt(fmax(half2, 0.0) * ww), beside = 1e-3 * radius / sqrt(ww);
-    if (!((-ow + half) / ww + beside >= 0.0)) /* the mesh lies behind */
+    if (!((-ow + half) / ww + beside >= 0.0)) /* the mesh lies behind the origin */
         return false;
     out->begin = fmax((-ow - half) / ww - beside, 0.0);
     out->speed =
@@ -251,7 +251,7 @@ static void intersect(const struct RTCIntersectFunctionNArguments *args)
     lf_embree_intersect(part->embree, &at.own);
     if (at.own.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         return;
-    /* never before where it was asked to begin: rays go on behind what they have met */
+    /* never before the requested start, because rays continue after earlier hits */
     rh->ray.tfar = lf_max((float)(at.begin + (double)at.own.ray.tfar / at.speed), rh->ray.tnear);
     rh->hit.u = at.own.hit.u;
     rh->hit.v = at.own.hit.v;

@@ -28,16 +28,16 @@ static float size_of(const lf_mesh *mesh, int triangle, float *out_area)
     return size;
 }
 
-/* How far beside a triangle Embree may still find it, before or behind: measured over random
- * triangles and rays, of all slants down to 1e-5, up to 3e-7 of a triangle's size, and for slivers,
- * whose normal is rounded, 4e-8 over the ratio of area and size: never farther than its size. */
+/* Maximum distance at which Embree may find a triangle in front of or behind its plane. Measured
+ * over random triangles and rays, of all slants down to 1e-5: up to 3e-7 of a triangle's size. For
+ * slivers, whose normal is rounded: 4e-8 over the ratio of area and size, at most its size. */
 static float error_of(float size, float area)
 {
     return area > 0.0f ? size * lf_min(5e-7f + 1e-7f * size * (size / area), 1.0f) : 0.0f;
 }
 
-/* What a mesh resolves: the power of two at or below the width (twice the area over the size) of
- * its middle triangle; INFINITY without triangles. */
+/* The detail of a mesh: the power of two at or below the width (twice the area over the size) of
+ * its median triangle; INFINITY without triangles. */
 static float detail_of(const lf_mesh *mesh)
 {
     enum { FIRST = -150, CLASSES = 300 }; /* all of single precision */
@@ -57,7 +57,7 @@ static float detail_of(const lf_mesh *mesh)
     return INFINITY;
 }
 
-/* What the places of a mesh do to its lengths, at least. */
+/* The smallest scale factor of a mesh's instances. */
 static float least_of(const lf_mesh *mesh)
 {
     return mesh->instances ? mesh->instances->least : 1.0f;
@@ -79,8 +79,7 @@ static lf_large_triangle make(const lf_mesh *mesh, int mesh_number, int triangle
     return out;
 }
 
-/* Counts the triangles with an error above the limit, and puts them in order where there is room
- * for them. */
+/* Counts the triangles with an error above the limit, and stores them in order if there is room. */
 static uint32_t gather(const lf_mesh *meshes, int n_meshes, float limit, lf_large_triangle *out,
                        float *out_offset)
 {

@@ -4,20 +4,20 @@
 
 #include "render/scene/scene.h"
 
-/* Where index and majorants of a brick stand. */
+/* Position of a brick in the index and majorants. */
 static inline size_t lf_grid_brick(const lf_grid *grid, int bx, int by, int bz)
 {
     return ((size_t)bz * (size_t)grid->bricks[1] + (size_t)by) * (size_t)grid->bricks[0] +
            (size_t)bx;
 }
 
-/* Where in a brick a value stands. */
+/* Position of a value in its brick. */
 static inline int lf_in_brick(int x, int y, int z)
 {
     return (z * LF_BRICK_VALUES + y) * LF_BRICK_VALUES + x;
 }
 
-/* Where the values of cell c (counted from -1 along each axis) stand, from its lowest corner on. */
+/* Position of the lowest corner of cell c (counted from -1 along each axis) among the values. */
 static inline size_t lf_grid_cell(const lf_grid *grid, const int c[3])
 {
     const unsigned x = (unsigned)(c[0] + 1), y = (unsigned)(c[1] + 1), z = (unsigned)(c[2] + 1);
@@ -37,7 +37,7 @@ static inline float lf_cell_linear(const float *v, const float t[3])
     return lf_lerp(lf_lerp(v00, v01, t[1]), lf_lerp(v10, v11, t[1]), t[2]);
 }
 
-/* The same of values in 16 bits. */
+/* lf_cell_linear for 16-bit values. */
 static inline float lf_cell_linear_short(const uint16_t *v, float scale, const float t[3])
 {
     float line[4];
@@ -58,7 +58,7 @@ static inline float lf_grid_value(const lf_grid *grid, float x, float y, float z
     for (int i = 0; i < 3; i++) {
         if (!(p[i] > -1.0f && p[i] < (float)grid->size[i]))
             return 0.0f;
-        c[i] = (int)p[i] - (p[i] < 0.0f); /* down, without a call */
+        c[i] = (int)p[i] - (p[i] < 0.0f); /* rounds down, without a call */
         t[i] = p[i] - (float)c[i];
     }
     size_t cell = lf_grid_cell(grid, c);
@@ -81,7 +81,8 @@ static inline float lf_grid_voxel(const lf_grid *grid, float x, float y, float z
     return lf_grid_stored(grid, lf_grid_cell(grid, c));
 }
 
-/* brick_near where a point is, or of the brick beside it; coordinates above -LF_BRICK. */
+/* brick_near of the brick that contains a point, or of the nearest brick; coordinates above
+ * -LF_BRICK. */
 static inline float lf_grid_near(const lf_grid *grid, float x, float y, float z)
 {
     const float p[3] = {x, y, z};
@@ -99,8 +100,8 @@ typedef struct lf_line {
     float origin[3], across[3];
 } lf_line;
 
-/* sigma_t of a grid at n points of a line, interpolated; the loop of kernels without vectors for
- * it. */
+/* sigma_t of a grid at n points of a line, interpolated: the loop of kernels without a vector
+ * version. */
 static inline void lf_line_sample(const lf_volume *volume, const lf_line *line, int n,
                                   const float *x, float *sigma)
 {

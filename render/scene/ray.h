@@ -5,8 +5,8 @@
 #include "render/scene/embree.h"
 #include "render/scene/limits.h"
 
-/* Whether Embree takes a ray; it ends the program at one that it does not. What is asked of it goes
- * through this, so that a direction that rounding has made no number meets nothing. */
+/* Whether Embree accepts a ray; it ends the program otherwise. All queries check this, so that a
+ * direction that became NaN by rounding meets nothing. */
 static inline bool lf_ray_is_sound(const struct RTCRay *ray)
 {
     return fabsf(ray->org_x) + fabsf(ray->org_y) + fabsf(ray->org_z) + fabsf(ray->dir_x) +

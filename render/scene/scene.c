@@ -52,7 +52,8 @@ static void release(lf_volume *volume)
 
 void lf_scene_unref(lf_scene *scene)
 {
-    /* Acquire-release: whoever frees sees what the other owners did before they let go. */
+    /* Acquire-release: the thread that frees must see what the other owners did before they
+     * released. */
     if (!scene || atomic_fetch_sub_explicit(&scene->refs, 1, memory_order_acq_rel) != 1)
         return;
     for (int i = 0; i < scene->n_volumes; i++) {

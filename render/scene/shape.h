@@ -1,33 +1,32 @@
-/* Shapes of homogeneous volumes; private to render/. A shape is one header (shape_box.h, …) of
- * three inline functions, and one line of LF_VOLUME_SHAPES with its #include below: nothing else
- * knows its name. Inline, because rays meet shapes in loops of vector code: lf_shape_interval and
- * its sisters switch once, and no pointer is called.
+/* Shapes of homogeneous volumes; private to render/. A shape is one header (shape_box.h, …) with
+ * three inline functions, and one line of LF_VOLUME_SHAPES with its #include below. No other code
+ * knows its name. The functions are inline because vector loops intersect shapes: lf_shape_interval
+ * and its siblings switch once, without function pointers.
  *
- * Every shape fills part of [-1,1]^3 of volume space, is convex, and has
- * lf_NAME_interval: the part [*from, *to] of the line o + t d inside of it, any sign; *from >= *to
- *     where it passes by. No branches; d is never 0 in all components.
+ * Every shape is convex, fills part of [-1,1]^3 of volume space, and has
+ * lf_NAME_interval: the part [*from, *to] of the line o + t d inside the shape, any sign;
+ *     *from >= *to: no intersection. No branches; d is never 0 in all components.
  * lf_NAME_contains: whether a point is inside.
- * lf_NAME_reach: how far the shape reaches from its middle along an axis of a space that it is
- *     mapped to, from that axis's row of the map. Exact. */
+ * lf_NAME_reach: the largest distance of the shape from its middle along an axis of another space,
+ *     from that axis's row of the map. Exact. */
 #ifndef LF_RENDER_SHAPE_H
 #define LF_RENDER_SHAPE_H
 
 #include "render/scene/shape_box.h"
 #include "render/scene/shape_sphere.h"
 
-/* All shapes, a line each: the constant's and the functions' part of the name, which is also what
- * "shape" says in a scene file. */
+/* All shapes, one line each: the name in the constant, and the name in the functions, which is also
+ * the value of "shape" in a scene file. */
 #define LF_VOLUME_SHAPES(SHAPE)                                                                    \
     SHAPE(SPHERE, sphere)                                                                          \
     SHAPE(BOX, box)
 
-/* What a volume is made of: LF_VOLUME_GRID, or a shape, LF_VOLUME_SPHERE …, in the table's order.
- */
+/* Kind of a volume: LF_VOLUME_GRID, or a shape, LF_VOLUME_SPHERE …, in the table's order. */
 #define LF_VOLUME_CONSTANT(NAME, name) LF_VOLUME_##NAME,
 typedef enum lf_volume_kind { LF_VOLUME_GRID, LF_VOLUME_SHAPES(LF_VOLUME_CONSTANT) } lf_volume_kind;
 #undef LF_VOLUME_CONSTANT
 
-/* The shapes' names, ended by NULL: that of LF_VOLUME_GRID + 1 first. */
+/* The shapes' names, ended by NULL; LF_VOLUME_GRID + 1 first. */
 extern const char *const lf_volume_shapes[];
 
 static inline void lf_shape_interval(lf_volume_kind shape, const float o[3], const float d[3],

@@ -10,7 +10,7 @@ static inline void lf_box_interval(const float o[3], const float d[3], float *fr
 {
     float lo = -INFINITY, hi = INFINITY;
     for (int i = 0; i < 3; i++) {
-        /* A ray along the faces: far outside or far inside, never 0/0. */
+        /* A ray parallel to faces: from and to are far away on either side, never 0/0. */
         float inverse = 1.0f / (fabsf(d[i]) > 1e-30f ? d[i] : 1e-30f);
         float p = (-1.0f - o[i]) * inverse, q = (1.0f - o[i]) * inverse;
         lo = lf_max(lo, lf_min(p, q));

@@ -151,7 +151,7 @@ void lf_pyramid_finish(lf_pyramid *pyramid)
 
 /* ----------------------------------------------------------------------------------- look-up -- */
 
-/* Into one period, or onto the picture: [0, 1]. */
+/* Into one period, or clamped to the image: [0, 1]. */
 static float wrapped(float x, uint8_t wrap)
 {
     if (wrap == LF_WRAP_CLAMP)
@@ -235,7 +235,7 @@ void lf_texture_look_up(const lf_texture *texture, const lf_pyramid *pyramid, fl
         out[c] = lf_lerp(out[c], more[c], f);
 }
 
-/* The level at which a texel is nearest to the root of texels2: half of its binary logarithm,
+/* The level whose texel size is nearest to the root of texels2: half of its binary logarithm,
  * rounded. */
 static int nearest_level(const lf_pyramid *pyramid, float texels2)
 {
@@ -247,7 +247,7 @@ static int nearest_level(const lf_pyramid *pyramid, float texels2)
     return level < pyramid->n_levels ? level : pyramid->n_levels - 1;
 }
 
-/* Neighbouring texels and how far between them x in 0..n lies, of n along one side. */
+/* Two neighbouring texels and the position between them of x in 0..n, of n along one side. */
 typedef struct glance_side {
     int first, second;
     float between;
@@ -255,7 +255,7 @@ typedef struct glance_side {
 
 static inline glance_side side_of(float x, int n, uint8_t wrap)
 {
-    float at = x + 0.5f; /* at least 0: what is cut off is rounded down */
+    float at = x + 0.5f; /* never negative, so truncation rounds down */
     int i = (int)at;
     return (glance_side){neighbour(i - 1, n, wrap), neighbour(i, n, wrap), at - (float)i};
 }
@@ -280,7 +280,7 @@ static inline void blend(const lf_pyramid *p, int level, const glance_side *x, c
                                               (1.0f / 65535.0f));
 }
 
-/* floorf is a call where a processor may lack the instruction */
+/* floorf is a function call on processors without the instruction */
 static inline float fraction(float x)
 {
     if (x >= 0.0f && x < 1.0f)

@@ -52,7 +52,8 @@ const lf_trait_entry *lf_trait_at(int index)
     return index >= 0 && index < N_ROWS ? &table[index] : NULL;
 }
 
-/* Adds words, behind a separator unless they are the first; leaves out what is there already. */
+/* Appends words, after a separator unless they are the first; skips words that are already there.
+ */
 static void add(char *text, size_t size, const char *separator, const char *words)
 {
     const size_t used = strlen(text);

@@ -1,5 +1,4 @@
-/* Three floats and what is done with them; private to render/. Everything is static inline and free
- * of branches. */
+/* Vectors of three floats; private to render/. Everything is static inline and without branches. */
 #ifndef LF_RENDER_VEC_H
 #define LF_RENDER_VEC_H
 
@@ -9,7 +8,7 @@
 #define LF_INV_PI 0.31830988618379067154f
 #define LF_INV_4PI 0.07957747154594766788f
 
-/* One instruction each (fminf and fmaxf are calls, for the sake of NaN): b where either is NaN. */
+/* One instruction each (fminf and fmaxf are calls because of NaN). Returns b if either is NaN. */
 static inline float lf_min(float a, float b)
 {
     return a < b ? a : b;
@@ -78,9 +77,8 @@ static inline float lf_mean3(lf_vec3 a)
     return (a.x + a.y + a.z) * (1.0f / 3.0f);
 }
 
-/* The mirror direction of wo, both away from the surface with normal n. In double, rounded once:
- * rounding that depends on the direction in steps of its own would distort what is reflected where
- * it is as small as the smallest sun. */
+/* The mirror direction of wo; both point away from the surface with normal n. In double, rounded
+ * once: direction-dependent rounding would visibly distort the reflection of the smallest suns. */
 static inline lf_vec3 lf_reflect(lf_vec3 wo, lf_vec3 n)
 {
     double k = 2.0 * ((double)wo.x * (double)n.x + (double)wo.y * (double)n.y +
@@ -89,7 +87,7 @@ static inline lf_vec3 lf_reflect(lf_vec3 wo, lf_vec3 n)
                  (float)(k * (double)n.z - (double)wo.z));
 }
 
-/* Two unit vectors that make a right-handed orthonormal frame (t, b, n) with the unit vector n
+/* Two unit vectors that form a right-handed orthonormal frame (t, b, n) with the unit vector n
  * (Duff et al. 2017, JCGT 6(1)). */
 static inline void lf_tangents(lf_vec3 n, lf_vec3 *t, lf_vec3 *b)
 {
@@ -100,14 +98,14 @@ static inline void lf_tangents(lf_vec3 n, lf_vec3 *t, lf_vec3 *b)
     *b = lf_v3(c, sign + n.y * n.y * a, -n.y);
 }
 
-/* A unit vector given in the frame (t, b, n). */
+/* From coordinates in the frame (t, b, n) to a vector. */
 static inline lf_vec3 lf_from_frame(lf_vec3 t, lf_vec3 b, lf_vec3 n, lf_vec3 v)
 {
     return lf_v3(t.x * v.x + b.x * v.y + n.x * v.z, t.y * v.x + b.y * v.y + n.y * v.z,
                  t.z * v.x + b.z * v.y + n.z * v.z);
 }
 
-/* The other way: a unit vector's coordinates in the frame. */
+/* The inverse: a vector's coordinates in the frame. */
 static inline lf_vec3 lf_to_frame(lf_vec3 t, lf_vec3 b, lf_vec3 n, lf_vec3 v)
 {
     return lf_v3(lf_dot(t, v), lf_dot(b, v), lf_dot(n, v));

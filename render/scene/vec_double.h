@@ -1,5 +1,4 @@
-/* Vectors of three doubles, where single precision would round away what is asked; private to
- * render/. */
+/* Vectors of three doubles, for results that single precision would lose; private to render/. */
 #ifndef LF_RENDER_VEC_DOUBLE_H
 #define LF_RENDER_VEC_DOUBLE_H
 

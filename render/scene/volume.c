@@ -53,8 +53,7 @@ fail:
     return lf_error_set(err, LF_E_NOMEM, "grid", "out of memory");
 }
 
-/* Bricks along one axis that store a voxel: its own and, when it lies on the border, the one
- * before. */
+/* Bricks along one axis that store a voxel: its own and, at the border, the one before. */
 static void bricks_of(int first, int last, int *out_first, int *out_last)
 {
     *out_first = first / LF_BRICK;
@@ -158,8 +157,8 @@ void lf_grid_fill(lf_grid *grid, const int first[3], const int last[3], float va
                 fill_brick(grid, b, first, last, value);
 }
 
-/* The largest value that lies within LF_BRICK_REACH of a brick, in the one that stands `offset`
- * bricks (each -1 .. 1) behind it. */
+/* The largest value within LF_BRICK_REACH of a brick, in its neighbour at `offset` bricks (each -1
+ * .. 1). */
 static float largest_near(const lf_grid *grid, size_t brick, const int offset[3])
 {
     size_t first = (size_t)grid->index[brick] * LF_BRICK_STRIDE;
@@ -181,7 +180,7 @@ static void note_near(lf_grid *grid, int bx, int by, int bz)
 {
     size_t own = lf_grid_brick(grid, bx, by, bz);
     for (int n = 0; n < 27; n++) {
-        /* from the other brick this one stands so many bricks behind */
+        /* offset from the neighbour to this brick, in bricks */
         const int offset[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
         const int b[3] = {bx - offset[0], by - offset[1], bz - offset[2]};
         bool inside = true;
@@ -194,10 +193,11 @@ static void note_near(lf_grid *grid, int bx, int by, int bz)
     }
 }
 
-/* Bricks that are not stored cost a look each: a few voxels far apart have a thousand million. */
+/* Empty bricks cost one look-up each: a few voxels far apart may have a thousand million of them.
+ */
 void lf_grid_finish(lf_grid *grid)
 {
-    /* Three nested linear interpolations may round a few units above the largest of their eight
+    /* Three nested linear interpolations may round to a few units above the largest of their eight
      * values. */
     const float margin = 1.0f + 8.0f * 0x1p-23f;
     grid->max_value = 0.0f;
@@ -252,7 +252,8 @@ lf_grid *lf_grid_ref(lf_grid *grid)
 
 void lf_grid_unref(lf_grid *grid)
 {
-    /* Acquire-release: whoever frees sees what the other owners did before they let go. */
+    /* Acquire-release: the thread that frees must see what the other owners did before they
+     * released. */
     if (!grid || atomic_fetch_sub_explicit(&grid->refs, 1, memory_order_acq_rel) != 1)
         return;
     lf_free(grid->index);

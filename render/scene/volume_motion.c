@@ -35,7 +35,7 @@ void lf_volume_move(lf_volume *volume, float time)
     if (!volume->motion)
         return;
     lf_affine map = map_at(volume->motion, (double)time), inverse = map;
-    (void)lf_affine_invert(&map, &inverse); /* sound ways have one */
+    (void)lf_affine_invert(&map, &inverse); /* valid motions have an inverse */
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++) {
             volume->to_scene[i][j] = (float)map.m[i][j];

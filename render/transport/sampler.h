@@ -1,8 +1,8 @@
 /* Random numbers; private to render/. A sampler is a stream of dimensions of one sample, a pure
- * function of (key, index, dimension): nothing depends on threads or order. "owen": Sobol' points
+ * function of (key, index, dimension), independent of threads and order. "owen": Sobol' points
  * (first two dimensions, padded in pairs) with Owen scrambling by hash (Laine and Karras 2011;
- * Burley 2020, JCGT 9(4)), each pair of dimensions with its own shuffle of the index and its own
- * scramble; behind LF_SAMPLER_DIMENSIONS it goes on with independent numbers. "independent": a
+ * Burley 2020, JCGT 9(4)). Each pair of dimensions has its own shuffle of the index and its own
+ * scramble. After LF_SAMPLER_DIMENSIONS it continues with independent numbers. "independent": a
  * counter-based hash. */
 #ifndef LF_RENDER_SAMPLER_H
 #define LF_RENDER_SAMPLER_H
@@ -14,8 +14,8 @@
 typedef enum lf_sampler_kind { LF_SAMPLER_OWEN, LF_SAMPLER_INDEPENDENT } lf_sampler_kind;
 
 typedef struct lf_sampler {
-    uint64_t key;       /* which sequence: pixel, view, half, seed hashed together */
-    uint32_t index;     /* which point of it */
+    uint64_t key;       /* which sequence: hash of pixel, view, half, seed */
+    uint32_t index;     /* which point of the sequence */
     uint32_t dimension; /* next dimension */
     uint64_t state;     /* stream of the independent numbers */
     lf_sampler_kind kind;
@@ -34,13 +34,13 @@ void lf_sampler_init(lf_sampler *s, lf_sampler_kind kind, uint64_t key, uint32_t
 /* In [0, 1), multiples of 2^-24. */
 float lf_sampler_1d(lf_sampler *s);
 void lf_sampler_2d(lf_sampler *s, float out[2]);
-/* Point `index` of a one-dimensional Owen-scrambled radical inverse with this key, in an order of
- * the key's own (what a visit of a row draws for all of it): sequences of different keys are
- * independent. */
+/* Point `index` of a one-dimensional Owen-scrambled radical inverse with this key, in an order that
+ * depends on the key (for numbers that a whole visit of a row shares). Sequences of different keys
+ * are independent. */
 float lf_sampler_radical(uint64_t key, uint32_t index);
-/* The second dimension of a net whose first is lf_sampler_radical(key, index), scrambled by another
- * key: (0, 2)-nets in base 2, one for every scramble, that share their first coordinate (film
- * points of exits beside row offsets). */
+/* The second dimension of a net whose first is lf_sampler_radical(key, index), with a scramble of
+ * its own. These are (0, 2)-nets in base 2, one for every scramble, with a shared first coordinate
+ * (film points of the unscattered light next to row offsets). */
 float lf_sampler_partner(uint64_t key, uint64_t scramble, uint32_t index);
 
 #endif

@@ -1,5 +1,5 @@
-/* The table of docs/formats/calibrations.md: each key in a calibration that is made here, and what
- * the reader makes of it. */
+/* The table of docs/reference/formats/calibrations.md: each key in a calibration that is made here,
+ * and what the reader makes of it. */
 #include "tests/formats.h"
 
 #include <fcntl.h>
@@ -75,7 +75,7 @@ static void check_row(const lf_format_row *row)
     if (status != LF_OK)
         fail_msg("%s: \"%s\"", row->name, err.what);
     const bool same = memcmp(&with, &without, sizeof with) == 0,
-               used = strcmp(row->verdict, "used") == 0, told = strcmp(row->verdict, "told") == 0;
+               used = strcmp(row->verdict, "used") == 0, told = strcmp(row->verdict, "warned") == 0;
     if (same == used || (told ? !strstr(log, s->words) : log[0] != '\0'))
         fail_msg("%s: %s, log \"%s\"", row->name, same ? "the same" : "another calibration", log);
 }
@@ -107,12 +107,13 @@ static const lf_format_row rows[] = {
     KEY("screenH", "used", SAID("screenH", "1600")),
     KEY("invView", "used", SAID("invView", "0")),
     KEY("flipImageX", "used", SAID("flipImageX", "1")),
-    KEY("flipImageY", "told", SAID("flipImageY", "1"), "what it says of flipImageY has no effect"),
+    KEY("flipImageY", "warned", SAID("flipImageY", "1"),
+        "what it says of flipImageY has no effect"),
     KEY("flipImageY 0", "ignored", SAID("flipImageY", "{\"value\": 0.0}")),
     KEY("flipSubp", "used", SAID("flipSubp", "1")),
-    KEY("fringe", "told", SAID("fringe", "2"), "what it says of fringe has no effect"),
+    KEY("fringe", "warned", SAID("fringe", "2"), "what it says of fringe has no effect"),
     KEY("fringe 0", "ignored", SAID("fringe", "0.0")),
-    KEY("verticalAngle", "told", SAID("verticalAngle", "3"),
+    KEY("verticalAngle", "warned", SAID("verticalAngle", "3"),
         "what it says of verticalAngle has no effect"),
     KEY("verticalAngle 0", "ignored", SAID("verticalAngle", "0")),
     KEY("CellPatternMode", "used", SAID("CellPatternMode", "2")),
@@ -134,14 +135,14 @@ static const lf_format_row rows[] = {
         SAID("defaultQuilt", QUILT("quiltX", "quiltY", "tileX", "tileY"))),
     KEY("quiltWidth, quiltHeight, columns, rows", "used",
         SAID("defaultQuilt", QUILT("quiltWidth", "quiltHeight", "columns", "rows"))),
-    KEY("a defaultQuilt that is none", "told", SAID("defaultQuilt", "{\"tileX\": 5}"),
+    KEY("a defaultQuilt that is none", "warned", SAID("defaultQuilt", "{\"tileX\": 5}"),
         "its defaultQuilt is not used"),
     KEY("calibration", "used", .whole = "{\"calibration\": " OTHER "}"),
     KEY("calibration as a text", "used",
         .whole = "{\"calibration\": \"{\\\"pitch\\\": 40, \\\"slope\\\": -7, "
                  "\\\"center\\\": 0, \\\"DPI\\\": 324, \\\"screenW\\\": 1536, "
                  "\\\"screenH\\\": 2048}\"}"),
-    KEY("any other key", "told", SAID("lensRadius", "3"),
+    KEY("any other key", "warned", SAID("lensRadius", "3"),
         "what it says of lensRadius has no effect"),
     KEY("a key that is missing", "refused", SAID("pitch", NULL),
         "expected a number from 1 to 1000"),

@@ -1,4 +1,5 @@
-/* Everything that an OpenEXR file can say of its picture: docs/formats/images.md, row by row. */
+/* Everything that an OpenEXR file can say of its picture: docs/reference/formats/images.md, row by
+ * row. */
 #include "tests/base/exr_bytes.h"
 #include "tests/base/image_metadata.h"
 #include "tests/formats.h"
@@ -60,7 +61,7 @@ static void attribute(const lf_format_row *row)
                                  .type = EXR_FLOAT,
                                  .attributes = {{row->name, c->type, c->data, c->size}}};
     bool stays = c->rgb[0] == 0 && c->rgb[1] == 0 && c->rgb[2] == 0;
-    assert_int_equal(strcmp(row->verdict, "told") == 0, !!c->told);
+    assert_int_equal(strcmp(row->verdict, "warned") == 0, !!c->told);
     assert_int_equal(strcmp(row->verdict, "used") == 0, !stays);
     lf_image32 image = load(&part, 1, c->told);
     const float bits[3] = {0.8f, 0.1f, 0.1f};
@@ -218,7 +219,7 @@ typedef struct part_case {
 static void one_part(const lf_format_row *row)
 {
     const part_case *c = row->with;
-    assert_int_equal(strcmp(row->verdict, "told") == 0, !!c->told);
+    assert_int_equal(strcmp(row->verdict, "warned") == 0, !!c->told);
     expect(&c->part, 1, c->told, c->rgb, c->tolerance);
 }
 
@@ -448,19 +449,19 @@ static const lf_format_row rows[] = {
     {"layer.R, layer.G, layer.B", "used", one_part, &layer},
     {"several layers", "refused", several_layers, NULL},
     {"one channel of another name", "used", one_part, &lone},
-    {"further channels", "told", one_part, &more},
+    {"further channels", "warned", one_part, &more},
     {"HALF", "used", one_part, &halfs},
     {"FLOAT", "used", one_part, &rgb},
     {"UINT", "used", one_part, &whole},
-    {"+Inf", "told", not_finite, &infinite},
-    {"NaN, -Inf", "told", not_finite, &nans},
+    {"+Inf", "warned", not_finite, &infinite},
+    {"NaN, -Inf", "warned", not_finite, &nans},
     {"scanlineimage", "used", one_part, &rgb},
     {"tiledimage, mipmap and ripmap levels", "used", tiles, NULL},
     {"deepscanline, deeptile", "refused", deep, NULL},
-    {"several parts", "told", parts, NULL},
+    {"several parts", "warned", parts, NULL},
     {"name", "ignored", one_name, NULL},
-    {"view", "told", view_of_part, NULL},
-    {"multiView", "told", views, NULL},
+    {"view", "warned", view_of_part, NULL},
+    {"multiView", "warned", views, NULL},
     {"multiView of layers alone", "used", first_view, NULL},
     {"NO_COMPRESSION", "used", compression, &kinds[0]},
     {"RLE_COMPRESSION", "used", compression, &kinds[1]},
@@ -474,25 +475,25 @@ static const lf_format_row rows[] = {
     {"DWAB_COMPRESSION", "used", compression, &kinds[9]},
     {"lineOrder", "used", one_part, &backwards},
     {"dataWindow, displayWindow", "used", windows, NULL},
-    {"windows that do not meet", "told", one_part, &beside},
+    {"windows that do not meet", "warned", one_part, &beside},
     {"pixelAspectRatio", "used", oblong_pixels, &pixel_aspect},
-    {"pixelAspectRatio beyond 1:100", "told", no_pixels, NULL},
+    {"pixelAspectRatio beyond 1:100", "warned", no_pixels, NULL},
     {"envmap 0", "used", latlong, NULL},
     {"envmap 1", "used", cube, NULL},
-    {"envmap 1 without six squares", "told", no_cube, NULL},
+    {"envmap 1 without six squares", "warned", no_cube, NULL},
     {"chromaticities", "used", attribute, &chromaticities},
-    {"chromaticities without colours", "told", bad_chromaticities, NULL},
+    {"chromaticities without colours", "warned", bad_chromaticities, NULL},
     {"adoptedNeutral", "used", attribute, &adopted_neutral},
     {"acesImageContainerFlag", "used", attribute, &aces},
     {"colorInteropID", "used", attribute, &interop},
-    {"colorInteropID of other colours", "told", unknown_space, "colorInteropID"},
+    {"colorInteropID of other colours", "warned", unknown_space, "colorInteropID"},
     {"oiio:ColorSpace", "used", attribute, &oiio},
-    {"oiio:ColorSpace of other colours", "told", unknown_space, "oiio:ColorSpace"},
-    {"one of these of another type", "told", other_type, NULL},
-    {"whiteLuminance", "told", attribute, &white_luminance},
-    {"renderingTransform", "told", attribute, &rendering},
-    {"lookModTransform", "told", attribute, &look},
-    {"Orientation", "told", attribute, &orientation},
+    {"oiio:ColorSpace of other colours", "warned", unknown_space, "oiio:ColorSpace"},
+    {"one of these of another type", "warned", other_type, NULL},
+    {"whiteLuminance", "warned", attribute, &white_luminance},
+    {"renderingTransform", "warned", attribute, &rendering},
+    {"lookModTransform", "warned", attribute, &look},
+    {"Orientation", "warned", attribute, &orientation},
     {"wrapmodes", "ignored", attribute, &wrap},
     {"worldToCamera", "ignored", attribute, &matrix},
     {"worldToNDC", "ignored", attribute, &matrix},

@@ -1,4 +1,4 @@
-/* Everything that a Radiance picture can say: docs/formats/images.md, row by row. */
+/* Everything that a Radiance picture can say: docs/reference/formats/images.md, row by row. */
 #include "tests/base/image_metadata.h"
 #include "tests/formats.h"
 
@@ -32,7 +32,7 @@ static lf_image32 load(const char *header, const unsigned char pixel[4], const c
 static void header(const lf_format_row *row)
 {
     const hdr_case *c = row->with;
-    assert_int_equal(strcmp(row->verdict, "told") == 0, !!c->told);
+    assert_int_equal(strcmp(row->verdict, "warned") == 0, !!c->told);
     lf_image32 image = load(c->header, c->pixel, c->told);
     lf_pixel_is(&image, 0, 0, c->rgb, c->tolerance);
     lf_image32_finish(&image);
@@ -170,15 +170,15 @@ static const lf_format_row rows[] = {
     {"COLORCORR", "used", header, &colour},
     {"PRIMARIES", "used", header, &primaries},
     {"PRIMARIES of Rec. 709", "used", header, &rec709},
-    {"PRIMARIES without colours", "told", header, &on_a_line},
-    {"PRIMARIES without eight numbers", "told", header, &few},
+    {"PRIMARIES without colours", "warned", header, &on_a_line},
+    {"PRIMARIES without eight numbers", "warned", header, &few},
     {"PIXASPECT", "used", oblong_pixels, &aspect},
-    {"PIXASPECT beyond 1:100", "told", header, &no_aspect},
-    {"GAMMA", "told", header, &gamma_said},
+    {"PIXASPECT beyond 1:100", "warned", header, &no_aspect},
+    {"GAMMA", "warned", header, &gamma_said},
     {"VIEW and other lines", "ignored", header, &words},
     {"-Y N +X M and the other seven", "used", axes, NULL},
     {"run lengths, new and old", "used", runs, NULL},
-    {"numbers beyond floats", "told", header, &bright},
+    {"numbers beyond floats", "warned", header, &bright},
 };
 
 static void what_a_radiance_picture_says(void **state)

@@ -1,4 +1,4 @@
-/* Everything that a JPEG can say of its picture: docs/formats/images.md, row by row. */
+/* Everything that a JPEG can say of its picture: docs/reference/formats/images.md, row by row. */
 #include "base/alloc.h"
 #include "tests/base/icc_bytes.h"
 #include "tests/base/image_metadata.h"
@@ -123,7 +123,7 @@ typedef struct segment {
 static void marker(const lf_format_row *row)
 {
     const segment *s = row->with;
-    assert_int_equal(strcmp(row->verdict, "told") == 0, !!s->told);
+    assert_int_equal(strcmp(row->verdict, "warned") == 0, !!s->told);
     insert(s->marker, s->data, s->n);
     expect(ycc.rgb, s->told);
 }
@@ -269,17 +269,17 @@ static const lf_format_row rows[] = {
     {"DNL", "refused", no_height, NULL},
     {"JFIF density of square pixels", "ignored", square_density, NULL},
     {"JFIF density", "used", density, NULL},
-    {"JFIF density beyond 1:100", "told", no_density, NULL},
+    {"JFIF density beyond 1:100", "warned", no_density, NULL},
     {"JFXX", "ignored", marker, &jfxx},
     {"EXIF of an upright picture", "ignored", marker, &upright},
     {"EXIF orientation", "used", orientation, &turned},
-    {"EXIF orientation above 8", "told", marker, &odd},
-    {"EXIF that is broken", "told", marker, &no_exif},
-    {"EXIF colour space", "told", marker, &adobe_rgb},
+    {"EXIF orientation above 8", "warned", marker, &odd},
+    {"EXIF that is broken", "warned", marker, &no_exif},
+    {"EXIF colour space", "warned", marker, &adobe_rgb},
     {"XMP", "ignored", marker, &xmp},
     {"ICC_PROFILE of sRGB", "used", icc_usual, NULL},
-    {"ICC_PROFILE", "told", icc_other, NULL},
-    {"MPF", "told", marker, &mpf},
+    {"ICC_PROFILE", "warned", icc_other, NULL},
+    {"MPF", "warned", marker, &mpf},
     {"Photoshop", "ignored", marker, &photoshop},
     {"COM", "ignored", marker, &comment},
     {"other APPn", "ignored", marker, &other},

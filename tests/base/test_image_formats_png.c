@@ -1,4 +1,4 @@
-/* Everything that a PNG can say of its picture: docs/formats/images.md, row by row. */
+/* Everything that a PNG can say of its picture: docs/reference/formats/images.md, row by row. */
 #include <zlib.h>
 
 #include "base/alloc.h"
@@ -47,7 +47,7 @@ static void kind(const lf_format_row *row)
 {
     const kind_case *c = row->with;
     const png_color_16 clear = {.gray = 7, .red = 1, .green = 2, .blue = 3};
-    assert_int_equal(strcmp(row->verdict, "told") == 0, !!c->told);
+    assert_int_equal(strcmp(row->verdict, "warned") == 0, !!c->told);
     write_kind(c->depth, c->color, c->interlaced, c->clears ? &clear : NULL, c->row);
     expect(c->rgb, c->told);
 }
@@ -124,7 +124,7 @@ static const uint8_t codes[3] = {1, 2, 4};
 static void chunk(const lf_format_row *row)
 {
     const chunk_case *c = row->with;
-    assert_int_equal(strcmp(row->verdict, "told") == 0, !!c->told);
+    assert_int_equal(strcmp(row->verdict, "warned") == 0, !!c->told);
     write_chunk(c->type ? c->type : row->name, c->data, c->n);
     expect(codes, c->told);
 }
@@ -257,28 +257,28 @@ static const lf_format_row rows[] = {
     {"PLTE", "used", kind, &palette},
     {"interlace", "used", kind, &passes},
     {"alpha of opaque pixels", "ignored", kind, &opaque},
-    {"alpha", "told", kind, &clear},
-    {"tRNS", "told", kind, &keyed},
+    {"alpha", "warned", kind, &clear},
+    {"tRNS", "warned", kind, &keyed},
     {"sRGB", "used", chunk, &srgb},
     {"gAMA of 1/2.2", "ignored", chunk, &gamma_usual},
-    {"gAMA", "told", chunk, &gamma_other},
+    {"gAMA", "warned", chunk, &gamma_other},
     {"cHRM of Rec. 709", "ignored", chunk, &chrm_usual},
-    {"cHRM", "told", chunk, &chrm_other},
+    {"cHRM", "warned", chunk, &chrm_other},
     {"iCCP of sRGB", "used", icc_usual, NULL},
-    {"iCCP", "told", icc_other, NULL},
+    {"iCCP", "warned", icc_other, NULL},
     {"cICP 1/13/0/1", "used", chunk, &cicp_usual},
-    {"cICP", "told", chunk, &cicp_other},
+    {"cICP", "warned", chunk, &cicp_other},
     {"one of these beside a stronger", "ignored", outdone, NULL},
     {"eXIf of an upright picture", "ignored", chunk, &upright},
     {"eXIf orientation", "used", orientation, &turned},
-    {"eXIf orientation above 8", "told", chunk, &odd},
-    {"eXIf that is broken", "told", chunk, &no_exif},
-    {"eXIf colour space", "told", chunk, &adobe_rgb},
+    {"eXIf orientation above 8", "warned", chunk, &odd},
+    {"eXIf that is broken", "warned", chunk, &no_exif},
+    {"eXIf colour space", "warned", chunk, &adobe_rgb},
     {"pHYs", "used", oblong_pixels, &oblong},
-    {"pHYs beyond 1:100", "told", chunk, &sliver},
-    {"acTL", "told", chunk, &animation},
-    {"sTER", "told", chunk, &stereo},
-    {"pCAL", "told", chunk, &calibration},
+    {"pHYs beyond 1:100", "warned", chunk, &sliver},
+    {"acTL", "warned", chunk, &animation},
+    {"sTER", "warned", chunk, &stereo},
+    {"pCAL", "warned", chunk, &calibration},
     {"mDCV", "ignored", chunk, &mastering},
     {"cLLI", "ignored", chunk, &light_level},
     {"sBIT", "ignored", chunk, &significant},

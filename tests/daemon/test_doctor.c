@@ -107,7 +107,7 @@ static void a_machine_with_its_panel_has_nothing_but_ok(void **state)
     assert_true(m->sound);
     assert_string_equal(m->said, "ok    daemon: rendering, shows on drm:DP-1\n"
                                  "ok    udev rule: /usr/lib/udev/rules.d/70-quiltd.rules\n"
-                                 "ok    panel drm:DP-1: quiltd shows on it\n"
+                                 "ok    panel drm:DP-1: quiltd shows its image on this panel\n"
                                  "ok    calibration /dev/hidraw0: LKG-PORT-NOMINAL, 1536 x 2048\n");
     destroy_machine(m);
 }
@@ -120,7 +120,7 @@ static void what_is_missing_is_noted_but_fails_nothing(void **state)
     examine(m);
     assert_true(m->sound);
     assert_says(m, "note  daemon: /run/quiltd/control.sock: no daemon answers\n");
-    assert_says(m, "note  panels: no display of a Looking Glass");
+    assert_says(m, "note  panels: no Looking Glass display");
     assert_says(m, "note  calibrations: none was found");
     assert_does_not_say(m, "FAIL");
     destroy_machine(m);
@@ -136,8 +136,8 @@ static void every_part_of_the_system_is_looked_for(void **state)
          "note  udev rule: 70-quiltd.rules is not installed"},
         {"run/udev/control", "note  udev: is not running"},
         {"sys/bus/hid", "note  module hid-generic: is not loaded"},
-        {"sys/bus/usb", "note  USB: this kernel shows no USB bus"},
-        {"dev/dri/card1", "note  displays: there is no /dev/dri/card*"},
+        {"sys/bus/usb", "note  USB: the kernel reports no USB bus"},
+        {"dev/dri/card1", "note  displays: /dev/dri/card* does not exist"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         machine *m = make_machine();

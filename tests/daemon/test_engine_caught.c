@@ -20,13 +20,13 @@ typedef struct running {
     int fd;
 } running;
 
-static lf_content *content_of(const char *name, lf_reconstruct reconstruct)
+static lf_content *content_of(const char *name, lf_denoise denoise)
 {
     const lf_options options = {.views = VIEWS,
                                 .view_width = SIDE,
                                 .view_height = SIDE,
                                 .target_error = 1e-9,
-                                .reconstruct = reconstruct};
+                                .denoise = denoise};
     lf_scene *scene = NULL;
     lf_content *content = NULL;
     lf_error err = {0};
@@ -38,16 +38,15 @@ static lf_content *content_of(const char *name, lf_reconstruct reconstruct)
     return content;
 }
 
-static void begin(running *r, const char *scene, lf_reconstruct reconstruct)
+static void begin(running *r, const char *scene, lf_denoise denoise)
 {
     lf_error err = {0};
     int64_t generation = 0;
     *r = (running){.fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
-    r->controls =
-        (lf_engine_controls){.threads = 2, .reconstruct = reconstruct, .target_error = 1e-9};
+    r->controls = (lf_engine_controls){.threads = 2, .denoise = denoise, .target_error = 1e-9};
     lf_assert_ok(lf_engine_create(&r->controls, r->fd, &r->engine, &err), &err);
     lf_engine_set_panel(r->engine, NULL, 1, true);
-    r->content = content_of(scene, reconstruct);
+    r->content = content_of(scene, denoise);
     lf_assert_ok(lf_engine_commit(r->engine, r->content, false, &generation, NULL, &err), &err);
 }
 
@@ -141,7 +140,7 @@ static void frames_have_what_catchers_of_files_get(void **state)
     } scenes[] = {{"ball-in-catcher-light", 2.0, 5.0}, {"light-on-mirror", 2.0, 5.0}};
     for (int i = 0; i < 4; i++) {
         running r;
-        begin(&r, scenes[i / 2].scene, i % 2 == 0 ? LF_RECONSTRUCT_OFF : LF_RECONSTRUCT_ON);
+        begin(&r, scenes[i / 2].scene, i % 2 == 0 ? LF_DENOISE_OFF : LF_DENOISE_ON);
         if (i % 2 == 0) {
             make_picture(r.content, true, film, with);
             make_picture(r.content, false, bare, without);
@@ -167,15 +166,15 @@ static void exports_have_them_too(void **state)
 {
     (void)state;
     running r;
-    begin(&r, "ball-in-catcher-light", LF_RECONSTRUCT_ON);
+    begin(&r, "ball-in-catcher-light", LF_DENOISE_ON);
     make_picture(r.content, true, film, with);
     make_picture(r.content, false, bare, without);
     run_to(&r, 8);
     for (int i = 0; i < 2; i++) {
         lf_snapshot snapshot;
         lf_error err = {0};
-        lf_assert_ok(lf_engine_snapshot(r.engine, i == 0 ? LF_RECONSTRUCT_OFF : LF_RECONSTRUCT_ON,
-                                        0, &snapshot, &err),
+        lf_assert_ok(lf_engine_snapshot(r.engine, i == 0 ? LF_DENOISE_OFF : LF_DENOISE_ON, 0,
+                                        &snapshot, &err),
                      &err);
         assert_true(film_apart(snapshot.film, film) < 0.01);
         assert_true(film_apart(snapshot.film, bare) > 0.03);
@@ -205,7 +204,7 @@ static void guides_are_switched_on_and_off(void **state)
 {
     (void)state;
     running r;
-    begin(&r, "cubes-in-depth", LF_RECONSTRUCT_AUTO);
+    begin(&r, "cubes-in-depth", LF_DENOISE_AUTO);
     run_to(&r, 4);
     for (int i = 0; i < 3; i++) {
         lf_snapshot snapshot;
@@ -214,7 +213,7 @@ static void guides_are_switched_on_and_off(void **state)
         do
             last_views(&r, seen);
         while (!is_marked(seen, i == 1));
-        lf_assert_ok(lf_engine_snapshot(r.engine, LF_RECONSTRUCT_ON, 0, &snapshot, NULL), NULL);
+        lf_assert_ok(lf_engine_snapshot(r.engine, LF_DENOISE_ON, 0, &snapshot, NULL), NULL);
         for (int k = 0; k < PIXELS; k++) /* exports are of the picture alone */
             assert_true(fabsf(snapshot.film[3 * k] - snapshot.film[3 * k + 2]) < 0.02f);
         lf_snapshot_finish(&snapshot);

@@ -66,7 +66,7 @@ static void wait_for_a_fit(lf_engine *engine, int fd, int64_t generation)
 static void no_frame_of_a_camera_that_moves_is_unfiltered(void **state)
 {
     (void)state;
-    const lf_engine_controls controls = {.threads = 2, .reconstruct = LF_RECONSTRUCT_AUTO};
+    const lf_engine_controls controls = {.threads = 2, .denoise = LF_DENOISE_AUTO};
     lf_engine *engine = NULL;
     lf_error err = {0};
     int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -88,7 +88,7 @@ static void no_frame_of_a_camera_that_moves_is_unfiltered(void **state)
 static void no_first_frame_of_a_scene_is_unfiltered(void **state)
 {
     (void)state;
-    const lf_engine_controls controls = {.threads = 2, .reconstruct = LF_RECONSTRUCT_AUTO};
+    const lf_engine_controls controls = {.threads = 2, .denoise = LF_DENOISE_AUTO};
     lf_engine *engine = NULL;
     lf_error err = {0};
     int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -106,7 +106,7 @@ static void no_first_frame_of_a_scene_is_unfiltered(void **state)
 static void no_frame_of_many_is_unfiltered(void **state)
 {
     (void)state;
-    const lf_engine_controls controls = {.threads = 2, .reconstruct = LF_RECONSTRUCT_AUTO};
+    const lf_engine_controls controls = {.threads = 2, .denoise = LF_DENOISE_AUTO};
     lf_engine *engine = NULL;
     lf_error err = {0};
     int fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -187,7 +187,7 @@ static void the_first_complete_frame_is_fitted_to_all_rows(void **state)
 {
     (void)state;
     static uint8_t seen[VALUES], fitted[2][VALUES];
-    const lf_engine_controls controls = {.threads = 2, .reconstruct = LF_RECONSTRUCT_AUTO};
+    const lf_engine_controls controls = {.threads = 2, .denoise = LF_DENOISE_AUTO};
     lf_content *content = content_of(0.0, 4.0);
     for (int i = 0; i < 2; i++)
         fit_of_all(content, i, fitted[i]);

@@ -70,20 +70,22 @@ static const struct {
     {"-o %s/x.png --turntable 0", "--turntable: expects"},
     {"-o %s/x.png --turntable 4 --frames 3", "--frames: expects A:B"},
     {"-o %s/x.png --turntable 4 --frames 3:2", "3:2 ends before it begins"},
-    {"-o %s/x.png --turntable 4 --frames 0:2", "no part of --turntable 4 (1:4)"},
-    {"-o %s/x.png --turntable 4 --frames 2:5", "no part of --turntable 4 (1:4)"},
-    {"-o %s/x.gif --wiggle --turntable 4", "--wiggle: does not go with --turntable"},
-    {"-o %s/x.png --turntable 4 --state s", "--state: does not go with --turntable"},
-    {"-o %s/x.png --turntable 4 --stats s.json", "--stats: does not go with --turntable"},
+    {"-o %s/x.png --turntable 4 --frames 0:2",
+     "is outside --turntable 4; expected frames within 1:4"},
+    {"-o %s/x.png --turntable 4 --frames 2:5",
+     "is outside --turntable 4; expected frames within 1:4"},
+    {"-o %s/x.gif --wiggle --turntable 4", "--wiggle: cannot be combined with --turntable"},
+    {"-o %s/x.png --turntable 4 --state s", "--state: cannot be combined with --turntable"},
+    {"-o %s/x.png --turntable 4 --stats s.json", "--stats: cannot be combined with --turntable"},
     {"-o %s/x.png --turntable 4 --exposure auto", "--exposure: auto"},
-    {"-o %s/x.png --turntable 4 --fps 25", "--fps: only goes with OUT.mp4"},
-    {"-o %s/x.mp4", "a video needs --frames, --turntable or"},
+    {"-o %s/x.png --turntable 4 --fps 25", "--fps: applies only to OUT.mp4"},
+    {"-o %s/x.mp4", "a video needs --frames, --turntable, --wiggle, or"},
     {"-o %s/x.mp4 --turntable 4 --codec mpeg2", "--codec: expects h264 or h265"},
-    {"-o %s/x.mp4 --turntable 4 --rgbd right", "a picture with depth ends in .png"},
+    {"-o %s/x.mp4 --turntable 4 --rgbd right", "the name of an image with depth must end in .png"},
     {"-o %s/x.mp4 --turntable 4 --views 6 --quilt 3x2 --view-size 11x16",
-     "--view-size 12x16 (or --pixel-format yuv444p)"},
+     "use --view-size 12x16 or --pixel-format yuv444p"},
     {"-o %s/x.mp4 --turntable 4 --views 6 --quilt 2x3 --view-size 11x15",
-     "a picture of 22x45 pixels has an odd side, which yuv420p has not: --view-size 11x16"},
+     "yuv420p cannot hold an image of 22x45 pixels, which has an odd side; use --view-size 11x16"},
     {"-o %s/x_qs5x9.mp4 --turntable 4 --views 6", "the name says 5x9"},
 };
 
@@ -102,9 +104,9 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
     }
     qr_outcome o;
     qr_run(&o, "%s -o %s/x.png --turntable 4", f->quilt, f->folder);
-    qr_assert_fails(&o, 2, "does not go with a finished quilt");
+    qr_assert_fails(&o, 2, "cannot be combined with a finished quilt");
     qr_run(&o, "--chart 60+-0.5/0.1@600 --print-size 60x60 -o %s/x.tif --turntable 4", f->folder);
-    qr_assert_fails(&o, 2, "does not go with --chart");
+    qr_assert_fails(&o, 2, "cannot be combined with --chart");
     assert_int_equal(qr_count_files(f->folder), before);
 }
 
@@ -164,13 +166,13 @@ static void frames_that_are_there_stay_and_those_that_lack_are_made(void **state
     lf_test_write(f->folder, "r_0002_qs2x2a0.75.png", "mine");
     qr_run(&o, "%s -o %s/r.png --turntable 3 " SIZE, f->scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "2 of 3 frames were there already"));
+    assert_non_null(strstr(o.err, "2 of 3 frames exist and are kept"));
     assert_same(f, "r_0003_qs2x2a0.75.png", "third.png", true);
     lf_test_write(f->folder, "mine.png", "mine");
     assert_same(f, "r_0002_qs2x2a0.75.png", "mine.png", true);
     qr_run(&o, "%s -o %s/r.png --turntable 3 --overwrite " SIZE, f->scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_null(strstr(o.err, "were there already"));
+    assert_null(strstr(o.err, "exist and are kept"));
     qr_succeed("%s -o %s/again.png --turntable 3 " SIZE, f->scene, f->folder);
     assert_same(f, "r_0002_qs2x2a0.75.png", "again_0002_qs2x2a0.75.png", true);
 }
@@ -185,7 +187,7 @@ static void folders_and_panels_are_frames_too(void **state)
     assert_int_equal(unlink(lf_test_path(f->folder, "views_0001/view_002.exr")), 0);
     qr_run(&o, "%s -o %s/views/ --turntable 2 " SIZE, f->scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "1 of 2 frames were there already"));
+    assert_non_null(strstr(o.err, "1 of 2 frames exist and are kept"));
     assert_true(qr_exists(f->folder, "views_0001/view_002.exr"));
     qr_succeed("%s -o %s/woven_%%02d.png --panel %s --turntable 2 " SIZE, f->scene, f->folder,
                f->calibration);
@@ -351,7 +353,7 @@ static void a_file_that_some_frame_lacks_is_told_before_any_is_rendered(void **s
     qr_run(&o, "%s -o %s/s.exr --frames 4:4 " SIZE, scene, f->folder);
     qr_assert_fails(&o, 1, "smoke.json:2: /volumes/smoke/file: ");
     qr_run(&o, "%s -o %s/s.exr --frames 1:2 " SIZE, f->scene, f->folder);
-    qr_assert_fails(&o, 2, "--frames: nothing in ");
+    qr_assert_fails(&o, 2, "fog.json has no animation");
 }
 
 int main(void)

@@ -80,12 +80,12 @@ static void numbers_that_differ_are_told_apart(void **state)
     char words[LF_DEPTH_WORDS];
     lf_depth_words(&d, 420, LF_DEPTH_PANEL, words, sizeof words);
     assert_non_null(strstr(words, "behind the focal plane shift by 16.9 of 420 pixels"));
-    assert_non_null(strstr(words, "at most 16.8 is sharp, which is what is nearer than 12"));
+    assert_non_null(strstr(words, "(limit 16.8; sharp up to distance 12)"));
     assert_non_null(strstr(words, "camera.fit"));
     d.farthest_step = 59.3;
     lf_depth_words(&d, 420, LF_DEPTH_FILE, words, sizeof words);
     assert_non_null(strstr(words, "by 59 of 420 pixels"));
-    assert_non_null(strstr(words, "at most 17 is sharp"));
+    assert_non_null(strstr(words, "(limit 17; sharp"));
     /* a method of a socket is nothing to quiltrender, nor is a panel to a print */
     assert_null(strstr(words, "camera."));
     const lf_camera sharp = {.view_blur = 0}, smooth = {.view_blur = 1};
@@ -95,13 +95,13 @@ static void numbers_that_differ_are_told_apart(void **state)
     assert_false(lf_depth_exceeds(&d, &smooth, LF_DEPTH_PRINT));
     assert_false(lf_depth_exceeds(&d, &sharp, LF_DEPTH_FILE));
     lf_depth_words(&d, 142, LF_DEPTH_PRINT, words, sizeof words);
-    assert_non_null(strstr(words, "before the focal plane shift by 1.04 of 142 lenses"));
-    assert_non_null(strstr(words, "at most 1.00 is sharp)"));
+    assert_non_null(strstr(words, "in front of the focal plane shift by 1.04 of 142 lenses"));
+    assert_non_null(strstr(words, "(limit 1.00)"));
     assert_null(strstr(words, "camera."));
     assert_null(strstr(words, "panel"));
     d.nearest_step = -(double)INFINITY;
     lf_depth_words(&d, 142, LF_DEPTH_PRINT, words, sizeof words);
-    assert_non_null(strstr(words, "by more than a view holds"));
+    assert_non_null(strstr(words, "by more than the view width"));
     d.nearest_step = -1;
     assert_false(lf_depth_exceeds(&d, &sharp, LF_DEPTH_PRINT));
 }
@@ -117,7 +117,7 @@ static void a_print_says_how_deep_it_is(void **state)
     qr_run(&o, "%s -o %s/deep.tif --print 40@300 --print-size 30x40 --passes 1", f->scene,
            f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "fog.json: deeper than lenses show sharply"));
+    assert_non_null(strstr(o.err, "fog.json: too deep for lenses"));
     assert_null(strstr(o.err, "ghost")); /* of the number of views that is the default */
     lf_assert_ok(
         lf_file_read(lf_test_path(f->folder, "deep.json"), NULL, 1 << 20, &manifest, &n, &err),

@@ -83,8 +83,8 @@ static void a_stopped_job_says_75_and_keeps_its_work(void **state)
             assert_true(code == 75 || code == 1000 + SIGTERM);
         }
         assert_non_null(strstr(said, "interrupted: "));
-        assert_non_null(strstr(said, "keeps the work, and the same command goes on"));
-        const bool goes_on = strstr(said, "going on at ");
+        assert_non_null(strstr(said, "run the same command to continue"));
+        const bool goes_on = strstr(said, "continuing at ");
         assert_int_equal(goes_on, i);
         passes = passes_of(path, false);
     }
@@ -115,7 +115,7 @@ static void a_larger_job_goes_on_and_a_complete_one_is_done_at_once(void **state
                    size);
             assert_int_equal(o.code, 0);
             assert_non_null(
-                strstr(o.err, again ? "the picture is complete (4 spp)" : "going on at 2 spp"));
+                strstr(o.err, again ? "the image is complete (4 spp)" : "continuing at 2 spp"));
             qr_assert_same_files(out, whole);
         }
         unlink(out);
@@ -132,8 +132,8 @@ static void a_foreign_file_is_refused_and_named(void **state)
         {"--spp 2 --views 5", "differs in the number of views (6, now 5)"},
         {"--spp 2 --view-size 24x31", "the views' height (32, now 31)"},
         {"--spp 2 --integrator vpt", "the integrator (\"mvpt\", now \"vpt\")"},
-        {"--spp 2 --max-depth 2", "how it is rendered"},
-        {"--spp 1", "holds 2 spp, and this job is of 1"},
+        {"--spp 2 --max-depth 2", "the render settings"},
+        {"--spp 1", "holds 2 spp, but this job asks for 1"},
     };
     char path[PATH_MAX], kept[PATH_MAX], other[PATH_MAX];
     qr_outcome o;
@@ -159,7 +159,7 @@ static void a_foreign_file_is_refused_and_named(void **state)
     assert_non_null(strstr(o.err, "differs in the camera"));
     qr_run(&o, "%s -o %s/no.png --state %s --reconstruct on --spp 2 " SIZE, f->scene, f->folder,
            path);
-    qr_assert_fails(&o, 1, "--reconstruct (false, now true)");
+    qr_assert_fails(&o, 1, "--denoise (false, now true)");
     assert_int_equal(qr_count_files(f->folder), before);
     snprintf(other, sizeof other, "%s",
              lf_test_write(f->folder, "other.json",
@@ -169,12 +169,12 @@ static void a_foreign_file_is_refused_and_named(void **state)
            path);
     qr_assert_fails(&o, 1, "differs in the scene, the camera");
     qr_run(&o, "%s -o %s/no.png --state %s --spp 2 " SIZE, f->scene, f->folder, other);
-    qr_assert_fails(&o, 1, "holds no state of a job");
+    qr_assert_fails(&o, 1, "is not the state of a job");
     qr_succeed("%s -o %s/m.png --passes 13 --reconstruct off --state %s/odd.lfstate " SIZE,
                f->scene, f->folder, f->folder);
     qr_run(&o, "%s -o %s/no.png --spp 4 --reconstruct off --state %s/odd.lfstate " SIZE, f->scene,
            f->folder, f->folder);
-    qr_assert_fails(&o, 1, "holds passes that this job would not have made");
+    qr_assert_fails(&o, 1, "holds passes of another job");
     qr_run(&o, "%s -o %s/no.png --state %s/n.lfstate --spp 2 --integrator amvpt " SIZE, f->scene,
            f->folder, f->folder);
     qr_assert_fails(&o, 1, "--state: is not supported with this --integrator");
@@ -237,7 +237,7 @@ static void assert_damaged(const tiny *t, const char *path)
     if (status != LF_E_FORMAT && status != LF_E_STATE)
         fail_msg("status %d", status);
     assert_string_equal(err.where, path);
-    assert_non_null(strstr(err.what, "give another --state FILE"));
+    assert_non_null(strstr(err.what, "pass another --state FILE"));
     if (lf_job_state_info(path, &info, &err) == LF_OK)
         json_decref(info);
 }
@@ -333,7 +333,7 @@ static void a_state_that_cannot_be_saved_is_an_error(void **state)
     qr_run_limited(&o, line, 4096);
     qr_assert_fails(&o, 1, "File too large");
     qr_run(&o, "%s -o %s/x.png --spp 1 --state %s/none/s " SIZE, f->scene, f->folder, f->folder);
-    qr_assert_fails(&o, 1, "cannot write into the folder");
+    qr_assert_fails(&o, 1, "cannot write to the folder");
     qr_run(&o, "--state-info %s/none", f->folder);
     qr_assert_fails(&o, 1, "none");
     assert_int_equal(qr_count_files(f->folder), before);

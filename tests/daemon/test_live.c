@@ -108,7 +108,7 @@ static void how_to_render_can_be_changed(void **state)
     const json_t *refusal = json_object_get(answer, "error");
     assert_int_equal(json_integer_value(json_object_get(refusal, "code")), -32602);
     assert_non_null(strstr(json_string_value(json_object_get(refusal, "message")),
-                           "mvpt2022 is a reference mode: use quiltrender or quiltbench"));
+                           "mvpt2022 is a reference mode; use it with quiltrender or quiltbench"));
     json_decref(answer);
     assert_true(live_number(&c, "status", NULL, "generation") == 1);
     assert_true(

@@ -106,7 +106,7 @@ static void a_file_that_cannot_be_shown_is_named_with_the_reason(void **state)
     live_start(&l, lf_test_path(l.folder, "scene/broken.json"), "--device", l.sim, NULL);
     live_connect(&l, &c);
     await_words(&c, "Cannot show broken.json:2: unknown key \"camra\"");
-    assert_true(live_logged(&l, "the panel says: Cannot show broken.json:2: "));
+    assert_true(live_logged(&l, "message on the panel: Cannot show broken.json:2: "));
     load(&l, &c, "scene/fog.json", LIVE_SCENE, 0);
     live_wait(&c, "coarse");
     assert_true(says(&c, NULL));
@@ -156,13 +156,13 @@ static void a_picture_without_light_is_told(void **state)
     live_start(&l, l.scene, "--device", l.sim, NULL);
     live_connect(&l, &c);
     live_wait(&c, "complete");
-    assert_true(says(&c, "fog.json: the picture is black"));
+    assert_true(says(&c, "fog.json: the image is black"));
     light(&c, "0.5,0.5,0.5");
     live_wait(&c, "coarse");
     assert_true(says(&c, NULL));
     light(&c, "0,0,0");
     live_wait(&c, "complete");
-    assert_true(says(&c, "fog.json: the picture is black"));
+    assert_true(says(&c, "fog.json: the image is black"));
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);
     live_finish(&l);
@@ -259,9 +259,9 @@ static void a_folder_that_is_removed_is_told_and_made_again(void **state)
     json_t *told = live_receive(&ears);
     assert_string_equal(
         json_string_value(json_object_get(json_object_get(told, "params"), "problem")),
-        "its folder was removed; a new one is made");
+        "its folder was removed; creating a new one");
     json_decref(told);
-    assert_true(live_logged(&l, ": its folder was removed; a new one is made"));
+    assert_true(live_logged(&l, ": its folder was removed; creating a new one"));
     live_close(&ears);
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);

@@ -170,7 +170,8 @@ static void a_wait_ends_when_its_time_is_over(void **state)
     assert_int_equal(live_code(&c, "render.set", json_pack("{s:b}", "paused", 1)), 0);
     json_t *answer = failure_of(
         &c, "wait", json_pack("{s:s, s:f}", "for", "converged", "timeout", 0.05), -32004);
-    assert_message(answer, "wait: not converged within 0.05 s: rendering is paused");
+    assert_message(answer,
+                   "wait: the image was not converged within 0.05 s, because rendering is paused");
     /* what is there already is answered, whatever the time */
     assert_int_equal(
         live_code(&c, "wait", json_pack("{s:s, s:f}", "for", "coarse", "timeout", 1e-3)), 0);
@@ -184,7 +185,7 @@ static void a_wait_ends_when_its_time_is_over(void **state)
                            (char *)(uintptr_t) "for=converged",
                            NULL};
     assert_int_equal(live_reap(live_spawn(&l, words)), 1);
-    assert_true(live_logged(&l, "no answer within 0.2 s (--timeout)"));
+    assert_true(live_logged(&l, "no answer arrived within 0.2 s; use a longer --timeout"));
     live_close(&c);
     live_finish(&l);
 }

@@ -294,8 +294,10 @@ static void a_load_that_nobody_waits_for_is_replaced_by_any_later_one(void **sta
     live_close(&gone);
     assert_succeeds(live_call(&other, "camera.orbit", json_pack("{s:i}", "yaw", 3)));
     assert_true(live_number(&other, "status", NULL, "generation") == 2);
-    assert_true(live_logged(&l, "slow.json: its load ends for a later one"));
-    assert_true(live_logged(&l, "slower.json: its load ends for a later one"));
+    assert_true(
+        live_logged(&l, "slow.json: the load was cancelled, because a later one replaces it"));
+    assert_true(
+        live_logged(&l, "slower.json: the load was cancelled, because a later one replaces it"));
     END(&l, &other);
 }
 
@@ -361,7 +363,7 @@ static void the_first_scene_is_replaced_by_another_file_alone(void **state)
     assert_int_equal(count_starts(&l), 1);
     assert_true(live_number(&other, "status", NULL, "loading") == 2);
     assert_succeeds(live_call(&other, "scene.load", json_pack("{s:s}", "file", "other.json")));
-    assert_fails(live_answer(&moves), "no scene is shown");
+    assert_fails(live_answer(&moves), "no scene is loaded");
     END(&l, &moves, &other, &third);
 }
 

@@ -220,7 +220,7 @@ static void other_descriptors_are_refused_in_one_line(void **state)
     close(pair[1]);
     /* too few and too many */
     assert_int_equal(pass(&o, "scene.patch", sky_patch(&o), NULL, 0, &message), -32602);
-    assert_non_null(strstr(message, "1 files are named, and 0 descriptors came"));
+    assert_non_null(strstr(message, "names 1 files, but 0 descriptors came"));
     int two[] = {open_at(&o, "sky.hdr", O_RDONLY), open_at(&o, "sky.hdr", O_RDONLY)};
     assert_int_equal(pass(&o, "scene.patch", sky_patch(&o), two, 2, NULL), -32602);
     end(&o);

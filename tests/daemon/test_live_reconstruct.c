@@ -263,8 +263,11 @@ static void a_state_without_features_is_not_gone_on_with(void **state)
                    NULL);
         live_connect(&l, &c);
         live_wait(&c, "complete");
-        assert_int_equal(live_logged(&l, "begun anew; the newest saved one differs in how"), i > 0);
-        assert_int_equal(live_logged(&l, "going on with the saved state"), i > 1);
+        assert_int_equal(
+            live_logged(
+                &l, "from the beginning; the newest saved state differs in the render settings"),
+            i > 0);
+        assert_int_equal(live_logged(&l, "continuing from the saved state"), i > 1);
         live_close(&c);
         assert_int_equal(live_stop(&l), 0);
     }

@@ -70,7 +70,7 @@ static void a_state_belongs_to_one_daemon(void **state)
                            l.state,
                            NULL};
     assert_int_equal(live_reap(live_spawn(&l, words)), 1);
-    assert_true(live_logged(&l, "is another quiltd's, which is still running"));
+    assert_true(live_logged(&l, "another running quiltd uses"));
     live_close(&c);
     assert_int_equal(live_stop(&l), 0);
     /* it is free when that has ended, however that was */
@@ -96,7 +96,7 @@ static void a_killed_daemon_goes_on_from_its_state(void **state)
     live_start(&l, l.scene, "--device", l.sim, "--state", l.state, NULL);
     live_connect(&l, &c);
     live_wait(&c, "coarse");
-    assert_true(live_logged(&l, "going on with the saved state"));
+    assert_true(live_logged(&l, "continuing from the saved state"));
     assert_true(live_number(&c, "status", NULL, "passes") >= passes);
     live_close(&c);
     kill(l.pid, SIGKILL);
@@ -107,7 +107,7 @@ static void a_killed_daemon_goes_on_from_its_state(void **state)
     live_start(&l, l.scene, "--device", l.sim, "--state", l.state, NULL);
     live_connect(&l, &c);
     live_wait(&c, "complete");
-    assert_true(live_logged(&l, "left aside"));
+    assert_true(live_logged(&l, "the saved state is not used"));
     live_close(&c);
     live_finish(&l);
 }
@@ -141,7 +141,7 @@ static void the_batch_in_progress_ends_before_its_state_is_saved(void **state)
                more[3], NULL);
     live_connect(&l, &c);
     live_wait(&c, "coarse");
-    assert_true(live_logged(&l, "going on with the saved state"));
+    assert_true(live_logged(&l, "continuing from the saved state"));
     assert_true(live_number(&c, "status", NULL, "passes") >= passes);
     live_close(&c);
     live_finish(&l);
@@ -166,21 +166,21 @@ static void a_converged_picture_survives_starts_with_other_options(void **state)
     static const char *const others[][2] = {
         {"--view-size", "30x40"}, {"--seed", "7"}, {"--views", "7"}, {"--max-depth", "3"}};
     static const char *const words[] = {"differs in the view size (24x32, now 30x40)",
-                                        "the seed (0, now 7)", "views (6, now 7)",
-                                        "differs in how it is rendered"};
+                                        "the seed (0, now 7)", "the number of views (6, now 7)",
+                                        "differs in the render settings"};
     (void)state;
     live l;
     live_prepare(&l);
     double passes = converged(&l, NULL, NULL);
-    assert_false(live_logged(&l, "begun anew"));
+    assert_false(live_logged(&l, "starts from the beginning"));
     for (int i = 0; i < 4; i++) {
         assert_false(live_logged(&l, words[i]));
         (void)converged(&l, others[i][0], others[i][1]);
         assert_true(live_logged(&l, words[i]));
         assert_int_equal(count_states(&l), 2 + i);
-        assert_false(live_logged(&l, "going on with the saved state"));
+        assert_false(live_logged(&l, "continuing from the saved state"));
         assert_true(converged(&l, NULL, NULL) == passes);
-        assert_true(live_logged(&l, "going on with the saved state"));
+        assert_true(live_logged(&l, "continuing from the saved state"));
         assert_int_equal(truncate(l.log, 0), 0);
     }
     live_finish(&l);

@@ -83,7 +83,7 @@ static void the_depth_and_bounds_are_told_and_framed(void **state)
     warnings = json_object_get(answer, "warnings");
     assert_int_equal(json_array_size(warnings), 1);
     assert_non_null(strstr(json_string_value(json_array_get(warnings, 0)),
-                           "the camera sees no mesh and no volume of the scene; camera.fit"));
+                           "the camera sees no mesh and no volume of the scene; use camera.fit"));
     json_decref(answer);
     assert_true(live_logged(&l, "the camera sees no mesh"));
     assert_box(&c, 3, 0.5);
@@ -189,8 +189,8 @@ static void a_black_picture_is_told(void **state)
     live_wait(&c, "coarse");
     assert_warns(&c, NULL);
     shine(&c, 1e-6);
-    assert_warns(&c, "the picture is black in all views");
-    assert_true(live_logged(&l, "the picture is black in all views"));
+    assert_warns(&c, "the image is black in all views");
+    assert_true(live_logged(&l, "the image is black in all views"));
     shine(&c, 0.7);
     assert_warns(&c, NULL);
     live_close(&c);

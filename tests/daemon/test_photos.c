@@ -154,7 +154,7 @@ static const wrong_case wrong_cases[] = {
     {"card_qs3x2a1.5.png", "=", "--panel %s/words.json", 1, "not JSON"},
     {"card_qs3x2a1.5.png", "=", "--photo crop", 2, "expects fit or fill"},
     {"card_qs3x2a1.5.png", "=", "--photo-rotate 45", 2, "expects 0, 90, 180, 270 or auto"},
-    {"fog.json", "=", "--photo fill", 2, "only goes with a finished quilt or a folder"},
+    {"fog.json", "=", "--photo fill", 2, "applies only to finished images"},
 };
 
 /* The last line of what was said: of a print, more is. */

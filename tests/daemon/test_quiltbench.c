@@ -100,9 +100,9 @@ static void one_view_is_picked_out_of_many(void **state)
     assert_int_equal(bench_run(d, "error one.exr q_qs4x1.exr --view 1 --max-relmse 0.01"), 1);
     assert_int_equal(bench_run(d, "error q_qs4x1.exr q_qs4x1.exr --max-relmse 0"), 0);
     assert_int_equal(bench_run(d, "error one.exr q_qs4x1.exr"), 1);
-    assert_error_line(d, "4 views, but the reference has 1");
+    assert_error_line(d, "has 4 views, but the reference has 1");
     assert_int_equal(bench_run(d, "error one.exr q_qs4x1.exr --view 4"), 1);
-    assert_error_line(d, "there is no view 4");
+    assert_error_line(d, "view 4 does not exist");
 }
 
 static void wrong_usage_is_one_line_and_exit_2(void **state)
@@ -110,10 +110,10 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
     static const struct {
         const char *line, *words;
     } cases[] = {
-        {"", "COMMAND: missing"},
+        {"", "COMMAND: is missing"},
         {"measure", "measure: unknown command"},
-        {"error one.exr", "expects REFERENCE and PICTURE"},
-        {"error a b c", "expects REFERENCE and PICTURE"},
+        {"error one.exr", "expects REFERENCE and IMAGE"},
+        {"error a b c", "expects REFERENCE and IMAGE"},
         {"error a b --block 0", "--block"},
         {"error a b --max-mean much", "--max-mean"},
         {"compare", "expects one SCENE"},
@@ -125,20 +125,20 @@ static void wrong_usage_is_one_line_and_exit_2(void **state)
         {"curve s.json --contenders vpt:mwis,mvpt", "INTEGRATOR:ESTIMATOR"},
         {"curve s.json --budgets 0", "--budgets"},
         {"table", "expects one FOLDER"},
-        {"table x --scenes cloud,moon", "no scene is called \"moon\""},
+        {"table x --scenes cloud,moon", "unknown scene \"moon\""},
         {"papers", "expects one FOLDER"},
-        {"papers x --scenes cloud,moon", "no scene is called \"moon\""},
-        {"papers x --selection none", "--selection: each estimator here has its own"},
+        {"papers x --scenes cloud,moon", "unknown scene \"moon\""},
+        {"papers x --selection none", "--selection: cannot be used here"},
         {"shown", "expects one SCENE"},
         {"shown s.json --budgets 1,,2", "--budgets"},
-        {"shown s.json --budgets 2,1", "rising"},
-        {"shown s.json --passes 4,2", "rising"},
+        {"shown s.json --budgets 2,1", "ascending"},
+        {"shown s.json --passes 4,2", "ascending"},
         {"shown s.json --passes 2.5", "whole numbers"},
         {"views", "expects one SCENE"},
-        {"views s.json --counts 4,2", "rising"},
+        {"views s.json --counts 4,2", "ascending"},
         {"views s.json --counts 0", "--counts"},
         {"--out", "--out: expects an argument"},
-        {"--scenes x", "--out: missing"},
+        {"--scenes x", "--out: is missing"},
     };
     const char *d = *state;
 
@@ -447,7 +447,7 @@ static void kernels_are_timed_and_must_agree(void **state)
      * pi of that */
     lf_assert_close(bench_number(m, "optical_depth"), 6.283, 0.1, 0);
     static const char *const kernels[] = {"march to a collision", "densities",
-                                          "march through (exits fan)", "through a shape",
+                                          "march through (unscattered light)", "through a shape",
                                           "transmittances of a pivot"};
     for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++) {
         const json_t *plain = line_of(m, "what", kernels[i], 0);
@@ -460,7 +460,7 @@ static void kernels_are_timed_and_must_agree(void **state)
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2")) {
         assert_int_equal(bench_run(d, "micro fog.json --view-size 40x30 --repeat 1 --fault"), 1);
-        assert_error_line(d, "the avx2 kernels answer something else than the plain C ones");
+        assert_error_line(d, "the avx2 kernels and the plain C kernels differ in their results");
     }
 #endif
     assert_int_equal(bench_run(d, "micro"), 2);
@@ -484,12 +484,13 @@ static void suffixes_in_lanes_are_timed_and_must_agree(void **state)
     const json_t *plain = line_of(m, "what", "suffix in lanes", 0);
     assert_string_equal(json_string_value(json_object_get(plain, "kernels")), "c");
     assert_true(bench_number(plain, "ns") > 0);
-    assert_true(bench_number(line_of(m, "what", "suffix one by one, in turns with", 0), "ns") > 0);
+    assert_true(bench_number(line_of(m, "what", "suffix one by one, alternating with", 0), "ns") >
+                0);
     json_decref(m);
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2")) {
         assert_int_equal(bench_run(d, "micro grid.json --view-size 40x30 --repeat 1 --fault"), 1);
-        assert_error_line(d, "avx2 finds something else than plain C");
+        assert_error_line(d, "the results of avx2 and of plain C differ");
     }
 #endif
 }

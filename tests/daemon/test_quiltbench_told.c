@@ -40,24 +40,24 @@ static void numbers_that_are_missing_have_a_reason(void **state)
                                "--reference-spp 64"),
                      0);
     assert_silent(d, "out", "nan");
-    assert_says(d, "out", "- correlations: no two of 6 views are so far apart");
+    assert_says(d, "out", "- correlations: none of the 6 views are this far apart");
     assert_int_equal(bench_run(d,
                                "curve fog.json --view-size 6x8 --time 0.02 --budgets 1 --seeds 1 "
                                "--reference-spp 64"),
                      0);
     assert_silent(d, "out", "nan");
-    assert_says(d, "out", "- intervals: they need two seeds or more (--seeds)");
+    assert_says(d, "out", "- intervals: need at least two seeds (--seeds)");
     assert_int_equal(bench_run(d, "views fog.json --view-size 6x8 --counts 1,2 --spp 1 --seeds 1 "
                                   "--reference-spp 64"),
                      0);
     assert_silent(d, "out", "nan");
-    assert_says(d, "out", "they need two seeds and two numbers of views");
+    assert_says(d, "out", "both need at least two seeds, two numbers of views");
     assert_int_equal(rename(lf_test_path(d, "fog.json"), lf_test_path(d, "cloud.json")), 0);
     assert_int_equal(bench_run(d, "table . --scenes cloud --views 2 --view-size 6x8 --time 0.4 "
                                   "--seeds 1 --reference-spp 64"),
                      0);
     assert_silent(d, "out", "nan");
-    assert_says(d, "out", "\n* -: a ratio needs errors above the reference's own");
+    assert_says(d, "out", "\n* -: a ratio needs errors above the error of the reference");
 }
 
 /* The row of a table in JSON of this integrator. */
@@ -90,9 +90,9 @@ static void a_ratio_of_too_few_samples_is_told(void **state)
     assert_true(json_is_null(json_object_get(row, "z")));
     json_decref(p);
     assert_says(d, "out",
-                "\n* Pixels without N/W: no sample that weighs anything has reached them");
-    assert_says(d, "out", "\n* (-): z needs 4 seeds or more");
-    assert_says(d, "p.md", "\n* (-): z needs 4 seeds or more");
+                "\n* Pixels without N/W: no sample with a positive weight has reached them");
+    assert_says(d, "out", "\n* (-): z needs at least 4 seeds");
+    assert_says(d, "p.md", "\n* (-): z needs at least 4 seeds");
     assert_true(strncmp(text_of(d, "p.csv"), "scene,kind,integrator,", 22) == 0);
     assert_says(d, "p.csv", "\ncloud-1,\"2021, bunny cloud, 1 bounce\",vpt,mwis,,1,1,1,");
 }
@@ -105,7 +105,7 @@ static void a_curve_tells_of_too_few_samples(void **state)
                                   "--budgets 1 --seeds 1 --reference-spp 4 --threads 1 "
                                   "--contenders vpt:mwis,mvpt2022:mwis"),
                      0);
-    assert_says(d, "out", "% of the view pixels (of mvpt2022) it is not defined");
+    assert_says(d, "out", "% of the view pixels of mvpt2022: no sample has reached them");
 }
 
 static void csv_has_a_line_a_run(void **state)
@@ -134,9 +134,9 @@ static void csv_has_a_line_a_run(void **state)
                      0);
     assert_int_equal(count_lines(text_of(d, "s.csv")), 1 + 2);
     assert_int_equal(bench_run(d, "curve fog.json --csv - --json -"), 2);
-    assert_says(d, "err", "--csv: - is taken by --json");
+    assert_says(d, "err", "--csv: cannot write to standard output, because --json does");
     assert_int_equal(bench_run(d, "papers . --markdown -"), 2);
-    assert_says(d, "err", "--markdown: the table goes to standard output anyway");
+    assert_says(d, "err", "--markdown: the table is always printed to standard output");
 }
 
 /* Before the first run, which here is none. */
@@ -147,12 +147,12 @@ static void what_cannot_be_drawn_is_told_first(void **state)
     assert_int_equal(setenv("PATH", d, 1), 0);
     assert_int_equal(bench_run(d, "curve missing.json --plot curve"), 1);
     assert_says(d, "err",
-                "quiltbench: --plot: no gnuplot in PATH (Debian: gnuplot-nox): curve.gp "
-                "and curve.dat are written, but no picture\nquiltbench: ");
+                "quiltbench: --plot: gnuplot is not in PATH, so only curve.gp "
+                "and curve.dat are written; install it (Debian: gnuplot-nox)\nquiltbench: ");
     assert_int_equal(bench_run(d, "views missing.json --plot v"), 1);
-    assert_says(d, "err", "--plot: no gnuplot in PATH");
+    assert_says(d, "err", "--plot: gnuplot is not in PATH");
     assert_int_equal(bench_run(d, "papers missing --plot p"), 1);
-    assert_says(d, "err", "--plot: no gnuplot in PATH");
+    assert_says(d, "err", "--plot: gnuplot is not in PATH");
     lf_test_write(d, "gnuplot", "#!/bin/true\n");
     assert_int_equal(chmod(lf_test_path(d, "gnuplot"), 0700), 0);
     assert_int_equal(bench_run(d, "curve missing.json --plot curve"), 1);
@@ -175,9 +175,9 @@ static void data_that_a_clone_lacks_is_told(void **state)
         assert_int_equal(bench_run(d, "shown textured.json"), 1);
         assert_says(d, "err", "none.glb: cannot open");
         if (i == 0)
-            assert_says(d, "err", "quiltd does not come with this file");
+            assert_says(d, "err", "quiltd does not ship this file");
         else
-            assert_silent(d, "err", "quiltd does not come with this file");
+            assert_silent(d, "err", "quiltd does not ship this file");
     }
 }
 

@@ -46,7 +46,7 @@ static void a_camera_fits_one_thing(void **state)
     qr_succeed("--fit fog %s -o %s/fit_a.png " SMALL " --views 2", f->scene, f->folder);
     qr_run(&o, "--fit %s -o %s/fit_b.png " SMALL " --views 2", f->scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "--fit: the ground \"ground\" is left out"));
+    assert_non_null(strstr(o.err, "--fit: the ground \"ground\" is not framed"));
     qr_succeed("%s --fit=ground -o %s/fit_c.png " SMALL " --views 2", f->scene, f->folder);
     lf_quilt_file fits[3];
     for (int i = 0; i < 3; i++) {
@@ -93,12 +93,12 @@ static void a_picture_in_which_nothing_is_seen_is_told(void **state)
     assert_told(*state, "\"position\": [0, 0, 9]", sky, NULL);
     assert_told(*state, "\"position\": [0, 0, 9]", dusk, NULL);
     assert_told(*state, "\"position\": [0, 0, 9]", dim,
-                "told.json: the picture is black in all views");
+                "told.json: the image is black in all views");
     assert_told(*state, "\"target\": [50, 0, 0], \"position\": [50, 0, 9]", sky,
-                "told.json: the camera sees no mesh and no volume of the scene; --fit");
+                "told.json: the camera sees no mesh and no volume of the scene; use --fit");
     assert_told(*state, "\"position\": [0, 0, 0.1], \"cone\": 1",
                 "\"type\": \"point\", \"position\": [9, 9, 9], \"intensity\": 1e9",
-                "told.json: the picture is black in all views");
+                "told.json: the image is black in all views");
 }
 
 /* The camera of the fog, turned or not, with its views placed so. */
@@ -117,13 +117,13 @@ static const char *placed(const char *folder, const char *name, double height, c
 static void cameras_in_a_list_are_views(void **state)
 {
     static const char *const refused[][2] = {
-        {"x.png --views 3", "--views: does not go with cameras listed one by one"},
-        {"x.png --preset portrait", "--preset: does not go"},
-        {"x.exr --aov depth", "--aov: does not go"},
-        {"x.exr --reconstruct on", "--reconstruct on: does not go"},
-        {"x_%04d.png --turntable 3", "--turntable: does not go"},
-        {"x.png --fit", "no rig"},
-        {"x.png --rgbd right", "no rig"}};
+        {"x.png --views 3", "--views: is not supported with a list, path or circle of cameras"},
+        {"x.png --preset portrait", "--preset: is not supported"},
+        {"x.exr --aov depth", "--aov: is not supported"},
+        {"x.exr --reconstruct on", "--denoise on: is not supported"},
+        {"x_%04d.png --turntable 3", "--turntable: is not supported"},
+        {"x.png --fit", "an arc, a track or a grid"},
+        {"x.png --rgbd right", "need an arc, a track or a grid"}};
     const qr_files *f = *state;
     char list[PATH_MAX];
     lf_quilt_file quilts[2];
@@ -177,16 +177,16 @@ static void rows_of_a_grid_are_tracks(void **state)
     assert_int_equal(whole.views32.n_views, 9);
     qr_outcome o;
     qr_run(&o, "%s -o %s/grid.exr --stats %s/s.json", grid, f->folder, f->folder);
-    qr_assert_fails(&o, 2, "--stats: is of one row of cameras");
+    qr_assert_fails(&o, 2, "--stats: supports one row of cameras");
     qr_run(&o, "%s -o %s/grid.exr --views 3", grid, f->folder);
-    qr_assert_fails(&o, 2, "--views: the scene has a grid of 3 x 3 cameras");
+    qr_assert_fails(&o, 2, "the scene has a grid of 3 x 3 cameras");
     snprintf(track, sizeof track, "%s",
              placed(f->folder, "plate.json", 0,
                     "{\"grid\": {\"columns\": 100, \"rows\": 50, \"width\": 1, \"height\": 1}}"));
     qr_run(&o, "%s -o %s/plate.png", track, f->folder);
-    qr_assert_fails(&o, 2, "5000 views are more than the 64x64 tiles of a quilt");
+    qr_assert_fails(&o, 2, "5000 views do not fit into the 64x64 tiles of a quilt");
     qr_run(&o, "%s -o %s/grid.mp4", grid, f->folder);
-    qr_assert_fails(&o, 2, "the scene has a grid of rows");
+    qr_assert_fails(&o, 2, "a camera grid cannot become a video of views");
     for (uint64_t row = 0; row < 3; row++) {
         snprintf(track, sizeof track, "%s",
                  placed(f->folder, "track.json", 0.5 * (double)row - 0.5,

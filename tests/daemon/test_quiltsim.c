@@ -124,14 +124,26 @@ static void wrong_usage_is_told(void **state)
 {
     (void)state;
     static const char *const wrong[][4] = {
-        {"--nothing"},        {"--listen", "65536"},        {"--size", "0x5"},
-        {"--size", "10.5x5"}, {"--formats", "rgb888,"},     {"--formats", "grey"},
-        {"--lie", "always"},  {"--buffer", "-1"},           {"--hid-stale", "many"},
-        {"operand"},          {"--no-hid", "--no-display"},
+        {"--nothing"},         {"--listen", "65536"},        {"--size", "0x5"},
+        {"--size", "10.5x5"},  {"--formats", "rgb888,"},     {"--formats", "grey"},
+        {"--fault", "always"}, {"--buffer", "-1"},           {"--hid-stale", "many"},
+        {"operand"},           {"--no-hid", "--no-display"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         program *p = start(wrong[i]);
         assert_memory_equal(says(p), "quiltsim: ", 10);
+        assert_int_equal(finish(p), 2);
+    }
+}
+
+static void a_fault_has_a_former_name(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"--fault", "--lie"};
+    for (int i = 0; i < 2; i++) {
+        program *p = start((const char *const[]){"--listen", "0", names[i], "no-modes", "x", NULL});
+        assert_string_equal(
+            says(p), "quiltsim: x: unexpected argument; quiltsim takes only options (see --help)");
         assert_int_equal(finish(p), 2);
     }
 }
@@ -254,6 +266,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wrong_usage_is_told),
+        cmocka_unit_test(a_fault_has_a_former_name),
         cmocka_unit_test(a_file_that_is_not_there_is_told),
         cmocka_unit_test(a_damaged_calibration_needs_a_size),
         cmocka_unit_test(it_is_plugged_in_and_out),

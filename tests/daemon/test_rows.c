@@ -59,7 +59,7 @@ static void rows_that_are_there_stay(void **state)
     qr_succeed("%s -o %s/s/ --spp 1 --camera-rows 1:1 " SIZE, scene, f->folder);
     qr_run(&o, "%s -o %s/s/ --spp 1 --camera-rows 0:2 " SIZE, scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "1 of 3 rows were there already"));
+    assert_non_null(strstr(o.err, "1 of 3 rows exist and are kept"));
     assert_non_null(strstr(o.err, "wrote 2 of 3 rows; the last is "));
     assert_true(qr_exists(f->folder, "s_0002/view_001.exr"));
 }
@@ -70,13 +70,13 @@ static void wrong_rows_are_one_line(void **state)
     static const struct {
         const char *options, *words;
     } wrong[] = {
-        {"--camera-rows 1:3", "a grid of 2 x 3 cameras: rows 0:2"},
+        {"--camera-rows 1:3", "a grid of 2 x 3 cameras; expected rows within 0:2"},
         {"--camera-rows 2:1", "--camera-rows: 2:1 ends before it begins"},
-        {"--camera-rows 0:1 --frames 1:2", "--camera-rows: does not go with --frames"},
-        {"--camera-rows 0:1 --turntable 4", "--camera-rows: does not go with --turntable"},
-        {"--camera-rows 0:1 --views 7", "--views: does not go with --camera-rows"},
-        {"--camera-rows 0:1 --preset portrait", "--preset: does not go with --camera-rows"},
-        {"--camera-rows 0:1 --stats s.json", "--stats: does not go with --camera-rows"},
+        {"--camera-rows 0:1 --frames 1:2", "--camera-rows: cannot be combined with --frames"},
+        {"--camera-rows 0:1 --turntable 4", "--camera-rows: cannot be combined with --turntable"},
+        {"--camera-rows 0:1 --views 7", "--views: cannot be combined with --camera-rows"},
+        {"--camera-rows 0:1 --preset portrait", "--preset: cannot be combined with --camera-rows"},
+        {"--camera-rows 0:1 --stats s.json", "--stats: cannot be combined with --camera-rows"},
     };
     char scene[PATH_MAX];
     qr_outcome o;
@@ -86,11 +86,11 @@ static void wrong_rows_are_one_line(void **state)
         qr_assert_fails(&o, 2, wrong[i].words);
     }
     qr_run(&o, "%s -o %s/w/ --camera-rows 0:1", f->scene, f->folder);
-    qr_assert_fails(&o, 2, "the scene's cameras are no grid of rows");
+    qr_assert_fails(&o, 2, "the scene has no camera grid");
     qr_run(&o, "%s -o %s/w.png --panel %s --camera-rows 0:1", scene, f->folder, f->calibration);
-    qr_assert_fails(&o, 2, "does not go with --panel, which has a rig of its own");
+    qr_assert_fails(&o, 2, "cannot be combined with --panel, which defines its own cameras");
     qr_run(&o, "%s -o %s/w.mp4 --camera-rows 0:1", scene, f->folder);
-    qr_assert_fails(&o, 2, "does not go with a video");
+    qr_assert_fails(&o, 2, "cannot be combined with a video");
 }
 
 /* Runs the n-th command that a plan has printed. */
@@ -160,10 +160,11 @@ static void a_plan_of_frames_parts_them(void **state)
     qr_run(&o, "%s -o %s/m.exr --frames 1:20 --time 1 --plan " SIZE, scene, f->folder);
     assert_int_equal(o.code, 0);
     assert_int_equal(count_commands(o.out), 3);
-    assert_non_null(strstr(o.out, "# as long as --time says\n"));
+    assert_non_null(strstr(o.out, "# --time gives the time\n"));
     assert_non_null(strstr(o.out, " --frames 17:20 "));
     qr_run(&o, "%s -o %s/q.png --plan", f->quilt, f->folder);
-    qr_assert_fails(&o, 2, "--plan: does not go with a finished quilt: nothing is rendered");
+    qr_assert_fails(&o, 2,
+                    "--plan: cannot be combined with a finished quilt, which is not rendered");
 }
 
 int main(void)

@@ -179,11 +179,11 @@ static void numbers_are_read_whole_or_refused(void **state)
     static const struct {
         const char *method, *argument, *words;
     } wrong[] = {
-        {"camera.set", "position=0x10,0,0", "\"0x10,0,0\" is not decimal numbers with a comma"},
-        {"camera.set", "position=0,,0", "\"0,,0\" is not decimal numbers"},
-        {"camera.set", "position=0,0,0,", "is not decimal numbers"},
-        {"camera.set", "position=1 2 3", "is not decimal numbers"},
-        {"camera.set", "position=inf,0,0", "is not decimal numbers"},
+        {"camera.set", "position=0x10,0,0", "\"0x10,0,0\" is not a list of decimal numbers"},
+        {"camera.set", "position=0,,0", "\"0,,0\" is not a list of decimal numbers"},
+        {"camera.set", "position=0,0,0,", "is not a list of decimal numbers"},
+        {"camera.set", "position=1 2 3", "is not a list of decimal numbers"},
+        {"camera.set", "position=inf,0,0", "is not a list of decimal numbers"},
         {"render.set", "threads=1e9",
          "\"1e9\" is not a whole number in decimal digits, such as 12"},
         {"render.set", "threads= 4", "\" 4\" is not a whole number"},

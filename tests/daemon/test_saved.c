@@ -75,8 +75,8 @@ static void what_cannot_be_reconstructed_is_not(void **state)
     snprintf(scene, sizeof scene, "%s", lf_test_write(f->folder, "list.json", text));
     qr_succeed("%s -o %s/l_qs2x1a0.75.png --quilt 2x1 --view-size 12x16", scene, f->folder);
     assert_false(written_reconstructed(lf_test_path(f->folder, "l_qs2x1a0.75.png")));
-    qr_run(&o, "%s -o %s/l.png --view-size 12x16 --target-shown-error 0.1", scene, f->folder);
-    qr_assert_fails(&o, 2, "--target-shown-error: does not go with cameras listed");
+    qr_run(&o, "%s -o %s/l.png --view-size 12x16 --target-denoised-error 0.1", scene, f->folder);
+    qr_assert_fails(&o, 2, "--target-denoised-error: is not supported with a list, path or circle");
 }
 
 /* What the programs wrote before there was a picture to reconstruct: the estimator's answer, toned,
@@ -160,11 +160,11 @@ static void a_print_of_a_file_alone_is_as_deep_as_lenses_show(void **state)
                            "\"environment\", \"radiance\": 1}}}"));
     qr_run(&o, "%s -o %s/c.tif --print 60@600 --print-size 20x20 --passes 1", cube, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "so that lenses show all of it sharply"));
-    assert_null(strstr(o.err, "deeper"));
+    assert_non_null(strstr(o.err, "so that the lenses show all of the scene sharply"));
+    assert_null(strstr(o.err, "too deep"));
     qr_run(&o, "%s -o %s/s.tif --print 60@600 --print-size 20x20 --passes 1", scene, f->folder);
     assert_int_equal(o.code, 0);
-    assert_non_null(strstr(o.err, "deeper than lenses show sharply"));
+    assert_non_null(strstr(o.err, "too deep for lenses"));
 }
 
 int main(void)

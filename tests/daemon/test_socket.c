@@ -170,7 +170,7 @@ static void a_stale_socket_is_replaced_and_a_living_one_refused(void **state)
     live_prepare(&l);
     live_start(&l, NULL, "--device", "none", NULL);
     assert_int_equal(live_run(&l, "quiltd", "--device", "none", "--socket", l.socket, NULL), 1);
-    assert_true(live_logged(&l, "another quiltd has this socket"));
+    assert_true(live_logged(&l, "another quiltd uses this socket"));
     kill(l.pid, SIGKILL);
     assert_int_equal(live_reap(l.pid), 128 + SIGKILL);
     assert_int_equal(access(l.socket, F_OK), 0);
@@ -253,9 +253,9 @@ static void quiltctl_calls_and_prints(void **state)
                      2);
     assert_true(live_logged(&l, "unknown key \"yam\"; did you mean \"yaw\"?"));
     assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "no.method", NULL), 2);
-    assert_true(live_logged(&l, "no.method: is no method of this daemon; quiltctl hello lists"));
+    assert_true(live_logged(&l, "no.method: is not a method of this daemon; quiltctl hello lists"));
     assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "statsu", NULL), 2);
-    assert_true(live_logged(&l, "is no method of this daemon; did you mean \"status\"?"));
+    assert_true(live_logged(&l, "is not a method of this daemon; did you mean \"status\"?"));
     assert_int_equal(live_run(&l, "quiltctl", "--socket", l.socket, "scene.patch",
                               "patch:={\"camera\":{\"viewz\":3}}", NULL),
                      1);

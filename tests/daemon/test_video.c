@@ -129,9 +129,9 @@ static void a_walk_is_a_video_of_the_views_of_one_job(void **state)
     lf_free(words);
     /* an arc is none, nor is what a preset makes of it */
     qr_run(&o, "%s -o %s/v.mp4 " SIZE, f->scene, f->folder);
-    qr_assert_fails(&o, 2, "a video needs --frames, --turntable or");
+    qr_assert_fails(&o, 2, "a video needs --frames, --turntable, --wiggle, or");
     qr_run(&o, "%s -o %s/v.mp4 --preset portrait", scene, f->folder);
-    qr_assert_fails(&o, 2, "a video needs --frames, --turntable or");
+    qr_assert_fails(&o, 2, "a video needs --frames, --turntable, --wiggle, or");
 }
 
 /* What ffmpeg was given for a loop, and the words that it had. */

@@ -96,7 +96,7 @@ static lf_status make_video(const char *script, lf_error *err, char *out_log, si
 #define STOPS_FIRST NOTES_ITSELF "kill -STOP $$\ncat >&3\n"
 #define STOPS_LAST NOTES_ITSELF "cat >&3\nkill -STOP $$\n"
 
-static const char told[] = "ffmpeg is stopped (signal 19); waiting for it to go on";
+static const char told[] = "ffmpeg is stopped (signal 19); waiting for it to continue";
 
 static bool is_there(const char *name)
 {
@@ -114,7 +114,7 @@ static void one_that_stays_stopped_is_given_up(void **state)
         looks_left = -1;
         lf_assert_status(make_video(scripts[i], &err, log, sizeof log), LF_E_TIMEOUT, &err);
         assert_string_equal(err.what,
-                            "has been stopped (signal 19) for 60 s: the video is given up");
+                            "has been stopped (signal 19) for 60 s, so the video is abandoned");
         assert_non_null(strstr(log, told));
         assert_null(strstr(strstr(log, told) + 1, told)); /* once */
         assert_false(is_there("v.mp4"));

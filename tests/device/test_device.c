@@ -119,7 +119,7 @@ static void without_a_panel_none_is_found(void **state)
     lf_device *device = NULL;
     lf_error err = {0};
     lf_assert_status(lf_device_find_in(no_panels, "", NULL, &device, &err), LF_E_NODEV, &err);
-    assert_string_equal(err.what, "no panel was found");
+    assert_non_null(strstr(err.what, "no panel was found; "));
     assert_null(device);
 }
 

@@ -207,11 +207,11 @@ static void no_link_leads_out_of_a_volume(void **state)
     assert_int_equal(symlink(elsewhere, file), 0);
     assert_problem(m, "not a regular file");
     assert_int_equal(unlink(file), 0);
-    assert_problem(m, "there is no LKG_calibration/visual.json");
+    assert_problem(m, "LKG_calibration/visual.json does not exist");
     assert_int_equal(rmdir(folder), 0);
     make_volume(m, "other", good, strlen(good));
     assert_int_equal(symlink(path_of(m, "other/LKG_calibration"), folder), 0);
-    assert_problem(m, "there is no LKG_calibration/visual.json");
+    assert_problem(m, "LKG_calibration/visual.json does not exist");
 }
 
 static void what_is_no_file_is_not_waited_for(void **state)
@@ -552,7 +552,7 @@ static void a_drive_is_unmounted_also_when_it_holds_nothing(void **state)
     fake f = {.folder = make_volume(m, "mounted", NULL, 0)};
     add_label(m, "sda1", "LKG-P00671");
     lf_found found = find_unmounted(m, &f);
-    assert_says(&found, "there is no LKG_calibration/visual.json");
+    assert_says(&found, "LKG_calibration/visual.json does not exist");
     assert_int_equal(f.n_unmounts, 1);
 }
 
@@ -578,7 +578,7 @@ static void a_refusal_says_what_to_do(void **state)
     }
     fake f = {.stranger = true};
     lf_found found = find_unmounted(m, &f);
-    assert_says(&found, "udisks2 does not know it");
+    assert_says(&found, "udisks2 does not list it");
     assert_int_equal(f.n_mounts, 0);
 }
 

@@ -21,7 +21,7 @@ static void impossible_memory_is_refused(void **state)
         lf_fake_plug_in(true);
         lf_fake.pitch = bad[i].pitch;
         lf_fake.size = bad[i].size;
-        drm_refuses("", LF_E_FORMAT, "which cannot be");
+        drm_refuses("", LF_E_FORMAT, "wrong buffer");
     }
 }
 
@@ -64,7 +64,7 @@ static void failed_picture_is_told_once_and_the_next_sets_the_mode(void **state)
         assert_int_equal(device_push(device, &frame, &drm_whole, 1), LF_DEVICE_RETRY);
         assert_int_equal(device->ops->dispatch(device), LF_DEVICE_READY);
         assert_non_null(strstr(device_info_of(device).problem,
-                               "DP-1 does not take pictures: Permission denied"));
+                               "DP-1 does not accept images: Permission denied"));
         int modes = lf_fake.modes;
         drm_scribble(&frame, &drm_whole, 9);
         assert_int_equal(device_push(device, &frame, &drm_whole, 1), LF_DEVICE_READY);

@@ -86,29 +86,29 @@ static void what_is_not_there_is_told_with_what_is(void **state)
     (void)state;
     lf_fake_plug_in(true);
     drm_refuses("DP-2", LF_E_NODEV,
-                "no monitor is on DP-2; there is: HDMI-A-1 (DELL U2720Q), DP-1 (LKG-TEST)");
+                "no monitor is connected to DP-2; found: HDMI-A-1 (DELL U2720Q), DP-1 (LKG-TEST)");
     drm_refuses("card1/DP-1", LF_E_NODEV, "DP-1");
     drm_refuses("DP-x", LF_E_ARG, "expected drm, drm:DP-1 or drm:card1/HDMI-A-1");
-    drm_refuses(
-        "HDMI-A-1", LF_E_ARG,
-        "its native mode is 1920x1080 pixels, the calibration (given by the caller) is for 64x48");
+    drm_refuses("HDMI-A-1", LF_E_ARG,
+                "the native mode has 1920x1080 pixels, but the calibration (given by the caller) "
+                "is for 64x48");
     lf_fake.n_connectors = 1;
     drm_refuses("", LF_E_NODEV, "no Looking Glass");
     lf_fake.n_cards = 0;
-    drm_refuses("", LF_E_NODEV, "there is: nothing");
+    drm_refuses("", LF_E_NODEV, "found: nothing");
     lf_fake_plug_in(true);
     lf_fake.open_error = EACCES;
     drm_refuses("", LF_E_IO, "group video");
     lf_fake_plug_in(true);
     lf_fake.taken = true;
     drm_refuses("", LF_E_BUSY,
-                "Xorg (process 12) shows on /dev/dri/card0; within a desktop take --device window");
+                "Xorg (process 12) uses /dev/dri/card0; on a desktop use --device window");
     lf_fake_plug_in(true);
     lf_fake.connectors[1].n_modes = 0;
-    drm_refuses("", LF_E_FORMAT, "no mode");
+    drm_refuses("", LF_E_FORMAT, "no usable mode");
     lf_fake_plug_in(true);
     lf_fake.connectors[0].crtc = FAKE_CRTC; /* the only one there is drives the other monitor */
-    drm_refuses("", LF_E_BUSY, "no more displays");
+    drm_refuses("", LF_E_BUSY, "cannot drive another display");
     lf_fake_plug_in(true);
 }
 
@@ -193,7 +193,7 @@ static void probe_tells_where_the_calibration_will_come_from(void **state)
     assert_int_equal(lf_drm_probe(&lf_fake_calls, out, 4), 1);
     if (out[0].calibration_from[0] == 0) /* this machine has no panel of its own */
         assert_non_null(
-            strstr(out[0].problem, "no calibration for it is known: plug the panel's USB in"));
+            strstr(out[0].problem, "no calibration was found; connect the panel's USB cable"));
     lf_cache_store(&found);
     assert_int_equal(lf_drm_probe(&lf_fake_calls, out, 4), 1);
     assert_non_null(strstr(out[0].calibration_from, "cache, "));
@@ -216,17 +216,17 @@ static void probe_tells_who_uses_a_panel_and_what_is_wrong(void **state)
     lf_fake.taken = true;
     lf_fake.connectors[1].crtc = FAKE_CRTC;
     assert_int_equal(lf_drm_probe(&lf_fake_calls, out, 4), 1);
-    assert_non_null(strstr(out[0].problem, "used by Xorg (process 12), which scales it: it is set "
-                                           "to 1024x768, not to its native 64x48"));
+    assert_non_null(strstr(out[0].problem, "used by Xorg (process 12), which scales the image; set "
+                                           "the mode from 1024x768 to the native 64x48"));
     assert_non_null(strstr(out[0].problem, "--device window"));
     assert_int_equal(lf_fake.dropped, 0);
     lf_fake.shown.mode = lf_fake_mode(FAKE_WIDTH, FAKE_HEIGHT, 0, 0);
     lf_drm_probe(&lf_fake_calls, out, 4);
-    assert_non_null(strstr(out[0].problem, "turns it"));
+    assert_non_null(strstr(out[0].problem, "rotates the image"));
     lf_fake.plane[FAKE_PLANE_ROTATION] = lf_fake.cursor[FAKE_PLANE_ROTATION] = DRM_MODE_ROTATE_0;
     lf_drm_probe(&lf_fake_calls, out, 4);
     assert_string_equal(out[0].problem,
-                        "used by Xorg (process 12); within a desktop take --device window");
+                        "used by Xorg (process 12); on a desktop use --device window");
     lf_fake.open_error = EACCES;
     assert_int_equal(lf_drm_probe(&lf_fake_calls, out, 4), 1);
     assert_string_equal(out[0].model, "");

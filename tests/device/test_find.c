@@ -120,9 +120,10 @@ static void what_two_panels_fit_is_not_guessed(void **state)
         standard("LKG-2K-1"),
         standard("LKG-2K-2"),
     };
-    assert_none(found, 2, standards_display(), LF_E_NODEV, "2 calibrations fit");
-    assert_none(found, 2, display("", "", 0, 0), LF_E_NODEV, "2 calibrations fit");
-    assert_none(found, 2, display("LKG-2K-", "", 2560, 1600), LF_E_NODEV, "2 calibrations fit");
+    assert_none(found, 2, standards_display(), LF_E_NODEV, "2 calibrations fit this display");
+    assert_none(found, 2, display("", "", 0, 0), LF_E_NODEV, "2 calibrations fit this display");
+    assert_none(found, 2, display("LKG-2K-", "", 2560, 1600), LF_E_NODEV,
+                "2 calibrations fit this display");
     assert_match(found, 1, display("", "", 0, 0), 0);
 }
 
@@ -137,7 +138,7 @@ static void what_is_plugged_in_goes_before_the_cache(void **state)
     assert_match(found, 3, standards_display(), 0);
     assert_match(found, 3, display("", "", 0, 0), 0);
     assert_match(found, 3, display("LKG-2K-3", "", 2560, 1600), 2);
-    assert_none(found + 1, 2, standards_display(), LF_E_NODEV, "2 calibrations fit");
+    assert_none(found + 1, 2, standards_display(), LF_E_NODEV, "2 calibrations fit this display");
     assert_match(found + 1, 1, standards_display(), 0);
 }
 
@@ -161,7 +162,7 @@ static void what_was_found_instead_is_told(void **state)
         place(LF_SOURCE_DRIVE, "LKG-P00655", "LKG-PORT-", 1536, 2048),
         broken(LF_SOURCE_HID, "HoloPlay", "no permission: do this"),
     };
-    assert_none(NULL, 0, standards_display(), LF_E_NODEV, "plug the panel's USB in");
+    assert_none(NULL, 0, standards_display(), LF_E_NODEV, "connect the panel's USB cable");
     assert_none(found, 2, standards_display(), LF_E_NODEV, "no permission: do this");
     assert_none(found, 1, standards_display(), LF_E_NODEV, "LKG-PORT-, 1536x2048");
 }

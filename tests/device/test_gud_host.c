@@ -278,12 +278,12 @@ static const char *const faults[LF_GUD_FAULTS] = {
     [LF_GUD_NO_CONNECTORS] = "connector",
     [LF_GUD_MODE_0X0] = "0x0",
     [LF_GUD_MODE_65535] = "65535x65535",
-    [LF_GUD_MODES_CUT] = "modes ends within",
+    [LF_GUD_MODES_CUT] = "modes is cut off",
     [LF_GUD_TINY_BUFFER] = "smaller than a row",
     [LF_GUD_SHORT_EDID] = "EDID has 100",
     [LF_GUD_NO_MODES] = "neither modes nor",
     [LF_GUD_COMPRESSED_FULL] = "compression",
-    [LF_GUD_BAD_STATUS] = "status is 200",
+    [LF_GUD_BAD_STATUS] = "returned status 200",
 };
 
 static void every_lie_is_a_clear_error(void **state)
@@ -401,7 +401,7 @@ static void a_display_need_not_have_an_edid_but_something_on_its_connector(void 
     lf_assert_ok(open_odd((odd_link){.poor = true}, &n, &err), &err);
     assert_int_equal(n, 0);
     lf_assert_status(open_odd((odd_link){.unplugged = true}, &n, &err), LF_E_NODEV, &err);
-    assert_non_null(strstr(err.what, "nothing is connected"));
+    assert_non_null(strstr(err.what, "no panel connected"));
 }
 
 /* ------------------------------------------------------------------------------------ faults -- */

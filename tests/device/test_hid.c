@@ -175,11 +175,11 @@ static void faults_that_stay_end_in_one_clear_error(void **state)
         lf_status status;
         const char *word;
     } cases[] = {
-        {{.mute_every = 1}, LF_E_TIMEOUT, "does not answer"},
-        {{.stall_every = 1}, LF_E_IO, "refuses"},
-        {{.short_every = 1}, LF_E_TIMEOUT, "does not answer"},
-        {{.wrong_echo = true}, LF_E_TIMEOUT, "does not answer"},
-        {{.stale = 1000}, LF_E_TIMEOUT, "does not answer"},
+        {{.mute_every = 1}, LF_E_TIMEOUT, "did not send calibration page"},
+        {{.stall_every = 1}, LF_E_IO, "refused to send calibration page"},
+        {{.short_every = 1}, LF_E_TIMEOUT, "did not send calibration page"},
+        {{.wrong_echo = true}, LF_E_TIMEOUT, "did not send calibration page"},
+        {{.stale = 1000}, LF_E_TIMEOUT, "did not send calibration page"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         wire w = plug_in_json(good, strlen(good), &cases[i].faults);

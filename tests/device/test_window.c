@@ -476,17 +476,18 @@ static void output_that_is_not_the_panels_size_is_told(void **state)
     snprintf(name, sizeof name, "%s", sdl.GetDisplayName(0));
     lf_sdl_end(&sdl);
     lf_assert_status(try_open("window", 1536, 2048, &device, &err), LF_E_NODEV, &err);
-    assert_non_null(strstr(err.what, "1536x2048 pixels; there is: "));
+    assert_non_null(strstr(err.what, "1536x2048 pixels; found: "));
     assert_non_null(strstr(err.what, " 1024x768"));
     lf_assert_status(try_open("window:LKG", WIDTH, HEIGHT, &device, &err), LF_E_NODEV, &err);
-    assert_non_null(strstr(err.what, "is called LKG"));
+    assert_non_null(strstr(err.what, "has the name LKG"));
     assert_null(device);
     snprintf(spec, sizeof spec, "window:%s", name);
     lf_assert_ok(try_open(spec, 1536, 2048, &device, &err), &err);
     lf_device_info info;
     device->ops->info(device, &info);
     assert_string_equal(info.spec, spec);
-    assert_non_null(strstr(info.problem, "the window has 1024x768 pixels, the panel 1536x2048"));
+    assert_non_null(
+        strstr(info.problem, "the window has 1024x768 pixels, but the panel 1536x2048"));
     lf_device_destroy(device);
 }
 

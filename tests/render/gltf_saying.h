@@ -1,6 +1,6 @@
-/* Files that say one thing of glTF each, for tests of docs/formats/gltf.md: what is used changes
- * the mesh, what says nothing of the picture changes nothing, without a word. Values are the matter
- * of test_gltf_read and test_gltf_material. */
+/* Files that say one thing of glTF each, for tests of docs/reference/formats/gltf.md: what is used
+ * changes the mesh, what says nothing of the picture changes nothing, without a word. Values are
+ * the matter of test_gltf_read and test_gltf_material. */
 #ifndef LF_TESTS_GLTF_SAYING_H
 #define LF_TESTS_GLTF_SAYING_H
 
@@ -40,7 +40,7 @@ typedef struct example {
     }
 #define TOLD(name, says, words)                                                                    \
     {                                                                                              \
-        name, "told", is_told, &(const example)                                                    \
+        name, "warned", is_told, &(const example)                                                  \
         {                                                                                          \
             says, "", words                                                                        \
         }                                                                                          \

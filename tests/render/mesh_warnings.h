@@ -1,5 +1,5 @@
-/* What the tests of docs/formats/meshes.md share: a file that says one thing beside the same
- * without it, and what the reader makes of both. */
+/* What the tests of docs/reference/formats/meshes.md share: a file that says one thing beside the
+ * same without it, and what the reader makes of both. */
 #ifndef LF_TESTS_RENDER_MESH_WARNINGS_H
 #define LF_TESTS_RENDER_MESH_WARNINGS_H
 
@@ -167,7 +167,7 @@ static inline void is_refused(const lf_format_row *row)
 #define FIRST_TWO(a, b, ...) a, b
 #define USED(name, ...) \
     {name, "used", is_used, &(const said){FIRST_TWO(__VA_ARGS__, NULL, NULL), NULL}}
-#define TOLD(name, text, words) {name, "told", is_told, &(const said){text, NULL, words}}
+#define TOLD(name, text, words) {name, "warned", is_told, &(const said){text, NULL, words}}
 #define IGNORED(name, ...) \
     {name, "ignored", is_ignored, &(const said){FIRST_TWO(__VA_ARGS__, NULL, NULL), NULL}}
 #define REFUSED(name, text, words) {name, "refused", is_refused, &(const said){text, NULL, words}}

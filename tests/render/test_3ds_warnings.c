@@ -1,5 +1,5 @@
-/* The table of 3DS in docs/formats/meshes.md: each row's chunk in a file that is made here, and
- * what the reader makes of it. */
+/* The table of 3DS in docs/reference/formats/meshes.md: each row's chunk in a file that is made
+ * here, and what the reader makes of it. */
 #include "tests/render/mesh_warnings.h"
 
 /* clang-format off */
@@ -247,7 +247,7 @@ static void chunk_row(const lf_format_row *row)
             fail_msg("%s: %s \"%s\"", row->name, lf_status_name(with.status), with.err.what);
     } else {
         assert_read(row, &with);
-        if (strcmp(row->verdict, "told") != 0)
+        if (strcmp(row->verdict, "warned") != 0)
             assert_quiet(row, &with);
         else if (!warns(&with, s->words))
             fail_msg("%s is not told; the first warning: %s", row->name,
@@ -267,42 +267,42 @@ static void chunk_row(const lf_format_row *row)
 static const lf_format_row tds_rows[] = {
     CHUNK("0002 version", "ignored", 0x0002, NULL),
     CHUNK("0100 master scale", "used", 0x0100, NULL),
-    CHUNK("1101 background picture", "told", 0x1101, "chunks that are left out: 1101"),
-    CHUNK("1201 background", "told", 0x1201, "chunks that are left out: 1201"),
-    CHUNK("1301 background", "told", 0x1301, "chunks that are left out: 1301"),
-    CHUNK("2100 ambient light", "told", 0x2100, "chunks that are left out: 2100"),
-    CHUNK("2201 fog", "told", 0x2201, "chunks that are left out: 2201"),
-    CHUNK("2301 fog of layers", "told", 0x2301, "chunks that are left out: 2301"),
+    CHUNK("1101 background picture", "warned", 0x1101, "chunks that are left out: 1101"),
+    CHUNK("1201 background", "warned", 0x1201, "chunks that are left out: 1201"),
+    CHUNK("1301 background", "warned", 0x1301, "chunks that are left out: 1301"),
+    CHUNK("2100 ambient light", "warned", 0x2100, "chunks that are left out: 2100"),
+    CHUNK("2201 fog", "warned", 0x2201, "chunks that are left out: 2201"),
+    CHUNK("2301 fog of layers", "warned", 0x2301, "chunks that are left out: 2301"),
     CHUNK("4000 object", "ignored", 0x4000, NULL),
-    CHUNK("4010 hidden object", "told", 0x4010, "chunks that are left out: 4010"),
+    CHUNK("4010 hidden object", "warned", 0x4010, "chunks that are left out: 4010"),
     CHUNK("4110 vertices", "used", 0x4110, NULL),
     CHUNK("4120 faces", "used", 0x4120, NULL),
     CHUNK("4130 material of faces", "used", 0x4130, NULL),
     CHUNK("4140 texture coordinates", "ignored", 0x4140, NULL),
     CHUNK("4150 smoothing groups", "used", 0x4150, NULL),
     CHUNK("4160 local axes", "ignored", 0x4160, NULL),
-    CHUNK("4600 light", "told", 0x4600, "light is not used"),
-    CHUNK("4700 camera", "told", 0x4700, "camera is not used"),
+    CHUNK("4600 light", "warned", 0x4600, "light is not used"),
+    CHUNK("4700 camera", "warned", 0x4700, "camera is not used"),
     CHUNK("a000 name of a material", "ignored", 0xa000, NULL),
     CHUNK("a010 ambient", "ignored", 0xa010, NULL),
     CHUNK("a020 diffuse", "used", 0xa020, NULL),
     CHUNK("a030 specular", "used", 0xa030, NULL),
     CHUNK("a040 shininess", "used", 0xa040, NULL),
     CHUNK("a041 strength of the highlight", "used", 0xa041, NULL),
-    CHUNK("a050 transparency", "told", 0xa050, "transparency is left out: opaque"),
+    CHUNK("a050 transparency", "warned", 0xa050, "transparency is left out: opaque"),
     CHUNK("a081 two sides", "ignored", 0xa081, NULL),
     CHUNK("a084 self-illumination", "used", 0xa084, NULL),
-    CHUNK("a085 wire frame", "told", 0xa085, "chunks that are left out: a085 wire frame"),
+    CHUNK("a085 wire frame", "warned", 0xa085, "chunks that are left out: a085 wire frame"),
     CHUNK("a100 shading", "used", 0xa100, NULL),
-    CHUNK("a200 texture", "told", 0xa200, NO_TEXTURES),
-    CHUNK("a204 specular map", "told", 0xa204, NO_TEXTURES),
-    CHUNK("a210 opacity map", "told", 0xa210, NO_TEXTURES),
-    CHUNK("a220 reflection map", "told", 0xa220, NO_TEXTURES),
-    CHUNK("a230 bump map", "told", 0xa230, NO_TEXTURES),
-    CHUNK("a33a second texture", "told", 0xa33a, "chunks that are left out: a33a"),
-    CHUNK("a33c shininess map", "told", 0xa33c, NO_TEXTURES),
-    CHUNK("a33d self-illumination map", "told", 0xa33d, NO_TEXTURES),
-    CHUNK("b000 key frames", "told", 0xb000, "animation is not used"),
+    CHUNK("a200 texture", "warned", 0xa200, NO_TEXTURES),
+    CHUNK("a204 specular map", "warned", 0xa204, NO_TEXTURES),
+    CHUNK("a210 opacity map", "warned", 0xa210, NO_TEXTURES),
+    CHUNK("a220 reflection map", "warned", 0xa220, NO_TEXTURES),
+    CHUNK("a230 bump map", "warned", 0xa230, NO_TEXTURES),
+    CHUNK("a33a second texture", "warned", 0xa33a, "chunks that are left out: a33a"),
+    CHUNK("a33c shininess map", "warned", 0xa33c, NO_TEXTURES),
+    CHUNK("a33d self-illumination map", "warned", 0xa33d, NO_TEXTURES),
+    CHUNK("b000 key frames", "warned", 0xb000, "animation is not used"),
     CHUNK("any other chunk", "ignored", 0x1234, NULL),
     CHUNK("a chunk that is too long", "refused", 0x4d4d,
           "the 3DS chunk 4d4d at byte 0 says that it has"),

@@ -1,4 +1,4 @@
-/* Every row of the table "glTF 2.0" in docs/formats/gltf.md. */
+/* Every row of the table "glTF 2.0" in docs/reference/formats/gltf.md. */
 #include "tests/render/gltf_saying.h"
 
 /* camera_frame.c refuses to look through one that is parallel. */

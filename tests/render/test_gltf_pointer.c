@@ -1,5 +1,6 @@
 /* What animation pointers of glTF (KHR_animation_pointer) move is what a still file would say there
- * at that moment; what they cannot move is told. docs/formats/gltf-pointers.md, row by row. */
+ * at that moment; what they cannot move is told. docs/reference/formats/gltf-pointers.md, row by
+ * row. */
 #include "tests/formats.h"
 #include "tests/render/pointed.h"
 
@@ -54,7 +55,7 @@ static void check_used(const lf_format_row *row)
 static void check_unused(const lf_format_row *row)
 {
     const moved m = {.n = 1, .to = {1}};
-    bool told = strcmp(row->verdict, "told") == 0;
+    bool told = strcmp(row->verdict, "warned") == 0;
     char pointer[256], words[512];
     gltf_text text = {0};
     put_corners(&text);
@@ -205,7 +206,7 @@ static void look_weight(const lf_mesh_data *data, double out[4])
 #define USED(pointer, count, ...) WITH(pointer, .n = count, SOME, .look = __VA_ARGS__)
 #define TOLD(pointer)                                                                              \
     {                                                                                              \
-        pointer, "told", check_unused, NULL                                                        \
+        pointer, "warned", check_unused, NULL                                                      \
     }
 #define IGNORED(pointer)                                                                           \
     {                                                                                              \

@@ -1,5 +1,5 @@
-/* The tables of docs/formats/meshes.md but 3DS: each row's statement in a file that is made here,
- * and what the reader makes of it. */
+/* The tables of docs/reference/formats/meshes.md but 3DS: each row's statement in a file that is
+ * made here, and what the reader makes of it. */
 #include "tests/render/mesh_warnings.h"
 
 /* clang-format off */
@@ -402,7 +402,7 @@ static void binary_row(const lf_format_row *row)
            without = read_binary("", 0, 0, 0, 0);
     assert_read(row, &with);
     assert_read(row, &without);
-    if (strcmp(row->verdict, "told") == 0) {
+    if (strcmp(row->verdict, "warned") == 0) {
         if (!warns(&with, s->words))
             fail_msg("%s is not told", row->name);
     } else {
@@ -449,9 +449,9 @@ static const lf_format_row stl_rows[] = {
     BINARY("the title of a binary file", "ignored", "made by a program", 17, 0, 0, 0, NULL),
     BINARY("a title of a binary file in UTF-16", "ignored", "m\0o\0d\0e\0l\0", 10, 0, 0, 0, NULL),
     BINARY("COLOR=", "used", COLOUR, 10, 0x8000, 0x8000, 0, NULL),
-    BINARY("alpha of COLOR=", "told", "COLOR=\xff\x40\x20\x80", 10, 0x8000, 0x8000, 0,
+    BINARY("alpha of COLOR=", "warned", "COLOR=\xff\x40\x20\x80", 10, 0x8000, 0x8000, 0,
            "of the title's COLOR= and MATERIAL= the colour alone is used"),
-    BINARY("MATERIAL=", "told", COLOUR "MATERIAL=\1\2\3\4", 23, 0x8000, 0x8000, 0,
+    BINARY("MATERIAL=", "warned", COLOUR "MATERIAL=\1\2\3\4", 23, 0x8000, 0x8000, 0,
            "of the title's COLOR= and MATERIAL= the colour alone is used"),
     BINARY("attribute bytes with a colour, of VisCAM", "used", "", 0, 0x801f, 0x83e0, 0, NULL),
     BINARY("attribute bytes with a colour, of Magics", "used", COLOUR, 10, 0x001f, 0x03e0, 0, NULL),

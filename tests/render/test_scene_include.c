@@ -119,6 +119,25 @@ static void files_are_looked_for_beside_the_scene_that_names_them(void **state)
     lf_roots_finish(&roots);
 }
 
+/* The picture is not there: the error says where it was looked for. */
+static void textures_are_looked_for_beside_the_scene_that_names_them(void **state)
+{
+    const char *folder = *state;
+    mkdir(lf_test_path(folder, "looks"), 0700);
+    put(folder, "looks/hide.json",
+        "{ 'materials': { 'hide': { 'albedo': { 'file': 'hide.png' } } } }");
+    put(folder, "textured.json",
+        "{ 'include': 'looks/hide.json', 'meshes': { 'm': { 'shape': 'quad', 'material': 'hide' } "
+        "} }");
+    lf_scene *scene = NULL;
+    lf_error err = {0};
+    char line[2000];
+    lf_assert_status(lf_scene_load(lf_test_path(folder, "textured.json"), NULL, NULL, &scene, &err),
+                     LF_E_IO, &err);
+    if (!strstr(lf_error_format(&err, line, sizeof line), "looks/hide.png"))
+        fail_msg("%s", line);
+}
+
 static void errors_name_the_file_and_line_that_the_value_is_in(void **state)
 {
     const char *folder = *state;
@@ -236,6 +255,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         lf_test_in_folder(own_keys_win_over_included_ones),
         lf_test_in_folder(files_are_looked_for_beside_the_scene_that_names_them),
+        lf_test_in_folder(textures_are_looked_for_beside_the_scene_that_names_them),
         lf_test_in_folder(errors_name_the_file_and_line_that_the_value_is_in),
         lf_test_in_folder(a_file_that_includes_itself_is_refused),
         lf_test_in_folder(pictures_are_the_same_whatever_is_included),

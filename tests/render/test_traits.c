@@ -556,11 +556,12 @@ static void the_table_of_the_manual_is_that_of_the_masks(void **state)
                 lf_support_at(i, &listed)->supports & lf_trait_at(t)->bit ? " yes |" : " |");
         add(table, sizeof table, lf_trait_at(t)->bit & LF_LANES_SUPPORT ? " yes |\n" : " |\n");
     }
-    lf_assert_ok(lf_file_read(lf_test_source("docs/traits.md"), NULL, 1 << 20, &page, &n, &err),
-                 &err);
+    lf_assert_ok(
+        lf_file_read(lf_test_source("docs/developer/traits.md"), NULL, 1 << 20, &page, &n, &err),
+        &err);
     if (!strstr(page, table)) {
         fputs(table, stdout);
-        fail_msg("docs/traits.md has another table than this");
+        fail_msg("docs/developer/traits.md has another table than this");
     }
     lf_free(page);
 }

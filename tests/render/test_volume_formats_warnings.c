@@ -1,5 +1,5 @@
-/* The table of docs/formats/volumes.md: a grid for each row (scenes/make_test_vdb.cc), and what the
- * reader makes of it. */
+/* The table of docs/reference/formats/volumes.md: a grid for each row (scenes/make_test_vdb.cc),
+ * and what the reader makes of it. */
 #include "tests/formats.h"
 
 #include <fcntl.h>
@@ -222,19 +222,19 @@ static const lf_format_row rows[] = {
         "has a frustum or another map that is not affine"),
     ROW("names", "used", is_used, "said.vdb", "fog", NULL),
     ROW("two grids of one name", "used", is_used, "said.vdb", "density[1]", NULL),
-    ROW("a grid that no volume is made of", "told", is_told, "said.vdb", "density",
+    ROW("a grid that no volume is made of", "warned", is_told, "said.vdb", "density",
         "grids that no volume is made of: "),
     ROW("a name that is not there", "refused", is_refused, "said.vdb", "smoke",
         "no grid \"smoke\"; the file holds density"),
     ROW("a grid that shares another's tree", "used", is_used, "said.vdb", "shared", NULL),
     ROW("active tiles", "used", is_used, "said.vdb", "tile", NULL),
     ROW("inactive voxels", "ignored", is_ignored, "said.vdb", "inactive", NULL),
-    ROW("background", "told", is_told, "said.vdb", "background",
+    ROW("background", "warned", is_told, "said.vdb", "background",
         "grid background: its background of 0.25 counts as 0"),
-    ROW("an empty grid", "told", is_told, "said.vdb", "empty", "is empty"),
-    ROW("a voxel below 0", "told", is_told, "odd.vdb", "density",
+    ROW("an empty grid", "warned", is_told, "said.vdb", "empty", "is empty"),
+    ROW("a voxel below 0", "warned", is_told, "odd.vdb", "density",
         "voxels below 0 (3, down to -0.001) count as 0"),
-    ROW("a voxel that is not finite", "told", is_told, "odd.vdb", "density",
+    ROW("a voxel that is not finite", "warned", is_told, "odd.vdb", "density",
         "voxels that are not finite (3) count as 0"),
     ROW("creator", "ignored", is_ignored, "said.vdb", "words", NULL),
     ROW("is_local_space", "ignored", is_ignored, "said.vdb", "words", NULL),

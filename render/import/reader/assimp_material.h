@@ -6,9 +6,9 @@
 
 struct aiScene;
 
-/* Makes out->materials of the file's materials, in its order, and a warning of everything that
- * those of triangles lose: textures, transparency, … Materials that Assimp makes up for meshes
- * without one become grey. LF_E_FORMAT: too many; LF_E_NOMEM. */
+/* Converts the file's materials to out->materials, in the file's order, and adds warnings about
+ * features of used materials that are lost: textures, transparency, … Materials that Assimp invents
+ * for meshes without one become grey. LF_E_FORMAT: too many; LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_materials(const struct aiScene *scene, lf_mesh_data *out,
                                          lf_error *err);
 

@@ -1,5 +1,5 @@
-/* KHR_draco_mesh_compression; private to render/import/reader. C face of its one C++ file: no
- * exception and no type of the library comes out of it. */
+/* KHR_draco_mesh_compression; private to render/import/reader. The C interface of its one C++ file:
+ * no exception and no library type crosses it. */
 #ifndef LF_RENDER_DRACO_READ_H
 #define LF_RENDER_DRACO_READ_H
 
@@ -11,11 +11,11 @@ extern "C" {
 
 #include "base/status.h"
 
-/* An attribute by its number in the compressed data, and what it holds. */
+/* An attribute by its number in the compressed data, and its decoded data. */
 typedef struct lf_draco_attribute {
     uint32_t id;
     unsigned components;
-    unsigned type;       /* of a component: GL's number, as glTF writes it */
+    unsigned type;       /* of a component: the GL constant, as in glTF */
     unsigned bytes;      /* of an element */
     unsigned char *data; /* [n_points], free */
 } lf_draco_attribute;
@@ -25,8 +25,9 @@ typedef struct lf_draco_mesh {
     uint32_t *triangles; /* [n_triangles][3], below n_points; free */
 } lf_draco_mesh;
 
-/* Decodes a mesh and n of its attributes. LF_E_FORMAT: it is none, has no such attribute, or more
- * than `most` points or triangles; LF_E_NOMEM. What is not NULL is the caller's, on failure too. */
+/* Decodes a mesh and n of its attributes. LF_E_FORMAT: not a Draco mesh, no such attribute, or more
+ * than `most` points or triangles; LF_E_NOMEM. The caller owns pointers that are not NULL, also
+ * after a failure. */
 LF_NODISCARD lf_status lf_draco_read(const unsigned char *data, size_t size, size_t most,
                                      lf_draco_attribute *attributes, size_t n, lf_draco_mesh *out,
                                      lf_error *err);

@@ -1,12 +1,12 @@
-/* Extensions that a glTF file uses and nobody here knows. One thread. */
+/* Unsupported extensions of a glTF file. One thread. */
 #ifndef LF_RENDER_GLTF_EXTENSIONS_H
 #define LF_RENDER_GLTF_EXTENSIONS_H
 
 #include "render/import/reader/gltf_file.h"
 #include "render/scene/warnings.h"
 
-/* A warning for each: of those in extensionsUsed, and of those that something has although the file
- * does not say so; with what has it. At most 64 of them. */
+/* Warns of each: of those in extensionsUsed, and of those that an object has although the file does
+ * not list them; names the object. At most 64 warnings. */
 void lf_gltf_warn_of_extensions(const lf_gltf *gltf, lf_warnings *warnings);
 
 #endif

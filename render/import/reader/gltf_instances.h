@@ -1,4 +1,4 @@
-/* EXT_mesh_gpu_instancing: one node, its mesh many times. One thread. */
+/* EXT_mesh_gpu_instancing: many instances of a mesh in one node. One thread. */
 #ifndef LF_RENDER_GLTF_INSTANCES_H
 #define LF_RENDER_GLTF_INSTANCES_H
 
@@ -9,13 +9,13 @@
 
 typedef struct lf_gltf_instances {
     size_t n;
-    lf_gltf_accessor translation, rotation, scale; /* each may be absent */
+    lf_gltf_accessor translation, rotation, scale; /* each is optional */
 } lf_gltf_instances;
 
-/* Of a node that has the extension. LF_E_FORMAT, LF_E_NOMEM. */
+/* For a node with the extension. LF_E_FORMAT, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_gltf_instances_open(lf_gltf *gltf, const json_t *node,
                                               lf_gltf_instances *out, lf_error *err);
-/* Where one stands in its node. */
+/* The transform of an instance in its node. */
 lf_affine lf_gltf_instance(const lf_gltf_instances *instances, size_t number);
 
 #endif

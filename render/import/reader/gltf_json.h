@@ -1,5 +1,4 @@
-/* What glTF writes in JSON, looked up by people who trust none of it: what is of another type than
- * it should be counts as not said. */
+/* Reading glTF JSON that is not trusted: a value of the wrong type counts as absent. */
 #ifndef LF_RENDER_GLTF_JSON_H
 #define LF_RENDER_GLTF_JSON_H
 
@@ -8,25 +7,25 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* More than any array has elements: what is not said, or negative, or no whole number. */
+/* Larger than any array index: for values that are absent, negative or not integers. */
 #define LF_GLTF_NONE UINT32_MAX
 
-/* A whole number that is not negative; unsaid where there is none. Beyond 2^53: 2^53. */
+/* A non-negative integer; `unsaid` if it is absent. Values beyond 2^53 become 2^53. */
 uint64_t lf_gltf_whole(const json_t *object, const char *key, uint64_t unsaid);
-/* One that may be the place of something; LF_GLTF_NONE where there is none, or it is larger. */
+/* An index; LF_GLTF_NONE if it is absent or larger. */
 uint32_t lf_gltf_index(const json_t *object, const char *key);
-/* A number that is finite as a float. */
+/* A number that is finite as a float; `unsaid` if it is absent. */
 float lf_gltf_number(const json_t *object, const char *key, float unsaid);
-/* As many numbers as there are in an array of exactly n; else *out stays as it is. */
+/* Reads an array of exactly n numbers; otherwise false, and *out is unchanged. */
 bool lf_gltf_numbers(const json_t *object, const char *key, size_t n, double *out);
-/* Never NULL. */
+/* A string, or ""; never NULL. */
 const char *lf_gltf_text(const json_t *object, const char *key);
-/* A text of the file within one line of a warning: as many whole characters as fit into size bytes,
- * with ? for what would end the line. */
+/* Copies a text of the file for a one-line warning: as many whole characters as fit into size
+ * bytes, with ? for line breaks. */
 void lf_gltf_line(const char *text, char *out, size_t size);
-/* The extension of a thing, which is an object; NULL: it has none. */
+/* The extension object of an object; NULL: none. */
 const json_t *lf_gltf_extension(const json_t *object, const char *name);
-/* An element of an array of the document; NULL: there is none. */
+/* An element of an array of the document; NULL: no such element. */
 const json_t *lf_gltf_element(const json_t *document, const char *array, uint64_t number);
 size_t lf_gltf_count(const json_t *document, const char *array);
 

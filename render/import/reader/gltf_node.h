@@ -1,5 +1,5 @@
-/* Nodes of a glTF file: which of them the default scene shows, and where they stand at a moment
- * of an animation (specification, sections 3.5 and 3.11). One thread. */
+/* Nodes of a glTF file: which ones the default scene shows, and their transforms at a time of an
+ * animation (specification, sections 3.5 and 3.11). One thread. */
 #ifndef LF_RENDER_GLTF_NODE_H
 #define LF_RENDER_GLTF_NODE_H
 
@@ -15,15 +15,15 @@ typedef struct lf_gltf_pose {
         .rotation = {0, 0, 0, 1}, .scale = { 1, 1, 1 }                                             \
     }
 
-/* The scale comes first, the translation last. */
+/* Applies the scale first, the translation last. */
 lf_affine lf_gltf_transform(const lf_gltf_pose *pose);
 
 typedef struct lf_gltf_node {
     bool is_shown, has_matrix;
-    bool is_hidden; /* by KHR_node_visibility, its own or that of a node above: it has no mesh then,
-                       and its light is out */
+    /* by KHR_node_visibility, of the node or of a parent: its mesh and its light are disabled */
+    bool is_hidden;
     lf_gltf_pose pose;
-    lf_affine matrix; /* in place of it */
+    lf_affine matrix; /* replaces the pose */
     lf_affine to_world;
     uint32_t parent;     /* LF_GLTF_NONE */
     uint32_t mesh, skin; /* LF_GLTF_NONE */
@@ -38,13 +38,13 @@ typedef struct lf_gltf_nodes {
 
 struct lf_gltf_playing; /* gltf_animation.h */
 
-/* world: where the file's own stands; playing: where what moves does. LF_E_FORMAT: a loop, a child
- * of two parents, a number that is not there, nothing but hidden meshes; LF_E_NOMEM. Release with
- * lf_gltf_nodes_close in any case. */
+/* world: the transform of the file; playing: the animation. LF_E_FORMAT: a cycle, a child of two
+ * parents, an index out of range, only hidden meshes; LF_E_NOMEM. Release with lf_gltf_nodes_close,
+ * also after a failure. */
 LF_NODISCARD lf_status lf_gltf_nodes_open(lf_gltf *gltf, const struct lf_gltf_playing *playing,
                                           const lf_affine *world, lf_gltf_nodes *out,
                                           lf_error *err);
-/* Accepts a zeroed one. */
+/* Accepts a zeroed struct. */
 void lf_gltf_nodes_close(lf_gltf_nodes *nodes);
 
 #endif

@@ -1,6 +1,6 @@
 /* KHR_animation_pointer: channels whose targets are JSON pointers (RFC 6901) of the glTF 2.0 Asset
  * Object Model. What one comes to replaces what the document says there, so that whoever reads the
- * document sees a still file. docs/formats/gltf-pointers.md lists all of them. */
+ * document sees a still file. docs/reference/formats/gltf-pointers.md lists all of them. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

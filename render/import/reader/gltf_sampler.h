@@ -1,5 +1,5 @@
-/* Samplers of glTF animations (specification, section 3.11 and appendix C): keys, and what they
- * come to at a time. One thread. */
+/* Samplers of glTF animations (specification, section 3.11 and appendix C): keys, and their
+ * interpolation. One thread. */
 #ifndef LF_RENDER_GLTF_SAMPLER_H
 #define LF_RENDER_GLTF_SAMPLER_H
 
@@ -10,25 +10,26 @@ typedef enum lf_gltf_course { LF_GLTF_LINEAR, LF_GLTF_STEP, LF_GLTF_CUBIC } lf_g
 typedef struct lf_gltf_sampler {
     lf_gltf_accessor times, values;
     lf_gltf_course course;
-    size_t each; /* vectors of a key: 1, or of weights as many as there are */
+    size_t each; /* vectors per key: 1, or the number of weights */
     unsigned components;
-    bool turns; /* the vectors are unit quaternions: LINEAR goes along the sphere. Open leaves it
-                   false */
+    /* the vectors are unit quaternions, so that LINEAR is spherical; lf_gltf_sampler_open sets it
+     * to false */
+    bool turns;
 } lf_gltf_sampler;
 
-/* Between which keys a time lies, and where. */
+/* The keys around a time, and its position between them. */
 typedef struct lf_gltf_moment {
     size_t key;
-    float share, length; /* 0..1 on the way to the next key; seconds to it */
+    float share, length; /* 0..1 between the keys; seconds between them */
 } lf_gltf_moment;
 
-/* An element of an animation's samplers, whose values are vectors of 1 to 4 components. An
- * interpolation that is none of the three is LINEAR. LF_E_FORMAT, LF_E_NOMEM. */
+/* Opens an element of an animation's samplers, whose values are vectors of 1 to 4 components. An
+ * unknown interpolation is LINEAR. LF_E_FORMAT, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_gltf_sampler_open(lf_gltf *gltf, const json_t *json, unsigned components,
                                             lf_gltf_sampler *out, lf_error *err);
-/* Before the first key: the first key; behind the last: the last. */
+/* Before the first key: the first key; after the last: the last. */
 lf_gltf_moment lf_gltf_sampler_moment(const lf_gltf_sampler *sampler, float time);
-/* Vector number i, below sampler->each; components that it has not are 0. */
+/* Vector number i, below sampler->each; missing components are 0. */
 void lf_gltf_sampler_value(const lf_gltf_sampler *sampler, const lf_gltf_moment *moment, size_t i,
                            float out[4]);
 

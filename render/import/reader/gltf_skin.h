@@ -8,15 +8,16 @@
 
 typedef struct lf_gltf_skin {
     size_t n;
-    lf_affine *joints; /* [n]: from where the mesh was bound to the world */
+    lf_affine *joints; /* [n]: from the bind pose to the world */
 } lf_gltf_skin;
 
-/* skins[number]. LF_E_FORMAT, LF_E_NOMEM. Release with lf_gltf_skin_close in any case. */
+/* Opens skins[number]. LF_E_FORMAT, LF_E_NOMEM. Release with lf_gltf_skin_close, also after a
+ * failure. */
 LF_NODISCARD lf_status lf_gltf_skin_open(lf_gltf *gltf, const lf_gltf_nodes *nodes, uint32_t number,
                                          lf_gltf_skin *out, lf_error *err);
-/* Accepts a zeroed one. */
+/* Accepts a zeroed struct. */
 void lf_gltf_skin_close(lf_gltf_skin *skin);
-/* Where a vertex stands: the mean of its joints. */
+/* The transform of a vertex: the weighted mean of its joints. */
 lf_mesh_place lf_gltf_skin_node(const lf_gltf_skin *skin, const lf_gltf_primitive *primitive,
                                 size_t vertex);
 

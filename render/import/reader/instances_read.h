@@ -1,13 +1,14 @@
-/* quiltimport: where the instances of a mesh stand. A row a place, of these columns:
+/* quiltimport: the instances of a mesh. One row per instance, with these columns:
  *
  *     3   x y z                                       12   the rows of a 3x4 matrix
  *     4   x y z scale                                 16   the rows of a 4x4 matrix
  *     7   x y z, quaternion x y z w
- *     8   the same, scale                             10   the same, three scales
+ *     8   as 7, and a scale                           10   as 7, and three scales
  *
- * NPY (what numpy.save writes): float32 or float64 of the machine's order, row by row, of the shape
- * (places, columns), (places, 3, 4) or (places, 4, 4). CSV: a line a place, numbers between commas,
- * semicolons or blanks; a first line without a number names columns; # begins a comment. */
+ * NPY (as numpy.save writes it): float32 or float64 in the machine's byte order, row by row, with
+ * the shape (instances, columns), (instances, 3, 4) or (instances, 4, 4). CSV: one line per
+ * instance, numbers separated by commas, semicolons or blanks. A first line without a number names
+ * columns; # begins a comment. */
 #ifndef LF_RENDER_INSTANCES_READ_H
 #define LF_RENDER_INSTANCES_READ_H
 
@@ -19,8 +20,9 @@ typedef struct lf_instance_list {
     lf_affine *map; /* [n] malloc's */
 } lf_instance_list;
 
-/* Into a zeroed *out, which the caller frees by lf_instance_list_finish in any case. path: by its
- * ending it is NPY or CSV. LF_E_FORMAT: which place, and what is wrong; LF_E_IO, LF_E_NOMEM. */
+/* Reads into a zeroed *out, which the caller frees by lf_instance_list_finish, also after a
+ * failure. The ending of path selects NPY or CSV. LF_E_FORMAT: names the instance and the problem;
+ * LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_instances_read(const char *path, int fd, lf_instance_list *out,
                                          lf_error *err);
 void lf_instance_list_finish(lf_instance_list *places);

@@ -4,14 +4,13 @@
 
 #include "render/import/reader/soup.h"
 
-/* The number of what the soup says of a material; one that is new is grey and missing until a
- * library says more. LF_E_FORMAT: too many, LF_E_NOMEM. */
+/* The number of a source material of the soup by its name. A new one is grey and marked missing
+ * until a library defines it. LF_E_FORMAT: too many, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mtl_find(lf_soup *soup, const char *name, unsigned *out, lf_error *err);
 
-/* Reads the library behind fd (the caller's), which lies in folder and is called so. Of statements
- * that no material of ours has, and of numbers that are none, there is a warning in the soup's;
- * pictures are noted alone. LF_E_FORMAT: too many materials, text that is not UTF-8; LF_E_NOMEM,
- * LF_E_IO. */
+/* Reads the library behind fd (owned by the caller), called name in folder. Adds warnings to the
+ * soup for unsupported statements and invalid numbers. Images are only recorded. LF_E_FORMAT: too
+ * many materials, text that is not UTF-8; LF_E_NOMEM, LF_E_IO. */
 LF_NODISCARD lf_status lf_mtl_read(int fd, const char *folder, const char *name, lf_soup *soup,
                                    lf_error *err);
 

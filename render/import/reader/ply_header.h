@@ -1,4 +1,4 @@
-/* What a PLY file's header says (Turk, The PLY Polygon File Format, 1994). One thread. */
+/* The header of a PLY file (Turk, The PLY Polygon File Format, 1994). One thread. */
 #ifndef LF_RENDER_PLY_HEADER_H
 #define LF_RENDER_PLY_HEADER_H
 
@@ -19,23 +19,23 @@ typedef enum lf_ply_type {
 
 extern const unsigned char lf_ply_sizes[LF_PLY_TYPES]; /* bytes */
 
-/* What a property is for, if it is for anything. */
+/* Use of a property. */
 typedef enum lf_ply_role {
     LF_PLY_UNUSED,
-    LF_PLY_X, /* and y, z, and so on: each three stand together */
+    LF_PLY_X, /* and y, z, and so on: groups of three are consecutive */
     LF_PLY_Y,
     LF_PLY_Z,
     LF_PLY_NX,
     LF_PLY_NY,
     LF_PLY_NZ,
-    LF_PLY_RED, /* and what follows it, of a vertex */
+    LF_PLY_RED, /* and the following, of a vertex */
     LF_PLY_GREEN,
     LF_PLY_BLUE,
     LF_PLY_ALPHA,
     LF_PLY_U,
     LF_PLY_V,
     LF_PLY_INDICES,
-    LF_PLY_UVS, /* of a face's corners, two each */
+    LF_PLY_UVS, /* of a face's corners, two per corner */
     LF_PLY_MATERIAL_INDEX,
     LF_PLY_TEXTURE_INDEX,
     LF_PLY_DIFFUSE_RED,
@@ -49,7 +49,7 @@ typedef enum lf_ply_role {
 } lf_ply_role;
 
 typedef struct lf_ply_property {
-    lf_ply_type type, count_type; /* the latter of a list */
+    lf_ply_type type, count_type; /* count_type: of a list */
     bool is_list;
     lf_ply_role role;
 } lf_ply_property;
@@ -80,15 +80,14 @@ typedef struct lf_ply_header {
     int n_elements, n_properties;
     lf_ply_element elements[LF_PLY_MAX_ELEMENTS];
     lf_ply_property properties[LF_PLY_MAX_PROPERTIES];
-    /* comment TextureFile NAME, as MeshLab writes it: those that there is room for, and how many
-     * there were */
+    /* comment TextureFile NAME, as in MeshLab: the names that fit, and their number in the file */
     int n_textures;
     char textures[LF_PLY_MAX_TEXTURES][LF_PLY_MAX_NAME];
-    lf_left_out elements_left, properties_left; /* that are no part of a picture here */
+    lf_left_out elements_left, properties_left; /* ignored ones */
 } lf_ply_header;
 
-/* Reads it, up to the first byte behind its last line. LF_E_FORMAT: it is none, or promises more
- * than the file has room for. */
+/* Reads the header, up to the first byte after its last line. LF_E_FORMAT: not a header, or it
+ * declares more data than the file has. */
 LF_NODISCARD lf_status lf_ply_read_header(lf_input *in, lf_ply_header *out, lf_error *err);
 
 #endif

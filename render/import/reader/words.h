@@ -1,5 +1,5 @@
-/* Words and numbers of a line of text. What does not fit says so and leaves *at where it was. No
- * locale has any part in it. */
+/* Words and numbers of a line of text. A function that fails leaves *at unchanged. Independent of
+ * the locale. */
 #ifndef LF_RENDER_WORDS_H
 #define LF_RENDER_WORDS_H
 
@@ -19,24 +19,24 @@ static inline const char *lf_skip_blanks(const char *at)
     return at;
 }
 
-/* The next word of *at, whose length is *out_n: 0 at the end of the line. */
+/* The next word of *at, with its length in *out_n: 0 at the end of the line. */
 const char *lf_word(const char **at, size_t *out_n);
-/* Whether a word of n bytes is this one. */
+/* Whether a word of n bytes equals expected. */
 bool lf_word_is(const char *word, size_t n, const char *expected);
-/* The same whatever the case. */
+/* lf_word_is, ignoring case. */
 bool lf_word_reads(const char *word, size_t n, const char *expected);
-/* What is left of a line without blanks around it, in place. */
+/* The remaining line without surrounding blanks, in place. */
 char *lf_rest(char *at);
-/* Whether nothing but blanks and a comment is left of a line. */
+/* Whether only blanks and a comment remain. */
 bool lf_line_ends(const char *at);
 
-/* The next word as a number, as lf_decimal_read (base/number.h) does: 1, -.5, 1e-3, with a comma
- * for the point (as programs write it that follow a locale), and what printf makes of what is none
- * (nan, -inf, 1.#QNAN), which gives NaN or an infinity. */
+/* Parses the next word as a number, as lf_decimal_read (base/number.h): 1, -.5, 1e-3, also with a
+ * decimal comma (of programs that follow a locale). printf's forms of NaN and infinity (nan, -inf,
+ * 1.#QNAN) give NaN or an infinity. */
 bool lf_number(const char **at, double *out);
-/* n of them. */
+/* Parses n numbers. */
 bool lf_numbers(const char **at, int n, double *out);
-/* A whole number that ends at a blank, a slash or the end of the line. */
+/* Parses an integer that ends at a blank, a slash or the end of the line. */
 bool lf_integer(const char **at, int64_t *out);
 
 #endif

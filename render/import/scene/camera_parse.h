@@ -1,4 +1,4 @@
-/* What a scene file says of its camera; private to render/. */
+/* Parsing the camera of a scene file; private to render/. */
 #ifndef LF_RENDER_CAMERA_PARSE_H
 #define LF_RENDER_CAMERA_PARSE_H
 
@@ -6,8 +6,8 @@
 
 /* Reads the camera of the document into out->camera and out->framing. Errors go through reader. */
 void lf_camera_parse(lf_reader *reader, const lf_node *root, lf_scene_desc *out);
-/* Refuses one that stands on its target, and such, once all of it is known; its focus lies in the
- * window unless the document says otherwise. */
+/* Refuses invalid cameras, for example with the position at the target, once all values are known.
+ * Sets the focus to the window, unless the document gives it. */
 void lf_camera_check(lf_reader *reader, const lf_node *root, lf_camera *camera);
 
 #endif

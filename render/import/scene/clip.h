@@ -1,4 +1,4 @@
-/* Which animation of a mesh's file is shown, and at which moment; private to render/. */
+/* Which animation of a mesh's file is played, and at which time; private to render/. */
 #ifndef LF_RENDER_CLIP_H
 #define LF_RENDER_CLIP_H
 
@@ -9,15 +9,15 @@
 #define LF_MAX_SECONDS 1e6
 
 typedef struct lf_clip {
-    const char *name; /* NULL: by its number; borrowed */
+    const char *name; /* NULL: by number; borrowed */
     int number;       /* 0 = the first */
-    bool chosen;      /* the scene says which */
-    bool once;        /* behind its end it stands still; else it begins anew */
-    double seconds;   /* since its beginning, which may be before or behind it */
+    bool chosen;      /* chosen by the scene */
+    bool once;        /* true: clamp to the first and last pose of the clip; false: loop */
+    double seconds;   /* since its start; may be negative or beyond its end */
 } lf_clip;
 
-/* Seconds since the beginning of a clip that is span long, 0 to span. The same for every moment at
- * which all stands in the same places, but for rounding. */
+/* Time in a clip of length span, in seconds, 0 to span. Except for rounding, it is the same for all
+ * times with the same poses. */
 static inline double lf_clip_moment(const lf_clip *clip, double span)
 {
     if (!(span > 0))

@@ -4,12 +4,12 @@
 
 #include "render/scene/scene.h"
 
-/* Whether every edge is run along as often one way as the other. Corners are the same where their
- * coordinates are. Wrong by one chance in 2^64. */
+/* Whether every edge is traversed equally often in both directions. Vertices with equal coordinates
+ * are one. Wrong with a probability of 2^-64. */
 bool lf_mesh_is_closed(const lf_mesh *mesh);
-/* The same of its triangles whose materials are marked. */
+/* lf_mesh_is_closed for the triangles with marked materials. */
 bool lf_mesh_part_is_closed(const lf_mesh *mesh, const bool *of_material);
-/* Six times what these enclose: below 0 where they are inside out. */
+/* Six times the volume that these enclose; below 0 if they are inside out. */
 double lf_mesh_part_volume(const lf_mesh *mesh, const bool *of_material);
 
 #endif

@@ -302,7 +302,7 @@ static void scale_heat(json_t *emission, const lf_volume *grid, double across)
     const double most = (double)grid->sigma_max;
     if (!(most > 0.0 && across > 0.0))
         return;
-    json_object_set_new(emission, "kelvin", json_real(most > KELVIN ? 1.0 : HOT / most));
+    json_object_set_new(emission, "temperature_scale", json_real(most > KELVIN ? 1.0 : HOT / most));
     json_object_set_new(emission, "scale", json_real(fmin(24.0 / across, 1e9)));
 }
 

@@ -1,13 +1,12 @@
-/* Words of other renderers' files, and what is said for them here; private to render/import/scene/.
- */
+/* Words of other renderers' files, and their replacements here; private to render/import/scene/. */
 #ifndef LF_RENDER_FOREIGN_WORDS_H
 #define LF_RENDER_FOREIGN_WORDS_H
 
 #include "render/import/scene/json_reader.h"
 
-/* Fail the reader at a material, or light, whose "type" is another renderer's name for what is
- * called otherwise here, or that has a key of another renderer's or of another type of lights, and
- * say how. Any other word is left to who reads it. */
+/* Fail the reader with an explanation in two cases: the "type" of a material or light is another
+ * renderer's word, or a key belongs to another renderer or another type of light. Other words are
+ * left to the caller. */
 void lf_refuse_foreign_material(lf_reader *reader, const lf_node *material);
 void lf_refuse_foreign_light(lf_reader *reader, const lf_node *light);
 

@@ -4,23 +4,23 @@
 
 #include "render/import/scene/mesh_import.h"
 
-/* What decides about the meshes' shape, but for the moment of what moves: their order, names,
- * files, shapes, transforms, normals, and whether each has a material of its own (which one it is
- * does not matter, but what it needs of vertices does), which animation (but not whether it is a
- * catcher); and what the lights of desc that are faces look like. A new reference; NULL = out of
- * memory. */
+/* Key of everything that determines the meshes' geometry, except the time of animations. It
+ * includes order, names, files, shapes, transforms, normals, the animation, and whether each mesh
+ * has a material of the scene. Of the material it includes only the needed vertex data, and it
+ * excludes whether a mesh is a catcher. It also includes the shapes of desc's area lights. A new
+ * reference; NULL = out of memory. */
 json_t *lf_geometry_key(const json_t *doc, const lf_scene_desc *desc, const char *folder);
-/* That of geometry which moves from one key to the other; uses up both, of which one may be NULL.
- * It is the first one where they are equal. */
+/* The key of geometry that moves between two keys; consumes both; one may be NULL. If they are
+ * equal, it is the first. */
 json_t *lf_geometry_key_between(json_t *open, json_t *close);
 
-/* Whether geometry was made from the same key, what moves in its files stands where the ends have
- * it, and its files, opened again under roots, are unchanged. */
+/* Whether geometry was made from the same key, its animations are at the times of the ends, and its
+ * files, opened again under roots, are unchanged. */
 bool lf_geometry_matches(const lf_geometry *geometry, const json_t *key, lf_ends ends,
                          const lf_roots *roots);
 
-/* Takes the vertices of the meshes of ends[0] into Embree, origin subtracted in double. data is
- * used up (arrays are taken over, the rest released by the caller); key gets a reference more.
+/* Builds Embree's geometry from the vertices of the meshes of ends[0], with origin subtracted in
+ * double. Consumes data (arrays are moved; the caller releases the rest). Takes a reference to key.
  * LF_E_NOMEM. On LF_OK the caller owns a reference. */
 LF_NODISCARD lf_status lf_geometry_build(lf_mesh_data *data, lf_ends ends, const double origin[3],
                                          json_t *key, lf_geometry **out_geometry, lf_error *err);

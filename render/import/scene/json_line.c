@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "base/number.h"
+#include "render/import/scene/former_keys.h"
 #include "render/import/scene/json_reader.h"
 
 typedef struct cursor {
@@ -133,9 +134,15 @@ int lf_json_line(const char *text, size_t size, const char *pointer)
     while (*pointer == '/' && c.at < c.end) {
         char token[256];
         pointer = next_token(pointer, token, sizeof token);
+        const cursor before = c;
         bool found = *c.at == '{'   ? enter_object(&c, token)
                      : *c.at == '[' ? enter_array(&c, token)
                                     : false;
+        const char *former = found ? NULL : lf_former_key(token);
+        if (former && *before.at == '{') {
+            c = before;
+            found = enter_object(&c, former);
+        }
         if (!found)
             break;
         line = c.line;

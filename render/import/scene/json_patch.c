@@ -1,6 +1,7 @@
 /* JSON Merge Patch, RFC 7396 section 2. What a patch leaves alone is shared with what there was. */
 #include <stdint.h>
 
+#include "render/import/scene/former_keys.h"
 #include "render/render.h"
 
 static json_t *shared(const json_t *value)
@@ -18,18 +19,20 @@ static json_t *own_object(json_t *member)
                                                                      : json_copy(member);
 }
 
+static bool merge_members(json_t *target, const json_t *patch);
+
 static json_t *merged(json_t *member, const json_t *value)
 {
     if (!json_is_object(value))
         return shared(value);
     json_t *target = own_object(member);
-    if (target && lf_json_merge_into(target, value))
+    if (target && merge_members(target, value))
         return target;
     json_decref(target);
     return NULL;
 }
 
-bool lf_json_merge_into(json_t *target, const json_t *patch)
+static bool merge_members(json_t *target, const json_t *patch)
 {
     json_t *borrowed = (json_t *)(uintptr_t)patch;
     for (void *it = json_object_iter(borrowed); it; it = json_object_iter_next(borrowed, it)) {
@@ -44,6 +47,14 @@ bool lf_json_merge_into(json_t *target, const json_t *patch)
             return false;
     }
     return true;
+}
+
+bool lf_json_merge_into(json_t *target, const json_t *patch)
+{
+    json_t *current = lf_former_keys_renamed(patch);
+    bool done = current && merge_members(target, current);
+    json_decref(current);
+    return done;
 }
 
 json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch)

@@ -1,7 +1,7 @@
-/* Reading typed values out of a JSON document, with one line that says where and why when something
- * is wrong; private to render/. The first error sticks: after it every function returns its
- * fallback, so callers check reader->status once, at the end. Absent members give the fallback;
- * null is an error like any other wrong type. Ranges are closed. */
+/* Reading typed values from a JSON document, with one error line that names position and reason;
+ * private to render/. The first error persists: after it every function returns its fallback, so
+ * callers check reader->status once, at the end. Absent members give the fallback; null is an error
+ * like any other wrong type. Ranges are closed. */
 #ifndef LF_RENDER_JSON_READER_H
 #define LF_RENDER_JSON_READER_H
 
@@ -9,10 +9,10 @@
 
 #include "base/status.h"
 
-/* A document that another one is merged of. */
+/* A document that is merged into another. */
 typedef struct lf_json_source {
-    const char *where; /* names it in errors */
-    const char *text;  /* the file's text, to find lines in; NULL for documents in memory */
+    const char *where; /* its name in errors */
+    const char *text;  /* the file's text, for line numbers; NULL for documents in memory */
     size_t size;
     json_t *doc;
 } lf_json_source;
@@ -22,16 +22,16 @@ typedef struct lf_reader {
     size_t size;
     lf_status status;
     lf_error *err; /* may be NULL */
-    /* What the document is merged of, if it is: what comes first wins. Errors are then reported in
-     * the first of them that holds the value, or most of the way to it. */
+    /* The sources of a merged document; earlier ones win. An error is reported in the first of them
+     * that holds the value, or the longest part of its path. */
     const lf_json_source *sources;
     int n_sources;
 } lf_reader;
 
-/* A value and the way to it. Lives on the stack of whoever walks; parents outlive children. */
+/* A value and its path. Lives on the caller's stack; parents must outlive children. */
 typedef struct lf_node {
     const struct lf_node *parent; /* NULL for the root */
-    const char *key;              /* NULL for members of arrays */
+    const char *key;              /* NULL for array elements */
     size_t index;
     /* borrowed, never changed; NULL = absent (not const because Jansson's iterators are not) */
     json_t *value;
@@ -40,15 +40,15 @@ typedef struct lf_node {
 lf_node lf_node_child(const lf_node *parent, const char *key);
 lf_node lf_node_item(const lf_node *parent, size_t index);
 
-/* Reports at a node (an absent one: at its nearest present parent, with the pointer of the absent
- * one). */
+/* Reports an error at a node. If it is absent: at its nearest present parent, with the pointer of
+ * the absent one. */
 void lf_read_fail(lf_reader *reader, const lf_node *node, const char *fmt, ...) LF_PRINTF(3, 4);
-/* Reports what a loader said about the file that a node names: same status, "FILE: WHAT", at the
+/* Reports a loader's error about the file that a node names: same status, "FILE: WHAT", at the
  * node. */
 void lf_read_fail_with(lf_reader *reader, const lf_node *node, const lf_error *inner);
 
-/* Checks that node is an object whose keys are all among keys (ended by NULL). false: absent or
- * wrong. */
+/* Checks that node is an object with keys from `keys` (ended by NULL) only. false: absent or wrong.
+ */
 bool lf_read_object(lf_reader *reader, const lf_node *node, const char *const keys[]);
 double lf_read_number(lf_reader *reader, const lf_node *parent, const char *key, double fallback,
                       double lo, double hi);
@@ -71,8 +71,8 @@ int lf_read_choice(lf_reader *reader, const lf_node *parent, const char *key,
 /* "a, b, c", cut to size. */
 void lf_join_names(const char *const names[], char *out, size_t size);
 
-/* Line (1 = first) at which the value of a JSON pointer starts in text; where the pointer leads
- * nowhere, the line of its nearest parent. text must have been accepted by a JSON parser. */
+/* Line (1 = first) at which the value of a JSON pointer starts in text; for an invalid pointer the
+ * line of its nearest parent. text must have been accepted by a JSON parser. */
 int lf_json_line(const char *text, size_t size, const char *pointer);
 
 #endif

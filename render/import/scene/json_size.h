@@ -1,11 +1,11 @@
-/* How large a JSON document is, whatever way it is written; private to render/. */
+/* The size of a JSON document, independent of its formatting; private to render/. */
 #ifndef LF_RENDER_JSON_SIZE_H
 #define LF_RENDER_JSON_SIZE_H
 
 #include <jansson.h>
 
-/* The fewest bytes that a text of this value can have: no text that says the same is shorter. It is
- * found without making the text, in a time that goes with the number of values. NULL has 0. */
+/* The size in bytes of the shortest text of this value. Computed without making the text, in time
+ * proportional to the number of values. NULL has 0. */
 size_t lf_json_least_bytes(const json_t *value);
 
 #endif

@@ -1,25 +1,25 @@
-/* Shapes of meshes that need no file; private to render/. A shape is one file (mesh_quad.c, …) that
- * ends in one struct, and one line of LF_MESH_SHAPES: nothing else knows its name. */
+/* Mesh shapes that need no file; private to render/. A shape is one file (mesh_quad.c, …) that ends
+ * in one struct, and one line of LF_MESH_SHAPES. No other code knows its name. */
 #ifndef LF_RENDER_MESH_SHAPE_H
 #define LF_RENDER_MESH_SHAPE_H
 
-/* Patches of facets: each a lattice of (across + 1) x (down + 1) corners, of which four make two
- * triangles. */
+/* A shape consists of patches. Each is a lattice of (across + 1) x (down + 1) corners, of which
+ * four form two triangles. */
 typedef struct lf_mesh_shape {
-    const char *name; /* what "shape" says in a scene file */
+    const char *name; /* value of "shape" in a scene file */
     int n_patches, across, down;
-    /* Where the corner (i, j) of a patch lies, within [-1,1]^3: i to the right and j upwards as
-     * seen from outside. Where corners of a facet are the same point to the last bit (at poles),
-     * what is left of it counts. */
+    /* Position of the corner (i, j) of a patch, within [-1,1]^3: i to the right and j upwards as
+     * seen from outside. If corners of a facet coincide bitwise (at poles), degenerate triangles
+     * are dropped. */
     void (*corner)(int patch, int i, int j, double out[3]);
     /* The unit normal at a corner, outwards; NULL: facets are flat. */
     void (*normal)(const double p[3], float out[3]);
-    /* Where it lies in a picture that covers the patch: (0, 0) is the upper left. NULL: a patch's
-     * lattice is evenly the picture. */
+    /* Texture coordinates for an image that covers the patch: (0, 0) is the upper left. NULL:
+     * uniform over the lattice. */
     void (*place)(int patch, const double p[3], double out[2]);
 } lf_mesh_shape;
 
-/* All shapes, a line each. */
+/* All shapes, one line each. */
 #define LF_MESH_SHAPES(SHAPE)                                                                      \
     SHAPE(quad)                                                                                    \
     SHAPE(cube)                                                                                    \
@@ -30,7 +30,7 @@ typedef struct lf_mesh_shape {
 LF_MESH_SHAPES(LF_DECLARE_MESH_SHAPE)
 #undef LF_DECLARE_MESH_SHAPE
 
-/* The same as a list, ended by NULL. */
+/* All shapes as a list, ended by NULL. */
 extern const lf_mesh_shape *const lf_mesh_shapes[];
 
 #endif

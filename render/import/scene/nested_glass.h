@@ -1,15 +1,15 @@
-/* Finds the solids of glass that stand in each other (transport/path/nest.h); private to render/.
- */
+/* Finds glass solids inside each other (transport/path/nest.h); private to render/. */
 #ifndef LF_RENDER_NESTED_GLASS_H
 #define LF_RENDER_NESTED_GLASS_H
 
 #include "render/import/scene/scene_parse.h"
 
-/* Sets LF_TRAIT_NESTED_GLASS and nested.solids where the boxes of two solids of glass overlap or
- * touch: a solid is what the triangles of a mesh that share a material enclose, or, where these are
- * open, those of all its glass together. One that is inside out is a hollow in the smallest other
- * one of its material about it. Warns of what encloses nothing: its faces part glass from air as
- * they would alone. To be called after lf_scene_find_traits. false: no memory. */
+/* Sets LF_TRAIT_NESTED_GLASS and nested.solids if the boxes of two glass solids overlap or touch. A
+ * solid is enclosed by the triangles of a mesh with one material or, if these are not closed, by
+ * all glass triangles of the mesh together. A solid that is inside out is a cavity in the smallest
+ * other solid of its material around it. Warns of glass that encloses nothing; its faces are
+ * boundaries between glass and air, as without nesting. Call it after lf_scene_find_traits. false:
+ * no memory. */
 bool lf_nest_glass(lf_scene *scene, const lf_scene_desc *desc, lf_warnings *warnings);
 
 #endif

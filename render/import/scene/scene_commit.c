@@ -141,8 +141,8 @@ static void load_emissive(commit *c, int i)
     if (emissive->grid)
         emissive->sigma_max = lf_volume_largest(emissive);
     light->volume = i;
-    double most = lf_volume_emission_init(light, lf_to_vec3(desc->emissive), desc->kelvin,
-                                          (double)emissive->sigma_max);
+    double most = lf_volume_emission_init(light, lf_to_vec3(desc->emissive),
+                                          desc->temperature_scale, (double)emissive->sigma_max);
     if (!(most <= (double)MOST_SIGMA))
         fail_too_much(c, desc, "emission", most);
     if (!(most > 0.0))
@@ -609,7 +609,7 @@ void lf_scene_commit(lf_reader *reader, const lf_node *root, const lf_scene_desc
                 .scene = scene,
                 .grids = {desc, roots, scene, previous, NULL, {NULL}}};
     scene->file.frame = desc->frame;
-    scene->file.rate = desc->rate;
+    scene->file.rate = desc->fps;
     scene->film = desc->film;
     scene->backdrop = desc->backdrop;
     scene->max_depth = desc->max_depth;

@@ -1,4 +1,5 @@
 #include "render/import/scene/scene_include.h"
+#include "render/import/scene/former_keys.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -50,9 +51,12 @@ lf_status lf_scene_text_read(const char *path, const lf_roots *roots, lf_scene_t
     if (status != LF_OK)
         return status;
     out->source = (lf_json_source){out->path, out->text, size, NULL};
-    out->source.doc =
-        json_loadb(out->source.text, out->source.size, JSON_REJECT_DUPLICATES, &problem);
-    return out->source.doc ? LF_OK : refuse_text(path, out->source.text, &problem, err);
+    json_t *doc = json_loadb(out->source.text, out->source.size, JSON_REJECT_DUPLICATES, &problem);
+    if (!doc)
+        return refuse_text(path, out->source.text, &problem, err);
+    out->source.doc = lf_former_keys_renamed(doc);
+    json_decref(doc);
+    return out->source.doc ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
 }
 
 void lf_scene_text_finish(lf_scene_text *text)
@@ -87,12 +91,26 @@ static bool move_name(json_t *member, const char *key, const char *from)
     return done;
 }
 
+/* The textures of materials: objects with a "file". */
+static bool move_textures(json_t *materials, const char *from)
+{
+    const char *key, *slot;
+    json_t *material, *texture;
+    bool done = true;
+    json_object_foreach(materials, key, material)
+    {
+        json_object_foreach(material, slot, texture)
+            done = done && move_name(texture, "file", from);
+    }
+    return done;
+}
+
 /* Names of files in a document that was included as `from` are relative to it, those of the merged
  * one to the folder of the first. */
 static bool move_names(json_t *doc, const char *from)
 {
     static const char *const sections[] = {"volumes", "meshes", "lights"};
-    bool done = true;
+    bool done = move_textures(json_object_get(doc, "materials"), from);
     for (int i = 0; i < 3; i++) {
         const char *key;
         json_t *member;

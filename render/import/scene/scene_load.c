@@ -8,6 +8,7 @@
 #include "base/frame_name.h"
 #include "base/sandbox/import_group.h"
 #include "render/import/scene/file_alone.h"
+#include "render/import/scene/former_keys.h"
 #include "render/import/scene/frame_hold.h"
 #include "render/import/scene/json_size.h"
 #include "render/import/scene/keyframes.h"
@@ -347,9 +348,12 @@ lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *
                              const lf_roots *roots, const lf_scene *previous, lf_scene **out_scene,
                              lf_error *err)
 {
-    const lf_json_source source = {where, NULL, 0, (json_t *)(uintptr_t)doc};
+    const lf_json_source source = {where, NULL, 0, lf_former_keys_renamed(doc)};
+    if (!source.doc)
+        return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
     lf_import_group group, *before = lf_import_group_begin(&group);
     lf_status status = build(&source, folder, roots, previous, out_scene, err);
     (void)lf_import_group_enter(before);
+    json_decref(source.doc);
     return status;
 }

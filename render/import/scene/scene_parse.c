@@ -145,14 +145,15 @@ static void parse_members(lf_reader *reader, const lf_node *root, const char *na
 /* What a grid emits: "emission" is an object. */
 static void parse_emissive(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
 {
-    static const char *const keys[] = {"grid", "scale", "colour", "kelvin", NULL};
+    static const char *const keys[] = {"grid", "scale", "colour", "temperature_scale", NULL};
     lf_node emission = lf_node_child(node, "emission");
     double colour[3] = {1, 1, 1};
     volume->is_emissive = lf_read_object(reader, &emission, keys);
     if (!volume->is_emissive)
         return;
     volume->emission_grid = lf_read_string(reader, &emission, "grid", "temperature", 256);
-    volume->kelvin = lf_read_number(reader, &emission, "kelvin", 0, 0, LF_MAX_KELVIN);
+    volume->temperature_scale =
+        lf_read_number(reader, &emission, "temperature_scale", 0, 0, LF_MAX_TEMPERATURE_SCALE);
     lf_read_colour(reader, &emission, "colour", colour, 0, LF_MAX_RADIANCE);
     double scale = lf_read_number(reader, &emission, "scale", 1, 0, LF_MAX_RADIANCE);
     for (int i = 0; i < 3; i++)
@@ -522,7 +523,7 @@ void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames
 {
     static const char *const keys[] = {
         "quiltd", "camera",  "volumes", "meshes",  "materials", "lights", "backdrop", "film",
-        "render", "comment", "$schema", "include", "frame",     "rate",   "units",    NULL};
+        "render", "comment", "$schema", "include", "frame",     "fps",    "units",    NULL};
     *out = (lf_scene_desc){0};
     if (!lf_read_object(reader, root, keys)) {
         lf_read_fail(reader, root, "a scene is a JSON object");
@@ -532,9 +533,9 @@ void lf_scene_parse_beside(lf_reader *reader, const lf_node *root, double frames
     lf_read_string(reader, root, "comment", NULL, 65536);
     lf_read_string(reader, root, "$schema", NULL, 4096);
     out->frame = lf_read_int(reader, root, "frame", 1, 0, LF_MAX_FRAME);
-    out->rate = lf_read_number(reader, root, "rate", LF_FRAME_RATE, 0.01, 1000);
+    out->fps = lf_read_number(reader, root, "fps", LF_FRAME_RATE, 0.01, 1000);
     out->unit_mm = parse_units(reader, root, 1e3);
-    out->seconds = (out->frame - 1 + frames) / out->rate;
+    out->seconds = (out->frame - 1 + frames) / out->fps;
     lf_camera_parse(reader, root, out);
     parse_film(reader, root, &out->film);
     parse_backdrop(reader, root, &out->backdrop);

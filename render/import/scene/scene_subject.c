@@ -184,7 +184,7 @@ json_t *lf_scene_subject(const lf_scene *scene, const lf_scene_desc *desc,
         return NULL;
     }
     json_object_del(doc, "frame");
-    json_object_del(doc, "rate");
+    json_object_del(doc, "fps");
     json_object_del(doc, "camera");
     json_object_del(doc, "render");
     json_object_del(doc, "film");

@@ -4,14 +4,14 @@
 
 #include "render/scene/scene.h"
 
-/* Whether a volume is anywhere. */
+/* Whether a volume is not empty. */
 static inline bool lf_volume_is_there(const lf_volume *volume)
 {
     return volume->sigma_max > 0.0f;
 }
 
-/* Adds to scene->traits what its meshes, materials and volumes are; materials that nothing is made
- * of do not count. lf_lights_commit adds those of its lights, lf_nest_glass that of its glass. */
+/* Adds the traits of its meshes, used materials and volumes to scene->traits. lf_lights_commit adds
+ * the traits of its lights, lf_nest_glass that of nested glass. */
 void lf_scene_find_traits(lf_scene *scene);
 
 #endif

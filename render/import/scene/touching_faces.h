@@ -1,12 +1,12 @@
-/* Finds faces of glass that lie in faces of other glass; private to render/. */
+/* Finds coplanar faces of different glass; private to render/. */
 #ifndef LF_RENDER_TOUCHING_FACES_H
 #define LF_RENDER_TOUCHING_FACES_H
 
 #include "render/scene/scene.h"
 
-/* Sets nested.touching: triangles of different solids (nested.solids) that share their plane, as
- * closely as rays resolve it, and may share a point. Meshes in many places, and those that move,
- * are left out, and all, with a warning, where there are too many. false: no memory. */
+/* Sets nested.touching: triangles of different solids (nested.solids) that are coplanar within the
+ * precision of rays and may share a point. Instanced and moving meshes are excluded. If there are
+ * too many, all are dropped with a warning. false: no memory. */
 bool lf_touching_find(lf_scene *scene);
 
 #endif

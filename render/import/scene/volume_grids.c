@@ -99,7 +99,7 @@ bool lf_volume_flows(const lf_scene_desc *desc, const lf_volume_desc *volume)
 
 void lf_volume_flow_times(const lf_scene_desc *desc, const lf_volume_desc *volume, double out[2])
 {
-    const double unit = volume->velocity.per_frame ? 1.0 : 1.0 / desc->rate;
+    const double unit = volume->velocity.per_frame ? 1.0 : 1.0 / desc->fps;
     out[0] = desc->camera.shutter_open * unit;
     out[1] = (desc->camera.shutter_open + desc->camera.shutter) * unit;
 }

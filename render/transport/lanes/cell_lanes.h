@@ -1,6 +1,6 @@
-/* The algorithm of lf_cell_jobs (depth_kernel.h) over the lanes of the file that includes this: the
- * steps of cell_walk.h. A lane is a ray. All take STEPS steps, without a branch, of which those
- * behind a ray's end do nothing; then rays that have ended leave their lanes to the next. */
+/* The algorithm of lf_cell_jobs (depth_kernel.h) over the lanes of the including file: the steps of
+ * cell_walk.h. A lane is a ray. All lanes take STEPS steps without a branch; steps after a ray's
+ * end have no effect. Then ended rays leave their lanes to the next rays. */
 #ifndef LF_RENDER_CELL_LANES_H
 #define LF_RENDER_CELL_LANES_H
 
@@ -11,9 +11,10 @@ enum { STEPS = 8 };
 
 typedef struct cell_walk {
     lanes t, end, goal, sum, next[3], stride[3];
-    lanes_int cell[3], step[3], left[3], job; /* job -1: there is no ray left for it */
+    lanes_int cell[3], step[3], left[3], job; /* job -1: the lane has no ray */
     mask ended;
-    lanes at, behind, sigma; /* where it did: the last cell before it, and the value if it is hit */
+    /* where it ended: the last cell before the end, and the value there if the goal was reached */
+    lanes at, behind, sigma;
 } cell_walk;
 
 LF_INLINE void store_ray(const cell_walk *w, lf_cell_jobs *jobs, int k)
@@ -26,7 +27,7 @@ LF_INLINE void store_ray(const cell_walk *w, lf_cell_jobs *jobs, int k)
     jobs->sigma[job] = sigma;
 }
 
-/* Stores what ended rays have found, and begins others in their lanes; false: none is left. */
+/* Stores the results of ended rays and starts other rays in their lanes; false: none left. */
 LF_INLINE bool next_rays(cell_walk *w, lf_cell_jobs *jobs, int *next)
 {
     const lanes zero = all(0.0f);
@@ -60,7 +61,7 @@ LF_INLINE bool next_rays(cell_walk *w, lf_cell_jobs *jobs, int *next)
     return bits_of(is_at_most(zero, to_float(job))) != 0;
 }
 
-/* The table and where cells stand in it. */
+/* The table, and the strides of cells in it. */
 typedef struct cell_table {
     const uint16_t *values;
     int place[3], more[3];
@@ -79,7 +80,7 @@ LF_INLINE lanes value_of(const cell_table *table, const lanes_int cell[3])
     return (lanes)value;
 }
 
-/* As lf_cell_walk_next has it. Cells do not wait for values: where a ray ends is noted. */
+/* As lf_cell_walk_next. Stepping does not wait for values: it notes where a ray ends. */
 LF_INLINE void take_step(cell_walk *w, const cell_table *table)
 {
     const lanes zero = all(0.0f), first = least(w->next[0], w->next[1]),

@@ -1,6 +1,7 @@
-/* Values of a regular grid of cells as rays that go any way meet them: tiles of 4x4x4 (two cache
- * lines) [z][y][x], in each [z][y][x] likewise; the upper half of a float each, rounded up, within
- * 1/128. What steps through them waits for memory and for nothing else. Private to render/. */
+/* Values of a regular grid of cells, stored for rays of any direction: tiles of 4x4x4 (two cache
+ * lines) in the order [z][y][x], and [z][y][x] in each tile. A value is the upper half of a float,
+ * rounded up, within 1/128. The time of a walk is dominated by memory latency. Private to render/.
+ */
 #ifndef LF_RENDER_CELLS_H
 #define LF_RENDER_CELLS_H
 
@@ -16,14 +17,14 @@ static inline int lf_cell_tiles(int n)
     return (n + LF_CELL_TILE - 1) / LF_CELL_TILE;
 }
 
-/* Values that a grid of n cells an axis takes. */
+/* Number of values stored for a grid of n cells per axis. */
 static inline size_t lf_cells_count(const int n[3])
 {
     return (size_t)lf_cell_tiles(n[0]) * (size_t)lf_cell_tiles(n[1]) * (size_t)lf_cell_tiles(n[2]) *
            (LF_CELL_TILE * LF_CELL_TILE * LF_CELL_TILE);
 }
 
-/* What kernels add for a cell: a sum over the axes of place + tile * more. */
+/* Strides of a cell's index: the sum over the axes of place + tile * more. */
 static inline void lf_cells_strides(const int n[3], int place[3], int more[3])
 {
     const int whole = LF_CELL_TILE * LF_CELL_TILE * LF_CELL_TILE,
@@ -35,7 +36,7 @@ static inline void lf_cells_strides(const int n[3], int place[3], int more[3])
     }
 }
 
-/* Where the value of a cell stands. */
+/* Index of a cell's value. */
 static inline size_t lf_cells_at(const int n[3], const int cell[3])
 {
     int place[3], more[3], at = 0;
@@ -53,7 +54,7 @@ static inline float lf_cell_value(uint16_t stored)
     return value;
 }
 
-/* Up: what is above 0 stays there. Finite and >= 0. */
+/* Rounds up, so that a value above 0 stays above 0. value: finite and >= 0. */
 static inline uint16_t lf_cell_stored(float value)
 {
     uint32_t bits;

@@ -1,16 +1,17 @@
-/* Optical depths along any ray, exact but for rounding; private to render/. A grid is taken cell by
- * cell: interpolated, it is a cubic of the distance in each; with edges it is constant. Bricks that
- * hold nothing are stepped over. Where transport/path/track.h estimates a transmittance, weights
- * want the number itself. Not of colours, and of volumes where they stand. */
+/* Optical depths along any ray, exact except for rounding, where transport/path/track.h estimates a
+ * transmittance: some weights need the exact number. Private to render/. A grid is integrated cell
+ * by cell: an interpolated grid is a cubic of the distance in each cell; a grid with edges is
+ * constant. Empty bricks are skipped. Not for chromatic media, and only for volumes that do not
+ * move. */
 #ifndef LF_RENDER_DEPTH_H
 #define LF_RENDER_DEPTH_H
 
 #include "render/transport/lanes/depth_kernel.h"
 #include "render/transport/path/track.h"
 
-/* Of all volumes of the tracer's scene, from o along the unit vector w as far as `end` (INFINITY:
- * out of the scene); counts look-ups. One ray, in double but for the look-ups, by Gauss's rule of
- * two points: the oracle of those below. */
+/* The optical depth of all volumes of the tracer's scene, from o along the unit vector w up to
+ * `end` (INFINITY: out of the scene); counts look-ups. One ray, in double except for the look-ups,
+ * by the two-point Gauss rule: the reference for the functions below. */
 double lf_depth_along(lf_tracer *tracer, lf_vec3 o, lf_vec3 w, double end);
 
 typedef struct lf_depth_ray {
@@ -18,16 +19,16 @@ typedef struct lf_depth_ray {
     double end;
 } lf_depth_ray;
 
-/* Depths above which a ray may end where it is: nothing is left behind. */
+/* A ray may stop at this depth: its transmittance is negligible. */
 #define LF_DEPTH_ENOUGH 128.0
 
-/* The same of many rays, side by side; each depth is what it is alone, and has the same bits by
- * every instruction set. In float: within 5e-6 of the oracle's (or of 1, whichever is larger), and
- * what rays have that run beside it by 1e-5 voxels, or 1e-7 of the grid's length. Places are
- * rounded brick by brick (depth_lanes.h), and rays start at their far ends, where a pivot is, so
- * that what lengths are rounded by falls where they leave the volume. */
+/* lf_depth_along for many rays in lanes. Each depth does not depend on the other rays, and is
+ * bitwise the same for every instruction set. In float: within 5e-6 of the reference (or of 1, if
+ * that is larger), plus the effect of moving the ray by 1e-5 voxels, or 1e-7 of the grid's length.
+ * Positions are rounded brick by brick (depth_lanes.h). Rays start at their far ends, where a pivot
+ * is, so that the rounding of lengths affects the end where they leave the volume. */
 void lf_depths_along(lf_tracer *tracer, int n, const lf_depth_ray *rays, double *out_depths);
-/* By one of the instruction sets. */
+/* lf_depths_along with a given instruction set. */
 void lf_depths_by(const lf_depth_kernel *kernel, lf_tracer *tracer, int n, const lf_depth_ray *rays,
                   double *out_depths);
 

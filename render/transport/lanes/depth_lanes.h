@@ -1,28 +1,32 @@
-/* The algorithm of depth_kernel.h over the lanes of the file that includes this (depth_*.c). A lane
- * is a ray; it takes a cell, or enters the next brick (and leaves an empty one at once): of the two
- * what most lanes wait for is done for all of them, and a lane whose ray has ended takes the next.
+/* The algorithm of depth_kernel.h over the lanes of the including file (depth_*.c). A lane is a
+ * ray. It either integrates a cell or enters the next brick (and leaves an empty one at once). The
+ * operation that most lanes wait for is done for all of them. A lane whose ray has ended takes the
+ * next ray.
  *
- * Places are in the present brick, between 0 and 8, and distances begin anew there: what a brick is
- * entered with is rounded to 5e-7 of a voxel, however large the grid is and however far the eye.
+ * Positions are relative to the current brick, between 0 and 8, and distances start from 0 in each
+ * brick. So the entry into a brick is rounded to 5e-7 of a voxel, whatever the size of the grid and
+ * the distance of the eye.
  *
- * Interpolated, a cell's values are a + b s + c s^2 + d s^3 along the ray, s from the middle of its
- * part of length h: their integral is h (a + c h^2/12), and c is made of the mixed derivatives. */
+ * Interpolated, a cell's values are a + b s + c s^2 + d s^3 along the ray, with s from the middle
+ * of its part of length h. Their integral is h (a + c h^2/12), and c follows from the mixed
+ * derivatives. */
 #ifndef LF_RENDER_DEPTH_LANES_H
 #define LF_RENDER_DEPTH_LANES_H
 
 #include "render/transport/lanes/depth_kernel.h"
 #include "render/transport/lanes/lanes.h"
 
-/* Lanes in a cell that are enough for a turn. */
+/* Number of lanes in a cell that is enough to process cells next. */
 enum { ENOUGH = 5 * LF_WIDTH / 8 };
 
 typedef struct walk {
-    lanes p[3], d[3], inverse[3];  /* in the brick: p + t d */
-    lanes cell[3], face[3], up[3]; /* whole numbers; where it is left, behind it; 1, or -1: down */
+    lanes p[3], d[3], inverse[3]; /* in the brick: p + t d */
+    /* whole numbers: cell, face through which it is left; up: 1, or -1 for down */
+    lanes cell[3], face[3], up[3];
     lanes t, end;
     lanes in_brick, sum;
-    lanes_int brick[3], first, job; /* first: where the brick's values stand */
-    mask in_cell, waits;            /* neither: there is no ray left for it */
+    lanes_int brick[3], first, job; /* first: index of the brick's first value */
+    mask in_cell, waits;            /* neither: the lane has no ray */
 } walk;
 
 /* --------------------------------------------------------------------------------- the cells -- */
@@ -32,7 +36,7 @@ typedef struct corners {
 } corners;
 
 #if defined(LF_LANES_AVX2)
-/* Two neighbours along x of four lanes each: fewer loads than gathers make. */
+/* Two neighbours along x of four lanes each; fewer loads than gathers need. */
 LF_INLINE __m128 two(const float *a, const float *b)
 {
     const __m128 low = _mm_castsi128_ps(_mm_loadl_epi64((const __m128i *)(const void *)a));
@@ -85,7 +89,7 @@ LF_INLINE void load_corners(const lf_grid *grid, bool is_short, const int32_t at
     }
 }
 
-/* The mean of a cell's values along d, `length` about the middle f of it. */
+/* The mean of a cell's values along d, over `length` around the middle f. */
 LF_INLINE lanes mean_of(const corners *c, const lanes f[3], const lanes d[3], lanes length)
 {
     const lanes *v = c->v;
@@ -147,7 +151,7 @@ LF_INLINE void take_cell(walk *w, const lf_grid *grid, bool nearest, bool is_sho
 
 /* -------------------------------------------------------------------------------- the bricks -- */
 
-/* The cell that a place lies in. */
+/* The cell that contains a position. */
 LF_INLINE void find_cell(walk *w, int i, mask m)
 {
     const lanes last = all((float)(LF_BRICK - 1)), cell = least(to_float(to_int(w->p[i])), last);
@@ -155,7 +159,7 @@ LF_INLINE void find_cell(walk *w, int i, mask m)
     w->face[i] = w->cell[i] + choose(is_less(all(0.0f), w->up[i]), all(1.0f), all(0.0f));
 }
 
-/* Out of the brick, into the one that lies there; returns the rays that have ended. */
+/* Leaves the brick for the neighbour; returns the rays that have ended. */
 LF_INLINE mask leave(walk *w, const lf_grid *grid, mask m, float enough)
 {
     const lanes zero = all(0.0f), side = all((float)LF_BRICK);
@@ -180,7 +184,7 @@ LF_INLINE mask leave(walk *w, const lf_grid *grid, mask m, float enough)
     return both(m, ended);
 }
 
-/* Stores what ended rays have found, and begins others in their lanes. */
+/* Stores the results of ended rays and starts others in their lanes. */
 LF_INLINE void fetch(walk *w, lf_depth_jobs *jobs, mask ended, int *next)
 {
     const lanes zero = all(0.0f), one = all(1.0f), tiny = all(1e-20f);
@@ -212,7 +216,7 @@ LF_INLINE void fetch(walk *w, lf_depth_jobs *jobs, mask ended, int *next)
     }
 }
 
-/* Into the cells of a brick, or through it at once. */
+/* Enters the cells of a brick, or crosses an empty one at once. */
 LF_INLINE void enter(walk *w, const lf_grid *grid)
 {
     const mask m = w->waits;

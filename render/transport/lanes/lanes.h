@@ -1,9 +1,9 @@
-/* Lanes: LF_WIDTH floats, integers and truth values that go through the same operations, and what
- * GCC's vectors do not say by themselves; private to the suffix_*.c, fan_*.c and depth_*.c. A file
- * includes lanes_avx2.h, or says LF_LANES_AVX512, before it includes this; else lanes are 4, in
- * whatever the compiler makes of them (SSE2, NEON). Every operation gives a lane the same bits
- * whatever the width: all are exact or rounded once, no reciprocals by estimate, and logarithm,
- * sine and cosine are our own. Nothing is summed across lanes. */
+/* Lanes: LF_WIDTH floats, integers and truth values in SIMD, with operations that GCC's vectors
+ * lack; private to the suffix_*.c, fan_*.c and depth_*.c. A file includes lanes_avx2.h or defines
+ * LF_LANES_AVX512 before it includes this header. Otherwise there are 4 lanes, compiled for the
+ * target (SSE2, NEON). Every operation gives a lane bitwise the same result for every width. All
+ * are exact or rounded once, no reciprocals are approximated, and logarithm, sine and cosine are
+ * implemented here. Nothing is summed across lanes. */
 #ifndef LF_RENDER_LANES_H
 #define LF_RENDER_LANES_H
 
@@ -68,7 +68,7 @@ LF_INLINE mask mask_of(unsigned bits)
     return (mask)bits;
 }
 #else
-/* All bits of a lane, or none. */
+/* All bits of a lane are 1, or all are 0. */
 typedef lanes_int mask;
 
 LF_INLINE mask is_less(lanes a, lanes b)
@@ -137,7 +137,7 @@ LF_INLINE int count_of(mask m)
 
 /* -------------------------------------------------------------------------------- arithmetic -- */
 
-/* b where either is NaN, as lf_min and lf_max. */
+/* Returns b if either is NaN, as lf_min and lf_max. */
 LF_INLINE lanes least(lanes a, lanes b)
 {
 #if defined(LF_LANES_AVX512)
@@ -171,7 +171,7 @@ LF_INLINE lanes root(lanes a)
     return r;
 #endif
 }
-/* Towards 0; a is small enough for an integer, or the lane is not used. */
+/* Rounds towards 0; a must fit an integer in every lane that is used. */
 LF_INLINE lanes_int to_int(lanes a)
 {
 #if defined(LF_LANES_AVX512)
@@ -204,7 +204,7 @@ LF_INLINE lanes between(lanes a, lanes b, lanes f)
     return a + f * (b - a);
 }
 
-/* 1 / a, of 0 next to infinity. */
+/* 1 / a; for 0 a very large number. */
 LF_INLINE lanes inverse_of(lanes a)
 {
     return 1.0f / choose(is_less(magnitude(a), all(1e-20f)), all(1e-20f), a);
@@ -232,7 +232,7 @@ LF_INLINE lanes_int count_up(void)
         out[k] = k;
     return out;
 }
-/* Words at 4 i bytes behind p; i is in range in all lanes. */
+/* 32-bit words at p + 4 i bytes; i must be in range in all lanes. */
 LF_INLINE lanes_int gather_int(const void *p, lanes_int i)
 {
 #if defined(LF_LANES_AVX512)
@@ -267,13 +267,13 @@ LF_INLINE lanes_int gather_pairs(const uint16_t *p, lanes_int i)
     return r;
 #endif
 }
-/* Between the two of such a pair, 65535 = 1. */
+/* Interpolates between the two values of such a pair, 65535 = 1. */
 LF_INLINE lanes between_pair(lanes_int pair, lanes f)
 {
     return between(to_float(pair & 0xffff), to_float((lanes_int)((lanes_bits)pair >> 16)), f);
 }
 
-/* The same of two values of a grid in 16 bits (lf_short_value), before their scale. */
+/* Interpolates between two 16-bit values of a grid (lf_short_value), without their scale. */
 LF_INLINE lanes between_shorts(lanes_int pair, lanes f)
 {
     const int32_t kept = 0xffff << 13;
@@ -284,7 +284,7 @@ LF_INLINE lanes between_shorts(lanes_int pair, lanes f)
 /* --------------------------------------------------------------------------------- functions -- */
 
 /* lf_exponential, u in (0, 1): -log(1 - u). The logarithm of 2^e m, m in [sqrt(1/2), sqrt(2)), is e
- * log 2 + 2 artanh((m - 1)/(m + 1)), whose series is cut behind its fifth term: 1e-9. */
+ * log 2 + 2 artanh((m - 1)/(m + 1)); the series ends after its fifth term: 1e-9. */
 LF_INLINE lanes exponential_of(lanes u)
 {
     lanes x = 1.0f - u;
@@ -298,7 +298,7 @@ LF_INLINE lanes exponential_of(lanes u)
     return choose(is_less(u, all(0x1p-8f)), small, -logarithm);
 }
 
-/* sin(2 pi r), r in [-1/4, 1/4], by its series up to the 11th power: 6e-8. */
+/* sin(2 pi r), r in [-1/4, 1/4], by its series up to the 11th power; error 6e-8. */
 LF_INLINE lanes sine_of_part(lanes r)
 {
     lanes x = r * (2.0f * LF_PI), z = x * x;
@@ -306,8 +306,8 @@ LF_INLINE lanes sine_of_part(lanes r)
     return x * (1.0f + z * (-1.0f / 6.0f + z * (1.0f / 120.0f + z * series)));
 }
 
-/* sin and cos of 2 pi u, u in [0, 1). Half a turn back, where both are what they are but for their
- * signs, the cosine is even and the sine odd. */
+/* sin and cos of 2 pi u, u in [0, 1). Shifted by half a turn, both only change sign; there the
+ * cosine is even and the sine odd. */
 LF_INLINE void sine_cosine(lanes u, lanes *sine, lanes *cosine)
 {
     lanes v = u - 0.5f, q = magnitude(v);
@@ -316,8 +316,8 @@ LF_INLINE void sine_cosine(lanes u, lanes *sine, lanes *cosine)
     *sine = choose(is_less(v, all(0.0f)), half, -half);
 }
 
-/* The angle of (x, y), y >= 0, from the x axis on, in turns: 0 to 1/2; (0, 0) is 0. By the series
- * of the arc tangent up to the 15th power, of slopes below tan(pi/8): 2e-8. */
+/* The angle of (x, y), y >= 0, from the x axis, in turns: 0 to 1/2; (0, 0) gives 0. By the series
+ * of the arc tangent up to the 15th power, for slopes below tan(pi/8); error 2e-8. */
 LF_INLINE lanes turn_of(lanes y, lanes x)
 {
     lanes a = magnitude(x), high = most(most(a, y), all(1e-30f)), slope = least(a, y) / high;
@@ -334,12 +334,12 @@ LF_INLINE lanes turn_of(lanes y, lanes x)
 
 /* ---------------------------------------------------------------------------- random numbers -- */
 
-/* sfc32 (Doty-Humphrey, PractRand): a stream of its own in each lane. */
+/* sfc32 (Doty-Humphrey, PractRand): an independent stream in each lane. */
 typedef struct lanes_random {
     lanes_bits a, b, c, n;
 } lanes_random;
 
-/* The next number in the lanes of m; the others stay where they are. */
+/* The next number in the lanes of m; other lanes do not advance. */
 LF_INLINE lanes_bits draw(lanes_random *r, mask m)
 {
     lanes_bits t = r->a + r->b + r->n, a = r->b ^ (r->b >> 9), b = r->c + (r->c << 3),
@@ -354,7 +354,7 @@ LF_INLINE lanes_bits draw(lanes_random *r, mask m)
 /* Begins the stream of a key in the lanes of m. */
 LF_INLINE void begin_random(lanes_random *r, mask m, lanes_bits low, lanes_bits high)
 {
-    enum { ROUNDS = 4 }; /* keys are hashes already */
+    enum { ROUNDS = 4 }; /* few are enough, because keys are hashes */
     r->a = (lanes_bits)choose_int(m, (lanes_int)low, (lanes_int)r->a);
     r->b = (lanes_bits)choose_int(m, (lanes_int)high, (lanes_int)r->b);
     r->c = (lanes_bits)choose_int(m, (lanes_int)(low ^ 0x9e3779b9u), (lanes_int)r->c);

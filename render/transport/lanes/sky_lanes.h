@@ -1,12 +1,12 @@
-/* A picture of the sky in lanes: what light_environment.c draws and looks up for one direction,
- * from its tables; private to the suffix_*.c. */
+/* A sky image in lanes: sampling and look-up of light_environment.c, with its tables; private to
+ * the suffix_*.c. */
 #ifndef LF_RENDER_SKY_LANES_H
 #define LF_RENDER_SKY_LANES_H
 
 #include "render/transport/lanes/lane_scene.h"
 #include "render/transport/lanes/lanes.h"
 
-/* In the picture's frame, in texels: column and row. */
+/* Coordinates in the image, in texels: column and row. */
 LF_INLINE void texel_of(const lf_lane_picture *picture, const lanes w[3], lanes *x, lanes *y)
 {
     const float(*m)[3] = picture->to_picture;
@@ -19,8 +19,7 @@ LF_INLINE void texel_of(const lf_lane_picture *picture, const lanes w[3], lanes 
     *y = turn_of(root(v[0] * v[0] + v[2] * v[2]), v[1]) * (2.0f * (float)picture->height);
 }
 
-/* lf_environment_escape: radiance along unit directions; returns the pdf with which
- * draw_from_picture draws them. */
+/* lf_environment_escape: radiance along unit directions. Returns the pdf of draw_from_picture. */
 LF_INLINE lanes picture_along(const lf_lane_picture *picture, const lanes w[3], lanes radiance[3])
 {
     const lanes right = all((float)(picture->width - 1)),
@@ -46,10 +45,10 @@ LF_INLINE lanes picture_along(const lf_lane_picture *picture, const lanes w[3], 
     return gather(picture->pdf, texel);
 }
 
-/* Groups of lanes that are drawn side by side: a search waits for memory at each step. */
+/* Groups of lanes that are drawn together, because a search waits for memory at each step. */
 enum { LF_GROUPS = 4 };
 
-/* lf_cdf_find among the n entries from cdf[first] on; u becomes the place in the entry. */
+/* lf_cdf_find among the n entries from cdf[first] on; u becomes the position within the entry. */
 LF_INLINE void entries_of(const float *cdf, int n, lanes_int first[LF_GROUPS], lanes u[LF_GROUPS])
 {
     for (int half; n > 1; n -= half) {
@@ -65,14 +64,15 @@ LF_INLINE void entries_of(const float *cdf, int n, lanes_int first[LF_GROUPS], l
     }
 }
 
-/* sin^2 of half the angle between the pole and the edge of a row that is so many away from it. */
+/* sin^2 of half the angle between the pole and the edge of a row that is `rows` rows away from it.
+ */
 LF_INLINE lanes edge_of(const lf_lane_picture *picture, lanes rows)
 {
     lanes s = sine_of_part(rows * (0.25f / (float)picture->height));
     return s * s;
 }
 
-/* Places in texels as directions of the scene. */
+/* Converts texel positions to scene directions. */
 LF_INLINE void direction_of(const lf_lane_picture *picture, lanes_int row, lanes_int column,
                             lanes down, lanes across, lanes w[3])
 {
@@ -90,7 +90,7 @@ LF_INLINE void direction_of(const lf_lane_picture *picture, lanes_int row, lanes
         w[i] = m[0][i] * own[0] + m[1][i] * own[1] + m[2][i] * own[2];
 }
 
-/* lf_environment_draw: directions by two numbers in [0, 1) each. */
+/* lf_environment_draw: directions from two numbers in [0, 1) each. */
 LF_INLINE void draw_from_picture(const lf_lane_picture *picture, lanes u[LF_GROUPS],
                                  lanes v[LF_GROUPS], lanes w[LF_GROUPS][3])
 {
@@ -105,7 +105,7 @@ LF_INLINE void draw_from_picture(const lf_lane_picture *picture, lanes u[LF_GROU
         direction_of(picture, row[g], column[g] - row[g] * (picture->width + 1), u[g], v[g], w[g]);
 }
 
-/* Directions even over the disk by two numbers in [0, 1), unit, scene. */
+/* Unit directions uniform over the disk, in the scene, from two numbers in [0, 1). */
 LF_INLINE void draw_from_disk(const lf_lane_scene *scene, lanes u, lanes v, lanes w[3])
 {
     const lf_lane_disk *disk = &scene->disk;
@@ -117,7 +117,7 @@ LF_INLINE void draw_from_disk(const lf_lane_scene *scene, lanes u, lanes v, lane
                scene->toward[i] * cosine;
 }
 
-/* Share of the disk's radiance that unit directions see. */
+/* Fraction of the disk's radiance along unit directions. */
 LF_INLINE lanes disk_along(const lf_lane_scene *scene, const lanes w[3])
 {
     const float *n = scene->toward;

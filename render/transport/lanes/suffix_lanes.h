@@ -1,11 +1,11 @@
-/* The algorithm of suffix.h over the lanes of the file that includes this (suffix_*.c): a machine
- * whose lanes are each a path of its own. A lane steps from brick to brick, looks up the grid at a
- * tentative collision, or is shaded (scatters, ends, begins the next job); of the three what most
- * lanes wait for is done for all of them at once. A lane's random numbers and sums are its own, so
- * that nothing depends on who is beside it.
+/* The algorithm of suffix.h over the lanes of the including file (suffix_*.c): a state machine in
+ * which each lane is a path. A lane steps from brick to brick, looks up the grid at a tentative
+ * collision, or is shaded (scatters, ends, starts the next job). The operation that most lanes wait
+ * for is done for all of them at once. Each lane has its own random numbers and sums, so results do
+ * not depend on the other lanes.
  *
- * `has` is the scene's, a constant of what is inlined: scenes run through code that knows nothing
- * of what they do not have. */
+ * `has` is the scene's, a constant in the inlined code: code for one scene contains nothing for
+ * features that the scene lacks. */
 #ifndef LF_RENDER_SUFFIX_LANES_H
 #define LF_RENDER_SUFFIX_LANES_H
 
@@ -13,11 +13,10 @@
 #include "render/transport/lanes/suffix_sky_lanes.h"
 #include "render/transport/lanes/suffix_surface_lanes.h"
 
-/* Lanes that are enough for a turn. */
+/* Number of waiting lanes that is enough for an operation. */
 enum { ENOUGH = LF_WIDTH / 2 };
-/* Teams of lanes that have their turns one after the other: while one waits for what it gathers,
- * or a turn was guessed wrong, the other goes on (1.2 times as fast; three or four are no better).
- */
+/* Groups of lanes that alternate. While one waits for its gathers, or after a mispredicted branch,
+ * the other continues (1.2 times as fast; three or four are no better). */
 enum { TEAMS = 2 };
 
 /* -------------------------------------------------------------------------- through the grid -- */
@@ -26,14 +25,14 @@ enum { TEAMS = 2 };
 typedef struct walk {
     lanes q[3], d[3]; /* volume space: q + t d */
     lanes t, end, edge;
-    lanes depth;    /* what is left of the optical distance to the next tentative collision */
-    lanes majorant; /* of the present brick, which ends at `edge` */
+    lanes depth;    /* remaining optical distance to the next tentative collision */
+    lanes majorant; /* of the current brick, which ends at `edge` */
     lanes next[3], across[3];
-    lanes corner[3], step[3]; /* of the present brick, voxels */
+    lanes corner[3], step[3]; /* of the current brick, voxels */
     lanes_int brick, stride[3];
 } walk;
 
-/* What lanes wait for; idle ones have no more job. */
+/* The operation that each lane waits for; idle lanes have no job left. */
 typedef struct turns {
     mask step, look, shade, idle;
 } turns;
@@ -51,7 +50,7 @@ LF_INLINE turn choose_turn(const turns *w)
     return shades > 0 ? SHADE : END;
 }
 
-/* Into the brick, along one axis. */
+/* Enters the brick along one axis. */
 LF_INLINE void enter_axis(walk *k, const lf_lane_scene *scene, int i, mask m, lanes d, lanes *end)
 {
     const int32_t strides[3] = {1, scene->field->framed[0],
@@ -79,7 +78,7 @@ LF_INLINE lanes nearest_edge(const walk *k)
     return least(least(k->next[0], k->next[1]), least(k->next[2], k->end));
 }
 
-/* Begins rays from q along the scene's unit vector w in the lanes of m. */
+/* Starts rays from q along the scene's unit vector w in the lanes of m. */
 LF_INLINE void begin_walk(walk *k, const lf_lane_scene *scene, mask m, const lanes w[3],
                           lanes_random *random)
 {
@@ -115,10 +114,10 @@ LF_INLINE void step(walk *k, const lf_lane_scene *scene, turns *w)
     w->step = on;
 }
 
-/* What two neighbours in 16 bits stand for, and what is between them. */
+/* Decodes two neighbouring 16-bit values and interpolates between them. */
 typedef lanes between_fn(lanes_int pair, lanes f);
 
-/* Four neighbouring pairs in a box of nodes, interpolated. */
+/* Interpolates four neighbouring pairs in a box of nodes. */
 LF_INLINE lanes look_up_box(const uint16_t *values, lanes_int at, int row, int layer,
                             const lanes part[3], between_fn pair)
 {
@@ -129,7 +128,7 @@ LF_INLINE lanes look_up_box(const uint16_t *values, lanes_int at, int row, int l
     return between(between(a, b, part[1]), between(c, d, part[1]), part[2]);
 }
 
-/* sigma_t over the brick's majorant where the rays are. */
+/* sigma_t over the brick's majorant at the rays' positions. */
 LF_INLINE lanes look_up(const walk *k, const lf_lane_scene *scene)
 {
     lanes part[3];
@@ -146,12 +145,12 @@ LF_INLINE lanes look_up(const walk *k, const lf_lane_scene *scene)
     if (scene->field->values)
         return look_up_box(scene->field->values, at, row, layer, part, between_pair) *
                (1.0f / 65535.0f);
-    /* divided while values are on their way */
+    /* divided while the values are being loaded */
     return look_up_box(scene->field->shorts, at, row, layer, part, between_shorts) *
            (scene->field->scale / k->majorant);
 }
 
-/* What the control says at points of volume space. */
+/* The control at points of volume space. */
 LF_INLINE lanes control_at(const lf_lane_field *field, const lanes q[3])
 {
     lanes part[3];
@@ -173,7 +172,8 @@ LF_INLINE lanes control_at(const lf_lane_field *field, const lanes q[3])
 
 /* -------------------------------------------------------------------------------------- jobs -- */
 
-/* Hands the next jobs to the lanes of `free`; the lanes that got one. Those without are idle. */
+/* Gives the next jobs to the lanes of `free`; returns the lanes that got one. The others become
+ * idle. */
 LF_INLINE mask fetch(mask free, int n, int *next, lanes_int *job, turns *w)
 {
     unsigned got = 0;
@@ -188,14 +188,14 @@ LF_INLINE mask fetch(mask free, int n, int *next, lanes_int *job, turns *w)
 
 /* ------------------------------------------------------------------------------- shadow rays -- */
 
-/* Ratio tracking of the shots, with roulette below 1/10, as in track.c. */
+/* Ratio tracking of the shadow rays, with roulette below 1/10, as in track.c. */
 typedef struct shadow {
     walk k;
     lanes left;
     lanes_int job;
     lanes_random random;
     turns w;
-    mask fresh; /* lanes that never had a job */
+    mask fresh; /* lanes that have not had a job yet */
 } shadow;
 
 LF_INLINE void ratio(shadow *s, const lf_lane_scene *scene)
@@ -240,7 +240,7 @@ LF_INLINE void next_shadow_rays(shadow *s, const lf_lane_scene *scene, lf_lane_m
     s->w.shade = s->w.idle;
 }
 
-/* memory->left of all shots. */
+/* Sets memory->left of all shadow rays. */
 LF_INLINE int64_t trace_shadow_rays(const lf_lane_scene *scene, lf_lane_memory *memory,
                                     unsigned has)
 {
@@ -275,11 +275,11 @@ LF_INLINE int64_t trace_shadow_rays(const lf_lane_scene *scene, lf_lane_memory *
     return lookups;
 }
 
-/* Probability that the shadow ray of vertices is traced, and what the control says there; share:
- * what they scatter of the light, 1 = all of it, evenly. In proportion to what the estimate of T
- * adds to the spread of the suffix: T(1 - T), and what the control may be off by where it says 0 or
- * 1, which is much beside sharp edges. What a ray
- * then adds is 2.1 at most, whatever the share. */
+/* Probability that a vertex traces its shadow ray, and the control there. share: how much of the
+ * light the vertex scatters, 1 = isotropic with albedo 1. The probability is proportional to the
+ * share of the estimate of T in the suffix's standard deviation. This is the root of T(1 - T), plus
+ * the possible error of the control where it is 0 or 1, which is large at sharp edges. A ray then
+ * adds 2.1 at most, for any share. */
 LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share, lanes *expected)
 {
     if (!scene->field->left) {
@@ -295,13 +295,13 @@ LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share
 typedef struct path {
     walk k;
     lanes w[3], beta[3], radiance[3];
-    lanes vertex; /* number of the last one; the pivot's is 1 */
-    lanes pdf;    /* of the direction from there; of pictures */
+    lanes vertex; /* number of the last vertex; the pivot is 1 */
+    lanes pdf;    /* of the direction from there; for images */
     lanes_int job;
     lanes_random random;
     turns t;
-    mask collided; /* of those that wait to be shaded: the others have left the grid */
-    mask fresh;    /* lanes that never had a job */
+    mask collided; /* among lanes that wait for shading; the others have left the grid */
+    mask fresh;    /* lanes that have not had a job yet */
 } path;
 
 LF_INLINE void look(path *p, const lf_lane_scene *scene)
@@ -316,8 +316,8 @@ LF_INLINE void look(path *p, const lf_lane_scene *scene)
     p->t.look = mask_of(0);
 }
 
-/* Those of m have left: what they find at infinity is looked up later, for many at once. What they
- * find from the pivot is the caller's. */
+/* Stores paths of m that have left the scene, so that their light at infinity is looked up for many
+ * at once. Light found directly from the pivot is the caller's. */
 LF_INLINE void leave(const path *p, mask m, lf_lane_memory *memory)
 {
     for (unsigned b = bits_of(both(m, is_less(all(1.0f), p->vertex))); b; b &= b - 1) {
@@ -332,8 +332,8 @@ LF_INLINE void leave(const path *p, mask m, lf_lane_memory *memory)
     }
 }
 
-/* Those of m whose last segment met a surface, where their path is over: what comes from there is
- * found one by one. */
+/* Returns the lanes of m whose last segment met a surface. Their path ends there; the light from
+ * the surface is computed one by one. */
 LF_INLINE mask meet(path *p, const lf_lane_scene *scene, int max_depth, mask m,
                     const lf_lane_surfaces *surfaces)
 {
@@ -363,7 +363,7 @@ LF_INLINE mask meet(path *p, const lf_lane_scene *scene, int max_depth, mask m,
     return mask_of(met);
 }
 
-/* Counts what the paths of m carry, which end here. */
+/* Counts the throughput of the paths of m, which end here. */
 LF_INLINE void cut_off(const path *p, mask m, lf_lane_memory *memory)
 {
     const lanes largest = most(p->beta[0], most(p->beta[1], p->beta[2]));
@@ -371,8 +371,8 @@ LF_INLINE void cut_off(const path *p, mask m, lf_lane_memory *memory)
         memory->cut += (double)largest[__builtin_ctz(b)];
 }
 
-/* Moves collided lanes to their vertex, gives the sky to those that left; returns the lanes whose
- * path is over. */
+/* Moves collided lanes to their vertex and adds the sky to lanes that left. Returns the lanes whose
+ * path has ended. */
 LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask shaded,
                       lf_lane_memory *memory, unsigned has)
 {
@@ -397,7 +397,7 @@ LF_INLINE mask arrive(path *p, const lf_lane_scene *scene, int max_depth, mask s
     return either(without(shaded, vertex), deep);
 }
 
-/* lf_path_survives of the lanes of m; returns those that do not. */
+/* lf_path_survives for the lanes of m; returns the lanes that do not survive. */
 LF_INLINE mask roulette(path *p, mask m)
 {
     lanes largest = most(p->beta[0], most(p->beta[1], p->beta[2]));
@@ -411,7 +411,7 @@ LF_INLINE mask roulette(path *p, mask m)
     return ended;
 }
 
-/* Stores what ended paths have found and begins others in their lanes, which are returned. */
+/* Stores the results of ended paths and starts others in their lanes, which are returned. */
 LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *next, unsigned has)
 {
     for (unsigned b = bits_of(without(ended, p->fresh)); b; b &= b - 1) {
@@ -435,8 +435,8 @@ LF_INLINE mask next_paths(path *p, const lf_lane_paths *paths, mask ended, int *
     return m;
 }
 
-/* Shadow rays from the vertices of m, which count weight times what is left there beyond `expected`
- * of each channel's light. */
+/* Queues shadow rays from the vertices of m. Each adds weight times (transmittance - `expected`)
+ * times each channel's light. */
 LF_INLINE void shoot(path *p, mask m, const float light[3], lanes weight, lanes expected,
                      lf_lane_memory *memory)
 {
@@ -455,8 +455,8 @@ LF_INLINE void shoot(path *p, mask m, const float light[3], lanes weight, lanes 
     }
 }
 
-/* Where the light is, seen from vertices of m, in `out`; its phase function, and what that weighs
- * in balance with scattering. */
+/* Direction to the light from the vertices of m, in `out`. Returns its phase function; *weight: the
+ * same with the MIS weight against scattering. */
 LF_INLINE lanes towards_light(path *p, const lf_lane_scene *scene, mask m, lanes out[3],
                               lanes *weight, unsigned has)
 {
@@ -472,8 +472,8 @@ LF_INLINE lanes towards_light(path *p, const lf_lane_scene *scene, mask m, lanes
     return phase;
 }
 
-/* Next event of the light at the vertices of m: the control at once, and by chance a shadow ray for
- * what it is off by. */
+/* Light sampling at the vertices of m: adds the control at once and, with some probability, queues
+ * a shadow ray for its error. */
 LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory,
                           unsigned has)
 {
@@ -504,7 +504,8 @@ LF_INLINE void next_event(path *p, const lf_lane_scene *scene, mask m, lf_lane_m
     }
 }
 
-/* Next event of the picture, by chance; where to is drawn later, for many at once. */
+/* Light sampling of the image, with some probability; the direction is drawn later, for many at
+ * once. */
 LF_INLINE void next_picture(path *p, const lf_lane_scene *scene, mask m, lf_lane_memory *memory)
 {
     int n = memory->n;
@@ -518,7 +519,7 @@ LF_INLINE void next_picture(path *p, const lf_lane_scene *scene, mask m, lf_lane
     }
 }
 
-/* lf_phase_sample in the lanes of m, and what scattering leaves. */
+/* lf_phase_sample in the lanes of m, and the change of throughput. */
 LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m, unsigned has)
 {
     const float a = fabsf(scene->g), b = 1.0f - a, side = copysignf(1.0f, scene->g);
@@ -527,7 +528,7 @@ LF_INLINE void scatter(path *p, const lf_lane_scene *scene, mask m, unsigned has
     sine_cosine(draw_unit(&p->random, m), &sine, &cosine);
     lanes radius = root(most(versine * (2.0f - versine), all(0.0f)));
     lanes x = radius * cosine, y = radius * sine, z = 1.0f - versine;
-    /* lf_tangents about the axis */
+    /* lf_tangents around the axis */
     lanes nx = p->w[0] * side, ny = p->w[1] * side, nz = p->w[2] * side;
     lanes sign = choose(is_less(nz, all(0.0f)), all(-1.0f), all(1.0f));
     lanes f = -1.0f / (sign + nz), c = nx * ny * f;
@@ -565,13 +566,14 @@ LF_INLINE void shade(path *p, const lf_lane_scene *scene, const lf_lane_paths *p
     p->t.shade = p->t.idle;
 }
 
-/* A vertex shoots twice at most before shots are looked at, and `aim` fills its last groups up. */
+/* A vertex queues at most two shadow rays before the queue is checked, and `aim` fills up its last
+ * groups. */
 enum { FILL = LF_GROUPS * LF_WIDTH };
 _Static_assert((LF_LANE_SHADOW_RAYS + LF_WIDTH + FILL - 1) / FILL * FILL <=
                    LF_LANE_SHADOW_RAYS + LF_LANE_MOST,
                "room for a turn's shots");
 
-/* Traces the shots that wait and adds what they find. */
+/* Traces the queued shadow rays and adds their results. */
 LF_INLINE int64_t flush(const lf_lane_scene *scene, const lf_lane_paths *paths,
                         lf_lane_memory *memory, unsigned has)
 {
@@ -626,15 +628,15 @@ LF_INLINE int64_t trace_with(const lf_lane_scene *scene, const lf_lane_paths *pa
         }
     }
     lookups += flush(scene, paths, memory, has);
-    /* in that order, whenever the shots were traced */
+    /* in that order, whenever the shadow rays were traced */
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < paths->n; k++)
             paths->radiance[i][k] += paths->lit[i][k];
     return lookups;
 }
 
-/* Copies for an even sky, for one with a picture, and for lights with a disk before either of them.
- * Scenes with surfaces share one, which looks at what there is: they wait for rays. */
+/* Copies for a constant sky, for a sky image, and for disk lights with either. All scenes with
+ * surfaces share one copy that tests at run time, because rays dominate their cost. */
 #define LF_TRACE(name, has)                                                                        \
     static int64_t trace_##name(const lf_lane_scene *scene, const lf_lane_paths *paths,            \
                                 lf_lane_memory *memory)                                            \
@@ -663,7 +665,7 @@ LF_INLINE int64_t light_with(const lf_lane_scene *scene, const lf_lane_points *p
     int64_t lookups = 0;
     memset(points->left, 0, sizeof *points->left * (size_t)points->n);
     if (!(has & LF_LANE_SKY) && toward[0] == 0.0f && toward[1] == 0.0f && toward[2] == 0.0f)
-        return 0; /* rays would stand still, and some for ever */
+        return 0; /* rays without a direction would not advance, some forever */
     for (int first = 0; first < points->n; first += LF_LANE_SHADOW_RAYS) {
         const int rest = points->n - first;
         memory->n = rest < LF_LANE_SHADOW_RAYS ? rest : LF_LANE_SHADOW_RAYS;

@@ -1,16 +1,16 @@
-/* What suffixes in lanes leave for later, for full groups of lanes: shots that draw from a picture
- * of the sky, and paths that have left; private to suffix_lanes.h. */
+/* Deferred work of suffixes in lanes, for full groups of lanes: shadow rays that draw from a sky
+ * image, and paths that have left the scene; private to suffix_lanes.h. */
 #ifndef LF_RENDER_SUFFIX_SKY_LANES_H
 #define LF_RENDER_SUFFIX_SKY_LANES_H
 
 #include "render/transport/lanes/sky_lanes.h"
 #include "render/transport/lanes/suffix.h"
 
-/* How often a vertex draws from the picture. Both ways to find its light count that. */
+/* Probability that a vertex draws from the image. Both MIS strategies for its light use it. */
 #define PICTURE_SHARE 0.5f
 
-/* lf_phase_between directions, by the square of what is between their ends (g < 0: one turned
- * round). */
+/* lf_phase_between directions, from the squared distance of their end points (g < 0: one direction
+ * reversed). */
 LF_INLINE lanes phase_at(float g, lanes square)
 {
     const float a = fabsf(g), numerator = LF_INV_4PI * (1.0f - a) * (1.0f + a);
@@ -18,7 +18,7 @@ LF_INLINE lanes phase_at(float g, lanes square)
     return numerator / (d * root(d));
 }
 
-/* lf_phase_between the directions of travel and another. */
+/* lf_phase_between the directions of travel and another direction. */
 LF_INLINE lanes phase_between(float g, const lanes w[3], const lanes towards[3])
 {
     const float sign = copysignf(1.0f, g);
@@ -30,7 +30,7 @@ LF_INLINE lanes phase_between(float g, const lanes w[3], const lanes towards[3])
     return phase_at(g, square);
 }
 
-/* Weights of a group of shots that draw from the picture towards w, in balance with scattering. */
+/* MIS weights, against scattering, of a group of shadow rays that draw from the image towards w. */
 LF_INLINE void aim_group(const lf_lane_scene *scene, lf_lane_memory *memory, int first,
                          const lanes w[3])
 {
@@ -48,7 +48,7 @@ LF_INLINE void aim_group(const lf_lane_scene *scene, lf_lane_memory *memory, int
         }
 }
 
-/* Directions of the shots that draw one from the picture. */
+/* Draws directions from the image for the shadow rays that need one. */
 LF_INLINE void aim(const lf_lane_scene *scene, lf_lane_memory *memory)
 {
     const int words = (int)(sizeof *memory->shadow_ray / sizeof(float));
@@ -70,7 +70,7 @@ LF_INLINE void aim(const lf_lane_scene *scene, lf_lane_memory *memory)
     }
 }
 
-/* What ways out of the scene find there, in balance with next event: own is their pdf. */
+/* Light of escaping paths, weighted against light sampling; own is their pdf. */
 LF_INLINE void find_group(const lf_lane_scene *scene, const lanes w[3], lanes own, lanes out[3],
                           unsigned has)
 {

@@ -1,4 +1,4 @@
-/* Directions of lanes in volume space, which segments may meet a surface, and shadow rays that do;
+/* Directions in volume space, segments that may meet a surface, and shadow rays through surfaces;
  * private to suffix_lanes.h. */
 #ifndef LF_RENDER_SUFFIX_SURFACE_LANES_H
 #define LF_RENDER_SUFFIX_SURFACE_LANES_H
@@ -6,7 +6,7 @@
 #include "render/transport/lanes/lanes.h"
 #include "render/transport/lanes/suffix.h"
 
-/* Whether q + t d, volume space, 0 <= t <= end, goes through the box of a mesh. */
+/* Whether q + t d, volume space, 0 <= t <= end, passes through the box of a mesh. */
 LF_INLINE mask may_meet(const lf_lane_boxes *boxes, const lanes q[3], const lanes d[3], lanes end)
 {
     mask any = mask_of(0);
@@ -26,14 +26,14 @@ LF_INLINE mask may_meet(const lf_lane_boxes *boxes, const lanes q[3], const lane
     return any;
 }
 
-/* An axis of a scene's direction in volume space. */
+/* One axis of a scene direction in volume space. */
 LF_INLINE lanes along_axis(const lf_lane_scene *scene, int axis, const lanes w[3])
 {
     const float *row = scene->to_volume[axis];
     return row[0] * w[0] + row[1] * w[1] + row[2] * w[2];
 }
 
-/* Of what media have left of shots, what surfaces do. */
+/* Multiplies the transmittance of shadow rays through media by that of surfaces. */
 LF_INLINE void pass_surfaces(const lf_lane_scene *scene, lf_lane_memory *memory, unsigned has)
 {
     const int words = (int)(sizeof *memory->shadow_ray / sizeof(float));

@@ -1,17 +1,17 @@
-/* What kinds of lights share; private to render/transport/light*.c. */
+/* Code shared by kinds of lights; private to render/transport/light*.c. */
 #ifndef LF_RENDER_LIGHT_TYPES_H
 #define LF_RENDER_LIGHT_TYPES_H
 
 #include "render/scene/vec_double.h"
 #include "render/transport/light/light_kind.h"
 
-/* What lights that a camera can see may say: "visible", which read takes to light->hidden. */
+/* Key of lights that a camera can see: "visible"; read stores it in light->hidden. */
 #define LF_VISIBLE_KEY                                                                             \
     {                                                                                              \
         .name = "visible", .type = LF_PARAM_SWITCH, .initial = 1                                   \
     }
 
-/* Where a light shines: down, where nothing is said. */
+/* Direction of emission; default down. */
 #define LF_DOWNWARDS_KEY                                                                           \
     {                                                                                              \
         .name = "direction", .type = LF_PARAM_DIRECTION, LF_COORDINATES, .point = { 0, -1, 0 }     \
@@ -19,22 +19,21 @@
 
 /* Lights at infinity. */
 
-/* What kinds with an environment's picture do; light->radiance is its factor. */
+/* Functions of kinds with an environment image; light->radiance is its factor. */
 bool lf_environment_draw(const lf_scene *scene, const lf_light *light, lf_vec3 p, double place,
                          const float u[2], lf_light_sample *out);
 double lf_environment_power(const lf_light *light, double radius);
 lf_vec3 lf_environment_escape(const lf_light *light, lf_vec3 w, float *out_pdf);
 bool lf_environment_varies(const lf_light *light);
-/* Sets light->to_environment: the middle of the picture lies towards -z, turned by angle about
- * +y. */
+/* Sets light->to_environment: the middle of the image is towards -z, rotated by angle about +y. */
 void lf_environment_turn(lf_light *light, double angle);
 
-/* Half of how much versine the rim of a disk is wide. */
+/* Half the width of a disk's rim, in versine. */
 float lf_disk_ramp(const lf_light *light);
 
-/* Lights that are faces. */
+/* Area lights. */
 
-/* What they may say of a length and of how much they shine: their radiance or their power. */
+/* Keys for a length, and for the emission: radiance or power. */
 #define LF_LENGTH_KEY(key)                                                                         \
     {                                                                                              \
         .name = key, .type = LF_PARAM_NUMBER, .low = 1e-9, .high = LF_MAX_COORDINATE, .initial = 1 \
@@ -49,19 +48,20 @@ float lf_disk_ramp(const lf_light *light);
         .watts = true                                                                              \
     }
 
-/* What the second is of a light of this area that shines evenly to one side: power / (pi area). */
+/* The radiance of a light of this area that emits uniformly to one side; power gives power / (pi
+ * area). */
 void lf_light_radiance(const lf_value *radiance, const lf_value *power, double area, double out[3]);
 
-/* Takes [-1,1]^2 of the xz plane to a face about position that looks along direction (unit), its +y
- * to the front: size[0] wide along x, size[1] high along -z, which is as upright as the face lets
- * it be (a face that looks up or down has its height along the scene's -z), then turned by angle
- * from x towards -z, about direction. */
+/* Maps [-1,1]^2 of the xz plane to a face around position that looks along direction (unit), with
+ * +y to the front. size[0] is the width along x, size[1] the height along -z. The height axis is as
+ * vertical as the face allows; for a face that looks up or down it is the scene's -z. Then the face
+ * is rotated by angle from x towards -z, about direction. */
 void lf_light_face(const double position[3], const double direction[3], const double size[2],
                    double angle, lf_affine *out);
 
-/* Lights that are a point. */
+/* Point lights. */
 
-/* A point of the scene's file in its local coordinates. */
+/* From world coordinates of the scene file to scene-local ones. */
 static inline lf_vec3 lf_light_place(const double world[3], const double origin[3])
 {
     double local[3];
@@ -69,7 +69,7 @@ static inline lf_vec3 lf_light_place(const double world[3], const double origin[
     return lf_to_vec3(local);
 }
 
-/* Draws the point itself, with the light's full intensity. */
+/* Draws the point, with the light's full intensity. */
 static inline bool lf_light_draw_point(const lf_light *light, lf_vec3 p, lf_light_sample *out)
 {
     lf_vec3 d = lf_sub(light->position, p);
@@ -85,29 +85,29 @@ static inline bool lf_light_draw_point(const lf_light *light, lf_vec3 p, lf_ligh
     return true;
 }
 
-/* The point, and 0. */
+/* Extent of a point light: the point, and 0. */
 void lf_light_point_extent(const lf_scene *scene, const lf_light *light, lf_vec3 *out_middle,
                            float *out_radius);
 
-/* Lights of meshes. */
+/* Mesh lights. */
 
-/* Chooses one of a mesh light's triangles by area, place in [0, 1); *out_probability: how likely
- * that was. */
+/* Chooses one of a mesh light's triangles by area, place in [0, 1); *out_probability: its
+ * probability. */
 uint32_t lf_mesh_light_choose(const lf_light *light, double place, float *out_probability);
 /* Appends a light for every pair of a mesh and an emissive material on it. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_mesh_lights_append(lf_scene *scene);
 
 /* Tables of probabilities. */
 
-/* A cumulative value rounded to the grid of the random numbers, so that an entry is picked exactly
- * as often as its difference says. */
+/* A cumulative value rounded to the grid of the random numbers, so that the probability of an entry
+ * is exactly its difference. */
 static inline float lf_cumulative_round(double x)
 {
     return (float)(nearbyint(x * 0x1p24) * 0x1p-24);
 }
 
-/* The entry i of n with cdf[i] <= u < cdf[i + 1], for u in [0, 1) and cdf[n] = 1; *remainder (may
- * be u's own place) becomes the place of u in it, in [0, 1). */
+/* The entry i of n with cdf[i] <= u < cdf[i + 1], for u in [0, 1) and cdf[n] = 1. *remainder (may
+ * point to u's own variable) becomes the position of u in it, in [0, 1). */
 static inline int lf_cdf_find(const float *cdf, int n, float u, float *remainder)
 {
     int first = 0, count = n;

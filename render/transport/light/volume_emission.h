@@ -1,9 +1,9 @@
-/* What volumes emit, along a ray; private to render/. Line emission: radiance per scene unit,
- * whether or not anything is there that collides. A field of temperatures glows as a black body
- * does: the colour is that of Planck's spectrum (observer.h), of luminance 1, and its brightness
- * goes as T^4 (Stefan and Boltzmann), 1 at LF_EMISSION_KELVIN. (That the eye sees but a part of
- * that, and of colder bodies less of it, is left out: a flame would show its hottest spot alone.)
- * docs/developer/estimators/volume-emission.md, "Black bodies". */
+/* Volume emission along a ray; private to render/. Line emission: radiance per scene unit,
+ * independent of extinction. A field of temperatures emits as a black body. Its colour is that of
+ * Planck's spectrum (observer.h), scaled to luminance 1. Its brightness is proportional to T^4
+ * (Stefan and Boltzmann), 1 at LF_EMISSION_KELVIN. The fact that the eye sees only a part of this,
+ * and a smaller part for colder bodies, is ignored: otherwise a fire would show only its hottest
+ * spot. docs/developer/estimators/volume-emission.md, "Black bodies". */
 #ifndef LF_RENDER_VOLUME_EMISSION_H
 #define LF_RENDER_VOLUME_EMISSION_H
 
@@ -11,17 +11,17 @@
 
 #define LF_EMISSION_KELVIN 1500.0
 
-/* Linear Rec. 709 colour of a black body, luminance 1, what lies outside of the gamut brought to
- * its edge; below 700 K that of 700 K. */
+/* Linear Rec. 709 colour of a black body, luminance 1, clipped to the gamut; below 700 K the colour
+ * for 700 K. */
 void lf_black_body(double kelvin, double out_rgb[3]);
 
-/* Fills all but `volume`: what a value of 1 emits, or (kelvin > 0) a black body of
- * LF_EMISSION_KELVIN, where a value of 1 stands for so many kelvin. most: the largest value.
- * Returns the largest channel of what that emits. */
+/* Fills all fields except `volume`. kelvin 0: a value of 1 emits colour. kelvin > 0 (the
+ * temperature scale): a value of 1 is this many kelvin, and a black body of LF_EMISSION_KELVIN
+ * emits colour. most: the largest value. Returns the largest channel of its emission. */
 double lf_volume_emission_init(lf_volume_emission *light, lf_vec3 colour, double kelvin,
                                double most);
 
-/* Radiance per scene unit where the field has this value, 0 .. the largest. */
+/* Radiance per scene unit for this value of the field, 0 .. the largest. */
 static inline lf_vec3 lf_emission_radiance(const lf_volume_emission *light, float value)
 {
     if (!(light->per_value > 0.0f))
@@ -32,7 +32,8 @@ static inline lf_vec3 lf_emission_radiance(const lf_volume_emission *light, floa
     return lf_scale(lf_madd(step[0], at - (float)i, lf_sub(step[1], step[0])), square * square);
 }
 
-/* About how bright a value is, above 0 where it is: what samples are drawn by. */
+/* Approximate brightness of a value, above 0 for values above 0; samples are drawn in proportion to
+ * it. */
 static inline float lf_emission_power(const lf_volume_emission *light, float value)
 {
     float share = value * light->inverse, square = share * share;

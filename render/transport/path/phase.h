@@ -1,6 +1,6 @@
-/* Phase functions: Henyey and Greenstein's (1941), mixtures of two, and droplets of water; private
- * to render/. cos_theta is the cosine between the direction of travel before and after (1 =
- * straight on; g > 0 forward). All integrate to 1 over the sphere. */
+/* Phase functions: Henyey and Greenstein's (1941), mixtures of two, and water droplets; private to
+ * render/. cos_theta is the cosine between the directions of travel before and after (1 = straight
+ * ahead; g > 0 forward). All integrate to 1 over the sphere. */
 #ifndef LF_RENDER_PHASE_H
 #define LF_RENDER_PHASE_H
 
@@ -17,8 +17,8 @@ static inline float lf_phase(float g, float cos_theta)
     return LF_INV_4PI * (1.0f - g * g) / (d * sqrtf(d));
 }
 
-/* The same from the two directions of travel (unit): to be used wherever both are at hand, because
- * the cosine of a nearly straight path does not carry enough digits for |g| > 0.99. */
+/* lf_phase from the two directions of travel (unit). Use it wherever both are known: the cosine of
+ * a nearly straight path does not have enough digits for |g| > 0.99. */
 static inline float lf_phase_between(float g, lf_vec3 w, lf_vec3 w_after)
 {
     float a = fabsf(g);
@@ -30,7 +30,7 @@ static inline float lf_phase_between(float g, lf_vec3 w, lf_vec3 w_after)
 /* Draws the direction after scattering for a path travelling along w (unit). */
 lf_vec3 lf_phase_sample(float g, lf_vec3 w, const float u[2]);
 
-/* What Draine (2003) makes of Henyey and Greenstein's: times 1 + alpha cos^2, over its mean. */
+/* Draine's (2003) factor of Henyey and Greenstein's function: 1 + alpha cos^2, over its mean. */
 static inline float lf_phase_draine(float g, float alpha, float cos_theta)
 {
     return (1.0f + alpha * cos_theta * cos_theta) /
@@ -50,7 +50,7 @@ static inline float lf_volume_phase(const lf_volume *volume, lf_vec3 w, lf_vec3 
                    second->share);
 }
 
-/* Draws from it; the third number chooses the lobe. */
+/* Draws from lf_volume_phase; the third number chooses the lobe. */
 lf_vec3 lf_volume_phase_sample(const lf_volume *volume, lf_vec3 w, const float u[3]);
 
 static inline bool lf_volume_is_isotropic(const lf_volume *volume)
@@ -58,9 +58,9 @@ static inline bool lf_volume_is_isotropic(const lf_volume *volume)
     return volume->g == 0.0f && volume->second.share == 0.0f;
 }
 
-/* Droplets of water in light, of 5 to 50 micrometres' diameter: Jendersie and d'Eon's fit of Mie's
- * theory, a lobe of Henyey and Greenstein's and one of Draine's (An Approximate Mie Scattering
- * Function for Fog and Cloud Rendering, 2023, equations 4 to 7). */
+/* Water droplets in light, of 5 to 50 micrometres' diameter, by a Henyey-Greenstein lobe and a
+ * Draine lobe. This is the fit of Mie's theory by Jendersie and d'Eon (An Approximate Mie
+ * Scattering Function for Fog and Cloud Rendering, 2023, equations 4 to 7). */
 void lf_phase_droplets(double diameter, lf_volume *volume);
 
 #endif

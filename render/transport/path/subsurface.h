@@ -1,31 +1,31 @@
-/* Flesh: what fills a closed mesh whose surface has subsurface (skin, wax, marble), a homogeneous
- * medium in which light is scattered many times before it leaves again (Chiang, Kutz and Burley
- * 2016, Practical and Controllable Subsurface Scattering for Production Path Tracing). Private to
- * render/transport/; only scenes with LF_TRAIT_SUBSURFACE ask.
+/* Subsurface: a homogeneous medium inside a closed mesh whose surface has subsurface (skin, wax,
+ * marble), in which light scatters many times before it leaves again (Chiang, Kutz and Burley 2016,
+ * Practical and Controllable Subsurface Scattering for Production Path Tracing). Private to
+ * render/transport/; used only in scenes with LF_TRAIT_SUBSURFACE.
  *
- * Light enters by a lobe that is even but for the cosine (surface_principled.c), walks from
- * collision to collision, and leaves by such a lobe where it meets the mesh from within; nothing is
- * refracted or reflected there, and no light is sampled on the way. What a half-space of it gives
- * back is then its spherical albedo, 1 - 2 sqrt(1 - a) int H(mu) mu dmu (Chandrasekhar 1960), and a
- * surface's albedo is made into that. Volumes inside of it are not met; things are. */
+ * Light enters through a cosine lobe (surface_principled.c), walks from collision to collision, and
+ * leaves through such a lobe where it meets the mesh from inside. Nothing is refracted or reflected
+ * there, and no light is sampled during the walk. The reflectance of a half-space is then its
+ * spherical albedo, 1 - 2 sqrt(1 - a) int H(mu) mu dmu (Chandrasekhar 1960). A surface's albedo is
+ * converted to this. Volumes inside the mesh are ignored, objects inside are met. */
 #ifndef LF_RENDER_SUBSURFACE_H
 #define LF_RENDER_SUBSURFACE_H
 
 #include "render/transport/path/path.h"
 
-/* The single-scattering albedo a with which a half-space gives back `albedo`, by van de Hulst's
- * fit of its spherical albedo, (1 - s)(1 - 0.139 s)/(1 + 1.17 s), s^2 = (1 - a)/(1 - g a)
- * (Multiple Light Scattering, 1980, volume 2; the inverse as in Kulla and Conty 2017). Within
+/* The single-scattering albedo a for which a half-space has the reflectance `albedo`. Uses van de
+ * Hulst's fit of its spherical albedo, (1 - s)(1 - 0.139 s)/(1 + 1.17 s), s^2 = (1 - a)/(1 - g a)
+ * (Multiple Light Scattering, 1980, volume 2). The inverse is as in Kulla and Conty 2017. Within
  * 0.0025 for g = 0. */
 float lf_subsurface_albedo(float albedo, float g);
 
-/* The flesh in which a path goes on that leaves the event along w. */
+/* The subsurface medium that a path enters when it leaves the event along w. */
 lf_subsurface lf_subsurface_beyond(const lf_event *from, lf_vec3 w);
 
-/* lf_path_next in out->flesh, which is there, of a path that carries beta: up to the surface that
- * the walk meets, be it that of the mesh or a thing inside. An escape with nothing left where all
- * is absorbed, or where the walk leaves the scene's box, the mesh not being closed. Ways are drawn
- * for one channel and weighed for all (interior.h). */
+/* lf_path_next through out->subsurface, which must be set, for a path with throughput beta: up to
+ * the surface that the walk meets, of the mesh or of an object inside. The result is an escape with
+ * zero throughput if all light is absorbed, or if the walk leaves the scene's box because the mesh
+ * is not closed. Distances are drawn for one channel and weighted for all (interior.h). */
 void lf_subsurface_walk(lf_tracer *tracer, const lf_event *from, lf_vec3 w, lf_vec3 beta,
                         lf_event *out);
 

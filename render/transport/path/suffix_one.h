@@ -1,6 +1,6 @@
-/* The rest of the path behind a vertex, one at a time: a light sample, and a direction from the
- * lobe of one view with what comes along it; private to render/. Whoever draws it says who gets it
- * and by which weights. suffix_batch.h draws many together. */
+/* The path after a vertex, one at a time: a light sample, and a direction from the lobe of one view
+ * with the light along it; private to render/. The caller decides which views receive it and with
+ * which weights. suffix_batch.h draws many together. */
 #ifndef LF_RENDER_SUFFIX_ONE_H
 #define LF_RENDER_SUFFIX_ONE_H
 
@@ -9,43 +9,45 @@
 
 typedef struct lf_suffix {
     lf_light_sample light;
-    /* whose `found` is, where the scene has lights in media and it is a lamp's; else NULL */
+    /* the light of `found`, if the scene has equiangular lights and an area light was found; else
+     * NULL */
     const lf_light *found_light;
-    /* another direction of the same vertex, drawn as this one, with no light; NULL: none */
+    /* another direction of the same vertex, drawn in the same way, without a light sample; NULL:
+     * none */
     const struct lf_suffix *next;
-    float light_visible; /* what is left of it, 0..1 */
+    float light_visible; /* its transmittance, 0..1 */
     lf_vec3 wi;          /* the direction */
     lf_vec3 found;       /* light met at its first event … */
-    float found_pdf;     /* … and p_L, the pdf of light sampling for it; 0: none */
+    float found_pdf;     /* … and p_L, the pdf of light sampling for it; 0: not sampled */
     lf_vec3 scattered;   /* radiance scattered there */
     bool has_light, has_direction;
 } lf_suffix;
 
-/* Draws the light sample of a suffix that is all zero, and looks how much of it is left. */
+/* Draws the light sample of a zeroed suffix, and estimates its transmittance. */
 void lf_suffix_draw_light(lf_tracer *tracer, const lf_event *event, lf_sampler *sampler,
                           lf_suffix *suffix);
-/* Draws a direction in place of the suffix's own and follows it; its light sample stays. wo is
- * where the direction's lobe looks back to, the base view's place or that of any view that sees the
+/* Draws a direction that replaces the suffix's own and follows it; the light sample stays. wo is
+ * the direction for which the lobe is sampled: towards the base view or any view that sees the
  * vertex. */
 void lf_suffix_redraw(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
                       int max_depth, lf_suffix *suffix);
-/* Draws both. */
+/* Draws the light sample and the direction. */
 void lf_suffix_draw(lf_tracer *tracer, const lf_event *event, lf_vec3 wo, lf_sampler *sampler,
                     int max_depth, lf_suffix *out);
 
-/* What comes along the suffix's direction, whoever has drawn it. */
+/* Computes the light along the suffix's direction, which is already drawn. */
 void lf_suffix_follow(lf_tracer *tracer, const lf_event *event, int max_depth, lf_suffix *suffix);
-/* The same where `next` is what it meets first (lf_path_next). */
+/* lf_suffix_follow for a known first event `next` (lf_path_next). */
 void lf_suffix_meet(lf_tracer *tracer, const lf_event *event, const lf_event *next, int max_depth,
                     lf_suffix *suffix);
 
-/* Radiance that the suffix gives to a view that looks from wo, when that view alone samples it
- * (balance heuristic between its lobe and light sampling). What vpt uses, and mvpt where the lobe
- * does not depend on the view. */
+/* Radiance from the suffix to a view that looks from wo, if only that view samples it (balance
+ * heuristic between its lobe and light sampling). Used by vpt, and by mvpt if the lobe does not
+ * depend on the view. */
 lf_vec3 lf_suffix_radiance(const lf_scene *scene, const lf_event *event, const lf_suffix *suffix,
                            lf_vec3 wo);
 
-/* Whether what a vertex scatters depends on the view. */
+/* Whether the scattering at a vertex depends on the view. */
 bool lf_is_view_dependent(const lf_scene *scene, const lf_event *event);
 
 #endif

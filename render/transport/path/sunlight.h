@@ -1,15 +1,14 @@
-/* How much light comes straight from the scene's lights at infinity to a point of a surface, by
- * look-ups instead of rays: a feature that pictures are reconstructed from, without noise and the
- * same at every visit, but not exact; nothing that is summed on the film may depend on it. Private
- * to render/.
+/* The direct light from the scene's lights at infinity at a point of a surface, by look-ups instead
+ * of rays. It is a feature for the reconstruction: free of noise and the same in every visit, but
+ * not exact. The film's sums must not depend on it. Private to render/.
  *
- * Suns: a map per light says which surfaces it sees (sunlight_map.h): edges of shadows are
- * interpolated between its texels, half-shadows of lights with an angle are made of a disk of them.
- * A lattice of optical depths says what media leave of the light (sunlight_media.h). Both belong to
- * the scene: cameras may move. Mirrored and scattered light is not counted.
+ * Suns: a shadow map per light stores the surfaces that it sees (sunlight_map.h). Shadow edges are
+ * interpolated between its texels; penumbras of lights with an angle average a disk of texels. A
+ * lattice of optical depths gives the transmittance of media (sunlight_media.h). Both belong to the
+ * scene and do not depend on the camera. Mirrored and scattered light is ignored.
  *
- * Where there are no suns, or instances, of which no map is made: what the normal tells of all
- * lights at infinity, as if nothing stood in their way (sky_light.h). */
+ * Without suns, or with instances, which the maps do not support: a function of the normal for all
+ * lights at infinity, without occlusion (sky_light.h). */
 #ifndef LF_RENDER_SUNLIGHT_H
 #define LF_RENDER_SUNLIGHT_H
 
@@ -18,59 +17,60 @@
 
 typedef struct lf_sunlight lf_sunlight;
 
-/* More lights at infinity than this are left out, the weakest. */
+/* Maximum number of lights at infinity; the weakest further ones are ignored. */
 #define LF_SUNLIGHT_LIGHTS 4
 
-/* Whether there is anything to be made: surfaces, and suns, or a sky that tells something of them:
- * not one that is the same in all directions over materials of one albedo. */
+/* Whether the feature is useful: the scene has surfaces, and suns or a sky that distinguishes them.
+ * A constant sky over materials of one albedo does not. */
 bool lf_sunlight_needed(const lf_scene *scene);
 
-/* Makes the maps on the pool, at most `texels` along a side (0: 2048, 16 MiB a light, 20 where
- * small things stand on something wide). Takes as long as a few looks at every texel and triangle.
- * Keeps a reference to the scene. LF_E_NOMEM; LF_E_CANCELLED soon after cancel is set.
- * Thread: the pool's caller. The result does not depend on the number of its threads. */
+/* Makes the maps on the pool, at most `texels` along a side (0: 2048, 16 MiB per light, 20 if there
+ * are small objects on a wide one). Takes as long as a few look-ups per texel and triangle. Keeps a
+ * reference to the scene. LF_E_NOMEM; LF_E_CANCELLED soon after cancel is set. Thread: the pool's
+ * caller. The result does not depend on the number of its threads. */
 LF_NODISCARD lf_status lf_sunlight_create(lf_scene *scene, int texels, lf_pool *pool,
                                           const lf_cancel *cancel, lf_sunlight **out);
 /* Accepts NULL. */
 void lf_sunlight_destroy(lf_sunlight *sunlight);
 
-/* Goes over to another scene where the maps would be the same: suns, surfaces and media stand where
- * they stood; colours may have changed. false: it stays with its own. */
+/* Switches to another scene if the maps would be the same: suns, surfaces and media are in the same
+ * positions; colours may differ. false: it keeps its own scene. */
 bool lf_sunlight_adopt(lf_sunlight *sunlight, lf_scene *scene);
 
-/* Of light number i of those that are kept, strongest first: the share of its irradiance that
- * arrives at p on a surface with the geometric unit normal n; 0 where n looks away from it.
- * *out_light: which it is. false: there is no such light. Any thread. */
+/* For light number i, strongest first: the share of its irradiance that arrives at p on a surface
+ * with the geometric unit normal n; 0 if n faces away from it. *out_light: the light. false: there
+ * is no light i. Any thread. */
 bool lf_sunlight_share(const lf_sunlight *sunlight, int i, lf_vec3 p, lf_vec3 n, float *out_share,
                        const lf_light **out_light);
 
-/* How a plane lies on a map: height towards the light, with the texels along x and y, and how much
- * higher than that nothing casts a shadow on it. */
+/* The slope of a plane in a map: change of height towards the light per texel along x and y. bias:
+ * surfaces higher by less than this cast no shadow on it. */
 typedef struct lf_sunlight_slope {
     float dx, dy, bias;
 } lf_sunlight_slope;
 
-/* What is the same all over a triangle. */
+/* Data that is constant over a triangle. */
 typedef struct lf_sunlight_face {
     lf_sunlight_slope slope[LF_SUNLIGHT_LIGHTS][2];
 } lf_sunlight_face;
 
-/* n: its unit normal, to either side. */
+/* n: its unit normal, either side. */
 void lf_sunlight_face_init(lf_sunlight_face *face, const lf_sunlight *sunlight, lf_vec3 n);
 
-/* Radiance that the lobes of the surface reflect of suns along wo, mean of the channels; of the hit
- * p, ng, ns and material are read. Without suns lf_sunlight_of_sky. Any thread. */
+/* Radiance that the lobes of the surface reflect from suns along wo, mean of the channels. Reads p,
+ * ng, ns and material of the hit. Without suns, lf_sunlight_of_sky. Any thread. */
 float lf_sunlight_reflected(const lf_sunlight *sunlight, const lf_sunlight_face *face,
                             const lf_hit *hit, lf_vec3 wo);
 
-/* Whether it is of suns, so that place and textures of a surface count. */
+/* Whether the light is from suns, so that it depends on position and textures of a surface. */
 bool lf_sunlight_has_suns(const lf_sunlight *sunlight);
-/* Without suns: what a matte surface with the normal n reflects, mean of the channels. Where
- * LF_TRAIT_VARYING_ALBEDO, films divide by albedo: then it is white, else as the material. */
+/* Without suns: the light that a matte surface with the normal n reflects, mean of the channels.
+ * With LF_TRAIT_VARYING_ALBEDO films divide by albedo; then the surface is white, else it has the
+ * material's albedo. */
 float lf_sunlight_of_sky(const lf_sunlight *sunlight, lf_vec3 n, const lf_material *material);
 
-/* Without suns: the mean over all normals of what a white matte surface reflects in this scene. 0
- * with suns. Takes as long as lf_sky_light_init. */
+/* Without suns: the mean over all normals of the light that a white matte surface reflects in this
+ * scene. 0 with suns. Takes as long as lf_sky_light_init. */
 float lf_sunlight_mean(const lf_scene *scene);
 
 #endif

@@ -1,5 +1,5 @@
-/* The surfaces that a light at infinity sees: their heights towards it over a square lattice of
- * texels; private to render/transport/sunlight*.c. */
+/* A shadow map of a light at infinity: the heights of the surfaces that it sees, over a square
+ * lattice of texels; private to render/transport/sunlight*.c. */
 #ifndef LF_RENDER_SUNLIGHT_MAP_H
 #define LF_RENDER_SUNLIGHT_MAP_H
 
@@ -8,7 +8,8 @@
 
 #define LF_SUNLIGHT_TILE 8 /* texels along a side */
 
-/* Bits of floats that are not negative rise with them: threads raise texels in any order. */
+/* Bits of non-negative floats have the order of the floats, so threads can raise texels in any
+ * order. */
 typedef union lf_sunlight_texel {
     atomic_uint bits;
     float height;
@@ -17,36 +18,36 @@ typedef union lf_sunlight_texel {
 typedef struct lf_sunlight_map {
     /* Scene-local point -> x and y in texels, and height above the lowest surface, scene units. */
     float to_map[3][4];
-    float texel;  /* a side, scene units */
-    float spread; /* tangent of half of the light's angle */
-    float least;  /* what heights may be off by rounding */
-    int size[2];  /* texels along x and y, multiples of LF_SUNLIGHT_TILE; 0: there are none */
+    float texel;               /* a side, scene units */
+    float spread;              /* tangent of half the light's angle */
+    float least;               /* bound of the rounding error of heights */
+    int size[2];               /* texels along x and y, multiples of LF_SUNLIGHT_TILE; 0: none */
     lf_sunlight_texel *texels; /* [y][x] the highest surface; 0 = none */
-    /* [y][x] of tiles: the highest surface of those whose half-shadow may lie here; 0 = all that is
-     * here is lit or not. NULL for lights without an angle. */
+    /* [y][x] of tiles: the highest surface whose penumbra may reach the tile; 0 = no penumbra in
+     * the tile. NULL for lights without an angle. */
     float *edge;
 } lf_sunlight_map;
 
-/* Where a light at infinity is. */
+/* Direction and size of a light at infinity. */
 typedef struct lf_sunlight_view {
     lf_vec3 toward; /* unit */
-    float spread;   /* as above */
+    float spread;   /* as in lf_sunlight_map */
 } lf_sunlight_view;
 
-/* Draws all triangles, `texels` along the longer side of what is to be seen: everything, or of
- * (detail) what is made of triangles smaller than a quarter of it; nothing is made where that would
- * be more than 0.7 of everything. Takes as long as a few looks at every texel and triangle.
+/* Rasterises all triangles, with `texels` along the longer side of the covered area. This is the
+ * whole scene or, if detail, the part with triangles smaller than a quarter of it; no map is made
+ * if that part exceeds 0.7 of the whole. Takes as long as a few look-ups per texel and triangle.
  * LF_E_NOMEM, LF_E_CANCELLED; *map can always be finished. */
 LF_NODISCARD lf_status lf_sunlight_map_init(lf_sunlight_map *map, const lf_scene *scene,
                                             const lf_sunlight_view *view, int texels, bool detail,
                                             lf_pool *pool, const lf_cancel *cancel);
-/* Accepts one that is all zero. */
+/* Accepts a zeroed struct. */
 void lf_sunlight_map_finish(lf_sunlight_map *map);
 
-/* How a plane with the unit normal n or -n lies on the map. */
+/* The slope of a plane with the unit normal n or -n. */
 lf_sunlight_slope lf_sunlight_map_slope(const lf_sunlight_map *map, lf_vec3 n);
-/* The share of the light that surfaces let through to p, on a plane that lies so and looks to the
- * light; < 0: the map does not reach so far. */
+/* The share of the light that reaches p past surfaces, on a plane with this slope that faces the
+ * light; < 0: p is outside the map. */
 float lf_sunlight_map_share(const lf_sunlight_map *map, lf_vec3 p, const lf_sunlight_slope *slope);
 
 #endif

@@ -1,6 +1,6 @@
-/* GGX of two alphas: a lobe that is wider along one direction than across it; private to
- * render/transport/surface_*.c. Directions are in the frame of lf_tangents of the shading normal,
- * as those of surface_lobes.h; brush->alpha and along are there. */
+/* Anisotropic GGX with two alphas: a lobe that is wider along one direction than across it; private
+ * to render/transport/surface_*.c. Directions are in the frame of lf_tangents of the shading
+ * normal, as in surface_lobes.h and lf_anisotropy.along. */
 #ifndef LF_RENDER_SURFACE_ANISOTROPY_H
 #define LF_RENDER_SURFACE_ANISOTROPY_H
 
@@ -11,7 +11,7 @@ static inline bool lf_is_anisotropic(const lf_material *m)
     return m->anisotropic.alpha[0] > 0.0f;
 }
 
-/* Into the frame whose x axis is where the lobe is wider, and back. */
+/* Into the frame whose x axis is the wider direction, and back. */
 static inline lf_vec3 lf_to_anisotropy(const lf_anisotropy *anisotropic, lf_vec3 w)
 {
     float c = anisotropic->along[0], s = anisotropic->along[1];
@@ -46,7 +46,7 @@ static inline lf_ggx_lobe lf_anisotropic_eval(const lf_anisotropy *anisotropic, 
                          .cos_oh = lf_min(lf_dot(o, h), 1.0f)};
 }
 
-/* lf_ggx_sample of the same. */
+/* lf_ggx_sample for the anisotropic lobe. */
 static inline lf_vec3 lf_anisotropic_sample(const lf_anisotropy *anisotropic, lf_vec3 wo, float u0,
                                             float u1)
 {

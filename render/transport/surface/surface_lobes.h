@@ -1,5 +1,5 @@
-/* What the surface types share; private to render/transport/surface_*.c and catcher.c.
- * Directions here are in the frame of the shading normal (z). */
+/* Code shared by surface kinds; private to render/transport/surface_*.c and catcher.c. Directions
+ * here are in the frame of the shading normal (z). */
 #ifndef LF_RENDER_SURFACE_LOBES_H
 #define LF_RENDER_SURFACE_LOBES_H
 
@@ -10,8 +10,8 @@ static inline float lf_material_alpha(const lf_material *m)
     return m->roughness * m->roughness;
 }
 
-/* The mirror direction of wo about the shading normal; where that leads through the surface,
- * mirrored by it once more. */
+/* The mirror direction of wo about the shading normal; if it leads through the surface, it is also
+ * mirrored at the surface. */
 static inline lf_vec3 lf_mirror(lf_vec3 ng, lf_vec3 ns, lf_vec3 wo)
 {
     lf_vec3 wi = lf_reflect(wo, ns);
@@ -26,7 +26,7 @@ static inline lf_vec3 lf_cosine_sample(float u0, float u1)
     return lf_v3(r * cosf(phi), r * sinf(phi), sqrtf(lf_max(1.0f - u0, 0.0f)));
 }
 
-/* Even over the hemisphere: density 1 / 2 pi. */
+/* Uniform over the hemisphere: density 1 / 2 pi. */
 static inline lf_vec3 lf_hemisphere_sample(float u0, float u1)
 {
     float r = sqrtf(lf_max((1.0f - u0) * (1.0f + u0), 0.0f)), phi = 2.0f * LF_PI * u1;
@@ -34,7 +34,7 @@ static inline lf_vec3 lf_hemisphere_sample(float u0, float u1)
 }
 
 /* Density of GGX normals (Walter et al. 2007, eq. 33) at the unit vector h, h.z > 0. The sine comes
- * from x and y: 1 - z^2 has no digits left where a small alpha has its peak. */
+ * from x and y: 1 - z^2 loses all digits at the peak for a small alpha. */
 static inline float lf_ggx_d(float alpha, lf_vec3 h)
 {
     float a2 = alpha * alpha, k = h.z * h.z * a2 + h.x * h.x + h.y * h.y;
@@ -53,10 +53,10 @@ typedef struct lf_ggx_lobe {
     /* D G2 |cos_i| / (4 cos_o cos_i), 0 for wi below the horizon; G2 height-correlated (Heitz 2014,
      * eq. 99) */
     float f;
-    /* of wi when h is drawn from the normals visible from wo (Heitz 2018, eq. 17): 1 over the whole
-     * sphere */
+    /* of wi if h is drawn from the normals visible from wo (Heitz 2018, eq. 17); integrates to 1
+     * over the whole sphere */
     float pdf;
-    float cos_oh; /* wo.h: what Fresnel wants */
+    float cos_oh; /* wo.h: the cosine for Fresnel */
 } lf_ggx_lobe;
 
 static inline lf_ggx_lobe lf_ggx_eval(float alpha, lf_vec3 wo, lf_vec3 wi)
@@ -80,7 +80,7 @@ static inline lf_vec3 lf_ggx_normal(float alpha, lf_vec3 wo, float u0, float u1)
                               lf_max(z + v.z, 1e-12f)));
 }
 
-/* Mirrors wo about it; the result may lie below the horizon. */
+/* Mirrors wo at a sampled normal; the result may lie below the horizon. */
 static inline lf_vec3 lf_ggx_sample(float alpha, lf_vec3 wo, float u0, float u1)
 {
     lf_vec3 h = lf_ggx_normal(alpha, wo, u0, u1);
@@ -97,8 +97,8 @@ static inline float lf_fresnel_dielectric(float cos_i, float eta)
     return 0.5f * (s * s + p * p);
 }
 
-/* Of a metal of complex index eta + i k, cosine in (0, 1] (Born and Wolf, Principles of Optics,
- * section 14.2). */
+/* Reflectance of a metal of complex index eta + i k, cosine in (0, 1] (Born and Wolf, Principles of
+ * Optics, section 14.2). */
 static inline float lf_fresnel_index(float cos_i, float eta, float k)
 {
     float c2 = cos_i * cos_i, s2 = 1.0f - c2, d = eta * eta - k * k - s2,
@@ -108,7 +108,7 @@ static inline float lf_fresnel_index(float cos_i, float eta, float k)
     return 0.5f * s * (1.0f + (t - u) / (t + u));
 }
 
-/* Of a clear coat on a principled surface. */
+/* Index of a clear coat on a principled surface. */
 #define LF_COAT_INDEX 1.5f
 
 /* (1 - cos)^5 of Schlick 1994. */
@@ -118,7 +118,7 @@ static inline float lf_schlick(float cos_theta)
     return c2 * c2 * c;
 }
 
-/* Of a conductor, by its index or by the colour at normal incidence. */
+/* Reflectance of a conductor, from its index or from its colour at normal incidence. */
 static inline lf_vec3 lf_conductor_fresnel(const lf_material *m, float cos_theta)
 {
     if (m->eta.x > 0.0f)
@@ -130,23 +130,23 @@ static inline lf_vec3 lf_conductor_fresnel(const lf_material *m, float cos_theta
                  lf_lerp(m->albedo.z, 1.0f, k));
 }
 
-/* What a smooth coat of index ior lets through. */
+/* Transmittance of a smooth coat of index ior. */
 static inline float lf_coat_transmittance(float ior, float cos_theta)
 {
     return 1.0f - lf_fresnel_dielectric(lf_min(cos_theta, 1.0f), ior);
 }
 
-/* 1 - E(cos), E the directional albedo of the material's rough lobe, Fresnel included (metals:
- * without): smooth, which is what lf_coat_transmittance says (metals: 0), and a / (cos + a) times a
- * polynomial in x = 2 sqrt((1 + a) cos / (cos + a)) - 1, a = LF_LOSS_SCALE alpha, which follows
- * what happens at cosines of the order of alpha. Within 3e-3 of quadrature for alpha in [1e-3, 1]
- * and all cosines. */
+/* 1 - E(cos), E the directional albedo of the material's rough lobe, with Fresnel (metals:
+ * without). It is the sum of `smooth`, which is lf_coat_transmittance (metals: 0), and a / (cos +
+ * a) times a polynomial in x = 2 sqrt((1 + a) cos / (cos + a)) - 1, a = LF_LOSS_SCALE alpha. This
+ * form resolves cosines of the order of alpha. Within 3e-3 of quadrature for alpha in [1e-3, 1] and
+ * all cosines. */
 #define LF_LOSS_SCALE 2.0f
 static inline float lf_loss_by(const float *c, float a, float smooth, float cos_theta)
 {
     float inverse = 1.0f / (cos_theta + a);
     float x = 2.0f * sqrtf((1.0f + a) * cos_theta * inverse) - 1.0f;
-    /* Written out: with a loop in it GCC does not vectorise the caller's. */
+    /* Written out, because with a loop GCC does not vectorise the caller's loop. */
     float p = (((c[8] * x + c[7]) * x + c[6]) * x + c[5]) * x + c[4];
     p = (((p * x + c[3]) * x + c[2]) * x + c[1]) * x + c[0];
     return lf_min(lf_max(smooth + a * inverse * p, 0.0f), 1.0f);
@@ -166,29 +166,30 @@ static inline double lf_mean_cosine(int i, double *out_weight)
     return cosine;
 }
 
-/* Fits loss to a rough lobe; ior of the coat, 0: of a metal. */
+/* Fits loss to a rough lobe; ior of the coat, 0: a metal. */
 void lf_loss_fit(lf_material *m, float ior);
 /* 2 int_0^1 loss(c) c dc. */
 double lf_loss_mean(const lf_material *m, float ior);
 
-/* The same from a table over index and roughness, for surfaces whose roughness is a picture: out,
- * of LF_LOSS_TERMS, may be NULL; returns the mean. roughness 0: of a smooth coat, out is then all
- * 0. Within 1e-3 of lf_loss_fit; above an index of 3, where that counts what a microfacet reflects
- * to another one as lost, this counts lf_loss_rest of it as reflected in the end, within 5e-3 (1e-2
- * from an index of 100 on). Parts of the table are made when they are first asked for (20 ms).
+/* lf_loss_fit from a table over index and roughness, for surfaces with textured roughness. out, of
+ * LF_LOSS_TERMS, may be NULL; returns the mean. roughness 0: a smooth coat, and out is all 0.
+ * Within 1e-3 of lf_loss_fit up to an index of 3. Above, lf_loss_fit counts light that one
+ * microfacet reflects to another as lost. The table counts lf_loss_rest of it as finally reflected,
+ * within 5e-3 (1e-2 from an index of 100 on). Parts of the table are made at first use (20 ms).
  * Thread: any. */
 float lf_loss_look_up(float ior, float roughness, float *out);
-/* What goes with it as `smooth` of lf_loss: *out_scale times lf_coat_transmittance of the index
- * that is returned. Above an index of 3 rough surfaces blur the one cosine (about 1 / index) at
- * which light gets in, which polynomials do not follow; up to it that is the index itself, times 1.
- */
+/* The `smooth` of lf_loss for this table: *out_scale times lf_coat_transmittance of the returned
+ * index. Up to an index of 3 the result is the index itself, times 1. Above, rough surfaces blur
+ * the narrow range of cosines (about 1 / index) at which light enters, which polynomials cannot
+ * follow. */
 float lf_loss_smooth(float ior, float alpha, float *out_scale);
-/* Of a layered surface's dielectric: the lobe is to be multiplied by 1 + that loss / (1 - loss), of
- * the loss of a metal of its roughness; metal_loss: its mean. 0 up to an index of 3. */
+/* Multiple-scattering compensation of a layered surface's dielectric: the lobe is multiplied by
+ * 1 + result * loss / (1 - loss), with the loss of a metal of its roughness. metal_loss: the mean
+ * of that loss. 0 up to an index of 3. */
 float lf_loss_rest(float ior, double metal_loss);
-/* All of that of a layered surface's dielectric of m->ior and m->roughness: energy.mean_loss, rest
- * and what is smooth, and of a rough one m->loss. metal_loss: the mean of a metal's of its
- * roughness. */
+/* All energy terms of a layered surface's dielectric with m->ior and m->roughness:
+ * energy.mean_loss, rest and the smooth terms and, if it is rough, m->loss. metal_loss: the mean
+ * for a metal of its roughness. */
 void lf_loss_of_dielectric(lf_material *m, double metal_loss);
 
 #endif

@@ -1,7 +1,7 @@
-/* Sheen: light off fibres that stand up from a surface (KHR_materials_sheen). Microfacets whose
- * normals lie as sin^(1/alpha) and what they hide of each other: Estevez and Kulla 2017,
- * "Production Friendly Microfacet Sheen BRDF", eqs. 2 and 3. Directions are in the frame of the
- * shading normal; private to render/transport/surface_*.c. */
+/* Sheen: scattering by fibres perpendicular to a surface (KHR_materials_sheen). Microfacets with a
+ * sin^(1/alpha) distribution of normals, and their shadowing: Estevez and Kulla 2017, "Production
+ * Friendly Microfacet Sheen BRDF", eqs. 2 and 3. Directions are in the frame of the shading normal;
+ * private to render/transport/surface_*.c. */
 #ifndef LF_RENDER_SURFACE_SHEEN_H
 #define LF_RENDER_SURFACE_SHEEN_H
 
@@ -11,8 +11,8 @@
  * its square. */
 float lf_sheen_eval(float roughness, lf_vec3 wo, lf_vec3 wi);
 
-/* What they reflect of light from one direction, 0..1: the integral of lf_sheen_eval over wi, from
- * a table that is made when it is first asked for (10 ms). Within 4e-3. Thread: any. */
+/* Their directional albedo, 0..1: the integral of lf_sheen_eval over wi, from a table that is made
+ * at first use (10 ms). Within 4e-3. Thread: any. */
 float lf_sheen_albedo(float roughness, float cos_o);
 
 #endif
