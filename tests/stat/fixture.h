@@ -10,7 +10,8 @@
 #include "render/rows/rows.h"
 #include "tests/stat/stat.h"
 
-/* A scene from text in which ' stands for "; fails the test when it cannot be loaded. */
+/* A scene from text, as of tests/scene_file.h, in which ' stands for "; fails the test when it cannot
+ * be loaded. */
 lf_scene *lf_test_scene(const char *text);
 /* The same, called "test.json" in warnings, with files in `folder` and what can be shared with a
  * scene before it (may be NULL). */
