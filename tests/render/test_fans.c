@@ -1,11 +1,11 @@
 /* Loops of surfaces over views and segments: every instruction set answers the bits of their
  * formulas, written here one view and one segment at a time, without boxes. */
+#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/plane/kernel.h"
 #include "tests/render/fans.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { WIDTH = 40, HEIGHT = 30 };
 
@@ -275,18 +275,14 @@ static void assert_section(const char *text)
     tear_down(&b);
 }
 
-#define ROOM                                                                                       \
-    "'meshes': { 'room': { 'shape': 'sphere', 'transform': { 'scale': 9 } }, "                     \
-    "'floor': { 'shape': 'quad', 'transform': { 'scale': 30, 'translate': [0, -0.4, 0] } }, "      \
-    "'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.5, 'translate': [-0.4, 0.2, 1] } } }"
-
 /* Balls, a mirror, a lamp and the ground; a room that surrounds the cameras. */
 static void sections_answer_what_every_segment_says(void **state)
 {
     (void)state;
-    assert_section(LF_TEST_LAMP("45", ""));
-    assert_section(LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"));
-    assert_section("{ " LF_TEST_CAMERA("45", "") ROOM " }");
+    assert_section(lf_test_scene_views("lamp", 45));
+    assert_section(lf_test_scene_patched(
+        "lamp", "{'camera': {'views': 13, 'lens_radius': 0.15, 'focus_distance': 4}}"));
+    assert_section(lf_test_scene_views("inside-a-ball", 45));
 }
 
 int main(void)

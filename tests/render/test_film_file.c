@@ -1,4 +1,5 @@
 /* The film's file: what it keeps, what it refuses, and pictures made in parts. */
+#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <fcntl.h>
@@ -9,7 +10,6 @@
 #include "base/alloc.h"
 #include "render/film/film_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { WIDTH = 24, HEIGHT = 13, VIEWS = 5, VALUES = VIEWS * WIDTH * HEIGHT * 3 };
 
@@ -20,7 +20,7 @@ typedef struct fixture {
 
 static fixture begin(void)
 {
-    return (fixture){lf_test_scene(LF_TEST_MIXED("5", "")), lf_test_folder()};
+    return (fixture){lf_test_scene(lf_test_scene_views("mixed", 5)), lf_test_folder()};
 }
 
 static void end(fixture *f)

@@ -5,6 +5,7 @@
  * twice as fast. The files are made by scenes/make_test_vdb.cc: a blob 1 - r^2 / 1.5^2 about (2,
  * 0.5, 0), in voxels of 1/4, one of temperatures in voxels of 1/2, velocities of (1.5, -0.5, 0.25),
  * of one turn about z in 2 pi seconds, and of (x, -y, 0) on faces. */
+#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <limits.h>
@@ -31,15 +32,12 @@ typedef struct said {
 
 static lf_scene *scene_after(const said *s, const char *transform, const lf_scene *previous)
 {
-    char path[PATH_MAX], text[PATH_MAX + 2048];
+    char path[PATH_MAX];
     assert_non_null(realpath(lf_test_built(s->file), path));
-    snprintf(
-        text, sizeof text,
-        "{'rate': %g, 'camera': {'position': [0, 0.4, 5], 'fov_y': 24, 'aspect': 1.3333333333, "
-        "'cone': 40, 'views': 3, 'shutter': %.17g, 'shutter_open': %.17g}, 'volumes': {'v': "
-        "{'file': '%s', 'grid': '%s'%s%s%s%s}}, 'lights': {'sky': {'type': 'environment', "
-        "'radiance': [0.4, 0.5, 0.7]}, 'sun': {'type': 'distant', 'direction': [0.5, -0.7, "
-        "-0.5], 'irradiance': [2, 1.7, 1.5]}}}",
+    const char *text = lf_test_scene_patched(
+        "flowing-blob",
+        "{'rate': %g, 'camera': {'shutter': %.17g, 'shutter_open': %.17g}, "
+        "'volumes': {'v': {'file': '%s', 'grid': '%s'%s%s%s%s}}}",
         s->rate, s->shutter, s->open, path, s->grid, s->velocity[0] ? ", 'velocity': " : "",
         s->velocity, s->more, transform);
     return lf_test_scene_in(".", text, previous);

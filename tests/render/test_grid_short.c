@@ -1,5 +1,6 @@
 /* Grids in 16 bits: every half is exact, what is rounded is as near as is said, and look-ups,
  * kernels and pictures are those of the same values as floats, bit by bit. */
+#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <float.h>
@@ -122,16 +123,11 @@ static void what_is_rounded_is_near(void **state)
     lf_grid_unref(exact);
 }
 
-#define SCENE                                                                                      \
-    "{ 'camera': { 'position': [0, 0.5, 5], 'views': 5, 'cone': 30, 'fov_y': 24 }, "               \
-    "" LF_TEST_VOLUMES(                                                                            \
-        "") ", 'lights': { 'sky': { 'type': 'environment', 'radiance': [0.4, 0.5, 0.7] }, "        \
-            "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5] } } }"
-
 /* Suffixes go one by one. */
 static double *picture(lf_grid *grid, const char *integrator, bool nearest)
 {
-    lf_scene *scene = lf_test_grid_scene(SCENE, lf_grid_ref(grid), 0.08, 0.4, 6.0f, nearest);
+    lf_scene *scene = lf_test_grid_scene(lf_test_scene_text("voxels-in-sun"), lf_grid_ref(grid),
+                                         0.08, 0.4, 6.0f, nearest);
     lf_renderer *r = lf_test_renderer(scene, integrator, 24, 18, NULL);
     lf_render_settings settings = *lf_renderer_settings(r);
     settings.skip = LF_SKIP_ALL & ~LF_SKIP_PATHS;
