@@ -2,6 +2,7 @@
 #ifndef LF_TESTS_DAEMON_QUILTBENCH_H
 #define LF_TESTS_DAEMON_QUILTBENCH_H
 
+#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <fcntl.h>
@@ -57,12 +58,7 @@ static inline json_t *bench_load(const char *folder, const char *name)
 
 static inline void bench_write_ball(const char *folder)
 {
-    lf_test_write(
-        folder, "fog.json",
-        "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, "
-        "\"views\": 6, \"cone\": 35 },"
-        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9 } },"
-        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }");
+    lf_test_write(folder, "fog.json", lf_test_scene_text("fog-ball"));
 }
 
 #endif

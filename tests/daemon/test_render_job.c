@@ -1,5 +1,6 @@
 /* One rendering from start to end: budgets that end, progress that rises, and the film of a single
  * lf_renderer_passes. */
+#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <fcntl.h>
@@ -13,12 +14,6 @@
 #define HEIGHT 8
 #define FLOATS (VIEWS * WIDTH * HEIGHT * 3)
 
-static const char fog[] =
-    "{\"quiltd\": 1, \"camera\": {\"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, "
-    "\"cone\": 35},"
-    " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9}},"
-    " \"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 0.5}}}";
-
 typedef struct fixture {
     lf_scene *scene;
     lf_pool *pool;
@@ -31,7 +26,8 @@ static int set_up(void **state)
 {
     static fixture f;
     lf_error err = {0};
-    json_t *doc = json_loads(fog, 0, NULL);
+    json_t *doc =
+        lf_test_json("fog-ball", lf_test_scene_patched("fog-ball", "{'camera': {'views': null}}"));
     f = (fixture){0};
     assert_non_null(doc);
     lf_assert_ok(lf_scene_from_json(doc, ".", "fog", NULL, NULL, &f.scene, &err), &err);

@@ -1,11 +1,11 @@
 /* The meshes in a row's plane: which views see a point follows from segments as it does from rays,
  * on surfaces and off them, with lenses, in rooms around the cameras, far from the origin, tiny and
  * huge. */
+#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/plane/section.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 40, height = 30 };
 
@@ -236,14 +236,6 @@ static void assert_as_rays(const char *text)
     tear_down(&b);
 }
 
-/* Triangles beside and behind the cameras, and some that reach from before to behind. */
-#define ROOM                                                                                       \
-    "'meshes': { 'room': { 'shape': 'sphere', 'transform': { 'scale': 9 } }, "                     \
-    "'floor': { 'shape': 'quad', 'transform': { 'scale': 30, 'translate': [0, -0.4, 0] } }, "      \
-    "'post': { 'shape': 'sphere', 'transform': { 'scale': [0.05, 3, 0.05], 'translate': [0.3, 0, " \
-    "4.2] } }, "                                                                                   \
-    "'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.5, 'translate': [-0.4, 0.2, 1] } } }"
-
 /* Fans through points of the window: the rays of all views and columns find what Embree finds, but
  * at edges. */
 static void assert_fans(bench *b)
@@ -282,12 +274,14 @@ static void assert_fans(bench *b)
     assert_true(found > asked / 10);
 }
 
+#define THROUGH_LENSES "{'camera': {'views': 13, 'lens_radius': 0.15, 'focus_distance': 4}}"
+
 static void fans_meet_what_rays_meet(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {
-        LF_TEST_LAMP("45", ""), LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"),
-        "{ " LF_TEST_CAMERA("45", "") ROOM " }"};
+    const char *const scenes[] = {lf_test_scene_views("lamp", 45),
+                                  lf_test_scene_patched("lamp", THROUGH_LENSES),
+                                  lf_test_scene_text("room")};
     for (int i = 0; i < 3; i++) {
         bench b;
         set_up(&b, scenes[i]);
@@ -300,41 +294,35 @@ static void fans_meet_what_rays_meet(void **state)
 static void surfaces_hide_as_rays_find(void **state)
 {
     (void)state;
-    assert_as_rays(LF_TEST_LAMP("45", ""));
-    assert_as_rays(LF_TEST_LAMP("7", ""));
+    assert_as_rays(lf_test_scene_views("lamp", 45));
+    assert_as_rays(lf_test_scene_views("lamp", 7));
 }
 
 static void lenses_move_the_cameras_of_a_row(void **state)
 {
     (void)state;
-    assert_as_rays(LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"));
+    assert_as_rays(lf_test_scene_patched("lamp", THROUGH_LENSES));
 }
 
 static void rooms_surround_the_cameras(void **state)
 {
     (void)state;
-    assert_as_rays("{ " LF_TEST_CAMERA("45", "") ROOM " }");
-    assert_as_rays("{ 'quiltd': 1, 'camera': { 'position': [0, 0.2, 2], 'fov_y': 60, 'aspect': "
-                   "1.3333333333, 'cone': 60, 'views': 9 }, " ROOM " }");
+    assert_as_rays(lf_test_scene_text("room"));
+    assert_as_rays(lf_test_scene_patched(
+        "room", "{'camera': {'position': [0, 0.2, 2], 'fov_y': 60, 'cone': 60, 'views': 9}}"));
 }
 
 /* Two balls and a ground, everything by s about (x, 0, -x). */
 static void assert_scaled(double s, double x)
 {
-    char text[2048];
-    snprintf(
-        text, sizeof text,
-        "{ 'quiltd': 1, 'camera': { 'target': [%.17g, 0, %.17g], 'position': [%.17g, %.17g, "
-        "%.17g], 'up': [0, 1, 0], 'fov_y': 24, "
-        "'aspect': 1.3333333333, 'cone': 40, 'views': 45 }, 'meshes': { "
-        "'ground': { 'shape': 'quad', 'transform': { 'scale': %g, 'translate': [%.17g, %.17g, "
-        "%.17g] } }, "
-        "'a': { 'shape': 'sphere', 'transform': { 'scale': %g, 'translate': [%.17g, 0, %.17g] } }, "
-        "'b': { 'shape': 'sphere', 'transform': { 'scale': %g, 'translate': [%.17g, 0, %.17g] } } "
-        "} }",
+    assert_as_rays(lf_test_scene_patched(
+        "two-balls",
+        "{'camera': {'target': [%.17g, 0, %.17g], 'position': [%.17g, %.17g, %.17g]}, "
+        "'meshes': {'ground': {'transform': {'scale': %g, 'translate': [%.17g, %.17g, %.17g]}}, "
+        "'a': {'transform': {'scale': %g, 'translate': [%.17g, 0, %.17g]}}, "
+        "'b': {'transform': {'scale': %g, 'translate': [%.17g, 0, %.17g]}}}}",
         x, -x, x, 0.6 * s, 5 * s - x, 4 * s, x, -s, -x, 0.6 * s, x - 0.5 * s, 0.3 * s - x, 0.4 * s,
-        x + 0.6 * s, -0.4 * s - x);
-    assert_as_rays(text);
+        x + 0.6 * s, -0.4 * s - x));
 }
 
 static void scenes_far_away_tiny_and_huge(void **state)
@@ -351,18 +339,9 @@ static void a_small_box_on_a_large_ground(void **state)
     (void)state;
     static const char *const grounds[] = {"3000, 'rotate': [0, 20, 0]",
                                           "3000, 'rotate': [4, 20, -7]", "100000"};
-    for (int i = 0; i < 3; i++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{ 'quiltd': 1, 'camera': { 'position': [0, 0.3, 1], 'fov_y': 12, 'aspect': "
-                 "1.3333333333, 'cone': 40, 'views': 45 }, "
-                 "'meshes': { 'ground': { 'shape': 'quad', 'transform': { 'scale': %s } }, 'box': "
-                 "{ 'shape': 'cube', 'transform': { "
-                 "'scale': [0.06, 0.04, 0.06], 'rotate': [0, 31, 0], 'translate': [0.02, 0.03, 0] "
-                 "} } } }",
-                 grounds[i]);
-        assert_as_rays(text);
-    }
+    for (int i = 0; i < 3; i++)
+        assert_as_rays(lf_test_scene_patched(
+            "small-box", "{'meshes': {'ground': {'transform': {'scale': %s}}}}", grounds[i]));
 }
 
 /* A card between a point and the middle of the rig, both at known places: views b with |b (1 -
@@ -371,11 +350,7 @@ static void a_card_hides_the_views_behind_it(void **state)
 {
     (void)state;
     bench b;
-    set_up(&b, "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': "
-               "1.3333333333, 'cone': 40, 'views': 45 }, "
-               "'meshes': { 'card': { 'shape': 'quad', 'transform': { 'scale': 0.31, 'rotate': "
-               "[90, 0, 0], 'translate': [0, 0, 3] "
-               "} } } }");
+    set_up(&b, lf_test_scene_text("card-in-front"));
     const lf_rig *rig = &lf_test_rows(b.renderer)->rig;
     float c[LF_MAX_LANES], scale[LF_MAX_LANES];
     cut(&b, height / 2, 0.0f);
@@ -397,7 +372,8 @@ static void lists_of_rows_are_complete(void **state)
 {
     (void)state;
     bench b;
-    set_up(&b, LF_TEST_LAMP("5", ", 'lens_radius': 0.15, 'focus_distance': 4"));
+    set_up(&b,
+           lf_test_scene_patched("lamp", "{'camera': {'lens_radius': 0.15, 'focus_distance': 4}}"));
     const lf_row_triangles *rows = &lf_test_rows(b.renderer)->triangles;
     size_t found = 0;
     for (int row = 0; row < height; row++) {
@@ -431,7 +407,7 @@ static void another_plane_is_noticed(void **state)
 {
     (void)state;
     bench b;
-    set_up(&b, LF_TEST_LAMP("45", ""));
+    set_up(&b, lf_test_scene_views("lamp", 45));
     b.strict = false;
     tally t = compare(&b, 0.5f);
     assert_true(t.wrong > 100);

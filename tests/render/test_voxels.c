@@ -4,6 +4,7 @@
 #include "render/plane/voxels.h"
 #include "render/transport/sampler.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { NX = 21, NY = 13, NZ = 17, SIDE = 12 };
 
@@ -145,9 +146,8 @@ static lf_scene *constant_scene(bool box, float albedo, const char *lights)
     const double voxel = 0.02, tilt = 0.5;
     char text[1024], shape[256];
     snprintf(shape, sizeof shape,
-             "'volumes': { 'v': { 'shape': 'box', 'density': 6, 'albedo': %.9f, 'transform': { "
-             "'rotate': [0, %.9f, 0], "
-             "'scale': [%.9f, %.9f, %.9f] } } }",
+             "'volumes': { 'v': { 'shape': 'box', 'density': 6, 'albedo': %.9f, "
+             "'transform': { 'rotate': [0, %.9f, 0], 'scale': [%.9f, %.9f, %.9f] } } }",
              (double)albedo, tilt * 180.0 / M_PI, NX * voxel / 2.0, NY * voxel / 2.0,
              NZ * voxel / 2.0);
     snprintf(text, sizeof text,
@@ -193,17 +193,11 @@ enum { REPLICATES = 24, BLOCK = 4, BLOCKS = 5 * 9 + 1 };
 /* Rough voxels in a thin fog with a lens before them; or the cameras inside. */
 static lf_scene *rough_scene(bool inside)
 {
-    char text[1024];
-    snprintf(text, sizeof text,
-             "{ 'camera': { 'position': [0, 0, %s], 'fov_y': %s, 'aspect': 1, 'cone': 40, 'views': "
-             "5%s }, "
-             "%s, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 }, 'sun': { 'type': "
-             "'distant', 'direction': [0.6, "
-             "-0.74, -0.3], 'irradiance': 4 } } }",
-             inside ? "0.1" : "5", inside ? "60" : "4",
-             inside ? "" : ", 'lens_radius': 0.1, 'focus_distance': 4.9",
-             LF_TEST_VOLUMES(", 'w': { 'shape': 'sphere', 'density': 2, 'albedo': [0.9, 0.5, 0.2], "
-                             "'g': 0.4, 'transform': { 'scale': 0.1 } }"));
+    const char *text = lf_test_scene_patched(
+        "rough-voxels", "%s",
+        inside ? "{'camera': {'position': [0, 0, 0.1], 'fov_y': 60, 'lens_radius': null, "
+                 "'focus_distance': null}}"
+               : "{}");
     lf_scene *scene =
         lf_test_grid_scene(text, lf_test_grid(lf_test_rough, 14, 14, 14), 0.02, 0.5, 100.0f, true);
     scene->volumes[0].albedo = lf_v3(0.9f, 0.8f, 0.5f);
