@@ -177,16 +177,6 @@ static int remove_picture(void **state)
     lf_test_scene_patched("painted-wall", "{'materials': {'paint': {'albedo': " albedo "}}}")
 #define CHECKER "{ 'file': 'checker.png' }"
 
-static double rel_mse(const float *x, const float *truth)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < VALUES; i++) {
-        double d = (double)x[i] - (double)truth[i];
-        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2);
-    }
-    return sum / VALUES;
-}
-
 static float *picture(void)
 {
     float *x = malloc(VALUES * sizeof *x);
@@ -212,10 +202,10 @@ static void a_texture_is_as_sharp_as_its_picture(void **state)
         lf_test_reseed(r, lf_test_seed() + 1000000);
         lf_test_cycles(r, 100);
         lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_CV, truth, NULL), NULL);
-        error[i] = rel_mse(shown, truth);
+        error[i] = lf_test_rel_mse(shown, truth, VALUES);
         print_message("%s wall: shown %.2g, unfiltered %.2g\n", i ? "checker" : "white", error[i],
-                      rel_mse(raw, truth));
-        assert_true(error[i] < 0.3 * rel_mse(raw, truth));
+                      lf_test_rel_mse(raw, truth, VALUES));
+        assert_true(error[i] < 0.3 * lf_test_rel_mse(raw, truth, VALUES));
         free(truth);
         free(shown);
         free(raw);

@@ -1,10 +1,11 @@
 /* cv beside what is much brighter than its neighbours: without bias, and never much noisier than
  * mis. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/film/film.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
+#include "tests/stat/uniform.h"
 
 /* ------------------------------------------------------------------------------- closed form -- */
 
@@ -13,21 +14,16 @@ enum { across = 8, pixels = 3 * across, highlight = pixels - 1 };
 /* One visit in four meets the highlight. */
 #define HIGHLIGHT 300.0
 
-static double uniform(uint64_t *state)
-{
-    *state = lf_hash64(*state, 1);
-    return ((double)(*state >> 11) + 0.5) * 0x1p-53;
-}
-
 /* A half of one sample: W is q times an exponential variable x, N half its square, which have the
  * means q and q. What the highlight sends has nothing to do with W. Where there is W', W is another
  * such variable, which N knows less of. */
 static void draw_half(uint64_t *random, lf_film_half *half)
 {
     for (int i = 0; i < pixels; i++) {
-        double x = -log(uniform(random)), y = 0.5 * x * x, less = -log(uniform(random));
+        double x = -log(lf_test_uniform53(random)), y = 0.5 * x * x,
+               less = -log(lf_test_uniform53(random));
         if (i == highlight)
-            y = uniform(random) < 0.25 ? 4 * HIGHLIGHT : 0;
+            y = lf_test_uniform53(random) < 0.25 ? 4 * HIGHLIGHT : 0;
         float n = (float)(y * (double)Q), w = (float)(x * (double)Q);
         half->scattered[i] = (lf_film_scattered){{n, n, n}, w};
         if (half->w2) {

@@ -1,11 +1,12 @@
 /* Light samples against closed forms: what a lamp gives to a point of a ground, by the light that
  * is drawn and by what of it arrives, with lamps and grounds of very different sizes, turned and
  * far away. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/transport/path/path.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
+#include "tests/stat/uniform.h"
 
 typedef struct vec {
     double x, y, z;
@@ -354,12 +355,6 @@ static void set_box(boxed *b)
     b->axis[2] = turn(r, (vec){0, 0, 1});
 }
 
-static double uniform(boxed *b)
-{
-    b->random = lf_hash64(b->random, 1);
-    return (double)(b->random >> 40) * 0x1p-24;
-}
-
 /* A point or, without the middle, a direction given in the frame of the box. */
 static vec place(const boxed *b, vec middle, double x, double y, double z)
 {
@@ -410,15 +405,18 @@ static void assert_box(boxed b)
     lf_vec3 sun = lf_normalize(rounded(place(&b, (vec){0, 0, 0}, -0.9, 0.3, 0.0)));
     for (int i = 0; i < n; i++) {
         lf_event at;
-        lf_vec3 w = lf_normalize(rounded(
-            place(&b, (vec){0, 0, 0}, uniform(&b) - 0.5, uniform(&b) - 0.5, uniform(&b) - 0.5)));
-        primary += look(&b, 0.4 * uniform(&b) - 0.2, 0.0, 0.4 * uniform(&b) - 0.2, &at);
+        lf_vec3 w = lf_normalize(rounded(place(
+            &b, (vec){0, 0, 0}, (double)lf_test_uniform(&b.random) - 0.5,
+            (double)lf_test_uniform(&b.random) - 0.5, (double)lf_test_uniform(&b.random) - 0.5)));
+        primary += look(&b, 0.4 * (double)lf_test_uniform(&b.random) - 0.2, 0.0,
+                        0.4 * (double)lf_test_uniform(&b.random) - 0.2, &at);
         shadow += ask(&b, &at, sun);
         dark += !(lf_path_visible(&b.tracer, &at,
                                   &(lf_light_sample){.wi = sun, .distance = INFINITY}) > 0.0f);
         bounce += ask(&b, &at, w);
         /* along the foot of the wall */
-        primary += look(&b, 0.2 * uniform(&b) - 0.1, 0.004 * uniform(&b) - 0.002, 0.1, &at);
+        primary += look(&b, 0.2 * (double)lf_test_uniform(&b.random) - 0.1,
+                        0.004 * (double)lf_test_uniform(&b.random) - 0.002, 0.1, &at);
         bounce += ask(&b, &at, w);
     }
     lf_scene_unref(b.scene);

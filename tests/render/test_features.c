@@ -1,12 +1,12 @@
 /* Where the fan of B and q meets what scatters: features against integrals along rays that share no
  * code with them, and what the film keeps of them. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/film/film.h"
 #include "render/plane/media.h"
 #include "tests/render/fans.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { STEPS = 40000 };
 
@@ -98,7 +98,7 @@ static void shapes_are_met_where_the_truncated_exponential_says(void **state)
     uint64_t seed = 3;
     int met = 0;
     for (int trial = 0; trial < 20; trial++) {
-        double z = 4.0 + 3.0 * (double)uniform(&seed), half = 0.1 * z,
+        double z = 4.0 + 3.0 * (double)lf_test_uniform(&seed), half = 0.1 * z,
                sigma_t = depths[trial % 5] / (2.0 * half), distance = 5.0;
         lf_body body = body_at(trial % 2 ? LF_VOLUME_BOX : LF_VOLUME_SPHERE, 0.0, z, half, sigma_t);
         lf_fan fan;

@@ -1,21 +1,16 @@
 /* The bound of the error holds as often as it says. Replicates are runs, each with a seed of its
  * own; the truth is the mean of the unbiased answer over all of them. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/film/film.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-
-static double uniform(uint64_t *state)
-{
-    *state = lf_hash64(*state, 1);
-    return ((double)(*state >> 11) + 0.5) * 0x1p-53;
-}
+#include "tests/stat/uniform.h"
 
 static double normal(uint64_t *state)
 {
-    double r = sqrt(-2 * log(uniform(state)));
-    return r * cos(6.283185307179586 * uniform(state));
+    double r = sqrt(-2 * log(lf_test_uniform53(state)));
+    return r * cos(6.283185307179586 * lf_test_uniform53(state));
 }
 
 /* Halves of normal noise: 24 rows of `own` independent numbers, each of which `shared` views have
@@ -110,16 +105,6 @@ static void bounds_shrink_with_confidence_and_rows(void **state)
 
 enum { views = 9, width = 16, height = 24, values = 3 * views * width * height };
 
-static double relative_mse(const float *x, const float *truth)
-{
-    double sum = 0;
-    for (int i = 0; i < values; i++) {
-        double d = (double)x[i] - (double)truth[i];
-        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2);
-    }
-    return sum / values;
-}
-
 /* What is claimed of every answer: 93 %. False alarm: with just that a test of this many runs fails
  * with probability 3e-5 (4 standard errors). */
 static void assert_coverage(int held, int runs)
@@ -194,7 +179,7 @@ static const char *write_sky(const char *folder)
     fprintf(file, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", down, across);
     for (int i = 0; i < across * down; i++) {
         const unsigned char dark[4] = {100, 110, 130, 125}, bright[4] = {200, 180, 160, 132};
-        assert_int_equal(fwrite(uniform(&random) < 0.02 ? bright : dark, 4, 1, file), 1);
+        assert_int_equal(fwrite(lf_test_uniform53(&random) < 0.02 ? bright : dark, 4, 1, file), 1);
     }
     assert_int_equal(fclose(file), 0);
     return path;
@@ -233,7 +218,7 @@ static void run_lit(const lit_scene *s, int cycles, int first, int runs, lit_res
     }
     for (int e = LF_ESTIMATOR_MWIS; e <= LF_ESTIMATOR_CV; e++) {
         for (int i = 0; i < runs; i++) {
-            double realised = relative_mse(pictures[e][i], truth) * runs / (runs - 1);
+            double realised = lf_test_rel_mse(pictures[e][i], truth, values) * runs / (runs - 1);
             lf_moments_add(&out[e].realised, realised);
             lf_moments_add(&out[e].stated, estimates[e][i]);
             lf_moments_add(&out[e].ratio, bounds[e][i] / estimates[e][i]);

@@ -1,5 +1,4 @@
 /* The film's file: what it keeps, what it refuses, and pictures made in parts. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <fcntl.h>
@@ -9,6 +8,7 @@
 
 #include "base/alloc.h"
 #include "render/film/film_file.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { WIDTH = 24, HEIGHT = 13, VIEWS = 5, VALUES = VIEWS * WIDTH * HEIGHT * 3 };
@@ -209,13 +209,8 @@ static void holes_of_added_films_are_filled(void **state)
 static double rel_mse(const lf_renderer *r, const float *truth)
 {
     static float x[VALUES];
-    double sum = 0;
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MIS, x, NULL), NULL);
-    for (int i = 0; i < VALUES; i++) {
-        double t = (double)truth[i], d = (double)x[i] - t;
-        sum += d * d / (t * t + 1e-2) / VALUES;
-    }
-    return sum;
+    return lf_test_rel_mse(x, truth, VALUES);
 }
 
 /* Films of several streams and of another seed, each alone and all added. */
