@@ -1,6 +1,5 @@
 /* What frames of the engine have besides what is rendered: what catchers get, as a picture has it
  * that is made by itself, and guides. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <poll.h>
@@ -10,6 +9,7 @@
 #include "base/alloc.h"
 #include "base/wakeup.h"
 #include "daemon/engine/engine.h"
+#include "tests/scene_file.h"
 
 enum { VIEWS = 5, SIDE = 48, PIXELS = VIEWS * SIDE * SIDE };
 
@@ -43,8 +43,7 @@ static void begin(running *r, const char *scene, lf_denoise denoise)
     lf_error err = {0};
     int64_t generation = 0;
     *r = (running){.fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
-    r->controls =
-        (lf_engine_controls){.threads = 2, .denoise = denoise, .target_error = 1e-9};
+    r->controls = (lf_engine_controls){.threads = 2, .denoise = denoise, .target_error = 1e-9};
     lf_assert_ok(lf_engine_create(&r->controls, r->fd, &r->engine, &err), &err);
     lf_engine_set_panel(r->engine, NULL, 1, true);
     r->content = content_of(scene, denoise);
@@ -141,7 +140,7 @@ static void frames_have_what_catchers_of_files_get(void **state)
     } scenes[] = {{"ball-in-catcher-light", 2.0, 5.0}, {"light-on-mirror", 2.0, 5.0}};
     for (int i = 0; i < 4; i++) {
         running r;
-        begin(&r, scenes[i / 2].scene, i % 2 == 0 ? LF_DENOISE_OFF : LF_RECONSTRUCT_ON);
+        begin(&r, scenes[i / 2].scene, i % 2 == 0 ? LF_DENOISE_OFF : LF_DENOISE_ON);
         if (i % 2 == 0) {
             make_picture(r.content, true, film, with);
             make_picture(r.content, false, bare, without);

@@ -4,9 +4,9 @@
  * power: for every answer 1 % in one tile, of either sign, would be rejected in at least a quarter
  * of all tiles (the number is printed), and 0.3 % of the whole picture always, of mwis 0.3 % more
  * than its known bias. QUILTD_LONG=1 takes four times the replicates. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/kept.h"
 
 enum { width = 64, height = 48, n_views = 3, tile = 16, tiles = n_views * 12 + 1, answers = 4 };

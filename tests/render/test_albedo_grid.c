@@ -3,11 +3,11 @@
  * that of 8 boxes side by side: both integrators and two answers against the boxes by vpt, means
  * over blocks of 16 x 16 pixels of each view by Welch's test, replicates being seeds. Negative
  * control: the layers' mean albedo is rejected. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <limits.h>
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 16, tiles = n_views * 4 + 1, layers = 8 };

@@ -1,11 +1,11 @@
 /* amv2019 (render/papers/amv2019.h): as corrected its answers are those of vpt, tile by tile, and
  * weights come to the samples, whoever was taken; normalised by K, as printed, it is too dark by
  * what the geometry says. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/papers/amv2019.h"
 #include "tests/render/papers.h"
+#include "tests/scene_file.h"
 
 static void views_are_taken_by_jacobian_and_lobe(void **state)
 {

@@ -1,10 +1,10 @@
 /* More base samples where the error is, in papers/: counts a pixel come out as expected, and
  * behind a pilot the answers of amvpt2022 are still those of vpt, tile by tile. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/papers/count.h"
 #include "tests/render/papers.h"
+#include "tests/scene_file.h"
 
 /* Over the phase a pixel gets as many samples as it expects, whatever the visits; and what they are
  * worth alone comes to the passes. */

@@ -1,8 +1,8 @@
 /* Grooves of surfaces: where they go on a mesh, and that both integrators show the same of them. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/transport/surface/surface_texture.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 16, tile = 8, tiles = 19 };

@@ -2,13 +2,13 @@
  * say; the densities that weights are made of are those of a rectified rig, to 1e-5, where the list
  * is one; pictures by the general way and by rows agree, tile by tile, and W is n q everywhere;
  * pictures do not depend on the number of threads. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/cameras/pinhole.h"
 #include "render/renderer.h"
 #include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 #include "tests/stat/kept.h"
 
 enum { width = 48, height = 36, tile = 12, n_views = 3, tiles = n_views * 12 + 1 };

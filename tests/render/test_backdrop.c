@@ -1,10 +1,10 @@
 /* What the camera sees where it meets nothing: lights at infinity that are hidden from it, and
  * backdrops. Closed forms, then that a picture is the sum of what its light does and of what is
  * behind it. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/renderer.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 18, n_views = 5, values = 3 * n_views * width * height, cycles = 8 };

@@ -5,9 +5,9 @@
  * weights has an intercept. (One view, not all: what wrong weights take from one view they give to
  * another.) Standard errors are those of groups, each a regression of its own. QUILTD_LONG=1 takes
  * eight times the seeds. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 12, height = 8, views = 3, counts = 4, groups = 12 };

@@ -1,9 +1,9 @@
 /* Catchers of shadows: what they tell against closed forms, that the camera sees through them and
  * everything else does not. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "base/alloc.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { SIDE = 8, VIEWS = 3, PIXELS = SIDE * SIDE * VIEWS };

@@ -4,10 +4,10 @@
  * integrators, live pictures included; blocks of 16 x 16 pixels of each view by Welch's test,
  * replicates being seeds. Slabs that absorb alone are compared with their closed form. Negative
  * controls: extinction that is 10 % off, or the mean of the channels in its place, is rejected. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 16, tiles = n_views * 4 + 1, answers = 3 };
 

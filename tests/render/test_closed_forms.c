@@ -1,9 +1,9 @@
 /* Pictures that are known: furnaces, an absorbing slab, a point light on a plane, single scattering
  * in a slab, two cameras in one place. Replicates are seeds; blocks are compared by Student's t,
  * false alarms as stat.h says. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 32, height = 24, n_views = 5 };

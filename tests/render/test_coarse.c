@@ -1,11 +1,11 @@
 /* Visits for a coarse frame: B and q of every fourth column, and what becomes of them in the film.
  */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "base/alloc.h"
 #include "render/rows/outlines.h"
 #include "render/transport/sampler.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 /* ---------------------------------------------------------------------------------- the film -- */

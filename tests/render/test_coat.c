@@ -1,9 +1,9 @@
 /* A coat over a base whose normals a picture bends: it lies about its own normal, which is that of
  * the mesh or of a picture of its own. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/transport/surface/surface_texture.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 16, tile = 8, tiles = 19 };

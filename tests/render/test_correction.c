@@ -1,12 +1,12 @@
 /* What is drawn from slices counts for the grids themselves (docs/developer/estimators/grids.md,
  * "The weight"): single scattering in closed form where slices are worst, transmittance by brute
  * force, and the same with the correction pulled out. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "base/alloc.h"
 #include "render/plane/correction.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { VIEWS = 5, SIDE = 12, REPLICATES = 12 };
 

@@ -2,11 +2,11 @@
  * ones, the oracle of one ray (also where rays graze faces and edges, begin inside, end nowhere),
  * the same bits by every instruction set and whatever rays go together. Negative controls: rays
  * that are moved by a hundredth of a voxel are told from those that are not. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { n_rays = 600 };
 

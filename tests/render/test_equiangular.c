@@ -2,9 +2,9 @@
  * (quadrature in double precision along the pixels' rays), from rays that pass it at 1e-3 to such
  * that pass it at 1, forward and backward lobes; and what does not change with the seed: the
  * variance. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 12, height = 10, n_views = 5 };

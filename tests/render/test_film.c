@@ -1,10 +1,10 @@
 /* The film's arithmetic: bytes a view pixel, sums that neither stagnate nor drift, means that stay
  * exact, the few bits of the halves' difference, and light that is known without being stored. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/film/film.h"
 #include "render/film/film_difference.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 static const lf_film_layout row_of_256 = {.n_views = 1, .width = 256, .height = 1, .has_w2 = true};

@@ -1,5 +1,4 @@
 /* What a film is a picture of: the files that its scene names go by what they hold. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <fcntl.h>
@@ -9,6 +8,7 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "render/import/scene/file_identity.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { WIDTH = 4, HEIGHT = 3 };

@@ -1,9 +1,9 @@
 /* The best detector of mistakes there is: W and W' are, in the mean, n q in every pixel.
  * Differences W - n q are taken half by half (one row offset, one slice for both), averaged over
  * blocks of 8 x 8 pixels of one view, and compared with 0 over seeds. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 16, n_views = 7, blocks_of_a_view = 6, replicates = 40 };

@@ -5,7 +5,6 @@
  * twice as fast. The files are made by scenes/make_test_vdb.cc: a blob 1 - r^2 / 1.5^2 about (2,
  * 0.5, 0), in voxels of 1/4, one of temperatures in voxels of 1/2, velocities of (1.5, -0.5, 0.25),
  * of one turn about z in 2 pi seconds, and of (x, -y, 0) on faces. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <limits.h>
@@ -13,6 +12,7 @@
 
 #include "render/scene/grid_flow.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 8, tiles = n_views * 12 + 1 };
 

@@ -1,9 +1,9 @@
 /* How a scene lies in the window: its box, its depth, and where the camera must stand, against
  * projections made here (docs/reference/scene-format.md, "camera": off-axis cameras on a line, at D
  * tan(a_i)). */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 static lf_render_settings settings_of(const lf_scene *scene, int width, int height)

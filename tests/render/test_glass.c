@@ -1,12 +1,12 @@
 /* Rough glass: its lobe against Walter's equations, written from the paper in double precision; its
  * furnace; and what paths through a slab find, against a brute force walk that draws microfacets
  * from all of them instead of the visible ones. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/transport/path/path.h"
 #include "render/transport/sampler.h"
 #include "render/transport/surface/surface_glass.h"
+#include "tests/scene_file.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/fixture.h"
 

@@ -1,8 +1,8 @@
 /* Rough glass as pivots that views share: mvpt against vpt by tiles, replicates being seeds; its
  * weights; and mistakes in either that must be caught. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 8, blocks_of_all = n_views * 12 + 1 };

@@ -3,12 +3,12 @@
  * grid each in the same place, in two answers of mvpt against vpt, means over blocks of 16 x 16
  * pixels of each view by Welch's test, replicates being seeds. Negative control: one grid alone is
  * rejected. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <limits.h>
 
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 16, tiles = n_views * 4 + 1 };
 

@@ -4,9 +4,9 @@
  * whose density rises linearly over a voxel of several mean free paths. Replicates are seeds. Every
  * block of every view is tested, and the whole picture; its standard error is below what each case
  * says, and five of those would be seen. With QUILTD_LONG=1 it is below 0.3 of that. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/h_function.h"
 

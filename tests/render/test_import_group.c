@@ -1,6 +1,5 @@
 /* Files that are read for one scene: the first that fails ends the others, none is read twice, and
  * one limit of time holds for all. This program is its own reader, too (fake_reader.h). */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "base/sandbox/import_group.h"
@@ -11,6 +10,7 @@
 #include "render/scene/scene.h"
 #include "tests/base/pictures.h"
 #include "tests/render/fake_reader.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 /* What meshes_import.c says. */

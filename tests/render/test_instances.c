@@ -1,10 +1,10 @@
 /* Meshes that are given once and stand in many places: what rays and rows find there is what they
  * find in copies, which share no code with it; places turned, stretched, sheared and mirrored. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/plane/section_rays.h"
 #include "tests/render/instances.h"
+#include "tests/scene_file.h"
 
 enum { width = 40, height = 30, tile = 8, views = 3 };
 

@@ -1,9 +1,9 @@
 /* What fills solid glass, against the same scenes expressed another way: glass of index 1 is not
  * there, and what fills it is then a volume of its shape. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/transport/path/interior.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 32, height = 24, n_views = 2, tile = 8, blocks_of_all = n_views * 12 + 1 };

@@ -1,10 +1,10 @@
 /* Numbers with keys are those of the frame, wherever they stand, and a wrong key is told where it
  * is. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/import/scene/keyframes.h"
 #include "render/scene/geometry.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 /* text with ' for ". */

@@ -1,7 +1,7 @@
 /* One lamp, made in several ways: faces doubled, a quad or ten thousand triangles. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 18, n_views = 4 };

@@ -1,7 +1,7 @@
 /* Layers beside the colours of view pixels. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 /* A wall across the view axis at a distance of 6.25 in the left half, a thin slab from 3.5 to 4.5

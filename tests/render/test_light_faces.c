@@ -1,12 +1,12 @@
 /* Rectangles, disks and balls that shine: closed forms of what arrives from them, the same scenes
  * with meshes in their place, their backs, and looking through those that are hidden. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "base/alloc.h"
 #include "render/scene/geometry.h"
 #include "render/transport/light/light_kind.h"
 #include "render/transport/path/path.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { side = 24, n_views = 5, values = 3 * n_views * side * side };

@@ -1,12 +1,12 @@
 /* The sky of a day: the model's own figures where they can be worked out by hand, its symmetries,
  * and what the renderer makes of it against sums over the model. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "base/alloc.h"
 #include "render/transport/light/daylight.h"
 #include "render/transport/light/light_kind.h"
 #include "render/transport/path/path.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 #define DEGREES (M_PI / 180.0)

@@ -1,11 +1,11 @@
 /* Spot lights against closed forms: what arrives at a plane below one, and that the light of the
  * whole plane is the power that the cone sends out. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "base/alloc.h"
 #include "render/transport/light/light_kind.h"
 #include "render/transport/path/path.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 static const struct {

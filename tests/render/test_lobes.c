@@ -4,11 +4,11 @@
  * density, a lobe each: both integrators against these by vpt, and droplets by mvpt against vpt;
  * blocks of 16 x 16 pixels of each view by Welch's test, replicates being seeds. Negative controls:
  * another share or g is rejected. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/transport/path/phase.h"
 #include "render/transport/sampler.h"
+#include "tests/scene_file.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/fixture.h"
 
