@@ -1,5 +1,5 @@
 /* Scenes of tests by name: tests/scenes/NAME.json, and variants of them by JSON merge patches (RFC
- * 7396), which change, add or (null) remove members. A patch is text as of printf, in which '
+ * 7396), which change, add or (null) remove members. A patch is a printf format in which '
  * stands for ". What cannot be read or patched fails the test by the scene's name. */
 #ifndef LF_TESTS_SCENE_FILE_H
 #define LF_TESTS_SCENE_FILE_H

@@ -201,6 +201,11 @@ numbers_by_the_library() {
         grep -vE '^(tests|scenes)/|^base/(number|image_hdr)\.c:|^device/(model/vhci|sim/sim_unplug|drm/kms)\.c:'
 }
 # CI's lists name programs, and tests of programs, that are there.
+scenes_of_no_test() { # tests load scenes by name
+    (cd "$1" && find tests/scenes -name '*.json' -printf '%f\n' 2> /dev/null | while read -r scene; do
+        grep -qrF --include='*.[ch]' "\"${scene%.json}\"" tests || echo "tests/scenes/$scene is loaded by no test"
+    done)
+}
 listed_tests_are_there() {
     local list lists=()
     for list in statistics threads longest; do
@@ -269,7 +274,8 @@ make_breaches() {
     printf '#include "daemon/output/output.h"\n' > "$1/daemon/cellar/new.c"
     printf 'daemon/output: daemon/engine\n' > "$1/tests/layers"
     printf '__attribute__((target_''clones("avx2"))) int y;' > "$1/quilt/cloned.cc"
-    mkdir -p "$1/tests/mutants"
+    mkdir -p "$1/tests/mutants" "$1/tests/scenes"
+    touch "$1/tests/scenes/nobody.json"
     printf 'render/bad.c  a line that is not there\n- h();\n+ i();\n! render/test_bad\n' > "$1/tests/mutants/render.txt"
     printf 'assert_true(1);\n' > "$1/tests/quilt/test_bad.c"
     printf '# Page\n\n| part | sections |\n|---|---|\n| one | [here](#here) [away](away.md) |\n\n## Hier (`x.c`)\n' > "$1/page.md"
@@ -287,7 +293,7 @@ done | sort > "$breaches/.forbidden"
 report forbidden "$(upward_includes "$breaches" | sed -E 's/:[0-9]+: / /' | sort | comm -13 - "$breaches/.forbidden")"
 for rule in tabs_and_trailing_blanks long_lines broken_section_rules torn_expressions pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones modules_apart \
     includes_not_from_the_root own_headers_in_angles foreign_internal_headers parts_apart server_seen_from_outside layers_in_a_circle folders_in_no_row upward_includes includes_of_private_headers \
-    cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there links_that_lead_nowhere sections_in_no_map; do
+    cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there scenes_of_no_test links_that_lead_nowhere sections_in_no_map; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
     else

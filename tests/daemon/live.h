@@ -4,7 +4,6 @@
 #ifndef LF_TESTS_DAEMON_LIVE_H
 #define LF_TESTS_DAEMON_LIVE_H
 
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <errno.h>
@@ -16,6 +15,8 @@
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <time.h>
+
+#include "tests/scene_file.h"
 
 #include <jansson.h>
 

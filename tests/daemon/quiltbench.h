@@ -2,12 +2,13 @@
 #ifndef LF_TESTS_DAEMON_QUILTBENCH_H
 #define LF_TESTS_DAEMON_QUILTBENCH_H
 
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+
+#include "tests/scene_file.h"
 
 #include <jansson.h>
 

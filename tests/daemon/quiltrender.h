@@ -13,8 +13,9 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "quilt/quilt.h"
-#include "tests/scene_file.h"
 #include "tests/testing.h"
+
+#include "tests/scene_file.h"
 
 #define VIEWS 6
 #define WIDTH 20

@@ -1,6 +1,5 @@
 /* What frames of the engine have besides what is rendered: what catchers get, as a picture has it
  * that is made by itself, and guides. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <poll.h>
@@ -10,6 +9,7 @@
 #include "base/alloc.h"
 #include "base/wakeup.h"
 #include "daemon/engine/engine.h"
+#include "tests/scene_file.h"
 
 enum { VIEWS = 5, SIDE = 48, PIXELS = VIEWS * SIDE * SIDE };
 

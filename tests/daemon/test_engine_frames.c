@@ -1,5 +1,4 @@
 /* Which frames the engine posts while the camera moves. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <math.h>
@@ -9,6 +8,7 @@
 
 #include "base/wakeup.h"
 #include "daemon/engine/engine.h"
+#include "tests/scene_file.h"
 
 /* The scene with the camera `aside`, and fog of this density. */
 static lf_content *content_of(double aside, double density)

@@ -1,6 +1,5 @@
 /* One rendering from start to end: budgets that end, progress that rises, and the film of a single
  * lf_renderer_passes. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <fcntl.h>
@@ -8,6 +7,7 @@
 #include "base/alloc.h"
 #include "daemon/output/render_job.h"
 #include "render/papers/papers.h"
+#include "tests/scene_file.h"
 
 #define VIEWS 4
 #define WIDTH 6

@@ -1,6 +1,5 @@
 /* The states that a daemon keeps: which is gone on with, which go, and what is left of one that was
  * being saved when its process was killed. That process is this program again. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <dirent.h>
@@ -14,6 +13,7 @@
 
 #include "daemon/engine/states.h"
 #include "daemon/output/content.h"
+#include "tests/scene_file.h"
 
 #define MOMENTS 20
 #define MANY_MOMENTS 200

@@ -1,13 +1,13 @@
 /* The reference estimator mvpt2022 (render/papers/general.h): by all six shifts, and by the
  * selections that are consistent, its three answers are those of vpt, tile by tile, and E[W] = n;
  * with the selection as printed they are off by what the theory says. Replicates are seeds. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/papers/null_chain.h"
 #include "render/papers/selection.h"
 #include "tests/render/grids.h"
 #include "tests/render/papers.h"
+#include "tests/scene_file.h"
 
 enum {
     width = papers_width,

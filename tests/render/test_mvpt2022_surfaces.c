@@ -1,10 +1,10 @@
 /* Pivots on surfaces in mvpt2022 and mismvpt: by the selections that are consistent the answers are
  * those of vpt, tile by tile, on what is matt, glossy, mirrors, shines, leans away or stands in
  * fog; and weights come to the samples. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "tests/render/papers.h"
+#include "tests/scene_file.h"
 
 static const struct {
     const char *what, *scene, *patch;

@@ -1,8 +1,8 @@
 /* Deliberate mistakes in the estimator (lf_fault), each of which one of the statistical tests must
  * catch; and the same tests with the same numbers pass without them. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 32, height = 24, n_views = 7 };

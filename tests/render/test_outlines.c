@@ -1,11 +1,11 @@
 /* Film points of B and q where surfaces meet: how much of a pixel a surface fills, after one visit
  * and in the mean over many. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/film/film.h"
 #include "render/rows/outlines.h"
 #include "render/rows/rows.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { VIEWS = 9, WIDTH = 32, HEIGHT = 24, SEEDS = 40 };

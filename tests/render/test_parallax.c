@@ -1,10 +1,10 @@
 /* Where points land in the views: what the rig's geometry says, to a fraction of a pixel. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "base/alloc.h"
 #include "render/plane/rig.h"
 #include "render/render.h"
+#include "tests/scene_file.h"
 
 enum { VIEWS = 9, WIDTH = 120, HEIGHT = 40 };
 

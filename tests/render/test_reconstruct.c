@@ -13,16 +13,6 @@ enum { width = 32, height = 24, views = 9, values = 3 * width * height * views, 
 /* Fog and a ball on the ground under a sun and a sky, seen by nine views. */
 #define SCENE lf_test_scene_views("mixed", 9)
 
-static double rel_mse(const float *x, const float *truth)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < values; i++) {
-        double d = (double)x[i] - (double)truth[i];
-        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2);
-    }
-    return sum / values;
-}
-
 static float *picture(void)
 {
     float *x = malloc(values * sizeof *x);
@@ -538,13 +528,13 @@ static lf_told tell(lf_renderer *r, const float *truth, int n)
         lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
         reconstruct_visits(r, NULL, n);
         lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
-        shown = rel_mse(x, truth);
+        shown = lf_test_rel_mse(x, truth, values);
         out.held += lf_renderer_shown_error(r, 0.05, &stated, NULL) >= shown;
         out.shown += shown / SEEDS;
         out.stated += stated / SEEDS;
         lf_assert_ok(lf_renderer_fill_holes(r, NULL, NULL), NULL);
         lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, x, NULL), NULL);
-        out.unfiltered += rel_mse(x, truth) / SEEDS;
+        out.unfiltered += lf_test_rel_mse(x, truth, values) / SEEDS;
     }
     print_message("%d visits: unfiltered %.2e, shown %.2e, stated %.2e, the bound holds in %d of "
                   "%d\n",

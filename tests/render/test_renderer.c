@@ -1,11 +1,11 @@
 /* The renderer as a machine: what it allocates, keeps, forgets, saves and refuses. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <fcntl.h>
 #include <malloc.h>
 
 #include "base/alloc.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { WIDTH = 40, HEIGHT = 24, VIEWS = 5, VALUES = VIEWS * WIDTH * HEIGHT * 3 };

@@ -2,7 +2,6 @@
  * form: weights of a toy, shares, the biased shortcut; its depths; its pictures by all kinds of
  * reuse are those of vpt tile by tile, and with the shortcut they are dark beside an edge by what
  * the theory says. Replicates are seeds. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/papers/coarse_grid.h"
@@ -11,6 +10,7 @@
 #include "render/papers/reuse.h"
 #include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { width = 24, height = 16, n_views = 2, tile = 8, tiles = n_views * 6 + 1, depth = 3 };
 

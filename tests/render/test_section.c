@@ -1,11 +1,12 @@
 /* The meshes in a row's plane: which views see a point follows from segments as it does from rays,
  * on surfaces and off them, with lenses, in rooms around the cameras, far from the origin, tiny and
  * huge. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/plane/section.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
+#include "tests/stat/uniform.h"
 
 enum { width = 40, height = 30 };
 
@@ -37,18 +38,12 @@ static void tear_down(bench *b)
     lf_scene_unref(b->scene);
 }
 
-static float uniform(bench *b)
-{
-    b->random = lf_hash64(b->random, 1);
-    return (float)(b->random >> 40) * 0x1p-24f;
-}
-
 /* A plane of the row; the section's is moved by so many rows. */
 static void cut(bench *b, int row, float moved)
 {
     const lf_rig *rig = &lf_test_rows(b->renderer)->rig;
-    const float lens[2] = {uniform(b), uniform(b)};
-    float v = (float)row + (1.0f - moved) * uniform(b);
+    const float lens[2] = {lf_test_uniform(&b->random), lf_test_uniform(&b->random)};
+    float v = (float)row + (1.0f - moved) * lf_test_uniform(&b->random);
     lf_row_plane other;
     lf_rig_row_plane(rig, v, lens, &b->plane);
     lf_rig_row_plane(rig, v + moved, lens, &other);
@@ -207,9 +202,9 @@ static tally compare(bench *b, float moved)
     for (int row = 0; row < height; row++) {
         cut(b, row, moved);
         for (int i = 0; i < 60; i++) {
-            int view = (int)(uniform(b) * (float)rig->n_views);
-            float lx = (2.0f * uniform(b) - 1.0f) * b->plane.lens_chord;
-            float xw = rig->x0 + uniform(b) * (float)width * rig->dx,
+            int view = (int)(lf_test_uniform(&b->random) * (float)rig->n_views);
+            float lx = (2.0f * lf_test_uniform(&b->random) - 1.0f) * b->plane.lens_chord;
+            float xw = rig->x0 + lf_test_uniform(&b->random) * (float)width * rig->dx,
                   slope = (xw - rig->b[view]) / rig->distance - lx / rig->focus;
             lf_vec3 eye = lf_rig_point(rig, rig->b[view] + lx, b->plane.ly, 0.0f);
             lf_vec3 w = lf_rig_direction(rig, slope, b->plane.my, 1.0f);
@@ -217,8 +212,10 @@ static tally compare(bench *b, float moved)
             bool found = lf_trace_surface(&b->tracer, eye, w, INFINITY, &hit);
             if (found)
                 ask(b, lx, hit.p, &hit, &t);
-            ask(b, lx, lf_madd(eye, uniform(b) * (found ? hit.t : 2.0f * rig->distance), w), NULL,
-                &t);
+            ask(b, lx,
+                lf_madd(eye, lf_test_uniform(&b->random) * (found ? hit.t : 2.0f * rig->distance),
+                        w),
+                NULL, &t);
         }
     }
     return t;
@@ -247,8 +244,8 @@ static void assert_fans(bench *b)
         int segment[LF_MAX_LANES];
         if (i % 40 == 0)
             cut(b, i / 40, 0.0f);
-        float lx = (2.0f * uniform(b) - 1.0f) * b->plane.lens_chord,
-              xw = rig->x0 + uniform(b) * (float)width * rig->dx;
+        float lx = (2.0f * lf_test_uniform(&b->random) - 1.0f) * b->plane.lens_chord,
+              xw = rig->x0 + lf_test_uniform(&b->random) * (float)width * rig->dx;
         for (int k = 0; k < lanes; k++)
             c[k] = rig->b[k] + lx;
         const lf_row_cut of = cut_of(b);
@@ -380,8 +377,8 @@ static void lists_of_rows_are_complete(void **state)
         for (int i = 0; i < 200; i++) {
             cut(&b, row, 0.0f);
             const lf_rig *rig = &lf_test_rows(b.renderer)->rig;
-            float lx = (2.0f * uniform(&b) - 1.0f) * b.plane.lens_chord,
-                  xw = rig->x0 + uniform(&b) * (float)width * rig->dx;
+            float lx = (2.0f * lf_test_uniform(&b.random) - 1.0f) * b.plane.lens_chord,
+                  xw = rig->x0 + lf_test_uniform(&b.random) * (float)width * rig->dx;
             lf_vec3 eye = lf_rig_point(rig, lx + rig->b[2], b.plane.ly, 0.0f);
             lf_hit hit;
             if (!lf_trace_surface(

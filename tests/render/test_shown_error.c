@@ -57,16 +57,6 @@ static void make_film(lf_renderer *r, uint64_t salt, float *truth)
     }
 }
 
-static double rel_mse(const float *x, const float *truth)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < values; i++) {
-        const double d = (double)x[i] - (double)truth[i];
-        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2) / values;
-    }
-    return sum;
-}
-
 /* Means over films, and how often the bound holds. */
 typedef struct lf_told {
     double shown, stated;
@@ -84,7 +74,7 @@ static lf_told tell(lf_renderer *r)
         make_film(r, k, truth);
         lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
         assert_true(r->shown->is_bright);
-        shown = rel_mse(x, truth);
+        shown = lf_test_rel_mse(x, truth, values);
         out.held += lf_renderer_shown_error(r, 0.05, &stated, NULL) >= shown;
         out.shown += shown / SEEDS;
         out.stated += stated / SEEDS;

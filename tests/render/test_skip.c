@@ -3,13 +3,13 @@
  * pixels of each view, replicates being seeds. A new entry is tested without a word here. Negative
  * controls: another scene is told apart by the first, a bias of 2 % of the picture by the second.
  */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include <limits.h>
 
 #include "render/plane/reach.h"
 #include "render/skip.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum {

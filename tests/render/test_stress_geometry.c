@@ -2,9 +2,9 @@
  * planes, edges of frames and media, contact, scenes far away, tiny and huge, wide rigs, lenses,
  * mirrored scenes; and what the weights hold to whatever the scene. Numbers of the cases are those
  * of the list there. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 16, height = 12, views = 5, pixels = views * width * height };

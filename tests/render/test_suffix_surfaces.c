@@ -54,10 +54,11 @@ static void fill(rig *r, int most, lf_suffix_batch *batch)
     uint64_t state = lf_hash64(lf_test_seed(), 9);
     lf_suffix_batch_init(batch, &r->lanes, best(), 3);
     for (int i = 0; i < 300; i++) {
-        const lf_batch_pivot pivot = {
-            .p = lf_v3(uniform(&state) - 0.5f, uniform(&state) - 0.5f, uniform(&state) - 0.5f),
-            .w = lf_v3(0.0f, 0.0f, -1.0f),
-            .rng = lf_hash64(7, (uint64_t)i)};
+        const lf_batch_pivot pivot = {.p = lf_v3(lf_test_uniform(&state) - 0.5f,
+                                                 lf_test_uniform(&state) - 0.5f,
+                                                 lf_test_uniform(&state) - 0.5f),
+                                      .w = lf_v3(0.0f, 0.0f, -1.0f),
+                                      .rng = lf_hash64(7, (uint64_t)i)};
         lf_sampler sampler;
         lf_sampler_init(&sampler, LF_SAMPLER_OWEN, pivot.rng, 0);
         assert_int_equal(lf_suffix_batch_add(batch, r->scene, &pivot, &sampler), i);

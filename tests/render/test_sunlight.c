@@ -1,12 +1,12 @@
 /* Sunlight by look-ups: shadows stand where geometry says, half-shadows are as wide as the sun's
  * disk, media take away what they do along rays; and all of it is what rays find. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/transport/light/light_kind.h"
 #include "render/transport/path/sunlight.h"
 #include "render/transport/path/track.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 #define HEAD "{'quiltd': 1, 'camera': {'position': [0, 1, 9], 'fov_y': 20, 'aspect': 1}, "
 #define GROUND "'ground': {'shape': 'quad', 'material': 'm', 'transform': {'scale': 4}}"

@@ -1,9 +1,9 @@
 /* The same seed and the same calls give the same bits for any number of threads, either sampler and
  * either integrator. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
 
 #include "render/papers/papers.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 32, height = 24, n_views = 7, pixels = n_views * width * height };

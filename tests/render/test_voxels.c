@@ -5,14 +5,9 @@
 #include "render/transport/sampler.h"
 #include "tests/render/grids.h"
 #include "tests/scene_file.h"
+#include "tests/stat/uniform.h"
 
 enum { NX = 21, NY = 13, NZ = 17, SIDE = 12 };
-
-static float uniform(uint64_t *state)
-{
-    *state = lf_hash64(*state, 1);
-    return (float)(*state >> 40) * 0x1p-24f;
-}
 
 /* Empty bricks, and rough voxels in the others. */
 static float patchy(int x, int y, int z)
@@ -25,15 +20,15 @@ static float patchy(int x, int y, int z)
 static void draw_ray(lf_voxels *voxels, float *x0, float *slope, uint64_t *seed)
 {
     const float size[3] = {NX, NY, NZ};
-    float away = uniform(seed) < 0.25f ? 0.0f : 40.0f;
-    int along = (int)(8.0f * uniform(seed)); /* this axis, if there is one */
-    *x0 = 20.0f * uniform(seed) - 10.0f;
-    *slope = 2.0f * uniform(seed) - 1.0f;
+    float away = lf_test_uniform(seed) < 0.25f ? 0.0f : 40.0f;
+    int along = (int)(8.0f * lf_test_uniform(seed)); /* this axis, if there is one */
+    *x0 = 20.0f * lf_test_uniform(seed) - 10.0f;
+    *slope = 2.0f * lf_test_uniform(seed) - 1.0f;
     for (int i = 0; i < 3; i++) {
         bool level = along < 3 && i != along;
-        float point = (1.4f * uniform(seed) - 0.2f) * size[i] - 0.5f,
-              d = level ? 0.0f : 2.0f * uniform(seed) - 1.0f;
-        voxels->across[i] = level ? 0.0f : 2.0f * uniform(seed) - 1.0f;
+        float point = (1.4f * lf_test_uniform(seed) - 0.2f) * size[i] - 0.5f,
+              d = level ? 0.0f : 2.0f * lf_test_uniform(seed) - 1.0f;
+        voxels->across[i] = level ? 0.0f : 2.0f * lf_test_uniform(seed) - 1.0f;
         voxels->depth[i] = d - *slope * voxels->across[i];
         voxels->origin[i] = point - away * d - *x0 * voxels->across[i];
     }
@@ -87,7 +82,7 @@ static void depths_and_collisions_are_those_of_a_walk_from_face_to_face(void **s
     uint64_t seed = 5;
     int met = 0, collided = 0, there = 0;
     for (int n = 0; n < RAYS; n++) {
-        float x0, slope, z, end = n % 3 == 0 ? INFINITY : 60.0f * uniform(&seed),
+        float x0, slope, z, end = n % 3 == 0 ? INFINITY : 60.0f * lf_test_uniform(&seed),
                             lanes[4][LF_LANES] = {{0}};
         draw_ray(&voxels, &x0, &slope, &seed);
         double truth = brute_depth(&voxels, x0, slope, (double)end), close = 2e-4 * (1.0 + truth);
@@ -95,7 +90,7 @@ static void depths_and_collisions_are_those_of_a_walk_from_face_to_face(void **s
         met += truth > 0.1;
         lf_assert_close((double)depth, truth, 0.0, close);
         assert_true(z == end);
-        float stop = 1.3f * uniform(&seed) * depth,
+        float stop = 1.3f * lf_test_uniform(&seed) * depth,
               reached = lf_voxels_march(&voxels, x0, slope, end, stop, &z);
         assert_true(reached <= stop);
         if (reached == stop && z < end) {

@@ -116,6 +116,16 @@ double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator)
     return out;
 }
 
+double lf_test_rel_mse(const float *values, const float *truth, size_t n)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double t = (double)truth[i], d = (double)values[i] - t;
+        sum += d * d / (t * t + 1e-2);
+    }
+    return sum / (double)n;
+}
+
 void lf_blocks_init(lf_blocks *b, int n_views, int width, int height, int block)
 {
     int across = (width + block - 1) / block, down = (height + block - 1) / block;

@@ -1,6 +1,7 @@
 /* Scenes of tests from files, and their patches. */
-#include "tests/scene_file.h"
 #include "tests/testing.h"
+
+#include "tests/scene_file.h"
 
 static void assert_document(const char *text, const char *expected)
 {
