@@ -292,6 +292,8 @@ static void stats_have_the_stated_keys_and_nothing_made_up(void **state)
                                        "rel_mse_bound",
                                        "error",
                                        "error_bound",
+                                       "denoised_error",
+                                       "denoised_error_bound",
                                        "shown_error",
                                        "shown_error_bound",
                                        "rays_traced",
