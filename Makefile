@@ -9,6 +9,7 @@
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
+#   make docs               write the tables of docs/reference from the tables of the programs
 #   make fuzz               feed random bytes to the readers: FUZZ_SECONDS each (60); T=hid: only that one
 #   make soak               the daemon on a panel with random faults: SOAK_SECONDS (600), SOAK_SEED
 #   make mutants            break one line at a time and list the changes that no test detects; T=render: only those with this word
@@ -245,6 +246,11 @@ mutants-now: all $(tests)
 fuzz-targets: $(call matching_or_all,$(fuzz_targets))
 fuzz-now: fuzz-targets
 	@O='$(O)' $(SRCDIR)/tests/fuzz.sh $(call matching_or_all,$(fuzz_targets))
+
+# tables of docs/reference from those of the programs; a test compares them
+.PHONY: docs
+docs: $(O)/tests/docs/make_tables $(O)/quiltd $(O)/quiltrender
+	@cd $(SRCDIR) && $(abspath $<) $(abspath $(O))
 
 bench-now: all
 	@mkdir -p $(BUILDROOT)/bench

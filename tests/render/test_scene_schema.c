@@ -119,7 +119,8 @@ static bool valid_scalar(const json_t *schema, const json_t *value)
 static void assert_known_keywords(const json_t *schema)
 {
     static const char *const known =
-        " $schema title description default deprecated $defs type additionalProperties properties "
+        " $schema title description unit deprecated default $defs type additionalProperties "
+        "properties "
         "propertyNames "
         "maxProperties required $ref items prefixItems minItems maxItems minLength maxLength "
         "pattern minimum "
