@@ -79,7 +79,7 @@ const lf_param lf_option_params[] = {
     {.name = "estimator", .option = "estimator", .argument = "NAME", PLACE(estimator),
      .has = offsetof(lf_options, has_estimator),
      .type = LF_PARAM_WORD, .word_at = lf_estimator_name,
-     .about = "how samples become the image; mwis: least noise, consistent; mis and cv: unbiased"},
+     .about = "how samples become the image; mwis has the least noise, mis and cv are unbiased"},
     {.option = "sampler", .argument = "NAME", PLACE(sampler),
      .type = LF_PARAM_WORD, .word_at = lf_sampler_name,
      .help = "owen: scrambled Sobol points; independent: random numbers"},
