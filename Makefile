@@ -1,4 +1,4 @@
-# quiltd: one make process, one graph. Every room has a module.mk that appends to the lists below.
+# quiltd: one make process, one graph. Every module has a module.mk that appends to the lists below.
 #
 #   make                    programs and scenes into build/ (packages must be there: make deps)
 #   make run | check        install what is missing, build, and start the daemon | run all tests
@@ -9,6 +9,7 @@
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
+#   make docs               write the tables of docs/reference from the tables of the programs
 #   make fuzz               feed random bytes to the readers: FUZZ_SECONDS each (60); T=hid: only that one
 #   make soak               the daemon on a panel with random faults: SOAK_SECONDS (600), SOAK_SEED
 #   make mutants            break one line at a time and list the changes that no test detects; T=render: only those with this word
@@ -53,7 +54,7 @@ comma := ,
 # what reads files for the others: installed beside bin, in libexec
 readers := quiltimport quiltimport-vdb quiltimport-picture
 programs := quiltd quiltctl quiltrender quiltsim quiltbench $(readers)
-rooms := base render quilt device daemon
+modules := base render quilt device daemon
 # each stands before those whose functions it calls
 libraries := tools server engine papers render quilt model device base
 
@@ -66,8 +67,8 @@ front := check check-arm64 check-kernel check-distro run bench verify lint fuzz 
 light := $(front) deps clean help
 goals := $(or $(MAKECMDGOALS),all)
 
-# files of one pattern in a room and its folders
-room_files = $(foreach d,$(2) */$(2) */*/$(2),$(call wild,$(1)/$(d)))
+# files of one pattern in a module and its folders
+module_files = $(foreach d,$(2) */$(2) */*/$(2),$(call wild,$(1)/$(d)))
 wild = $(patsubst $(SRCDIR)/%,%,$(sort $(wildcard $(SRCDIR)/$(1))))
 
 include $(SRCDIR)/.ci/flags.mk
@@ -147,7 +148,7 @@ $(O)/readers.stamp: FORCE
 # --------------------------------------------------------------------------------------------------------- testing --
 test_srcs := $(call wild,tests/*/test_*.c)
 tests := $(patsubst %.c,$(O)/%,$(test_srcs))
-headers := $(foreach r,$(rooms) tests,$(call room_files,$(r),*.h))
+headers := $(foreach r,$(modules) tests,$(call module_files,$(r),*.h))
 # Every header compiles alone. One that a source begins with has been shown to: the others are compiled by themselves.
 c_srcs = $(filter %.c,$(sort $(foreach l,$(libraries) $(test_libraries) $(programs),$($(l)_srcs)) $(test_srcs)))
 begun_with := $(if $(filter-out $(light),$(goals)),$(shell cd $(SRCDIR) && awk '/^\#/ { if ($$2 ~ /^"/) print $$2; nextfile }' $(c_srcs) | tr -d '"'))
@@ -201,8 +202,8 @@ $(O)/$(1:.c=): $(call objs,$(1)) $(call fuzz_libs,$(notdir $(1:.c=)))
 	$$(call link,-fsanitize=fuzzer $$(wrap_$(notdir $(1:.c=))))
 endef
 $(foreach f,$(fuzz_srcs),$(eval $(call fuzz_target,$(f))))
-# films know nothing of the rest of their room
-$(O)/tests/fuzz/fuzz_film: $(call objs,$(call room_files,render/film,*.c))
+# films know nothing of the rest of their module
+$(O)/tests/fuzz/fuzz_film: $(call objs,$(call module_files,render/film,*.c))
 
 $(O)/alone/%.h.ok: $(SRCDIR)/%.h $(O)/flags.stamp
 	@mkdir -p $(@D)
@@ -245,6 +246,11 @@ mutants-now: all $(tests)
 fuzz-targets: $(call matching_or_all,$(fuzz_targets))
 fuzz-now: fuzz-targets
 	@O='$(O)' $(SRCDIR)/tests/fuzz.sh $(call matching_or_all,$(fuzz_targets))
+
+# tables of docs/reference from those of the programs; a test compares them
+.PHONY: docs
+docs: $(O)/tests/docs/make_tables $(O)/quiltd $(O)/quiltrender
+	@cd $(SRCDIR) && $(abspath $<) $(abspath $(O))
 
 bench-now: all
 	@mkdir -p $(BUILDROOT)/bench

@@ -636,13 +636,12 @@ static json_t *words_json(const lf_param *row)
 
 static json_t *row_schema(const lf_param *row)
 {
-    const char *type = row->type == LF_PARAM_WHOLE    ? "integer"
-                       : row->type == LF_PARAM_SWITCH ? "boolean"
-                       : row->type == LF_PARAM_TEXT   ? "string"
-                                                      : "number";
+    const char *type = row->type == LF_PARAM_WHOLE                    ? "integer"
+                       : has_words(row) || row->type == LF_PARAM_TEXT ? "string"
+                       : row->type == LF_PARAM_SWITCH                 ? "boolean"
+                                                                      : "number";
     if (has_words(row))
-        return json_pack("{s:s, s:o}", "type", row->type == LF_PARAM_WHOLE ? "integer" : "string",
-                         "enum", words_json(row));
+        return json_pack("{s:s, s:o}", "type", type, "enum", words_json(row));
     if (row->or_object)
         return json_pack("{s:[s, s], s:f, s:f, s:b}", "type", "integer", "object", "minimum",
                          row->low, "maximum", row->high, "additionalProperties", true);
@@ -679,6 +678,7 @@ static bool describe_schema(const lf_param *row, json_t *schema)
     const char *text = row->about ? row->about : row->help;
     json_t *initial = default_json(row);
     return (!text || json_object_set_new(schema, "description", json_string(text)) == 0) &&
+           (!is_mixed(row) || json_object_set_new(schema, "words", words_json(row)) == 0) &&
            (!row->unit || json_object_set_new(schema, "unit", json_string(row->unit)) == 0) &&
            (!row->former || json_object_set_new(schema, "deprecated", json_true()) == 0) &&
            (!initial || json_object_set_new(schema, "default", initial) == 0);

@@ -1,1 +1,1 @@
-quilt_srcs := $(call without_isa,$(call room_files,quilt,*.c))
+quilt_srcs := $(call without_isa,$(call module_files,quilt,*.c))

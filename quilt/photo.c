@@ -38,19 +38,22 @@ static const char *position_at(int index)
 const lf_param lf_photo_params[] = {
     {.name = "photo", .option = "photo", .argument = "fit|fill", PLACE(mode),
      .type = LF_PARAM_WORD, .words = modes,
-     .help = "show images of another aspect whole, with borders, or crop them to fill"},
+     .help = "image of another shape: whole with borders, or cut to cover the view",
+     .about = "image of another shape: show it whole with borders, or cut it to cover the view"},
     {.name = "photo_position", .option = "photo-position", .argument = "WHERE", PLACE(position),
      .type = LF_PARAM_WORD, .word_at = position_at,
-     .help = "position of the image, or of the part that is kept"},
+     .help = "position of the image, or the part of it that is kept"},
     {0},
 };
 
 const lf_param lf_picture_params[] = {
     {.name = "photo_rotate", .option = "photo-rotate", .argument = "DEGREES", PLACE(rotate),
      .type = LF_PARAM_WORD, .words = turns,
-     .help = "rotate each image clockwise; auto: by 90 if only one of image and output is upright"},
+     .help = "turn each image clockwise; auto: by 90 if only one of image and output is upright"},
     {.name = "aspect", .option = "aspect", .argument = "A", PLACE(aspect), .low = 0.01, .high = 100,
-     .help = "width / height of the views of a quilt or folder (from its name, images or pixels)"},
+     .help = "width / height of the views of a quilt or folder (from its name or pixels)",
+     .about = "width / height of the views of a finished quilt or folder (from its name, images "
+              "or pixels)"},
     {0},
 };
 /* clang-format on */

@@ -5,7 +5,7 @@ libs_quiltimport := render base
 link_quiltimport = $(dep_assimp_libs)
 libs_quiltimport-vdb := render base
 link_quiltimport-vdb = $(dep_openvdb_libs)
-render_srcs := $(filter-out render/import/reader/% render/papers/%,$(call without_isa,$(call room_files,render,*.c)))
+render_srcs := $(filter-out render/import/reader/% render/papers/%,$(call without_isa,$(call module_files,render,*.c)))
 # reproductions of papers: for programs that compare with them
 papers_srcs := $(call wild,render/papers/*.c)
 

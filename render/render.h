@@ -100,7 +100,7 @@ LF_NODISCARD bool lf_json_merge_into(json_t *target, const json_t *patch);
 /* Checks another frame of the scene without reading its volumes: its values are valid, and its
  * volume files exist. LF_E_IO, LF_E_FORMAT with their position in the document. */
 LF_NODISCARD lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf_error *err);
-/* The box around all volumes and meshes except grounds (name NULL), or around those of this name,
+/* The box around all volumes and meshes except grounds (name NULL), or around all of this name,
  * in world coordinates: minimum and maximum corner. Lights at a distance, skies and meshes that the
  * camera does not see are excluded. false: the box is empty. */
 bool lf_scene_bounds(const lf_scene *scene, const char *name, double out_bounds[2][3]);
@@ -216,7 +216,8 @@ typedef struct lf_render_settings {
 typedef struct lf_depth {
     double nearest, farthest; /* Z, scene units */
     double nearest_step, farthest_step;
-    /* Z range in which steps stay within the limit and the panel is sharp; INFINITY: no far end. */
+    /* Z range in which steps stay within the limit: what a panel shows sharply, as far as its views
+     * decide. INFINITY: no far end. */
     double sharp_from, sharp_to;
     /* Steps beyond the limit (4 % of the window, at least 4 pixels) show as double edges; programs
      * warn of them. exceeded: the scene has such steps, and view_blur does not smooth them. */
@@ -271,7 +272,7 @@ typedef void (*lf_row_fn)(void *context, int row, int worker);
  * a film merged from parts with different rows (lf_renderer_add) is bitwise the film of one
  * renderer after the same calls. Streams of one row add up to the same sums except for rounding.
  *
- * Three exceptions share across rows. Cameras listed one by one share paths among the rows of a
+ * There are three exceptions. Cameras listed one by one share paths among the rows of a
  * pass: other parts give other bytes, and the film receives a pass when all of it is done, after
  * row_done. Holes are filled from the samples of all streams of a row. Adaptive integrators (amvpt)
  * read all rows before they distribute samples. */
@@ -484,8 +485,8 @@ LF_NODISCARD lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *canc
  * has them. A row without samples is unchanged. */
 void lf_caught_take(const lf_caught *caught, int row, bool smooth, float *picture);
 /* lf_renderer_catch with smoothed sums of as many samples as the film has, for a denoised image.
- * Rows without samples first get as many as in lf_caught_add. LF_E_NOMEM, LF_E_CANCELLED: some rows
- * of the image may be done. */
+ * Rows without samples are composited as by lf_renderer_catch. LF_E_NOMEM, LF_E_CANCELLED: some
+ * rows of the image may be done. */
 LF_NODISCARD lf_status lf_renderer_catch_smoothly(const lf_renderer *renderer, float *picture,
                                                   const lf_cancel *cancel);
 

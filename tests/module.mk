@@ -1,13 +1,14 @@
 # What tests of a folder share, a library each.
-test_libraries := stat optics kms spoiled pictures faulty meshes
+test_libraries := stat optics kms spoiled pictures faulty meshes scene_files tables
 # What a room's tests link: its own library and base; the tests of other folders link everything.
 test_libs_base := pictures base
 test_libs_quilt := optics pictures quilt base
 test_libs_device := kms model device base
-test_libs_render := $(if $(PORTABLE),,meshes spoiled pictures) stat papers render base
-test_libs_stat := stat papers render base
-test_libs_bench := bench stat render quilt device base
-test_libs_daemon := faulty spoiled pictures $(libraries)
+test_libs_render := $(if $(PORTABLE),,meshes spoiled pictures) stat $(if $(PORTABLE),,scene_files) papers render base
+test_libs_stat := stat $(if $(PORTABLE),,scene_files) papers render base
+test_libs_bench := bench stat scene_files render quilt device base
+test_libs_daemon := faulty spoiled pictures scene_files $(libraries)
+test_libs_docs := tables $(libraries)
 
 fuzz_libs_scene := render base
 fuzz_libs_parcel := render base
@@ -43,6 +44,8 @@ alone_tests := $(own_readers) $(addprefix render/,test_obj_read $(patsubst %,tes
 # what tests of the print share
 optics_srcs := $(filter-out tests/quilt/test_%,$(call wild,tests/quilt/*.c))
 
+# scenes in files
+scene_files_srcs := tests/scene_file.c
 # files of pictures, files to spoil
 pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
@@ -52,6 +55,11 @@ meshes_srcs := $(patsubst %,render/import/reader/%.c,input words source_material
 
 # a kernel with displays
 kms_srcs := tests/device/fake_kms.c
+
+# tables of docs/reference, and the program that writes them there (make docs)
+tables_srcs := $(call wild,tests/docs/tables*.c)
+$(O)/tests/docs/make_tables: $(patsubst %,$(O)/%,tests/docs/make_tables.c.o $(patsubst %,lib%.a,tables $(libraries)))
+	$(call link,)
 
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c

@@ -28,7 +28,7 @@ LIMITS = {
 HELP_WORDS, HELP_LINES = 16, 2  # of an option
 MESSAGE_WORDS = 25
 # Messages that were longer, or joined from parts, when the rule came. These numbers only fall.
-LONG_MESSAGES, JOINED_MESSAGES = 8, 1
+LONG_MESSAGES, JOINED_MESSAGES = 0, 0
 
 PAGES = [  # the first that fits
     ("", "docs/lab/*"),
@@ -358,14 +358,22 @@ def help_entries(text):
     return [e for e in entries if e[0]]
 
 
+def without_values(text):
+    """Help without the list of an option's values at its end: ": left (default), right or top", ", one of: none wrong-magic", "; restir; mvrestir"."""
+    value = r"[\w.-]+(?: \(default\))?"
+    text = re.sub(rf": {value}(?:, {value})*(?: or {value})?$", "", text)
+    return re.sub(r", one of: [\w -]+$|(?:; [\w-]+)+$", "", text)
+
+
 def long_help(tree):
     texts = {p: help_of(p) or "" for p in PROGRAMS}
     for path in tree.glob("*.help"):  # of the self-test
         texts[path.name] = path.read_text()
     for program, text in texts.items():
         for option, lines in help_entries(text):
-            count = len(words_in(" ".join(lines)))
-            if count > HELP_WORDS or len(lines) > HELP_LINES:
+            text = without_values(" ".join(lines))
+            count = len(words_in(text))
+            if count > HELP_WORDS or (len(lines) > HELP_LINES and text == " ".join(lines)):
                 yield f"{program}: {option}: {count} words in {len(lines)} lines, at most {HELP_WORDS} in {HELP_LINES}"
 
 

@@ -1,5 +1,5 @@
 #!/bin/bash
-# The rules of the house that a grep can hold, each shown first to catch a breach in a small tree made for it.
+# The rules of the project that a grep can hold, each shown first to catch a breach in a small tree made for it.
 set -u
 src=${QUILTD_SOURCE:-.}
 out=${QUILTD_BUILD:-build}
@@ -42,17 +42,17 @@ fast_math_and_clones() {
     (cd "$1" && grep -nE -e '-ffast-''math|target_''clones' Makefile .ci/*.mk ./*/module.mk 2> /dev/null)
     grep_code "$1" 'ffast-''math|target_''clones'
 }
-rooms_apart() {
-    local room other
-    for room in render quilt device base; do
-        other=$(echo render quilt device daemon bench tests | tr ' ' '\n' | grep -vx "$room" | paste -sd '|')
-        sources "$1" -path "$room/*.[ch]" -o -path "$room/*.cc" |
+modules_apart() {
+    local module other
+    for module in render quilt device base; do
+        other=$(echo render quilt device daemon bench tests | tr ' ' '\n' | grep -vx "$module" | paste -sd '|')
+        sources "$1" -path "$module/*.[ch]" -o -path "$module/*.cc" |
             (cd "$1" && xargs -r -d '\n' grep -nE "#include +[\"<](\.\./)*($other)/" /dev/null)
     done
 }
-# Which folder may include which others of its room, and the headers in the room's own folder, one by one. Arrows go one way: what
-# stands below knows nothing of what is above it. Headers of other rooms but base are included by name alone (doors).
-floors() {
+# Which folder may include which others of its module, and the headers in the module's own folder, one by one. Arrows go one way: what
+# stands below knows nothing of what is above it. Headers of other modules but base are included by name alone (exported).
+layers() {
     cat << 'END'
 render/scene:
 render/transport:
@@ -94,18 +94,18 @@ base:
 base/sandbox: base
 bench:
 END
-    cat "$1/tests/floors" 2> /dev/null # a tree's own rows: that of breaches has some
+    cat "$1/tests/layers" 2> /dev/null # a tree's own rows: that of breaches has some
 }
-# The headers that other rooms may include, and what looks behind the doors.
-doors='render/render\.h|quilt/quilt\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|render/papers/papers\.h|daemon/(output/(options|content|render_job|completion)|engine/loader)\.h'
-behind_doors='bench/micro[.]c render/(renderer|transport/lanes/suffix_batch)[.]h'
-rooms='base|render|quilt|device|daemon|bench|scenes|tests'
+# The headers that other modules may include, and what looks behind the exported.
+exported='render/render\.h|quilt/quilt\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|render/papers/papers\.h|daemon/(output/(options|content|render_job|completion)|engine/loader)\.h'
+private_allowed='bench/micro[.]c render/(renderer|transport/lanes/suffix_batch)[.]h'
+modules='base|render|quilt|device|daemon|bench|scenes|tests'
 # The rules below read includes as they are written: from the root, in quotes, and not by another way.
 includes_not_from_the_root() {
     grep_code "$1" '^ *# *include' |
-        grep -vE ":#include (<[^.]+(\.h)?>|\"($rooms)(/[A-Za-z0-9_]+)+\.h\"|\"gen/scene_schema\.h\")" # gen/: of the build
+        grep -vE ":#include (<[^.]+(\.h)?>|\"($modules)(/[A-Za-z0-9_]+)+\.h\"|\"gen/scene_schema\.h\")" # gen/: of the build
 }
-own_headers_in_angles() { grep_code "$1" "#include <($rooms)/"; }
+own_headers_in_angles() { grep_code "$1" "#include <($modules)/"; }
 foreign_internal_headers() {
     sources "$1" -name '*.[ch]' -o -name '*.cc' | (cd "$1" && xargs -r -d '\n' grep -nHoE '#include "[a-z_0-9/]+_internal\.h"') |
         awk -F'[:"]' '{ from = $1; sub(/\/[^\/]*$/, "", from); to = $4; sub(/\/[^\/]*$/, "", to)
@@ -118,26 +118,26 @@ parts_apart() {
 }
 # The server's struct is seen by its own files alone.
 server_seen_from_outside() { grep_code "$1" '\blf_server\b' | grep -vE '^daemon/server/'; }
-floors_in_a_circle() {
-    floors "$1" | awk '{ folder = $1; sub(/:$/, "", folder); for (i = 2; i <= NF; i++) print folder, $i }' | { tsort > /dev/null; } 2>&1
+layers_in_a_circle() {
+    layers "$1" | awk '{ folder = $1; sub(/:$/, "", folder); for (i = 2; i <= NF; i++) print folder, $i }' | { tsort > /dev/null; } 2>&1
 }
-# Prints "row", "floor" or "door", and the include that breaks it.
+# Prints "row", "layer" or "exported", and the include that breaks it.
 include_complaints() {
     sources "$1" -name '*.[ch]' -not -path 'tests/*' -not -path 'scenes/*' -o -name '*.cc' -not -path 'scenes/*' |
         (cd "$1" && xargs -r -d '\n' grep -nHoE '#include "(base|render|quilt|device|daemon|bench)/[a-z_0-9/]+\.h"') |
-        awk -F'[:"]' -v doors="^($doors)$" -v behind="^($behind_doors)\$" '
+        awk -F'[:"]' -v exported="^($exported)$" -v behind="^($private_allowed)\$" '
             FILENAME != "-" { split($0, row, /: */); n = split(row[2], to, " "); known[row[1]] = 1
                 for (i = 1; i <= n; i++) may[row[1], to[i]] = 1; next }
             { from = $1; sub(/\/[^\/]*$/, "", from); header = $4; to_folder = header; sub(/\/[^\/]*$/, "", to_folder)
-              room = from; sub(/\/.*/, "", room); to_room = header; sub(/\/.*/, "", to_room)
+              module = from; sub(/\/.*/, "", module); to_module = header; sub(/\/.*/, "", to_module)
               what = $1 ":" $2 ": includes " header
               if (!known[from]) print "row " what ", and " from " stands in no row of the table"
-              else if (from != to_folder && room == to_room && !may[from, to_folder] && !may[from, header]) print "floor " what
-              else if (room != to_room && to_room != "base" && header !~ doors && $1 " " header !~ behind) print "door " what }' <(floors "$1") -
+              else if (from != to_folder && module == to_module && !may[from, to_folder] && !may[from, header]) print "layer " what
+              else if (module != to_module && to_module != "base" && header !~ exported && $1 " " header !~ behind) print "exported " what }' <(layers "$1") -
 }
 folders_in_no_row() { include_complaints "$1" | sed -n 's/^row //p'; }
-upward_includes() { include_complaints "$1" | sed -n 's/^floor //p'; }
-includes_behind_doors() { include_complaints "$1" | sed -n 's/^door //p'; }
+upward_includes() { include_complaints "$1" | sed -n 's/^layer //p'; }
+includes_of_private_headers() { include_complaints "$1" | sed -n 's/^exported //p'; }
 cxx_only_for_libraries() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/import/reader/(vdb|draco)_read|scenes/make_[a-z_]*)\.cc$'; }
 top_level() {
     (cd "$1" && if [ -e .git ]; then git ls-files 2> /dev/null | cut -d/ -f1 | sort -u; else ls; fi) |
@@ -154,7 +154,7 @@ long_functions() {
 long_files() {
     code "$1" | (cd "$1" && xargs wc -l) | awk '$1 > 700 && $2 != "total" { print $2 ": " $1 " lines" }'
 }
-# A name of the house (functions, types, constants) belongs to one file, or to a header and its .c file.
+# A name of the project (functions, types, constants) belongs to one file, or to a header and its .c file.
 one_name_one_thing() {
     sources "$1" -name '*.[ch]' -not -path 'tests/*' | (cd "$1" && ctags -x --kinds-C=defgsu --languages=C --langmap=C:.c.h -L - 2> /dev/null) |
         awk '{ file = $4; sub(/\.[ch]$/, "", file) }
@@ -201,6 +201,11 @@ numbers_by_the_library() {
         grep -vE '^(tests|scenes)/|^base/(number|image_hdr)\.c:|^device/(model/vhci|sim/sim_unplug|drm/kms)\.c:'
 }
 # CI's lists name programs, and tests of programs, that are there.
+scenes_of_no_test() { # tests load scenes by name
+    (cd "$1" && find tests/scenes -name '*.json' -printf '%f\n' 2> /dev/null | while read -r scene; do
+        grep -qrF --include='*.[ch]' "\"${scene%.json}\"" tests || echo "tests/scenes/$scene is loaded by no test"
+    done)
+}
 listed_tests_are_there() {
     local list lists=()
     for list in statistics threads longest; do
@@ -214,7 +219,7 @@ listed_tests_are_there() {
     done < "$1/.ci/repeated"
 }
 
-# Arrows that rooms of render/ must not have: a folder, and a header that nothing in it may include.
+# Arrows that modules of render/ must not have: a folder, and a header that nothing in it may include.
 forbidden() {
     cat << 'END'
 render/scene render/render.h
@@ -267,9 +272,10 @@ make_breaches() {
     mkdir -p "$1/daemon/parts" "$1/daemon/cellar"
     printf '#include "daemon/parts/watch.h"\nstruct lf_server *owner;\n' > "$1/daemon/parts/play_more.c"
     printf '#include "daemon/output/output.h"\n' > "$1/daemon/cellar/new.c"
-    printf 'daemon/output: daemon/engine\n' > "$1/tests/floors"
+    printf 'daemon/output: daemon/engine\n' > "$1/tests/layers"
     printf '__attribute__((target_''clones("avx2"))) int y;' > "$1/quilt/cloned.cc"
-    mkdir -p "$1/tests/mutants"
+    mkdir -p "$1/tests/mutants" "$1/tests/scenes"
+    touch "$1/tests/scenes/nobody.json"
     printf 'render/bad.c  a line that is not there\n- h();\n+ i();\n! render/test_bad\n' > "$1/tests/mutants/render.txt"
     printf 'assert_true(1);\n' > "$1/tests/quilt/test_bad.c"
     printf '# Page\n\n| part | sections |\n|---|---|\n| one | [here](#here) [away](away.md) |\n\n## Hier (`x.c`)\n' > "$1/page.md"
@@ -285,9 +291,9 @@ forbidden | while read -r from header; do
     echo "$from/up.c includes $header"
 done | sort > "$breaches/.forbidden"
 report forbidden "$(upward_includes "$breaches" | sed -E 's/:[0-9]+: / /' | sort | comm -13 - "$breaches/.forbidden")"
-for rule in tabs_and_trailing_blanks long_lines broken_section_rules torn_expressions pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones rooms_apart \
-    includes_not_from_the_root own_headers_in_angles foreign_internal_headers parts_apart server_seen_from_outside floors_in_a_circle folders_in_no_row upward_includes includes_behind_doors \
-    cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there links_that_lead_nowhere sections_in_no_map; do
+for rule in tabs_and_trailing_blanks long_lines broken_section_rules torn_expressions pointers_compared blanks_after_declarations missing_final_newline unfinished_words fast_math_and_clones modules_apart \
+    includes_not_from_the_root own_headers_in_angles foreign_internal_headers parts_apart server_seen_from_outside layers_in_a_circle folders_in_no_row upward_includes includes_of_private_headers \
+    cxx_only_for_libraries top_level long_functions long_files one_name_one_thing wide_structs stale_mutants empty_assertions numbers_by_the_library listed_tests_are_there scenes_of_no_test links_that_lead_nowhere sections_in_no_map; do
     if [ -z "$($rule "$breaches")" ]; then
         report "$rule" "the rule does not notice a breach of it"
     else
@@ -359,8 +365,8 @@ if command -v "${CC:-gcc}" > /dev/null; then
     done
     nm -A "$breaches"/{one,two}.c.o > "$breaches/circle.names"
     if [ -n "$(calls_in_a_circle "$breaches/circle.names")" ]; then
-        for room in server parts; do
-            (cd "$src" && printf '%s\n' daemon/"$room"/*.c) | sed "s|.*|$out/&.o|" | xargs nm -A 2> /dev/null > "$breaches/$room.names"
+        for module in server parts; do
+            (cd "$src" && printf '%s\n' daemon/"$module"/*.c) | sed "s|.*|$out/&.o|" | xargs nm -A 2> /dev/null > "$breaches/$module.names"
         done
         report calls_in_a_circle "$(calls_in_a_circle "$breaches/server.names")$(calls_in_a_circle "$breaches/parts.names")"
     else

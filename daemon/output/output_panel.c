@@ -17,14 +17,17 @@ const lf_param lf_panel_params[] = {
      .place = offsetof(lf_panel_options, filter),
      .type = LF_PARAM_WORD,
      .words = filters,
-     .help = "how panel pixels are sampled from the views"},
+     .help = "how panel pixels are taken from the views; nearest copies 8-bit values",
+     .about = "panel: how its pixels are taken from the views; nearest copies 8-bit values "
+              "unchanged"},
     {.name = "invert",
      .option = "invert",
      .argument = "MODE",
      .place = offsetof(lf_panel_options, invert),
      .type = LF_PARAM_WORD,
      .words = orders,
-     .help = "reverse the order of the views under a lens"},
+     .help = "reverse the views under a lens; auto: as the calibration says",
+     .about = "panel: reverse the order of the views under a lens; auto: as the calibration says"},
     {0},
 };
 
@@ -35,9 +38,13 @@ static const char *const curves[] = {"srgb", NULL};
 /* clang-format off */
 const lf_param lf_response_params[] = {
     {.name = "gamma", .option = "gamma", .argument = "srgb|GAMMA", PLACE(gamma), .low = 1,
-     .high = 4, .words = curves, .help = "gamma of the panel (srgb)"},
-    {.name = "white", .option = "white", .argument = "KELVIN", PLACE(white), .low = 4000,
-     .high = 25000, .help = "colour temperature of the panel's white, corrected to D65"},
+     .high = 4, .words = curves,
+     .help = "response of the panel to its codes: srgb or an exponent (srgb)",
+     .about = "response of the panel to its codes: srgb or an exponent"},
+    {.name = "white", .option = "white", .argument = "KELVIN", PLACE(white), .unit = "kelvin",
+     .low = 4000, .high = 25000,
+     .help = "colour temperature of the panel's white, corrected to D65",
+     .about = "colour temperature of the panel's white; not together with white_x"},
     {.name = "white_x", .option = "white-xy", .joined = ",", .argument = "X", PLACE(white_x),
      .low = 0.1, .high = 0.7, .help = "chromaticity of the panel's white, corrected to D65",
      .about = "CIE x of the panel's white; needs white_y"},

@@ -43,7 +43,7 @@ const lf_param lf_video_params[] = {
      .type = LF_PARAM_WORD, .words = formats,
      .help = "chroma format; most players accept only yuv420p"},
     {.name = "crf", .option = "crf", .argument = "N", PLACE(crf), .type = LF_PARAM_WHOLE,
-     .high = 51, .initial = 18, .help = "quality of a video, from 0 (best) to 51 (worst)"},
+     .high = 51, .initial = 18, .help = "quality of a video: 0 is best, 51 worst"},
     {.option = "wiggle", PLACE(wiggle), .type = LF_PARAM_SWITCH,
      .help = "write a loop through the views and back to OUT.gif or OUT.mp4"},
     {0},

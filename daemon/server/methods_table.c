@@ -25,24 +25,24 @@
 
 #define FILES                                                                                      \
     KEY("files", LIST(STRING) ",\"maxItems\":64",                                                  \
-        "absolute names of the files whose descriptors (SCM_RIGHTS, read-only) come with the "     \
-        "call, in order; quiltctl fills this in")
+        "absolute names of the passed files, in the order of their descriptors (SCM_RIGHTS, "      \
+        "read-only); quiltctl fills this in")
 
 #define EXPORT_KEYS                                                                                \
-    KEY("kind", STRING, "kind of output") ","                                                      \
+    KEY("kind", STRING, "kind of output, see Export kinds") ","                                    \
     KEY("file", STRING,                                                                            \
-        "name of the file, or of the folder with a final slash; below --export-dir unless "        \
-        "descriptors are passed") ","                                                              \
+        "name of the file, or of a folder with a final slash, below --export-dir; with fds any "   \
+        "name: only its ending counts") ","                                                        \
     KEY("wait", ENUM("\"coarse\",\"complete\",\"converged\"") DEFAULT("\"coarse\""),               \
-        "level of the image to wait for") ","                                                      \
+        "write as soon as the image has this level; state: at once") ","                           \
     KEY("detach", BOOLEAN("false"), "continue after the client disconnects") ","                   \
     KEY("overwrite", BOOLEAN("false"), "replace an existing file") ","                             \
     KEY("denoise", ENUM("\"auto\",\"off\",\"on\"") DEFAULT("\"auto\""),                            \
-        "write the denoised image; auto: as on the panel") ","                                     \
+        "write the denoised image; auto: as on the panel, but EXR files unfiltered") ","           \
     FORMER("reconstruct", ENUM("\"auto\",\"off\",\"on\""), "denoise") ","                          \
-    KEY("fds", INTEGER("descriptors") RANGE("0", "253") DEFAULT("0"),                              \
-        "number of descriptors (SCM_RIGHTS) passed to write to: one; two for a print or chart; "   \
-        "one per view for views")
+    KEY("fds", "\"type\":\"integer\"" RANGE("0", "253") DEFAULT("0"),                              \
+        "number of descriptors (SCM_RIGHTS) that come with the call; quiltd writes to them "       \
+        "instead of opening file")
 
 static const lf_method methods[] = {
     {"hello", "return version, protocol, methods and notifications", "hello", OBJECT(""),
@@ -51,8 +51,10 @@ static const lf_method methods[] = {
     {"scene.load", "show a scene file, a model, a volume or a quilt image",
      "scene.load file=/home/me/helmet.glb",
      OBJECT_WITH("\"file\"",
-         KEY("file", STRING, "path of the file to show; quiltctl makes it absolute") ","
-         KEY("quilt", STRING, "tiles of an image without a quilt suffix, COLUMNSxROWS") ","
+         KEY("file", STRING,
+             "path of a scene, model, volume, quilt image or folder of views; quiltctl makes it "
+             "absolute") ","
+         KEY("quilt", STRING, "tiles COLUMNSxROWS of an image whose name has no _qs suffix") ","
          FILES),
      lf_method_scene_load},
     {"scene.get", "return the current scene", "scene.get", OBJECT(""), lf_method_scene_get},
@@ -60,8 +62,7 @@ static const lf_method methods[] = {
      "scene.patch patch:={\"lights\":{\"sky\":null}}",
      OBJECT_WITH("\"patch\"",
          KEY("patch", "\"type\":\"object\",\"additionalProperties\":true",
-             "keys of the scene file (scene-format.md) with their new values; null removes a "
-             "key") ","
+             "keys of the scene file with their new values; null removes a key") ","
          FILES),
      lf_method_scene_patch},
     {"camera.set", "set keys of the camera; other keys keep their values",
@@ -70,24 +71,24 @@ static const lf_method methods[] = {
      OBJECT(KEY("yaw", NUMBER("degrees") DEFAULT("0"), "rotation to the right around the target")
             ","
             KEY("pitch", NUMBER("degrees") DEFAULT("0"), "rotation upwards around the target") ","
-            KEY("zoom", NUMBER("times") RANGE("1e-3", "1e3") DEFAULT("1"),
-                "zoom factor; 2 halves the distance to the target")),
+            KEY("zoom", "\"type\":\"number\"" RANGE("1e-3", "1e3") DEFAULT("1"),
+                "how many times nearer to the target")),
      lf_method_camera_orbit},
     {"camera.fit", "move the camera so that the scene, or a part of it, fills the views",
      "camera.fit name=model fill=0.8",
-     OBJECT(KEY("name", STRING, "mesh or volume to frame; default: everything")
+     OBJECT(KEY("name", STRING, "mesh or volume to frame (the scene except its grounds)")
             ","
-            KEY("fill", NUMBER("share of the view") RANGE("0.01", "1") DEFAULT("0.9"),
-                "share of the view's width or height to fill") ","
+            KEY("fill", NUMBER("share of the window") RANGE("0.01", "1") DEFAULT("0.9"),
+                "share of the window's width or height that it fills in every view") ","
             KEY("steps", NUMBER("pixels") RANGE("0.01", "10000"),
-                "largest shift between neighbouring views")),
+                "largest shift of any of its points between neighbouring views (no limit)")),
      lf_method_camera_fit},
     {"time.set", "show a frame of the scene", "time.set frame=24",
-     OBJECT_WITH("\"frame\"", KEY("frame", FRAME, "frame number")), lf_method_time_set},
+     OBJECT_WITH("\"frame\"", KEY("frame", FRAME, "number of the frame")), lf_method_time_set},
     {"time.play", "play frames of the scene", "time.play from=1 to=48",
-     OBJECT_WITH("\"to\"", KEY("from", FRAME, "first frame (the current frame)") ","
-                 KEY("to", FRAME, "last frame") ","
-                 KEY("loop", BOOLEAN("true"), "repeat from the first frame") ","
+     OBJECT_WITH("\"to\"", KEY("from", FRAME, "first frame (the frame that is shown)") ","
+                 KEY("to", FRAME, "last frame, not before from") ","
+                 KEY("loop", BOOLEAN("true"), "start again after the last frame") ","
                  KEY("fps", NUMBER("frames per second") RANGE("0.01", "1000"),
                      "playback speed (the scene's fps)") ","
                  FORMER("rate", NUMBER("frames per second") RANGE("0.01", "1000"), "fps")),
@@ -96,41 +97,41 @@ static const lf_method methods[] = {
      lf_method_time_stop},
     {"wait", "wait until the panel shows the image", "wait for=complete timeout=60",
      OBJECT(KEY("generation", "\"type\":\"integer\",\"unit\":\"count\",\"minimum\":0",
-                "oldest generation to accept (the newest)") ","
+                "wait for this generation or a later one (the newest)") ","
             KEY("for", ENUM("\"coarse\",\"complete\",\"converged\"") DEFAULT("\"coarse\""),
-                "level of the image to wait for") ","
+                "level that the panel must show") ","
             KEY("timeout", NUMBER("seconds") RANGE("1e-3", "1e9"),
-                "return error -32004 after this time (never)")),
+                "fail with -32004 after this time (never)")),
      lf_method_wait},
     {"render.set", "set how to render; other settings keep their values",
      "render.set denoise=on threads=4",
-     OBJECT(KEY("paused", "\"type\":\"boolean\"", "pause rendering")),
+     OBJECT(KEY("paused", "\"type\":\"boolean\"", "stop rendering, or continue")),
      lf_method_render_set},
     {"export", "write a quilt, views, panel image, print, pitch test chart or state",
      "export kind=quilt file=cloud.png wait=converged",
      OBJECT_WITH("\"kind\",\"file\"", EXPORT_KEYS), lf_server_export},
     {"job.cancel", "cancel an export or a load", "job.cancel job=3",
      OBJECT_WITH("\"job\"", KEY("job", INTEGER("count"),
-                                "job number, from export or status")),
+                                "number of the export or load, from its answer or from status")),
      lf_method_job_cancel},
     {"device.list", "list the devices that can be opened", "device.list", OBJECT(""),
      lf_method_device_list},
     {"device.set", "open another device and set the panel's response",
      "device.set spec=auto gamma=2.2",
      OBJECT_WITH("\"spec\"", KEY("spec", STRING,
-                                 "device spec as for --device: auto, none, sim:DIR and others")),
+                                 "device as in --device: auto, none, sim:DIR, drm, window, usb")),
      lf_method_device_set},
     {"device.calibration", "return the lens calibration of the panel", "device.calibration",
      OBJECT(""), lf_method_device_calibration},
     {"button", "trigger the action of a panel button", "button name=right",
      OBJECT_WITH("\"name\"", KEY("name", ENUM("\"square\",\"left\",\"right\",\"circle\""),
-                                 "name of the button")),
+                                 "button of a first-generation panel")),
      lf_method_button},
     {"subscribe", "choose the notifications for this client", "subscribe events=scene,frame",
      OBJECT_WITH("\"events\"",
          KEY("events", LIST(ENUM("\"frame\",\"converged\",\"device\",\"scene\",\"export\","
                                  "\"button\"")) ",\"maxItems\":16",
-             "names of events; empty: only the ends of this client's exports")),
+             "events to send; an empty list: none, except the progress of your own exports")),
      lf_method_subscribe},
     {"shutdown", "shut down the daemon", "shutdown", OBJECT(""), lf_method_shutdown},
 };

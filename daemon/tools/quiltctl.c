@@ -70,8 +70,7 @@ static void print_help(void)
            "                         /run/quiltd/control.sock)\n"
            "  --json                 print the result as JSON\n"
            "  --format FORMAT        print the result as text (default), json or prometheus\n"
-           "                         (status only, for the textfile collector of its node "
-           "exporter)\n"
+           "                         (status only)\n"
            "  --timeout SECONDS      exit with status 1 if no answer arrives in "
            "time\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS
            "Exit status: 0; 1 if the daemon returned an error; 2 for wrong usage; 3 if no daemon "

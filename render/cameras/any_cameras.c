@@ -17,7 +17,7 @@ enum { MVPT, VPT, N_ENTRIES };
 
 static const lf_integrator_entry entries[N_ENTRIES] = {
     [MVPT] = {.name = "mvpt",
-              .what = "each path contributes to all views that see it",
+              .what = "all views share paths",
               .shares = true,
               .remembers = true, /* contributions between rows, during a pass */
               .supports = SUPPORT},

@@ -505,7 +505,8 @@ lf_status lf_caught_smooth(lf_caught *caught, const lf_cancel *cancel)
     return lf_pool_run(caught->renderer->pool, caught->height, smooth_row, caught, cancel);
 }
 
-/* Over the light at catchers. A pixel without samples of its own uses those of the previous one. */
+/* Over the light at catchers. A pixel without samples of its own uses the samples of the previous
+ * one. */
 static lf_vec3 reflection_at(const lf_caught *caught, size_t i, bool smooth)
 {
     const caught_sums *s = caught->sums + i;

@@ -1,4 +1,4 @@
-/* The expected base samples of a pixel, from a map; private to render/. The maps are those of
+/* The expected base samples of a pixel, from a map; private to render/. The maps are as in
  * rows/adaptive.h: made after a pilot, from the neighbouring rows and never from the row itself. */
 #ifndef LF_RENDER_COUNT_H
 #define LF_RENDER_COUNT_H

@@ -1,7 +1,7 @@
 /* restir (docs/developer/papers.md): Volumetric ReSTIR by Lin, Wyman and Yuksel (2021), for each
  * view separately. A visit gives every view pixel that it takes a ray and a reservoir of
  * LF_RESTIR_WALKS walks (light_path.h). It combines the reservoir with the one that an earlier
- * visit of the same half left in the pixel (--reuse; M capped), and with those of
+ * visit of the same half left in the pixel (--reuse; M capped), and with the reservoirs of
  * LF_RESTIR_NEIGHBOURS columns of its row, drawn within LF_RESTIR_REACH. It adds the light of all
  * of them, corrected by the exact transmittances of the kept path (lf_path_sample_radiance), to the
  * light behind the media. W of the film is n: every estimate is N/n. Halves never read each other's

@@ -3,7 +3,7 @@
  *
  * The printed lines 14 and 15 are p_sum += p-hat_s(lambda_i) r_i.M and k += r_i.M. But the density
  * belongs to M of the stream s, r_s.M. As printed, shares sum to sum M only if all M are equal,
- * which is not the case for the reservoir of a visit and that of all earlier visits. */
+ * which is not the case for the reservoir of a visit and the reservoir of all earlier visits. */
 #ifndef LF_RENDER_REUSE_H
 #define LF_RENDER_REUSE_H
 

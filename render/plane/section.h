@@ -5,9 +5,9 @@
  * 1/Z0 and s = X/Z straight lines stay straight, and the ray from the camera position c to the
  * point (d0, s0) is the line s = s0 + c (d - d0): cameras are slopes. So a point (d, s) with d > d0
  * hides (d0, s0) from one camera position, (s - s0) / (d - d0), and a segment hides it from all
- * positions between those of its ends. Two divisions per segment in front of the point answer for
- * all views; shadow rays would take one ray per view. The results differ only by rounding:
- * tests/render/test_section.c. */
+ * positions between the positions for its ends. Two divisions per segment in front of the point
+ * answer for all views; shadow rays would take one ray per view. The results differ only by
+ * rounding: tests/render/test_section.c. */
 #ifndef LF_RENDER_SECTION_H
 #define LF_RENDER_SECTION_H
 

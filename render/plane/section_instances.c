@@ -45,7 +45,7 @@ static lf_linear beyond(const lf_rig *rig, const lf_row_plane *plane, int view, 
 
 /* Everything that the plane's rays can meet: in front of the cameras and, on either side, within
  * the lines from the outermost cameras to the window's edge. Before the window the line of one
- * outer camera counts, behind it that of the other. */
+ * outer camera counts, behind it the line of the other. */
 static lf_box_cut view_of(const lf_rig *rig, const lf_row_plane *plane)
 {
     const lf_linear Y = along(rig, rig->up), Z = along(rig, rig->forward);

@@ -70,8 +70,8 @@ static cover cover_of(const lf_rig *rig, const lf_mesh *mesh, uint32_t triangle,
 }
 
 /* All shutter times together. If the rig does not move, a corner that moves along a straight line
- * has its Y/Z between those of the ends. If the rig moves, the deviation between two sampled times
- * is at most half of the largest step. */
+ * has its Y/Z between the values at the ends. If the rig moves, the deviation between two sampled
+ * times is at most half of the largest step. */
 static span span_of(const spans *job, const lf_mesh *mesh, uint32_t triangle)
 {
     const lf_rig *rig = &job->rigs[0];

@@ -40,7 +40,7 @@ void lf_bright_bound(const lf_reconstruction *r, const lf_pixels *pixels, int ro
                      lf_fitted *x);
 
 /* A pixel of the bounded fit: what each half has received below the bound, and the excess as far as
- * it is shown, multiplied by the albedo again. The share is that of the bounded fit; if it is 0 the
+ * it is shown, multiplied by the albedo again. The share is for the bounded fit; if it is 0 the
  * other fields are undefined. */
 typedef struct lf_bright_pixel {
     float share, below[2][3], above[2][3];

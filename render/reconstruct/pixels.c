@@ -40,8 +40,8 @@ void lf_pixels_finish(lf_pixels *pixels)
     memset(pixels, 0, sizeof *pixels);
 }
 
-/* Albedo of pixel k. If it is unknown, for example on an outline that was met late, that of the
- * nearest pixel of its view; 0: none. */
+/* Albedo of pixel k. If it is unknown, for example on an outline that was met late, the albedo of
+ * the nearest pixel of its view; 0: none. */
 static lf_packed_albedo nearest_albedo(const lf_view_row *in, int k)
 {
     const int reach = 8;

@@ -24,7 +24,7 @@ void lf_shrink_weigh(lf_reconstruction *r, int level, int number);
 void lf_shrink_weigh_past(lf_reconstruction *r, int number);
 /* lf_shrink_weigh for the step from the finest level to N/W. */
 void lf_shrink_weigh_raw(lf_reconstruction *r, int number);
-/* For level 1: replaces the sums of its cells by those of their children. */
+/* For level 1: replaces the sums of its cells by the sums of their children. */
 void lf_shrink_collect(lf_reconstruction *r, int number);
 /* 2. The share of the step that is applied, from the neighbouring cells. */
 void lf_shrink_settle(lf_reconstruction *r, int level, int number);
@@ -34,7 +34,7 @@ void lf_shrink_settle_raw(lf_reconstruction *r, int number);
 void lf_shrink_take(lf_reconstruction *r, int level, int number);
 void lf_shrink_take_past(lf_reconstruction *r, int number);
 void lf_shrink_take_raw(lf_reconstruction *r, int number);
-/* For shares of the bounded fit (bright.h): interpolates those of level 1 for level 0. */
+/* For shares of the bounded fit (bright.h): interpolates the shares of level 1 for level 0. */
 void lf_shrink_take_bright(lf_reconstruction *r, int number);
 
 #endif

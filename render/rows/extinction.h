@@ -1,7 +1,7 @@
 /* Transmittance of media towards the views, with one density for all channels or, if media are
  * chromatic, one per channel. A table of functions for each; a visit uses one. Private to
  * render/rows/. With chromatic media a base ray draws a channel and is tracked in its extinction
- * only. Prefix densities are those of such a ray, D_k = h_k mean_c sigma_t T_k. Each view receives
+ * only. Prefix densities are for such a ray, D_k = h_k mean_c sigma_t T_k. Each view receives
  * each channel with its own density (docs/developer/estimators/coloured-media.md, "Prefixes"). */
 #ifndef LF_RENDER_EXTINCTION_H
 #define LF_RENDER_EXTINCTION_H

@@ -505,7 +505,7 @@ static void balance_mvpt(lf_visit *visit, int view, int column, const lf_pivot *
 
 const lf_sharing lf_sharing_mvpt = {
     .entry = {.name = "mvpt",
-              .what = "each path contributes to all views that see it",
+              .what = "all views share paths",
               .shares = true,
               .reconstructs = true,
               .supports = LF_ROWS_SUPPORT},
@@ -515,7 +515,7 @@ const lf_sharing lf_sharing_mvpt = {
     .balance = balance_mvpt};
 const lf_sharing lf_sharing_amvpt = {
     .entry = {.name = "amvpt",
-              .what = "mvpt with more paths where the error is larger",
+              .what = "adaptive mvpt",
               .shares = true,
               .reconstructs = true,
               .remembers = true,

@@ -245,7 +245,7 @@ static void mix_pixel(const lf_visit *visit, size_t i, const lf_unscattered_pixe
         visit->worker->mirrors[i] |= had->mirror;
 }
 
-/* Takes one more film point for those of the views [first, end) of a column that need it and have
+/* Takes one more film point for each of the views [first, end) of a column that needs it and has
  * had n. */
 static void take_point(const lf_unscattered *e, int column, int first, int end, int n)
 {

@@ -8,8 +8,8 @@
 /* ------------------------------------------------------------------------------------- visit -- */
 
 /* Native samples that a visit takes in each pixel with a delta lobe: one, so that even the shortest
- * visit completes a mirror's image; two if sharing needs so many suffixes that this is at most six
- * for each of its samples. */
+ * visit completes a mirror's image; two if these are at most six for each of the pixel's base
+ * samples. */
 static int mirror_rounds(const lf_visit_plan *plan)
 {
     enum { MIRROR_TIMES = 6 };

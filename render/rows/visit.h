@@ -95,7 +95,7 @@ typedef struct lf_fan_met {
 } lf_fan_met;
 
 /* The channels of a fan if media are chromatic. A base ray draws a channel and is tracked in its
- * extinction only; prefix densities are those of such a ray, D_k = h_k mean_c sigma_t T_k. Each
+ * extinction only; prefix densities are for such a ray, D_k = h_k mean_c sigma_t T_k. Each
  * view receives each channel with its own density (docs/developer/estimators/coloured-media.md,
  * "Prefixes"). Index [channel * lanes + lane], for the lanes in use. */
 typedef struct lf_channels {

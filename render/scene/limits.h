@@ -19,10 +19,10 @@
  *
  * A ray in the space of an instance is this times the entries of the inverse transform. These are
  * at most LF_MAX_INVERSE, as for an object of 1e-12 in a scene of metres. The product may be 1e25
- * and more. So instances.c starts such a ray near the instance, where its coordinates are those of
- * the mesh. It normalises a direction that would be longer than LF_MAX_STRETCH or shorter than 1 /
- * LF_MAX_STRETCH. Volumes are intersected in single precision without a library: 1e12 times 1e13 is
- * finite there. */
+ * and more. So instances.c starts such a ray near the instance, where its coordinates are as small
+ * as the mesh's. It normalises a direction that would be longer than LF_MAX_STRETCH or shorter than
+ * 1 / LF_MAX_STRETCH. Volumes are intersected in single precision without a library: 1e12 times
+ * 1e13 is finite there. */
 #ifndef LF_RENDER_LIMITS_H
 #define LF_RENDER_LIMITS_H
 

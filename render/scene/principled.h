@@ -20,7 +20,7 @@
     NUMBER(alpha, 0, 1, 1, "alpha")                     /* opacity */                              \
     NUMBER(alpha_cutoff, 0, 1, 0.5, NULL)               /* LF_COVER_MASK: opaque from here on */
 
-/* For layered surfaces; other kinds have some of them. Names are those of Blender and glTF. */
+/* For layered surfaces; other kinds have some of them. Names are from Blender and glTF. */
 #define LF_PRINCIPLED_LAYERS(NUMBER, COLOUR, ANGLE)                                                \
     COLOUR(albedo, 0, 1, 0.5, "colour")                                                            \
     /* perceptual: alpha = roughness^2; alpha below LF_ALPHA_MIN is a delta lobe (mirror) */       \

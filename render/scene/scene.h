@@ -105,7 +105,7 @@ typedef struct lf_grid_steps {
     int n;
     lf_grid *grid[LF_MAX_STEPS]; /* [n] counted references; all have the same key */
     /* loss of contrast by interpolating once more between voxels: sum f^2 / sum f of the source
-     * grid minus that of a step, mean over the steps that are not empty */
+     * grid minus the same for a step, mean over the steps that are not empty */
     float lost;
 } lf_grid_steps;
 lf_grid_steps *lf_grid_steps_ref(lf_grid_steps *steps);

@@ -64,7 +64,7 @@ typedef enum lf_texels_use {
     LF_TEXELS_NUMBERS,
     LF_TEXELS_COLOURS, /* display encoded, as in the next two */
     LF_TEXELS_COVERS,  /* colours are weighted by their alpha */
-    /* display encoded, unweighted; alpha is 1 where it reaches the threshold, else 0 */
+    /* display encoded, weighted by alpha, which is 1 where it reaches the threshold, else 0 */
     LF_TEXELS_CUTS,
     LF_TEXELS_NORMALS, /* alpha of a look-up: 1 - the length of the mean unit normal */
 } lf_texels_use;

@@ -56,8 +56,8 @@ static void densities(void)
     for (int trial = 0; trial < 4000; trial++) {
         float scale[LANES], tau[LANES], d[LANES], spread = ldexpf(1.0f, trial % 16 - 6);
         for (int k = 0; k < LANES; k++) {
-            scale[k] = k % 7 == trial % 7 ? 0.0f : 9.0f * uniform(&seed);
-            tau[k] = spread * uniform(&seed);
+            scale[k] = k % 7 == trial % 7 ? 0.0f : 9.0f * lf_test_uniform(&seed);
+            tau[k] = spread * lf_test_uniform(&seed);
         }
         float sum = lf_kernels_get()->densities(LANES, scale, tau, d);
         hash = mix(mix(hash, &sum, sizeof sum), d, sizeof d);
@@ -82,7 +82,7 @@ static void depths(void)
         lf_kernels_get()->through(&body, LANES, fan.x0, fan.slope, fan.z_end, tau);
         hash[1] = mix(hash[1], tau, sizeof tau);
         float reached = lf_slice_march(&slice, fan.x0[7], fan.slope[7], fan.z_end[7],
-                                       10.0f * uniform(&seed), &z);
+                                       10.0f * lf_test_uniform(&seed), &z);
         hash[2] = mix(mix(hash[2], &reached, sizeof reached), &z, sizeof z);
     }
     say("march", hash[0]);
@@ -225,14 +225,14 @@ static lf_lane_scene make_lanes(lf_lane_field *field, bool own)
         for (int y = 1; y <= BRICKS; y++)
             for (int x = 1; x <= BRICKS; x++) {
                 const int at = (z * FRAMED + y) * FRAMED + x;
-                majorant[at] = lf_max(9.0f * uniform(&seed) - 1.0f, 0.0f);
+                majorant[at] = lf_max(9.0f * lf_test_uniform(&seed) - 1.0f, 0.0f);
                 first[at] = majorant[at] > 0.0f ? ++brick * LF_BRICK_STRIDE : 0;
             }
     for (size_t i = LF_BRICK_STRIDE; i < sizeof values / sizeof *values; i++)
-        values[i] = (uint16_t)(own ? 0xf000 + (int)(4095.0f * uniform(&seed))
-                                   : (int)(65535.0f * uniform(&seed)));
+        values[i] = (uint16_t)(own ? 0xf000 + (int)(4095.0f * lf_test_uniform(&seed))
+                                   : (int)(65535.0f * lf_test_uniform(&seed)));
     for (size_t i = 0; i < sizeof left / sizeof *left; i++)
-        left[i] = (uint16_t)(65535.0f * uniform(&seed));
+        left[i] = (uint16_t)(65535.0f * lf_test_uniform(&seed));
     return lanes;
 }
 
@@ -247,8 +247,8 @@ static void suffixes(bool own)
     for (int i = 0; i < JOBS; i++) {
         float length = 0.0f;
         for (int a = 0; a < 3; a++) {
-            q[a][i] = (float)(BRICKS * LF_BRICK) * uniform(&seed) - 1.0f;
-            w[a][i] = uniform(&seed) - 0.5f;
+            q[a][i] = (float)(BRICKS * LF_BRICK) * lf_test_uniform(&seed) - 1.0f;
+            w[a][i] = lf_test_uniform(&seed) - 0.5f;
             length += w[a][i] * w[a][i];
         }
         for (int a = 0; a < 3; a++)
@@ -288,17 +288,17 @@ static void depths_of_rays(void)
     uint64_t seed = 31, hash = start;
     int64_t lookups = 0;
     for (uint32_t i = 0; i < N; i++)
-        index[i] = uniform(&seed) < 0.7f ? i + 1 : 0;
+        index[i] = lf_test_uniform(&seed) < 0.7f ? i + 1 : 0;
     for (size_t i = LF_BRICK_STRIDE; i < sizeof floats / sizeof *floats; i++) {
-        floats[i] = uniform(&seed);
-        shorts[i] = (uint16_t)(65535.0f * uniform(&seed));
+        floats[i] = lf_test_uniform(&seed);
+        shorts[i] = (uint16_t)(65535.0f * lf_test_uniform(&seed));
     }
     for (int i = 0; i < LF_DEPTH_MOST; i++) {
-        jobs.end[i] = 60.0f * uniform(&seed);
+        jobs.end[i] = 60.0f * lf_test_uniform(&seed);
         for (int a = 0; a < 3; a++) {
-            jobs.p[a][i] = (float)LF_BRICK * uniform(&seed);
-            jobs.brick[a][i] = (int32_t)((float)BRICKS * uniform(&seed));
-            jobs.d[a][i] = i % 5 == a ? 0.0f : uniform(&seed) - 0.5f;
+            jobs.p[a][i] = (float)LF_BRICK * lf_test_uniform(&seed);
+            jobs.brick[a][i] = (int32_t)((float)BRICKS * lf_test_uniform(&seed));
+            jobs.d[a][i] = i % 5 == a ? 0.0f : lf_test_uniform(&seed) - 0.5f;
         }
     }
     for (int way = 0; way < 4; way++) {

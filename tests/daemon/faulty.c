@@ -11,6 +11,7 @@
 #include "device/hid/hid.h"
 #include "device/model/usb_model.h"
 #include "device/usb/gud.h"
+#include "tests/scene_file.h"
 
 #define WHERE "faulty panel"
 #define SERIAL "LKG-FAULTY-1"
@@ -27,6 +28,7 @@ static const char *const names[LF_FAULTY_KINDS] = {
 /* The plug that both sides of the panel share. */
 static struct {
     pthread_mutex_t lock;
+    const char *calibration;
     /* under lock */
     lf_faulty_orders *orders;
     uint64_t random;
@@ -82,6 +84,8 @@ static void nap(int ms)
 void lf_faulty_use(lf_faulty_orders *orders)
 {
     plug.orders = orders;
+    plug.calibration = lf_test_scene_patched(
+        "panel", "{'serial': '" SERIAL "', 'screenW': {'value': 192}, 'screenH': {'value': 256}}");
     plug.random = orders->seed * UINT64_C(0x9e3779b97f4a7c15) | 1;
     plug.was_sick = atomic_load(&orders->sick);
     plug.epoch = 1;
@@ -369,14 +373,6 @@ typedef struct side {
     lf_model_hid *model;
 } side;
 
-static const char calibration_text[] = "{\"configVersion\":\"1.0\",\"serial\":\"" SERIAL
-                                       "\",\"pitch\":{\"value\":52.5},\"slope\":{\"value\":-7.2},"
-                                       "\"center\":{\"value\":0.3},\"viewCone\":{\"value\":40},"
-                                       "\"invView\":{\"value\":1},\"DPI\":{\"value\":324},"
-                                       "\"screenW\":{\"value\":192},\"screenH\":{\"value\":256},"
-                                       "\"flipImageX\":{\"value\":0},\"flipImageY\":{\"value\":0},"
-                                       "\"flipSubp\":{\"value\":0}}";
-
 static int side_send(void *context, const uint8_t *report, size_t n)
 {
     side *s = context;
@@ -511,7 +507,7 @@ lf_status __wrap_lf_hid_open(const char *path, lf_hid_link *out, lf_error *err)
     uint8_t eeprom[LF_MODEL_EEPROM_MAX];
     lf_faulty_kind illness = draw_side_illness(&on);
     size_t n =
-        lf_model_hid_eeprom(calibration_text, strlen(calibration_text), eeprom, sizeof eeprom);
+        lf_model_hid_eeprom(plug.calibration, strlen(plug.calibration), eeprom, sizeof eeprom);
     if (illness == LF_FAULTY_EEPROM)
         n = damage(eeprom, n);
     if (illness == LF_FAULTY_FLOOD)

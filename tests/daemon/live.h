@@ -16,25 +16,17 @@
 #include <sys/wait.h>
 #include <time.h>
 
+#include "tests/scene_file.h"
+
 #include <jansson.h>
 
 /* A daemon under a sanitizer on a busy machine takes minutes for its first picture. */
 #define LIVE_PATIENCE_S 600
 
-/* 6 views: their quilt, 3x2, has no black tile, so that reading it gives the same views. */
-static const char live_scene_text[] =
-    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0."
-    "75,\"views\":6,\"cone\":30},"
-    "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9,\"g\":0.3}},"
-    "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
-
-/* 96 x 128 pixels: every frame is quick. */
-static const char live_calibration_text[] =
-    "{\"configVersion\":\"1.0\",\"serial\":\"LKG-TEST\",\"pitch\":{\"value\":52.5},"
-    "\"slope\":{\"value\":-7.2},\"center\":{\"value\":0.3},"
-    "\"viewCone\":{\"value\":40},\"invView\":{\"value\":1},\"DPI\":{\"value\":324},"
-    "\"screenW\":{\"value\":96},\"screenH\":{\"value\":128},"
-    "\"flipImageX\":{\"value\":0},\"flipImageY\":{\"value\":0},\"flipSubp\":{\"value\":0}}";
+/* live-fog has 6 views: their quilt, 3x2, has no black tile, so that reading it gives the same
+ * views. The panel has 96 x 128 pixels: every frame is quick. */
+#define LIVE_SCENE lf_test_scene_text("live-fog")
+#define LIVE_CALIBRATION lf_test_scene_text("panel")
 
 typedef struct live {
     char *folder;
@@ -69,8 +61,8 @@ static inline void live_prepare(live *l)
     snprintf(l->log, sizeof l->log, "%s/log", l->folder);
     assert_int_equal(mkdir(lf_test_path(l->folder, "scene"), 0700), 0);
     assert_int_equal(mkdir(lf_test_path(l->folder, "sim"), 0700), 0);
-    lf_test_write(l->folder, "scene/fog.json", live_scene_text);
-    lf_test_write(l->folder, "sim/calibration.json", live_calibration_text);
+    lf_test_write(l->folder, "scene/fog.json", LIVE_SCENE);
+    lf_test_write(l->folder, "sim/calibration.json", LIVE_CALIBRATION);
 }
 
 /* A child with stderr in the log; args end with NULL. */

@@ -8,6 +8,8 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+#include "tests/scene_file.h"
+
 #include <jansson.h>
 
 /* Runs quiltbench with words parted by blanks; its stdout and stderr end up in the files "out" and
@@ -57,12 +59,7 @@ static inline json_t *bench_load(const char *folder, const char *name)
 
 static inline void bench_write_ball(const char *folder)
 {
-    lf_test_write(
-        folder, "fog.json",
-        "{ \"quiltd\": 1, \"camera\": { \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, "
-        "\"views\": 6, \"cone\": 35 },"
-        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9 } },"
-        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }");
+    lf_test_write(folder, "fog.json", lf_test_scene_text("fog-ball"));
 }
 
 #endif

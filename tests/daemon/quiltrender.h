@@ -8,23 +8,14 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 
 #include "base/alloc.h"
 #include "base/file.h"
 #include "quilt/quilt.h"
 #include "tests/testing.h"
 
-static const char fog[] =
-    "{ \"quiltd\": 1,\n"
-    "  \"camera\": { \"target\": [0,0,0], \"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": "
-    "0.75, \"views\": 6, \"cone\": 35 },\n"
-    "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9, \"g\": "
-    "0.4 } },\n"
-    "  \"meshes\": { \"ground\": { \"shape\": \"quad\", \"material\": \"clay\", \"transform\": { "
-    "\"scale\": 4, \"translate\": "
-    "[0,-1.05,0] } } },\n"
-    "  \"materials\": { \"clay\": { \"type\": \"diffuse\", \"albedo\": 0.5 } },\n"
-    "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }\n";
+#include "tests/scene_file.h"
 
 #define VIEWS 6
 #define WIDTH 20
@@ -32,7 +23,7 @@ static const char fog[] =
 
 typedef struct qr_files {
     char *folder;
-    char scene[PATH_MAX];       /* fog above */
+    char scene[PATH_MAX];       /* fog-over-clay */
     char quilt[PATH_MAX];       /* a small 8-bit quilt picture */
     char large[PATH_MAX];       /* one that takes a while to write */
     char calibration[PATH_MAX]; /* a small panel */
@@ -61,16 +52,14 @@ static inline int qr_set_up(void **state)
 {
     static qr_files f;
     f.folder = lf_test_folder();
-    snprintf(f.scene, sizeof f.scene, "%s", lf_test_write(f.folder, "fog.json", fog));
+    snprintf(f.scene, sizeof f.scene, "%s",
+             lf_test_write(f.folder, "fog.json", lf_test_scene_text("fog-over-clay")));
     snprintf(f.calibration, sizeof f.calibration, "%s",
              lf_test_write(f.folder, "panel.json",
-                           "{\"pitch\": {\"value\": 52.5}, \"slope\": {\"value\": -7.2}, "
-                           "\"center\": {\"value\": 0.5}, "
-                           "\"DPI\": {\"value\": 324}, \"screenW\": {\"value\": 90}, \"screenH\": "
-                           "{\"value\": 60}, "
-                           "\"viewCone\": {\"value\": 40}, \"invView\": {\"value\": 1}, "
-                           "\"flipImageX\": {\"value\": 0}, "
-                           "\"flipImageY\": {\"value\": 0}, \"flipSubp\": {\"value\": 0}}"));
+                           lf_test_scene_patched(
+                               "panel",
+                               "{'configVersion': null, 'serial': null, 'center': {'value': 0.5}, "
+                               "'screenW': {'value': 90}, 'screenH': {'value': 60}}")));
     qr_write_quilt(f.quilt, f.folder, "card_qs3x2a1.5.png", WIDTH, HEIGHT);
     qr_write_quilt(f.large, f.folder, "large_qs3x2a1.5.png", 240, 160);
     *state = &f;
@@ -85,6 +74,12 @@ static inline int qr_tear_down(void **state)
 }
 
 /* -------------------------------------------------------------------------- running programs -- */
+
+static inline void qr_nap(double seconds)
+{
+    const struct timespec time = {(time_t)seconds, (long)((seconds - floor(seconds)) * 1e9)};
+    nanosleep(&time, NULL);
+}
 
 typedef struct qr_outcome {
     int code; /* exit code, or 1000 + the signal's number */

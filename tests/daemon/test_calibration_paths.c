@@ -178,23 +178,11 @@ static void real_panels_show_the_same_views_whichever_way_the_calibration_came(v
     }
 }
 
-static int make_folder(void **state)
-{
-    *state = lf_test_folder();
-    return 0;
-}
-
-static int remove_folder(void **state)
-{
-    lf_test_folder_remove(*state);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_views_are_shown_whichever_way_the_calibration_came),
         cmocka_unit_test(real_panels_show_the_same_views_whichever_way_the_calibration_came),
     };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    return cmocka_run_group_tests(tests, lf_test_folder_setup, lf_test_folder_teardown);
 }

@@ -1,6 +1,7 @@
 /* What a picture that converges puts on the wire of a USB display. The engine's schedule, but with
  * a clock of its own: the same batches, frames and bytes every time. */
 #include "tests/device/gud_testing.h"
+#include "tests/scene_file.h"
 
 #include "daemon/engine/picture.h"
 #include "daemon/engine/schedule.h"
@@ -20,12 +21,6 @@ enum {
 enum { PIXELS = VIEWS * VIEW_WIDTH * VIEW_HEIGHT };
 
 #define ROW_SECONDS 0.005 /* of a pass over a row, by the clock of this test */
-
-static const char scene_text[] =
-    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0."
-    "75,\"cone\":30},"
-    "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9,\"g\":0.3}},"
-    "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
 
 typedef struct converging {
     lf_content *content;
@@ -53,7 +48,8 @@ static void make_picture(converging *c, const lf_calibration *calibration)
 {
     lf_error err = {0};
     lf_scene *scene = NULL;
-    json_t *doc = json_loads(scene_text, 0, NULL);
+    json_t *doc =
+        lf_test_json("live-fog", lf_test_scene_patched("live-fog", "{'camera': {'views': null}}"));
     const lf_options options = {
         .views = VIEWS, .view_width = VIEW_WIDTH, .view_height = VIEW_HEIGHT};
     lf_assert_ok(lf_scene_from_json(doc, ".", "fog", NULL, NULL, &scene, &err), &err);

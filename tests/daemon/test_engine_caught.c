@@ -9,31 +9,9 @@
 #include "base/alloc.h"
 #include "base/wakeup.h"
 #include "daemon/engine/engine.h"
+#include "tests/scene_file.h"
 
 enum { VIEWS = 5, SIDE = 48, PIXELS = VIEWS * SIDE * SIDE };
-
-/* A ball on a catcher in the sun, seen from above; and balls before, in and behind the window. */
-static const char on_catcher[] =
-    "{'camera': {'position': [0, 6, 6], 'target': [0.4, 0.3, 0], 'fov_y': 18, 'aspect': 1, "
-    "'views': 5, 'cone': 30}, 'backdrop': {'top': [0.2, 0.5, 0.6], 'bottom': [0.8, 0.6, 0.4]}, "
-    "'meshes': {'ground': {'shape': 'quad', 'catcher': true, 'transform': {'scale': 50}}, 'ball': "
-    "{'shape': 'sphere', 'transform': {'scale': 0.5, 'translate': [0, 0.5, 0]}}}, 'lights': {"
-    "'sun': {'type': 'distant', 'direction': [1, -1, 0]}, 'sky': {'type': 'environment', "
-    "'radiance': 0.1}}}";
-/* A lamp over a mirror before grey: its image, and no shadow. */
-static const char on_mirror[] =
-    "{'camera': {'position': [0, 6, 6], 'target': [0.4, 0.3, 0], 'fov_y': 18, 'aspect': 1, "
-    "'views': 5, 'cone': 30}, 'backdrop': 0.1, 'meshes': {'ground': {'shape': 'quad', 'catcher': "
-    "'reflection', 'material': 'mirror', 'transform': {'scale': 50}}, 'ball': {'shape': 'sphere', "
-    "'material': 'shining', 'transform': {'scale': 0.5, 'translate': [0, 0.7, 0]}}}, 'materials': "
-    "{'mirror': {'type': 'conductor', 'albedo': 0.6, 'roughness': 0}, 'shining': {'albedo': 0, "
-    "'emission': 2}}}";
-static const char far_and_near[] =
-    "{'camera': {'position': [0, 0, 10], 'fov_y': 20, 'aspect': 1, 'cone': 30, 'views': 5}, "
-    "'meshes': {'near': {'shape': 'cube', 'transform': {'scale': 0.3, 'translate': [-0.6, 0, 4]}}, "
-    "'here': {'shape': 'cube', 'transform': {'scale': 0.3}}, 'far': {'shape': 'cube', 'transform': "
-    "{'scale': 0.8, 'translate': [2, 0, -8]}}}, 'lights': {'e': {'type': 'environment', "
-    "'radiance': 0.5}}}";
 
 typedef struct running {
     lf_engine *engine;
@@ -42,22 +20,17 @@ typedef struct running {
     int fd;
 } running;
 
-static lf_content *content_of(const char *text, lf_denoise denoise)
+static lf_content *content_of(const char *name, lf_denoise denoise)
 {
     const lf_options options = {.views = VIEWS,
                                 .view_width = SIDE,
                                 .view_height = SIDE,
                                 .target_error = 1e-9,
                                 .denoise = denoise};
-    char quoted[2048];
     lf_scene *scene = NULL;
     lf_content *content = NULL;
     lf_error err = {0};
-    snprintf(quoted, sizeof quoted, "%s", text);
-    for (char *c = quoted; *c; c++)
-        *c = (char)(*c == '\'' ? '"' : *c);
-    json_t *doc = json_loads(quoted, 0, NULL);
-    assert_non_null(doc);
+    json_t *doc = lf_test_scene_document(name);
     lf_assert_ok(lf_scene_from_json(doc, ".", "scene", NULL, NULL, &scene, &err), &err);
     lf_assert_ok(lf_content_from_scene(scene, "scene", &options, NULL, &content, &err), &err);
     lf_scene_unref(scene);
@@ -65,16 +38,15 @@ static lf_content *content_of(const char *text, lf_denoise denoise)
     return content;
 }
 
-static void begin(running *r, const char *text, lf_denoise denoise)
+static void begin(running *r, const char *scene, lf_denoise denoise)
 {
     lf_error err = {0};
     int64_t generation = 0;
     *r = (running){.fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
-    r->controls =
-        (lf_engine_controls){.threads = 2, .denoise = denoise, .target_error = 1e-9};
+    r->controls = (lf_engine_controls){.threads = 2, .denoise = denoise, .target_error = 1e-9};
     lf_assert_ok(lf_engine_create(&r->controls, r->fd, &r->engine, &err), &err);
     lf_engine_set_panel(r->engine, NULL, 1, true);
-    r->content = content_of(text, denoise);
+    r->content = content_of(scene, denoise);
     lf_assert_ok(lf_engine_commit(r->engine, r->content, false, &generation, NULL, &err), &err);
 }
 
@@ -163,12 +135,12 @@ static void frames_have_what_catchers_of_files_get(void **state)
 {
     (void)state;
     static const struct {
-        const char *text;
+        const char *scene;
         double noise, caught;
-    } scenes[] = {{on_catcher, 2.0, 5.0}, {on_mirror, 2.0, 5.0}};
+    } scenes[] = {{"ball-in-catcher-light", 2.0, 5.0}, {"light-on-mirror", 2.0, 5.0}};
     for (int i = 0; i < 4; i++) {
         running r;
-        begin(&r, scenes[i / 2].text, i % 2 == 0 ? LF_DENOISE_OFF : LF_DENOISE_ON);
+        begin(&r, scenes[i / 2].scene, i % 2 == 0 ? LF_DENOISE_OFF : LF_DENOISE_ON);
         if (i % 2 == 0) {
             make_picture(r.content, true, film, with);
             make_picture(r.content, false, bare, without);
@@ -194,7 +166,7 @@ static void exports_have_them_too(void **state)
 {
     (void)state;
     running r;
-    begin(&r, on_catcher, LF_DENOISE_ON);
+    begin(&r, "ball-in-catcher-light", LF_DENOISE_ON);
     make_picture(r.content, true, film, with);
     make_picture(r.content, false, bare, without);
     run_to(&r, 8);
@@ -232,7 +204,7 @@ static void guides_are_switched_on_and_off(void **state)
 {
     (void)state;
     running r;
-    begin(&r, far_and_near, LF_DENOISE_AUTO);
+    begin(&r, "cubes-in-depth", LF_DENOISE_AUTO);
     run_to(&r, 4);
     for (int i = 0; i < 3; i++) {
         lf_snapshot snapshot;

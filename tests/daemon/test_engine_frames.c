@@ -8,12 +8,7 @@
 
 #include "base/wakeup.h"
 #include "daemon/engine/engine.h"
-
-static const char scene_text[] =
-    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0."
-    "75,\"views\":6,\"cone\":30},"
-    "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9,\"g\":0.3}},"
-    "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
+#include "tests/scene_file.h"
 
 /* The scene with the camera `aside`, and fog of this density. */
 static lf_content *content_of(double aside, double density)
@@ -23,7 +18,7 @@ static lf_content *content_of(double aside, double density)
     lf_content *content = NULL;
     lf_scene *scene = NULL;
     lf_error err = {0};
-    json_t *doc = json_loads(scene_text, 0, NULL),
+    json_t *doc = lf_test_scene_document("live-fog"),
            *patch = json_pack("{s:{s:[f,f,f]}, s:{s:{s:f}}}", "camera", "position", aside, 0.4, 9.0,
                               "volumes", "fog", "density", density),
            *patched = lf_json_merge_patch(doc, patch);

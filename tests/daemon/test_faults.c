@@ -550,7 +550,7 @@ static void prepare(soak *s)
     char cache[PATH_MAX];
     const char *seed = getenv("SOAK_SEED");
     live_prepare(&s->l);
-    lf_test_write(s->l.folder, "scene/mist.json", live_scene_text);
+    lf_test_write(s->l.folder, "scene/mist.json", LIVE_SCENE);
     lf_test_write(s->l.folder, "scene/broken.json", "{\"quiltd\":1,");
     assert_int_equal(mkdir(s->l.exports, 0700), 0);
     snprintf(cache, sizeof cache, "%s/cache", s->l.folder);

@@ -1,6 +1,7 @@
 /* Sequences: which frames there are, that each is the same whoever renders it, whole or not there,
  * and what becomes of those that are there already. */
 #include "tests/daemon/quiltrender.h"
+#include "tests/scene_file.h"
 
 #include <signal.h>
 #include <sys/stat.h>
@@ -9,12 +10,6 @@
 #include "daemon/output/frames.h"
 
 #define SIZE "--view-size 12x16 --views 4 --spp 1"
-
-static void nap(double seconds)
-{
-    const struct timespec time = {(time_t)seconds, (long)((seconds - floor(seconds)) * 1e9)};
-    nanosleep(&time, NULL);
-}
 
 /* ------------------------------------------------------------------------------------- names -- */
 
@@ -204,7 +199,7 @@ static void folders_and_panels_are_frames_too(void **state)
 static void await_file(const char *path)
 {
     for (int i = 0; i < 3000 && access(path, F_OK) != 0; i++)
-        nap(0.01);
+        qr_nap(0.01);
     assert_int_equal(access(path, F_OK), 0);
 }
 
@@ -336,12 +331,8 @@ static void a_turntable_reads_its_files_once(void **state)
     write_smoke(f);
     snprintf(folder, sizeof folder, "%s", lf_test_path(f->folder, "readers"));
     assert_int_equal(mkdir(folder, 0777), 0);
-    const char *still = lf_test_write(
-        f->folder, "still.json",
-        "{ \"camera\": { \"position\": [0,0,60], \"fov_y\": 60, \"cone\": 2 },\n"
-        "  \"volumes\": { \"smoke\": { \"file\": \"smoke_01.vdb\", \"scale\": 0.1 } },\n"
-        "  \"meshes\": { \"tri\": { \"file\": \"tri.obj\" } },\n"
-        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 1 } } }\n");
+    const char *still =
+        lf_test_write(f->folder, "still.json", lf_test_scene_text("smoke-before-mesh"));
     count_readers(f, folder);
     qr_succeed("%s -o %s/s.exr --turntable 3 " SIZE, still, f->folder);
     setenv("QUILTIMPORT", readers_before, 1);

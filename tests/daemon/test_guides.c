@@ -1,6 +1,7 @@
 /* Guides: what lies outside of the sharp depth is marked, in the colours that are said, and nothing
  * else is touched; and what is said of a depth that is too much, in words of who says it. */
 #include "tests/daemon/quiltrender.h"
+#include "tests/scene_file.h"
 
 #include "daemon/output/content.h"
 #include "daemon/output/guides.h"
@@ -50,15 +51,9 @@ static void what_is_too_near_is_red_and_what_is_too_far_is_blue(void **state)
 static void cubes_before_in_and_behind_the_window(void **state)
 {
     const qr_files *f = *state;
-    static const char scene[] =
-        "{\"camera\": {\"position\": [0, 0, 10], \"fov_y\": 20, \"aspect\": 1, \"cone\": 30, "
-        "\"views\": 5}, \"meshes\": {\"near\": {\"shape\": \"cube\", \"transform\": {\"scale\": "
-        "0.3, \"translate\": [-0.6, 0, 4]}}, \"here\": {\"shape\": \"cube\", \"transform\": "
-        "{\"scale\": 0.3}}, \"far\": {\"shape\": \"cube\", \"transform\": {\"scale\": 0.8, "
-        "\"translate\": [2, 0, -8]}}}, \"lights\": {\"e\": {\"type\": \"environment\", "
-        "\"radiance\": 0.5}}}";
     char path[PATH_MAX], out[PATH_MAX];
-    snprintf(path, sizeof path, "%s", lf_test_write(f->folder, "cubes.json", scene));
+    snprintf(path, sizeof path, "%s",
+             lf_test_write(f->folder, "cubes.json", lf_test_scene_text("cubes-in-depth")));
     qr_succeed("%s -o %s/cubes.png --guides --view-size 60x60 --quilt 5x1 --spp 4", path,
                f->folder);
     snprintf(out, sizeof out, "%s/cubes_qs5x1a1.png", f->folder);

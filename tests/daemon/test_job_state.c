@@ -1,6 +1,7 @@
 /* --state: a job that was stopped goes on to the bytes of one that was not; files that are another
  * job's, or damaged, are refused in one line and stay as they are. */
 #include "tests/daemon/quiltrender.h"
+#include "tests/scene_file.h"
 
 #include <math.h>
 #include <signal.h>
@@ -11,18 +12,12 @@
 
 #define SIZE "--view-size 24x32 --threads 2"
 
-static void nap(double seconds)
-{
-    const struct timespec time = {(time_t)seconds, (long)((seconds - floor(seconds)) * 1e9)};
-    nanosleep(&time, NULL);
-}
-
 /* Starts a job, stops it after a while and returns its exit code. */
 static int run_and_stop(const char *line, double seconds, int number, char *said, size_t size)
 {
     int err = memfd_create("stderr", 0), out = memfd_create("stdout", 0);
     pid_t pid = qr_start(line, out, err, RLIM_INFINITY);
-    nap(seconds);
+    qr_nap(seconds);
     kill(pid, number);
     const int code = qr_ended(pid);
     qr_read_back(err, said, size);
@@ -204,7 +199,7 @@ typedef struct tiny {
 static void open_tiny(tiny *t)
 {
     lf_error err = {0};
-    json_t *doc = json_loads(fog, 0, NULL);
+    json_t *doc = lf_test_scene_document("fog-over-clay");
     const lf_budget budget = {.passes = 4};
     lf_assert_ok(lf_scene_from_json(doc, ".", "fog", NULL, NULL, &t->scene, &err), &err);
     json_decref(doc);

@@ -189,7 +189,7 @@ static void buttons_turn_pages_stop_rendering_and_reset_the_camera(void **state)
     (void)state;
     live l;
     live_prepare(&l);
-    lf_test_write(l.folder, "scene/gas.json", live_scene_text);
+    lf_test_write(l.folder, "scene/gas.json", LIVE_SCENE);
     live_start(&l, l.scene, "--device", l.sim, "--buttons", "left=next", NULL);
     live_client c;
     live_connect(&l, &c);
@@ -230,7 +230,7 @@ static void whoever_presses_faster_than_scenes_load_gets_to_the_last_one(void **
     enum { PRESSES = 101 };
     live l;
     live_prepare(&l);
-    lf_test_write(l.folder, "scene/gas.json", live_scene_text);
+    lf_test_write(l.folder, "scene/gas.json", LIVE_SCENE);
     live_start(&l, l.scene, "--device", l.sim, NULL);
     live_client c;
     live_connect(&l, &c);
@@ -302,7 +302,7 @@ static void texts_that_are_not_utf8_and_large_seeds_are_told_whole(void **state)
     live l;
     live_prepare(&l);
     char name[PATH_MAX];
-    snprintf(name, sizeof name, "%s", lf_test_write(l.folder, "scene/f\xff.json", live_scene_text));
+    snprintf(name, sizeof name, "%s", lf_test_write(l.folder, "scene/f\xff.json", LIVE_SCENE));
     lf_test_write(l.folder, "scene/bad_qs3x2a0.75.png", "no picture");
     live_start(&l, name, "--device", "none", "--seed", "18446744073709551615", NULL);
     live_client c;
@@ -360,7 +360,7 @@ static void the_scene_file_is_read_again_on_hangup_and_when_it_changes(void **st
     kill(l.pid, SIGHUP);
     assert_true(wait_for_generation(&c, 3) == 3);
     assert_true(live_number(&c, "status", NULL, "views") == 6);
-    lf_test_write(l.folder, "scene/next.json", live_scene_text);
+    lf_test_write(l.folder, "scene/next.json", LIVE_SCENE);
     char next[PATH_MAX];
     snprintf(next, sizeof next, "%s/scene/next.json", l.folder);
     assert_int_equal(rename(next, l.scene), 0);

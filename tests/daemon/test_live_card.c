@@ -86,7 +86,7 @@ static void glass_without_a_scene_says_so(void **state)
     assert_true(mean[0] > 20 && mean[1] > 20 && mean[2] > 20);
     load(&l, &c, "scene/broken.json", "{\"quiltd\":1,\"camra\":{}}", -32002);
     await_words(&c, "No scene is loaded"); /* who asked was told */
-    load(&l, &c, "scene/fog.json", live_scene_text, 0);
+    load(&l, &c, "scene/fog.json", LIVE_SCENE, 0);
     live_wait(&c, "coarse");
     assert_true(says(&c, NULL));
     load(&l, &c, "scene/broken.json", "{\"quiltd\":1,\"camra\":{}}", -32002);
@@ -107,7 +107,7 @@ static void a_file_that_cannot_be_shown_is_named_with_the_reason(void **state)
     live_connect(&l, &c);
     await_words(&c, "Cannot show broken.json:2: unknown key \"camra\"");
     assert_true(live_logged(&l, "message on the panel: Cannot show broken.json:2: "));
-    load(&l, &c, "scene/fog.json", live_scene_text, 0);
+    load(&l, &c, "scene/fog.json", LIVE_SCENE, 0);
     live_wait(&c, "coarse");
     assert_true(says(&c, NULL));
     live_close(&c);
@@ -137,7 +137,7 @@ static void a_file_out_of_reach_is_told_with_what_to_do(void **state)
     live_start(&l, lf_test_path(l.folder, "scene/far.json"), "--device", l.sim, NULL);
     live_connect(&l, &c);
     await_words(&c, words);
-    load(&l, &c, "scene/fog.json", live_scene_text, 0);
+    load(&l, &c, "scene/fog.json", LIVE_SCENE, 0);
     live_wait(&c, "coarse");
     assert_true(says(&c, NULL));
     live_close(&c);
@@ -244,7 +244,7 @@ static void a_folder_that_is_removed_is_told_and_made_again(void **state)
     strncat(l.sim, ",latency=30",
             sizeof l.sim - strlen(l.sim) - 1); /* a push has not ended at once */
     live_start(&l, l.scene, "--device", l.sim, "--calibration",
-               lf_test_write(l.folder, "lens.json", live_calibration_text), NULL);
+               lf_test_write(l.folder, "lens.json", LIVE_CALIBRATION), NULL);
     live_connect(&l, &c);
     live_connect(&l, &ears);
     live_wait(&c, "converged");

@@ -25,7 +25,7 @@ static void prepare(live *l)
     assert_int_equal(chmod(lf_test_write(readers, "quiltimport", script), 0700), 0);
     lf_test_write(l->folder, "scene/slow.json", scene);
     lf_test_write(l->folder, "scene/slower.json", scene);
-    lf_test_write(l->folder, "scene/other.json", live_scene_text);
+    lf_test_write(l->folder, "scene/other.json", LIVE_SCENE);
     lf_test_write(l->folder, "scene/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     setenv("QUILTIMPORT", readers, 1);
 }

@@ -18,7 +18,7 @@ static void begin(outside *o)
     live_prepare(&o->l);
     o->folder = lf_test_folder();
     lf_test_write(o->folder, "sky.hdr", sky_text);
-    lf_test_write(o->folder, "fog.json", live_scene_text);
+    lf_test_write(o->folder, "fog.json", LIVE_SCENE);
     live_start(&o->l, o->l.scene, "--device", "none", NULL);
     live_connect(&o->l, &o->c);
     json_decref(live_call(&o->c, "wait", NULL));

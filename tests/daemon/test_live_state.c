@@ -1,6 +1,7 @@
 /* The daemon with --state, from outside: what it goes on from after another start, and after other
  * pictures. */
 #include "tests/daemon/live.h"
+#include "tests/scene_file.h"
 
 #include <dirent.h>
 
@@ -192,11 +193,7 @@ static void a_scene_that_comes_back_goes_on_from_its_state(void **state)
     live_client c;
     live_prepare(&l);
     double passes = converged(&l, NULL, NULL);
-    lf_test_write(l.folder, "scene/next.json",
-                  "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0,5],\"views\":6},"
-                  "\"meshes\":{\"wall\":{\"shape\":\"quad\",\"material\":\"clay\"}},\"materials\":{"
-                  "\"clay\":{\"type\":\"diffuse\"}},"
-                  "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":1}}}");
+    lf_test_write(l.folder, "scene/next.json", lf_test_scene_text("matt-wall"));
     live_start(&l, lf_test_path(l.folder, "scene/next.json"), "--device", "none", "--state",
                l.state, "--target-error", "0.04", NULL);
     live_connect(&l, &c);

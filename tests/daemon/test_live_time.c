@@ -1,12 +1,8 @@
 /* The daemon shows the frame that it is told, and plays them by the clock. */
 #include "tests/daemon/live.h"
+#include "tests/scene_file.h"
 
-#define MOVING                                                                                     \
-    "{\"quiltd\":1,\"rate\":50,\"camera\":{\"position\":{\"keys\":[[1,[0,0.4,9]],[101,[4,0.4,9]]]" \
-    "},"                                                                                           \
-    "\"aspect\":0.75,\"views\":6,\"cone\":30},"                                                    \
-    "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9}},"                   \
-    "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}"
+#define MOVING lf_test_scene_text("fog-in-moving-camera")
 
 static void start_with(live *l, live_client *c, const char *scene)
 {
@@ -193,7 +189,7 @@ static void what_does_not_move_is_not_played(void **state)
     (void)state;
     live l;
     live_client c;
-    start_with(&l, &c, live_scene_text);
+    start_with(&l, &c, LIVE_SCENE);
     assert_int_equal(live_code(&c, "time.play", json_pack("{s:i}", "to", 9)), -32000);
     assert_int_equal(live_code(&c, "time.play", NULL), -32602);
     live_close(&c);

@@ -9,37 +9,16 @@
 
 #include "base/file.h"
 #include "tests/daemon/live.h"
+#include "tests/scene_file.h"
 
 enum { FEW = 60, MANY = 10000, MOST_SEEDS = 64, MOST_CHANGES = 2 };
 
 /* What the shipped scenes have little of. */
 static const char *const own_seeds[] = {
-    /* instances, thin and far */
-    "{'quiltd':1,'camera':{'target':[0,0,0],'position':[0,0,9],'views':6},"
-    "'lights':{'s':{'type':'environment','radiance':1}},"
-    "'meshes':{'m':{'shape':'cube','instances':[[1,0,0,0,0,1,0,0,0,0,1,0],"
-    "[0.5,0,0,1,0,0.5,0,1,0,0,0.001,0],{'translate':[2,0,0],'scale':[1,1,0.1]}]},"
-    "'n':{'shape':'sphere','transform':{'scale':[1,2,0.5],'rotate':[10,20,30]},"
-    "'instances':[{'translate':[-2,0,0]},{'scale':0.2,'translate':[0,2,0]}]}}}",
-    /* lamps of every kind, in a medium */
-    "{'quiltd':1,'camera':{'target':[0,0,0],'position':[0,1,9],'views':6,'lens_radius':0.1},"
-    "'volumes':{'fog':{'shape':'box','density':0.2,'g':0.5,'transform':{'scale':[3,2,2]}}},"
-    "'lights':{'p':{'type':'point','position':[0,3,0],'intensity':20},"
-    "'d':{'type':'distant','direction':[0.3,-1,-0.2],'irradiance':[3,2,1],'angle':0.5},"
-    "'r':{'type':'rectangle','position':[0,2,0],'direction':[0,-1,0],'width':1,'height':2,'"
-    "radiance':3}},"
-    "'materials':{'lamp':{'type':'diffuse','albedo':0.5,'emission':[4,2,1]},"
-    "'glass':{'type':'principled','transmission':1,'ior':1.5}},"
-    "'meshes':{'l':{'shape':'quad','material':'lamp','transform':{'translate':[0,1.5,0]}},"
-    "'g':{'shape':'sphere','material':'glass'},'f':{'shape':'quad',"
-    "'transform':{'scale':9,'translate':[0,-1,0]}}}}",
-    /* numbers with keys, while the shutter is open */
-    "{'quiltd':1,'frame':1,'camera':{'target':[0,0,0],'position':{'keys':[[1,[0,0,9]],"
-    "[2,[1,0,9]]]},'views':6,'shutter':0.5},'lights':{'s':{'type':'environment','radiance':1}},"
-    "'meshes':{'m':{'shape':'cube','transform':{'rotate':{'keys':[[1,[0,0,0]],[2,[0,40,0]]]},"
-    "'scale':{'keys':[[1,[1,1,1]],[2,[1,2,1]]]}}}},"
-    "'volumes':{'v':{'shape':'sphere','density':2,'transform':{'translate':{'keys':"
-    "[[1,[0,0,0]],[3,[0,1,0]]]}}}}}"};
+    "thin-instances",   /* and far ones */
+    "lights-in-fog",    /* of every kind */
+    "keys-and-shutter", /* numbers with keys, while the shutter is open */
+};
 
 /* Some are legal, some are not, and some are legal alone. */
 static const double extremes[] = {0,    -1,   1e-45, 1e-20, 1e-18, 1e-12, 1e-6, 0.5,
@@ -97,14 +76,8 @@ static int is_scene(const struct dirent *entry)
 
 static void make_seeds(mutator *m)
 {
-    for (size_t i = 0; i < sizeof own_seeds / sizeof *own_seeds; i++) {
-        char text[2048];
-        snprintf(text, sizeof text, "%s", own_seeds[i]);
-        for (char *at = text; (at = strchr(at, '\''));)
-            *at = '"';
-        m->seeds[m->n_seeds] = json_loads(text, 0, NULL);
-        assert_non_null(m->seeds[m->n_seeds++]);
-    }
+    for (size_t i = 0; i < sizeof own_seeds / sizeof *own_seeds; i++)
+        m->seeds[m->n_seeds++] = lf_test_scene_document(own_seeds[i]);
 }
 
 static void read_seeds(mutator *m, const char *folder)

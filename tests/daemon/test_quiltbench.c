@@ -1,24 +1,13 @@
 /* quiltbench from outside: its numbers on pictures whose errors are known, its limits as exit
  * codes. */
 #include "tests/daemon/quiltbench.h"
+#include "tests/scene_file.h"
 
 #include "base/calibration.h"
 #include "base/image_io.h"
 
 #define WIDTH 21
 #define HEIGHT 14
-
-static int set_up(void **state)
-{
-    *state = lf_test_folder();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    lf_test_folder_remove(*state);
-    return 0;
-}
 
 static void assert_error_line(const char *folder, const char *words)
 {
@@ -224,11 +213,7 @@ static void what_is_shown_is_nearer_after_the_same_time(void **state)
 static void equal_passes_are_of_the_same_film(void **state)
 {
     const char *d = *state;
-    lf_test_write(d, "glow.json",
-                  "{\"quiltd\": 1, \"camera\": {\"target\": [0, 0, 0], \"position\": [0, 0, 6], "
-                  "\"fov_y\": 26, \"views\": 6}, \"meshes\": {\"ball\": {\"shape\": \"sphere\", "
-                  "\"material\": \"glow\"}}, \"materials\": {\"glow\": {\"albedo\": 0, "
-                  "\"emission\": 1}}}");
+    lf_test_write(d, "glow.json", lf_test_scene_text("lone-emissive-ball"));
     assert_int_equal(bench_run(d, "shown glow.json --view-size 24x32 --passes 12 --seeds 2 "
                                   "--reference-spp 64 --json s.json"),
                      0);
@@ -419,12 +404,7 @@ static void the_papers_estimators_stand_beside_ours(void **state)
     assert_true(bench_number(row_of(p, "mvpt", "mwis"), "equal_paths") > 1.5);
     json_decref(p);
     assert_int_equal(access(lf_test_path(d, "p.md"), R_OK), 0);
-    lf_test_write(d, "cloud.json",
-                  "{\"quiltd\": 1, \"camera\": {\"target\": [0,0,0], \"position\": [0,0,5], "
-                  "\"fov_y\": 30, \"views\": 3},"
-                  " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 1,"
-                  " \"sigma_t\": [0.3, 0.6, 1]}},"
-                  " \"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}}}");
+    lf_test_write(d, "cloud.json", lf_test_scene_text("coloured-fog"));
     assert_int_equal(bench_run(d, "papers . --scenes cloud-1 --view-size 6x6 --time 0.02 --seeds 1 "
                                   "--json p.json"),
                      0);
@@ -453,12 +433,7 @@ static const json_t *line_of(const json_t *object, const char *key, const char *
 
 static void write_fog(const char *folder)
 {
-    lf_test_write(folder, "fog.json",
-                  "{\"quiltd\": 1, \"camera\": {\"target\": [0,0,0], \"position\": [0,0,5], "
-                  "\"fov_y\": 30, \"views\": 12},"
-                  " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 4, \"albedo\": 0.9,"
-                  " \"transform\": {\"translate\": [0.5, 0, 0]}}},"
-                  " \"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}}}");
+    lf_test_write(folder, "fog.json", lf_test_scene_text("shifted-fog"));
 }
 
 static void kernels_are_timed_and_must_agree(void **state)
@@ -499,13 +474,7 @@ static void kernels_are_timed_and_must_agree(void **state)
 static void suffixes_in_lanes_are_timed_and_must_agree(void **state)
 {
     const char *d = *state;
-    lf_test_write(
-        d, "grid.json",
-        "{\"quiltd\": 1, \"camera\": {\"target\": [4,4,4], \"position\": [4,4,30], \"fov_y\": 30, "
-        "\"views\": 12},"
-        "\"volumes\": {\"v\": {\"file\": \"block.vdb\", \"scale\": 0.5}},"
-        "\"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 1}, "
-        "\"sun\": {\"type\": \"distant\", \"direction\": [0.3,-1,0.2], \"irradiance\": 2}}}");
+    lf_test_write(d, "grid.json", lf_test_scene_text("block-of-voxels"));
     char *real = realpath(lf_test_built("testdata/block.vdb"), NULL);
     assert_non_null(real);
     assert_int_equal(symlink(real, lf_test_path(d, "block.vdb")), 0);
@@ -526,15 +495,10 @@ static void suffixes_in_lanes_are_timed_and_must_agree(void **state)
 #endif
 }
 
-static const char panel_text[] = "{\"configVersion\":\"3.0\",\"serial\":\"LKG-T\",\"pitch\":50.0,"
-                                 "\"slope\":-7.0,\"center\":0.1,\"DPI\":324.0,\"screenW\":96.0,"
-                                 "\"screenH\":64.0,\"viewCone\":40.0,\"invView\":1.0,"
-                                 "\"flipImageX\":0.0,\"flipImageY\":0.0,\"flipSubp\":0.0}";
-
 static void what_is_between_views_and_panel_is_timed(void **state)
 {
     const char *d = *state;
-    lf_test_write(d, "visual.json", panel_text);
+    lf_test_write(d, "visual.json", lf_test_scene_text("panel-in-plain-numbers"));
     assert_int_equal(
         bench_run(
             d,
@@ -563,7 +527,7 @@ static void what_is_shown_after_a_command_comes_closer(void **state)
 {
     const char *d = *state;
     write_fog(d);
-    lf_test_write(d, "visual.json", panel_text);
+    lf_test_write(d, "visual.json", lf_test_scene_text("panel-in-plain-numbers"));
     assert_int_equal(
         bench_run(d, "live fog.json --calibration visual.json --view-size 24x32 --threads 2 "
                      "--seconds 1 --repeat 2 --yaw 20 "
@@ -596,7 +560,7 @@ static void what_a_usb_display_is_sent_is_timed_and_ends_exact(void **state)
     const char *d = *state;
     int n_exact = 0;
     write_fog(d);
-    lf_test_write(d, "visual.json", panel_text);
+    lf_test_write(d, "visual.json", lf_test_scene_text("panel-in-plain-numbers"));
     assert_int_equal(
         bench_run(d, "usb fog.json --calibration visual.json --view-size 24x32 --threads 2 "
                      "--seconds 0.5 --repeat 2 --json u.json"),
@@ -648,33 +612,26 @@ static void what_is_left_out_is_timed_and_leaves_the_picture(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(errors_are_the_stated_formulas, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(limits_are_exit_codes, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(one_view_is_picked_out_of_many, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(wrong_usage_is_one_line_and_exit_2, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_comparison_says_what_it_compared, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(equal_passes_are_of_the_same_film, set_up, tear_down),
+        lf_test_in_folder(errors_are_the_stated_formulas),
+        lf_test_in_folder(limits_are_exit_codes),
+        lf_test_in_folder(one_view_is_picked_out_of_many),
+        lf_test_in_folder(wrong_usage_is_one_line_and_exit_2),
+        lf_test_in_folder(a_comparison_says_what_it_compared),
+        lf_test_in_folder(equal_passes_are_of_the_same_film),
         cmocka_unit_test_setup_teardown(eyes_see_less_error_and_less_change_after_more_passes,
-                                        set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_is_shown_is_nearer_after_the_same_time, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(a_curve_falls_and_says_where_the_time_goes, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(more_views_have_less_error_at_equal_paths, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(a_table_says_what_is_met, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(the_papers_estimators_stand_beside_ours, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(kernels_are_timed_and_must_agree, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(suffixes_in_lanes_are_timed_and_must_agree, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(what_is_between_views_and_panel_is_timed, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(what_is_shown_after_a_command_comes_closer, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(what_a_usb_display_is_sent_is_timed_and_ends_exact, set_up,
-                                        tear_down),
-        cmocka_unit_test_setup_teardown(what_is_left_out_is_timed_and_leaves_the_picture, set_up,
-                                        tear_down),
+                                        lf_test_folder_setup, lf_test_folder_teardown),
+        lf_test_in_folder(what_is_shown_is_nearer_after_the_same_time),
+        lf_test_in_folder(a_curve_falls_and_says_where_the_time_goes),
+        lf_test_in_folder(more_views_have_less_error_at_equal_paths),
+        lf_test_in_folder(a_table_says_what_is_met),
+        cmocka_unit_test_setup_teardown(the_papers_estimators_stand_beside_ours,
+                                        lf_test_folder_setup, lf_test_folder_teardown),
+        lf_test_in_folder(kernels_are_timed_and_must_agree),
+        lf_test_in_folder(suffixes_in_lanes_are_timed_and_must_agree),
+        lf_test_in_folder(what_is_between_views_and_panel_is_timed),
+        lf_test_in_folder(what_is_shown_after_a_command_comes_closer),
+        lf_test_in_folder(what_a_usb_display_is_sent_is_timed_and_ends_exact),
+        lf_test_in_folder(what_is_left_out_is_timed_and_leaves_the_picture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,18 +1,6 @@
 /* What quiltbench tells with its numbers: why there is none, CSV, what it cannot draw. */
 #include "tests/daemon/quiltbench.h"
 
-static int set_up(void **state)
-{
-    *state = lf_test_folder();
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    lf_test_folder_remove(*state);
-    return 0;
-}
-
 static char *text_of(const char *folder, const char *name)
 {
     static char text[1 << 16];
@@ -196,12 +184,13 @@ static void data_that_a_clone_lacks_is_told(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(numbers_that_are_missing_have_a_reason, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_ratio_of_too_few_samples_is_told, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(a_curve_tells_of_too_few_samples, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(csv_has_a_line_a_run, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(what_cannot_be_drawn_is_told_first, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(data_that_a_clone_lacks_is_told, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(numbers_that_are_missing_have_a_reason,
+                                        lf_test_folder_setup, lf_test_folder_teardown),
+        lf_test_in_folder(a_ratio_of_too_few_samples_is_told),
+        lf_test_in_folder(a_curve_tells_of_too_few_samples),
+        lf_test_in_folder(csv_has_a_line_a_run),
+        lf_test_in_folder(what_cannot_be_drawn_is_told_first),
+        lf_test_in_folder(data_that_a_clone_lacks_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

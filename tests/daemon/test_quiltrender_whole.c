@@ -5,19 +5,13 @@
 #include <sys/stat.h>
 #include <time.h>
 
-static void nap(double seconds)
-{
-    const struct timespec time = {(time_t)seconds, (long)((seconds - floor(seconds)) * 1e9)};
-    nanosleep(&time, NULL);
-}
-
 /* Until the process catches SIGTERM: it has read its arguments. */
 static void await_handler(pid_t pid)
 {
     char path[64];
     char text[4096];
     snprintf(path, sizeof path, "/proc/%d/status", (int)pid);
-    for (int i = 0; i < 3000; i++, nap(0.01)) {
+    for (int i = 0; i < 3000; i++, qr_nap(0.01)) {
         FILE *file = fopen(path, "re");
         assert_non_null(file);
         size_t n = fread(text, 1, sizeof text - 1, file);
@@ -45,7 +39,7 @@ static void a_terminated_job_leaves_nothing_and_exits_1(void **state)
                  f->scene, f->folder, outs[i]);
         pid_t pid = qr_start(line, out, err, RLIM_INFINITY);
         await_handler(pid);
-        nap(0.2);
+        qr_nap(0.2);
         kill(pid, signals[i]);
         assert_int_equal(qr_ended(pid), 1);
         qr_read_back(err, text, sizeof text);
@@ -70,7 +64,7 @@ static void a_killed_job_leaves_no_broken_file(void **state)
     for (int i = 0; i < 20; i++) {
         snprintf(line, sizeof line, "%s -o %s/k_qs3x2a1.5.png", f->large, folder);
         pid_t pid = qr_start(line, null, null, RLIM_INFINITY);
-        nap(0.008 * i); /* from before main to after the end */
+        qr_nap(0.008 * i); /* from before main to after the end */
         kill(pid, SIGKILL);
         qr_ended(pid);
         if (!qr_exists(folder, "k_qs3x2a1.5.png"))

@@ -7,17 +7,12 @@
 #include "base/alloc.h"
 #include "daemon/output/render_job.h"
 #include "render/papers/papers.h"
+#include "tests/scene_file.h"
 
 #define VIEWS 4
 #define WIDTH 6
 #define HEIGHT 8
 #define FLOATS (VIEWS * WIDTH * HEIGHT * 3)
-
-static const char fog[] =
-    "{\"quiltd\": 1, \"camera\": {\"position\": [0,0.5,6], \"fov_y\": 26, \"aspect\": 0.75, "
-    "\"cone\": 35},"
-    " \"volumes\": {\"fog\": {\"shape\": \"sphere\", \"density\": 3, \"albedo\": 0.9}},"
-    " \"lights\": {\"sky\": {\"type\": \"environment\", \"radiance\": 0.5}}}";
 
 typedef struct fixture {
     lf_scene *scene;
@@ -31,7 +26,8 @@ static int set_up(void **state)
 {
     static fixture f;
     lf_error err = {0};
-    json_t *doc = json_loads(fog, 0, NULL);
+    json_t *doc =
+        lf_test_json("fog-ball", lf_test_scene_patched("fog-ball", "{'camera': {'views': null}}"));
     f = (fixture){0};
     assert_non_null(doc);
     lf_assert_ok(lf_scene_from_json(doc, ".", "fog", NULL, NULL, &f.scene, &err), &err);

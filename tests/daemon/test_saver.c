@@ -7,23 +7,7 @@
 #include <stdatomic.h>
 
 #include "daemon/parts/saver.h"
-
-enum { SOON_USEC = 1000, WAIT_S = 60 };
-
-/* Timers are due soon, and to the microsecond. */
-int __real_sd_event_add_time_relative(sd_event *event, sd_event_source **source, clockid_t clock,
-                                      uint64_t usec, uint64_t accuracy,
-                                      sd_event_time_handler_t callback, void *context);
-int __wrap_sd_event_add_time_relative(sd_event *event, sd_event_source **source, clockid_t clock,
-                                      uint64_t usec, uint64_t accuracy,
-                                      sd_event_time_handler_t callback, void *context);
-int __wrap_sd_event_add_time_relative(sd_event *event, sd_event_source **source, clockid_t clock,
-                                      uint64_t usec, uint64_t accuracy,
-                                      sd_event_time_handler_t callback, void *context)
-{
-    (void)usec, (void)accuracy;
-    return __real_sd_event_add_time_relative(event, source, clock, SOON_USEC, 1, callback, context);
-}
+#include "tests/daemon/soon.h"
 
 typedef struct owner {
     char *folder;
@@ -112,7 +96,7 @@ static int tear_down(void **state)
 /* Runs the loop until a count is so high, which it may be already. */
 static void await(owner *o, const int *count, int expected)
 {
-    for (int i = 0; *count < expected && i < WAIT_S * 1000; i++)
+    for (int i = 0; *count < expected && i < SOON_WAIT_S * 1000; i++)
         assert_true(sd_event_run(o->event, 1000000) >= 0);
     assert_true(*count >= expected);
 }
@@ -175,7 +159,7 @@ static void one_save_is_under_way(void **state)
     owner *o = *state;
     o->holds = true;
     lf_saver_begin(o->saver);
-    for (int i = 0; !lf_saver_is_busy(o->saver) && i < WAIT_S * 1000; i++)
+    for (int i = 0; !lf_saver_is_busy(o->saver) && i < SOON_WAIT_S * 1000; i++)
         assert_true(sd_event_run(o->event, 1000000) >= 0);
     assert_true(lf_saver_is_busy(o->saver));
     o->now.passes = 2;

@@ -1,6 +1,7 @@
 /* Sequences whose shutters overlap: frames are what they would be alone, the mean of their parts,
  * and as long as everything moves along, whatever it does. */
 #include "tests/daemon/quiltrender.h"
+#include "tests/scene_file.h"
 
 #include "daemon/output/frames.h"
 
@@ -9,15 +10,8 @@
 /* A ball of fog that turns round in frame 3, before a sky. */
 static const char *puff(const qr_files *f, const char *name, const char *shutter)
 {
-    char text[1024];
-    snprintf(text, sizeof text,
-             "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"aspect\": 0.75, %s },\n"
-             "  \"volumes\": { \"puff\": { \"shape\": \"sphere\", \"density\": 3, \"transform\": {"
-             " \"translate\": { \"keys\": [[1, [-1,0,0]], [3, [0.5,0,0]], [6, [-0.5,1,0]]] } } } "
-             "},\n"
-             "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }\n",
-             shutter);
-    return lf_test_write(f->folder, name, text);
+    return lf_test_write(f->folder, name,
+                         lf_test_scene_patched("moving-puff", "{'camera': {%s}}", shutter));
 }
 
 static float pixel_of(const lf_quilt_file *quilt, int view, int y, int x)
@@ -64,7 +58,7 @@ static void a_shutter_has_parts_where_frames_share_them(void **state)
 static void a_frame_is_the_same_alone_among_others_and_beside_one_that_is_there(void **state)
 {
     const qr_files *f = *state;
-    const char *name = "\"shutter\": 2.5, \"shutter_open\": -1.2";
+    const char *name = "'shutter': 2.5, 'shutter_open': -1.2";
     char scene[PATH_MAX], a[PATH_MAX], b[PATH_MAX];
     snprintf(scene, sizeof scene, "%s", puff(f, "puff.json", name));
     qr_succeed("%s -o %s/all.exr --frames 2:6 --spp 4 --threads 2 " SMALL, scene, f->folder);
@@ -90,11 +84,9 @@ static void a_frame_is_the_mean_of_its_parts(void **state)
     lf_quilt_file whole, part[2];
     char scene[PATH_MAX];
     float largest = 0;
-    snprintf(scene, sizeof scene, "%s",
-             puff(f, "two.json", "\"shutter\": 2, \"shutter_open\": -0.5"));
+    snprintf(scene, sizeof scene, "%s", puff(f, "two.json", "'shutter': 2, 'shutter_open': -0.5"));
     qr_succeed("%s -o %s/two.exr --frames 3:3 --spp 8 --estimator mis " SMALL, scene, f->folder);
-    snprintf(scene, sizeof scene, "%s",
-             puff(f, "one.json", "\"shutter\": 1, \"shutter_open\": -0.5"));
+    snprintf(scene, sizeof scene, "%s", puff(f, "one.json", "'shutter': 1, 'shutter_open': -0.5"));
     /* frame 3 has this seed and 2 more, which is that of part 3 */
     qr_succeed("%s -o %s/one.exr --frames 3:4 --spp 4 --estimator mis --view-size 12x16 --views 4 "
                "--seed %llu",
@@ -122,14 +114,8 @@ static void a_frame_is_the_mean_of_its_parts(void **state)
 static void what_turns_round_while_the_shutter_is_open_is_seen_where_it_was(void **state)
 {
     lf_quilt_file frame;
-    render_third(
-        *state,
-        "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 0.1, \"shutter\": 4, \"shutter_open\": "
-        "-2 },\n"
-        "  \"lights\": { \"lamp\": { \"type\": \"rectangle\", \"width\": 1, \"height\": 1, "
-        "\"direction\": [0,0,1], \"radiance\": 8,\n"
-        "    \"position\": { \"keys\": [[1, [-2,0,0]], [3, [0,0,0]], [5, [-2,0,0]]] } } } }\n",
-        "--spp 1024 --view-size 2x2", &frame);
+    render_third(*state, lf_test_scene_text("light-that-turns-round"), "--spp 1024 --view-size 2x2",
+                 &frame);
     /* parts of one frame; half of two of them, of 128 moments each a half of the film */
     lf_assert_close((double)pixel_of(&frame, 0, 1, 1), 2.0, 0, 8.0 / 128);
     lf_quilt_finish(&frame);
@@ -139,14 +125,8 @@ static void what_turns_round_while_the_shutter_is_open_is_seen_where_it_was(void
 static void a_sky_that_changes_is_the_mean_over_the_shutter(void **state)
 {
     lf_quilt_file frame;
-    render_third(
-        *state,
-        "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"shutter\": 2 },\n"
-        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"albedo\": 1, "
-        "\"transform\": { \"scale\": 0.5 } } },\n"
-        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": { \"keys\": "
-        "[[1, [1,1,1]], [4, [1,1,1]], [5, [5,5,5]]] } } } }\n",
-        "--spp 256 --view-size 8x8", &frame);
+    render_third(*state, lf_test_scene_text("fog-under-changing-sky"), "--spp 256 --view-size 8x8",
+                 &frame);
     /* a furnace: as bright in the fog as beside it; moments are spread evenly */
     lf_assert_close((double)pixel_of(&frame, 0, 0, 0), 2.0, 0, 0.02);
     lf_assert_close((double)pixel_of(&frame, 0, 4, 4), 2.0, 0, 0.1);
@@ -158,13 +138,8 @@ static void a_sky_that_changes_is_the_mean_over_the_shutter(void **state)
 static void a_furnace_has_no_dark_pixels(void **state)
 {
     const qr_files *f = *state;
-    const char *scene = lf_test_write(
-        f->folder, "furnace.json",
-        "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"shutter\": 4 },\n"
-        "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 1, \"albedo\": 1, "
-        "\"transform\": { \"scale\": 0.5, \"translate\": { \"keys\": [[3, [-1,0,0]], [5, [1,0,0]], "
-        "[7, [-1,0.3,0]]] } } } },\n"
-        "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }\n");
+    const char *scene =
+        lf_test_write(f->folder, "furnace.json", lf_test_scene_text("moving-furnace"));
     qr_succeed("%s -o %s/f.exr --frames 3:4 --spp 1 --view-size 96x48 --views 1 --quilt 1x1", scene,
                f->folder);
     for (int frame = 3; frame <= 4; frame++) {
@@ -180,54 +155,34 @@ static void a_furnace_has_no_dark_pixels(void **state)
 
 /* A part that is dear, under a sky of 1, and a cheap one under a sky that goes from there to 5:
  * beside the fog the mean is 2, whatever there is time for. */
+#define STEP_OF_FOG                                                                                \
+    "{'volumes': {'fog': {'density': {'keys': [[4, 20], [5, 0.05]], 'interpolation': 'step'}, "    \
+    "'transform': null}}}"
+
 static void timed_parts_have_equal_shares(void **state)
 {
     lf_quilt_file picture;
-    render_third(*state,
-                 "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"shutter\": 2 },\n"
-                 "  \"volumes\": { \"fog\": { \"shape\": \"sphere\", \"albedo\": 1, \"density\": "
-                 "{ \"keys\": [[4, 20], [5, 0.05]], \"interpolation\": \"step\" } } },\n"
-                 "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": { \"keys\": "
-                 "[[1, [1,1,1]], [4, [1,1,1]], [5, [5,5,5]]] } } } }\n",
+    render_third(*state, lf_test_scene_patched("fog-under-changing-sky", STEP_OF_FOG),
                  "--time 1 --view-size 12x12", &picture);
     print_message("%g\n", (double)pixel_of(&picture, 0, 0, 0));
     lf_assert_close((double)pixel_of(&picture, 0, 0, 0), 2.0, 0, 0.15);
     lf_quilt_finish(&picture);
 }
 
-static const struct {
-    const char *what, *things;
-} alone[] = {
-    /* what the lobes of views need of films one part has and the other has not */
-    {"lobes",
-     "\"volumes\": { \"fog\": { \"shape\": \"sphere\", \"density\": 3, \"g\": { \"keys\": [[3, "
-     "0], [4, 0.5]], \"interpolation\": \"step\" } } }"},
+static const char *const alone[] = {
+    "lobe-in-one-part",
     /* what catchers get is looked for in the frame's own scene */
-    {"catchers",
-     "\"backdrop\": 0.5, \"volumes\": {}, \"materials\": { \"grey\": { \"albedo\": 0.5 } }, "
-     "\"meshes\": { \"floor\": { "
-     "\"shape\": \"quad\", \"catcher\": true, \"material\": \"grey\", \"transform\": { \"scale\": "
-     "3, "
-     "\"translate\": [0, -1, 0] } }, \"ball\": { \"shape\": \"sphere\", \"material\": \"grey\", "
-     "\"transform\": { \"scale\": 0.4, \"translate\": { \"keys\": [[3, [-1, 0, 0]], [4, [1, 0, "
-     "0]], "
-     "[5, [-1, 0, 0]]] } } } }"},
+    "ball-over-catcher",
 };
 
 /* The frame is then one picture, as that of a shutter that has no parts. */
-static void assert_alone(const qr_files *f, const char *things)
+static void assert_alone(const qr_files *f, const char *scene)
 {
-    static const char *const shutters[] = {"\"shutter\": 2", "\"shutter\": 2.00002"};
+    static const char *const shutters[] = {"2", "2.00002"};
     lf_quilt_file frames[2];
-    for (int i = 0; i < 2; i++) {
-        char text[2048];
-        snprintf(text, sizeof text,
-                 "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, %s },\n"
-                 "  %s,\n"
-                 "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.5 } } }\n",
-                 shutters[i], things);
-        render_third(f, text, "--spp 8 --view-size 8x8", &frames[i]);
-    }
+    for (int i = 0; i < 2; i++)
+        render_third(f, lf_test_scene_patched(scene, "{'camera': {'shutter': %s}}", shutters[i]),
+                     "--spp 8 --view-size 8x8", &frames[i]);
     for (int i = 0; i < 64; i++)
         lf_assert_close((double)pixel_of(&frames[0], 0, i / 8, i % 8),
                         (double)pixel_of(&frames[1], 0, i / 8, i % 8), 1e-6, 0);
@@ -238,8 +193,8 @@ static void assert_alone(const qr_files *f, const char *things)
 static void what_parts_cannot_tell_is_rendered_as_one(void **state)
 {
     for (size_t i = 0; i < sizeof alone / sizeof alone[0]; i++) {
-        print_message("%s\n", alone[i].what);
-        assert_alone(*state, alone[i].things);
+        print_message("%s\n", alone[i]);
+        assert_alone(*state, alone[i]);
     }
 }
 

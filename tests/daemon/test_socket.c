@@ -270,7 +270,7 @@ static void reads_stay_beneath_the_scene_and_the_allowed_paths(void **state)
     live_prepare(&l);
     char *elsewhere = lf_test_folder();
     char other[PATH_MAX], inside[PATH_MAX];
-    snprintf(other, sizeof other, "%s", lf_test_write(elsewhere, "other.json", live_scene_text));
+    snprintf(other, sizeof other, "%s", lf_test_write(elsewhere, "other.json", LIVE_SCENE));
     live_start(&l, l.scene, "--device", "none", NULL);
     live_client c;
     live_connect(&l, &c);

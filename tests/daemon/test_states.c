@@ -13,15 +13,10 @@
 
 #include "daemon/engine/states.h"
 #include "daemon/output/content.h"
+#include "tests/scene_file.h"
 
 #define MOMENTS 20
 #define MANY_MOMENTS 200
-
-static const char scene_text[] =
-    "{\"quiltd\":1,\"camera\":{\"target\":[0,0,0],\"position\":[0,0.4,9],\"fov_y\":14,\"aspect\":0."
-    "75,\"views\":6,\"cone\":30},"
-    "\"volumes\":{\"fog\":{\"shape\":\"sphere\",\"density\":4,\"albedo\":0.9,\"g\":0.3}},"
-    "\"lights\":{\"sky\":{\"type\":\"environment\",\"radiance\":0.7}}}";
 
 static lf_status restore_fails; /* LF_OK: it does not */
 
@@ -51,7 +46,7 @@ static picture begun(const char *patch_text, int width, uint64_t seed)
     lf_scene *scene = NULL;
     lf_error err = {0};
     picture made = {0};
-    json_t *doc = json_loads(scene_text, 0, NULL),
+    json_t *doc = lf_test_scene_document("live-fog"),
            *patch = json_loads(patch_text ? patch_text : "{}", 0, NULL),
            *patched = lf_json_merge_patch(doc, patch);
     lf_calibration_portrait(&calibration);

@@ -1,6 +1,7 @@
 /* Videos: what ffmpeg is given, and that the file is there whole or not at all, whatever ffmpeg
  * does. A script takes its place; the last tests ask the real one, where it is installed. */
 #include "tests/daemon/quiltrender.h"
+#include "tests/scene_file.h"
 
 #include <signal.h>
 #include <sys/stat.h>
@@ -10,14 +11,6 @@
 #define WIDE 24
 #define HIGH 32
 #define FRAMES 3
-
-/* Saturated colours, so that a wrong matrix would show. */
-static const char coloured[] =
-    "{ \"camera\": { \"position\": [0,0,6], \"fov_y\": 26, \"cone\": 10 },\n"
-    "  \"meshes\": { \"wall\": { \"shape\": \"quad\", \"material\": \"red\", \"transform\": { "
-    "\"scale\": 9, \"rotate\": [90,0,0], \"translate\": [0,0,-1] } } },\n"
-    "  \"materials\": { \"red\": { \"albedo\": [0.8,0.1,0.05] } },\n"
-    "  \"lights\": { \"sky\": { \"type\": \"environment\", \"radiance\": 0.8 } } }\n";
 
 static char path_before[8192];
 
@@ -254,12 +247,6 @@ static void without_ffmpeg_nothing_is_rendered(void **state)
     assert_int_equal(qr_count_files(f->folder), before);
 }
 
-static void nap(double seconds)
-{
-    const struct timespec time = {(time_t)seconds, (long)((seconds - floor(seconds)) * 1e9)};
-    nanosleep(&time, NULL);
-}
-
 static void assert_gone(const char *pid_file)
 {
     char text[32] = "";
@@ -294,8 +281,8 @@ static void a_terminated_video_leaves_nothing_within_two_seconds(void **state)
         pid_t pid = qr_start(line, out, err, RLIM_INFINITY);
         const char *pid_file = lf_test_path(f->folder, "pid");
         for (int k = 0; k < 2000 && access(pid_file, F_OK) != 0; k++)
-            nap(0.01);
-        nap(0.3);
+            qr_nap(0.01);
+        qr_nap(0.3);
         double begun = lf_time_now();
         kill(pid, i == 1 ? SIGINT : SIGTERM);
         assert_int_equal(qr_ended(pid), 1);
@@ -341,7 +328,8 @@ static void a_real_video_has_the_frames_in_the_right_colours(void **state)
         print_message("ffmpeg is not installed\n");
         skip();
     }
-    snprintf(scene, sizeof scene, "%s", lf_test_write(f->folder, "red.json", coloured));
+    snprintf(scene, sizeof scene, "%s",
+             lf_test_write(f->folder, "red.json", lf_test_scene_text("red-wall")));
     qr_succeed("%s -o %s/p.png --turntable 8 --frames 1:3 --spp 16 --views 4 --view-size 48x64",
                scene, f->folder);
     qr_succeed("%s -o %s/v.mp4 --turntable 8 --frames 1:3 --spp 16 --views 4 --view-size 48x64",

@@ -2,23 +2,7 @@
 #include "tests/testing.h"
 
 #include "daemon/parts/watch.h"
-
-enum { WAIT_S = 60, SOON_USEC = 5000 };
-
-/* Timers are due soon, and to the microsecond. */
-int __real_sd_event_add_time_relative(sd_event *event, sd_event_source **source, clockid_t clock,
-                                      uint64_t usec, uint64_t accuracy,
-                                      sd_event_time_handler_t callback, void *context);
-int __wrap_sd_event_add_time_relative(sd_event *event, sd_event_source **source, clockid_t clock,
-                                      uint64_t usec, uint64_t accuracy,
-                                      sd_event_time_handler_t callback, void *context);
-int __wrap_sd_event_add_time_relative(sd_event *event, sd_event_source **source, clockid_t clock,
-                                      uint64_t usec, uint64_t accuracy,
-                                      sd_event_time_handler_t callback, void *context)
-{
-    (void)usec, (void)accuracy;
-    return __real_sd_event_add_time_relative(event, source, clock, SOON_USEC, 1, callback, context);
-}
+#include "tests/daemon/soon.h"
 
 typedef struct owner {
     char *folder;
@@ -63,7 +47,7 @@ static void watch(owner *o, const char *one, const char *other)
 
 static void await(owner *o)
 {
-    for (int i = 0; o->changed == 0 && i < WAIT_S; i++)
+    for (int i = 0; o->changed == 0 && i < SOON_WAIT_S; i++)
         assert_true(sd_event_run(o->event, 1000000) >= 0);
     assert_int_equal(o->changed, 1);
     o->changed = 0;

@@ -7,7 +7,6 @@
 
 #include "render/papers/papers.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum {
     papers_width = 24,

@@ -4,6 +4,7 @@
 #define LF_TESTS_POINTED_H
 
 #include "tests/render/gltf_text.h"
+#include "tests/scene_file.h"
 
 #define BASE "/materials/0/pbrMetallicRoughness/baseColorFactor"
 
@@ -12,49 +13,16 @@ static const float corners[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1},
                    along_x[9] = {1, 0, 0, 1, 0, 0, 1, 0, 0},
                    along_y[9] = {0, 1, 0, 0, 1, 0, 0, 1, 0};
 
-/* Everything that the object model names is there once, at its default or at a value that lets it
- * show. nodes[0] has a mesh, [1] a light, [2] and [3] cameras, [4] a mesh that stays. @: a texture
- * that is moved by nothing. */
-static const char document[] =
-    "'scene':0,'scenes':[{'nodes':[0,1,2,3,4]}],'nodes':[{'mesh':0,'extensions':{"
-    "'KHR_node_visibility':{},'KHR_node_hoverability':{},'KHR_node_selectability':{},"
-    "'EXT_lights_ies':{'light':0}}},"
-    "{'extensions':{'KHR_lights_punctual':{'light':0}}},{'camera':0},{'camera':1},{'mesh':1}],"
-    "'cameras':[{'type':'perspective','perspective':{'yfov':1,'znear':0.1,'zfar':9}},"
-    "{'type':'orthographic','orthographic':{'xmag':1,'ymag':1,'znear':0,'zfar':9}}],"
-    "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0,"
-    "'targets':[{'POSITION':1},{'POSITION':2}]}]},{'primitives':[{'attributes':{'POSITION':0}}]}],"
-    "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'spot','intensity':10,'spot':{}}]},"
-    "'EXT_lights_image_based':{'lights':[{}]}},"
-    "'textures':[{'source':0}],'images':[{'uri':'" GLTF_PNG "'}],"
-    "'materials':[{'name':'m','alphaMode':'MASK','emissiveFactor':[0.5,0.5,0.5],"
-    "'emissiveTexture':@,'normalTexture':@,'occlusionTexture':@,"
-    "'pbrMetallicRoughness':{'baseColorTexture':@,'metallicRoughnessTexture':@},'extensions':{"
-    "'KHR_materials_anisotropy':{'anisotropyStrength':1,'anisotropyTexture':@},"
-    "'KHR_materials_clearcoat':{'clearcoatFactor':1,'clearcoatTexture':@,"
-    "'clearcoatRoughnessTexture':@,'clearcoatNormalTexture':@},"
-    "'KHR_materials_diffuse_transmission':{'diffuseTransmissionTexture':@,"
-    "'diffuseTransmissionColorTexture':@},'KHR_materials_dispersion':{},"
-    "'KHR_materials_emissive_strength':{},'KHR_materials_ior':{},"
-    "'KHR_materials_iridescence':{'iridescenceTexture':@,'iridescenceThicknessTexture':@},"
-    "'KHR_materials_sheen':{'sheenColorTexture':@,'sheenRoughnessTexture':@},"
-    "'KHR_materials_specular':{'specularTexture':@,'specularColorTexture':@},"
-    "'KHR_materials_transmission':{'transmissionTexture':@},"
-    "'KHR_materials_volume':{'thicknessFactor':1,'thicknessTexture':@,'attenuationDistance':1,"
-    "'attenuationColor':[0.5,0.5,0.5]}}}]";
-
-/* The document and an animation: more, members behind a comma each. */
+/* gltf-everything-pointed-at has everything that the object model names once, at its default or at
+ * a value that lets it show; nothing moves its textures. nodes[0] has a mesh, [1] a light, [2] and
+ * [3] cameras, [4] a mesh that stays. This is the document and an animation: more, members behind a
+ * comma each. */
 static inline void put_document(char *out, size_t size, const char *more)
 {
-    static const char texture[] = "{'index':0,'extensions':{'KHR_texture_transform':{}}}";
-    size_t n = 0;
-    for (const char *c = document; *c; c++) {
-        size_t length = *c == '@' ? sizeof texture - 1 : 1;
-        assert_true(n + length < size);
-        memcpy(out + n, *c == '@' ? texture : c, length);
-        n += length;
-    }
+    const char *text = lf_test_scene_text("gltf-everything-pointed-at");
+    const size_t n = strlen(text) - 2; /* without its braces */
     assert_true(n + strlen(more) < size);
+    memcpy(out, text + 1, n);
     strcpy(out + n, more);
 }
 

@@ -8,7 +8,6 @@
 #define lf_moments lf_stat_moments
 #include "tests/stat/fixture.h"
 #undef lf_moments
-#include "tests/stat/scenes.h"
 
 #include "render/reconstruct/lattice.h"
 #include "render/renderer.h"

@@ -15,6 +15,7 @@
 #include "render/transport/path/path.h"
 #include "tests/render/grids.h"
 #include "tests/stat/kept.h"
+#include "tests/stat/uniform.h"
 
 enum { n_jobs = 4096 };
 
@@ -94,12 +95,6 @@ static inline void drop_rig(rig *r)
     free(r->memory);
 }
 
-static inline float uniform(uint64_t *state)
-{
-    *state = lf_hash64(*state, 1);
-    return (float)(*state >> 40) * 0x1p-24f;
-}
-
 static inline void put_key(jobs *j, int i, uint64_t key)
 {
     j->random[0][i] = (uint32_t)key;
@@ -113,14 +108,15 @@ static inline void draw_jobs(const rig *r, uint64_t seed, int n, jobs *out)
     uint64_t state = lf_hash64(lf_test_seed(), seed);
     for (int i = 0; i < n; i++) {
         for (int a = 0; a < 3; a++)
-            out->q[a][i] = (uniform(&state) * 1.02f - 0.01f) * (float)(v->grid->size[a] + 1) - 1.0f;
+            out->q[a][i] =
+                (lf_test_uniform(&state) * 1.02f - 0.01f) * (float)(v->grid->size[a] + 1) - 1.0f;
         float p[3];
         for (int a = 0; a < 3; a++)
             p[a] = v->to_scene[a][0] * (out->q[0][i] - v->to_volume[0][3]) +
                    v->to_scene[a][1] * (out->q[1][i] - v->to_volume[1][3]) +
                    v->to_scene[a][2] * (out->q[2][i] - v->to_volume[2][3]);
         out->p[i] = lf_v3(p[0], p[1], p[2]);
-        const float u[2] = {uniform(&state), uniform(&state)};
+        const float u[2] = {lf_test_uniform(&state), lf_test_uniform(&state)};
         lf_vec3 w = lf_phase_sample(0.0f, lf_v3(0.0f, 0.0f, 1.0f), u);
         out->w[0][i] = i % 50 == 0 ? 0.0f : w.x; /* some along two axes alone */
         out->w[1][i] = w.y;

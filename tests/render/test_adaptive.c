@@ -11,8 +11,8 @@
 
 #include <cmocka.h>
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum {
     width = 24,
@@ -106,8 +106,10 @@ static void p_of_weights(const char *text, unsigned faults, int replicates, doub
 static void case_20_weights_are_n_q_whatever_the_counts(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {
-        LF_TEST_MIXED("7", ""), LF_TEST_FOGS("7", ", 'lens_radius': 0.1"), LF_TEST_LAMP("7", "")};
+    const char *const scenes[] = {
+        lf_test_scene_views("mixed", 7),
+        lf_test_scene_patched("fogs", "{'camera': {'views': 7, 'lens_radius': 0.1}}"),
+        lf_test_scene_views("lamp", 7)};
     for (int i = 0; i < 3; i++) {
         double p[2];
         p_of_weights(scenes[i], 0, 24, p);
@@ -120,7 +122,7 @@ static void counts_left_out_of_the_sums_are_caught(void **state)
 {
     (void)state;
     double p[2];
-    p_of_weights(LF_TEST_MIXED("7", ""), LF_FAULT_NO_COUNTS, 12, p);
+    p_of_weights(lf_test_scene_views("mixed", 7), LF_FAULT_NO_COUNTS, 12, p);
     print_message("p of W %.3g, of W' %.3g\n", p[0], p[1]);
     assert_true(p[0] < CERTAIN && p[1] < CERTAIN);
 }
@@ -193,15 +195,15 @@ static void assert_agreement(const char *text)
 static void unbiased_answers_agree_with_uniform_vpt(void **state)
 {
     (void)state;
-    assert_agreement(LF_TEST_MIXED("7", ""));
-    assert_agreement(LF_TEST_LAMP("7", ""));
+    assert_agreement(lf_test_scene_views("mixed", 7));
+    assert_agreement(lf_test_scene_views("lamp", 7));
 }
 
 /* Given its map a row is as under any fixed map: no random number of its own may have made it. */
 static void a_rows_map_does_not_hear_of_its_own_pilot(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("7", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 7));
     lf_renderer *r = lf_test_renderer(scene, "amvpt", width, height, pool);
     lf_test_passes(r, 2 * n_views);
     lf_counts before, after;
@@ -243,11 +245,8 @@ static void map_of_unmarked(const char *text, bool has_delta, lf_counts *out)
 static void counts_fall_where_there_is_a_bulb_and_no_mirror(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {
-        "{" LF_TEST_CAMERA(
-            "7", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2 } }, "
-                     "'lights': { 'bulb': { 'type': 'point', 'position': [0.2, 0.1, 0] } } }",
-        LF_TEST_LAMP("7", "")};
+    const char *const scenes[] = {lf_test_scene_text("lit-from-within"),
+                                  lf_test_scene_views("lamp", 7)};
     for (int mirrors = 0; mirrors < 2; mirrors++) {
         lf_counts counts;
         float least = INFINITY;

@@ -6,8 +6,8 @@
  * than its known bias. QUILTD_LONG=1 takes four times the replicates. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/kept.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 64, height = 48, n_views = 3, tile = 16, tiles = n_views * 12 + 1, answers = 4 };
 
@@ -123,45 +123,49 @@ static void compare(const char *text, const char *name, int native_cycles, int p
 static void case_21_mvpt_agrees_on_media_and_surfaces(void **state)
 {
     (void)state;
-    compare(LF_TEST_MIXED("3", ""), "agreement-mixed", 8, 16);
+    compare(lf_test_scene_views("mixed", 3), "agreement-mixed", 8, 16);
 }
 
 static void invariant_4_mvpt_agrees_on_overlapping_media(void **state)
 {
     (void)state;
-    compare(LF_TEST_FOGS("3", ", 'placement': 'inclusive'"), "agreement-fogs", 12, 24);
+    compare(lf_test_scene_patched("fogs", "{'camera': {'views': 3, 'placement': 'inclusive'}}"),
+            "agreement-fogs", 12, 24);
 }
 
 static void invariant_4_mvpt_agrees_beside_a_lamp_and_a_mirror(void **state)
 {
     (void)state;
-    compare(LF_TEST_LAMP("3", ", 'lens_radius': 0.1, 'focus_distance': 4.2"), "agreement-lamp", 8,
-            16);
+    compare(lf_test_scene_patched(
+                "lamp", "{'camera': {'views': 3, 'lens_radius': 0.1, 'focus_distance': 4.2}}"),
+            "agreement-lamp", 8, 16);
 }
 
 static void invariant_4_mvpt_agrees_behind_a_alpha(void **state)
 {
     (void)state;
-    compare(LF_TEST_MIST("3", ""), "agreement-mist", 12, 24);
+    compare(lf_test_scene_views("mist", 3), "agreement-mist", 12, 24);
 }
 
 static void invariant_4_mvpt_agrees_where_normals_are_bent(void **state)
 {
     (void)state;
-    compare(LF_TEST_BENT("3", ""), "agreement-bent", 8, 12);
+    compare(lf_test_scene_views("bent", 3), "agreement-bent", 8, 12);
 }
 
 static void invariant_4_mvpt_agrees_on_volumes_that_emit(void **state)
 {
     (void)state;
-    compare(LF_TEST_FIRES("3", ", 'lens_radius': 0.1, 'focus_distance': 4.2"), "agreement-fires",
-            12, 24);
+    compare(lf_test_scene_patched(
+                "fires", "{'camera': {'views': 3, 'lens_radius': 0.1, 'focus_distance': 4.2}}"),
+            "agreement-fires", 12, 24);
 }
 
 static void invariant_4_mvpt_agrees_where_views_are_blurred(void **state)
 {
     (void)state;
-    compare(LF_TEST_MIXED("3", ", 'view_blur': 1.5"), "agreement-blurred", 8, 16);
+    compare(lf_test_scene_patched("mixed", "{'camera': {'views': 3, 'view_blur': 1.5}}"),
+            "agreement-blurred", 8, 16);
 }
 
 int main(void)

@@ -1,5 +1,6 @@
 /* The albedo that a film keeps of textured surfaces, and what the reconstruction makes of it. */
 #include "tests/render/reconstruct_testing.h"
+#include "tests/scene_file.h"
 
 #include "base/file.h"
 #include "base/image_io.h"
@@ -173,22 +174,8 @@ static int remove_picture(void **state)
 
 /* A matt wall that fills the picture, lit by a lamp. */
 #define WALL(albedo)                                                                               \
-    "{ 'camera': { 'position': [0, 0, 4], 'views': 3, 'cone': 12, 'fov_y': 20, 'aspect': "         \
-    "1.3333333 }, 'meshes': { 'wall': { 'shape': 'quad', 'material': 'paint', 'transform': { "     \
-    "'rotate': [90, 0, 0], 'scale': 2 } } }, 'materials': { 'paint': { 'albedo': " albedo          \
-    " } }, 'lights': { 'lamp': { 'type': 'sphere', 'position': [1.2, 1.4, 1.5], 'radius': 0.4, "   \
-    "'radiance': 20 } } }"
+    lf_test_scene_patched("painted-wall", "{'materials': {'paint': {'albedo': " albedo "}}}")
 #define CHECKER "{ 'file': 'checker.png' }"
-
-static double rel_mse(const float *x, const float *truth)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < VALUES; i++) {
-        double d = (double)x[i] - (double)truth[i];
-        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2);
-    }
-    return sum / VALUES;
-}
 
 static float *picture(void)
 {
@@ -203,7 +190,7 @@ static void a_texture_is_as_sharp_as_its_picture(void **state)
 {
     (void)state;
     double error[2];
-    static const char *const walls[] = {WALL("0.7"), WALL(CHECKER)};
+    const char *const walls[] = {WALL("0.7"), WALL(CHECKER)};
     for (int i = 0; i < 2; i++) {
         lf_renderer *r =
             reconstruct_renderer_of(lf_test_scene_in(folder, walls[i], NULL), WIDTH, HEIGHT, NULL);
@@ -215,10 +202,10 @@ static void a_texture_is_as_sharp_as_its_picture(void **state)
         lf_test_reseed(r, lf_test_seed() + 1000000);
         lf_test_cycles(r, 100);
         lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_CV, truth, NULL), NULL);
-        error[i] = rel_mse(shown, truth);
+        error[i] = lf_test_rel_mse(shown, truth, VALUES);
         print_message("%s wall: shown %.2g, unfiltered %.2g\n", i ? "checker" : "white", error[i],
-                      rel_mse(raw, truth));
-        assert_true(error[i] < 0.3 * rel_mse(raw, truth));
+                      lf_test_rel_mse(raw, truth, VALUES));
+        assert_true(error[i] < 0.3 * lf_test_rel_mse(raw, truth, VALUES));
         free(truth);
         free(shown);
         free(raw);
@@ -230,25 +217,15 @@ static void a_texture_is_as_sharp_as_its_picture(void **state)
 /* A textured sheet of alpha 0.4 among other veils before a white wall, and the same sheet when it
  * hides all behind it and nothing is before it: of the same points, the first has its share of what
  * the second has. Neither the file nor the tree of the section has them in their order. */
-#define SHEET(alpha, others)                                                                       \
-    "{ 'camera': { 'position': [0, 0, 4], 'views': 3, 'cone': 12, 'fov_y': 20, 'aspect': "         \
-    "1.3333333 }, 'meshes': { " others "'wall': { 'shape': 'quad', 'material': 'white', "          \
-    "'transform': { 'rotate': [90, 0, 0], 'scale': 4, 'translate': [0, 0, -1] } }, 'sheet': { "    \
-    "'shape': 'quad', 'material': 'paint', 'transform': { 'rotate': [90, 0, 0], 'scale': 2 } } "   \
-    "}, 'materials': { 'white': { 'albedo': 0.7 }, 'paint': { 'albedo': " CHECKER                  \
-    ", 'alpha': " alpha                                                                            \
-    " }, 'near': { 'albedo': 0.2, 'alpha': 0.5 }, 'far': { 'albedo': 0.3, 'alpha': 0.25 } "        \
-    "}, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }"
-#define OTHERS                                                                                     \
-    "'a': { 'shape': 'quad', 'material': 'far', 'transform': { 'rotate': [90, 0, 0], 'scale': 3, " \
-    "'translate': [0, 0, -0.5] } }, 'b': { 'shape': 'quad', 'material': 'near', 'transform': { "   \
-    "'rotate': [90, 0, 0], 'scale': 2, 'translate': [0, 0, 0.5] } }, "
 
 static void a_alpha_has_its_share_of_albedo(void **state)
 {
     (void)state;
     lf_renderer *r[2];
-    static const char *const sheets[] = {SHEET("1", ""), SHEET("0.4", OTHERS)};
+    const char *const sheets[] = {lf_test_scene_patched("textured-sheet",
+                                                        "{'meshes': {'a': null, 'b': null}, "
+                                                        "'materials': {'paint': {'alpha': 1}}}"),
+                                  lf_test_scene_text("textured-sheet")};
     double n = 0.0, apart = 0.0;
     for (int i = 0; i < 2; i++) {
         r[i] =

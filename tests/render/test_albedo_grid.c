@@ -7,15 +7,12 @@
 
 #include <limits.h>
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 16, tiles = n_views * 4 + 1, layers = 8 };
 
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 4 * tiles)
-#define CAMERA                                                                                     \
-    "'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': 1.3333333333, "      \
-    "'cone': 40, 'views': 3 }, 'lights': { 'sky': { 'type': 'environment', 'radiance': [0.4, "     \
-    "0.5, 0.7] } }"
 #define VECTORS "{ 'grid': 'Cd' }"
 #define THREE "{ 'red': 'red', 'green': 'green', 'blue': 'blue' }"
 
@@ -27,27 +24,25 @@ static double albedo_of(int layer, int channel)
 /* Voxels of 0.2 about the middle. */
 static lf_scene *block_of(const char *albedo, const char *interpolation)
 {
-    char path[PATH_MAX], text[PATH_MAX + 1024];
+    char path[PATH_MAX];
     assert_non_null(realpath(lf_test_built("testdata/colours.vdb"), path));
-    snprintf(text, sizeof text,
-             "{ " CAMERA ", 'volumes': { 'v': { 'file': '%s', 'interpolation': '%s', 'scale': 2, "
-             "'albedo': %s, 'transform': { 'scale': 0.2, 'translate': [-0.7, -0.7, -0.7] } } } }",
-             path, interpolation, albedo);
-    return lf_test_scene(text);
+    return lf_test_scene(lf_test_scene_patched(
+        "coloured-voxels",
+        "{'volumes': {'v': {'file': '%s', 'interpolation': '%s', 'albedo': %s}}}", path,
+        interpolation, albedo));
 }
 
 static lf_scene *boxes(void)
 {
     char text[4096];
-    int n = snprintf(text, sizeof text, "{ " CAMERA ", 'volumes': { ");
+    int n = 0;
     for (int i = 0; i < layers; i++)
         n += snprintf(text + n, sizeof text - (size_t)n,
-                      "%s'v%d': { 'shape': 'box', 'density': 2, 'albedo': [%g, %g, %g], "
+                      ", 'v%d': { 'shape': 'box', 'density': 2, 'albedo': [%g, %g, %g], "
                       "'transform': { 'scale': [0.1, 0.8, 0.8], 'translate': [%g, 0, 0] } }",
-                      i ? ", " : "", i, albedo_of(i, 0), albedo_of(i, 1), albedo_of(i, 2),
-                      0.2 * i - 0.7);
-    snprintf(text + n, sizeof text - (size_t)n, " } }");
-    return lf_test_scene(text);
+                      i, albedo_of(i, 0), albedo_of(i, 1), albedo_of(i, 2), 0.2 * i - 0.7);
+    return lf_test_scene(
+        lf_test_scene_patched("coloured-voxels", "{'volumes': {'v': null%s}}", text));
 }
 
 static void albedo_is_that_of_the_grids(void **state)

@@ -5,6 +5,7 @@
 
 #include "render/papers/amv2019.h"
 #include "tests/render/papers.h"
+#include "tests/scene_file.h"
 
 static void views_are_taken_by_jacobian_and_lobe(void **state)
 {
@@ -20,12 +21,12 @@ static void views_are_taken_by_jacobian_and_lobe(void **state)
 }
 
 static const struct {
-    const char *what, *scene;
+    const char *what, *scene, *patch;
     papers_power power;
 } scenes[] = {
-    {"matt, seen through a lens", LF_TEST_BENT("5", ", 'lens_radius': 0.15"), {1.07, 0.6, 1.01}},
-    {"glossy, leaning", LF_TEST_GLOSSY("5", ""), {1.12, 0.6, 1.04}},
-    {"a lamp and a mirror", LF_TEST_LAMP("5", ""), {1.1, 0.6, 1.02}},
+    {"matt, seen through a lens", "bent", "{'camera': {'lens_radius': 0.15}}", {1.07, 0.6, 1.01}},
+    {"glossy, leaning", "glossy", "{}", {1.12, 0.6, 1.04}},
+    {"a lamp and a mirror", "lamp", "{}", {1.1, 0.6, 1.02}},
 };
 #define N_SCENES (int)(sizeof scenes / sizeof scenes[0])
 #define LEVEL lf_sidak(0.5 * LF_FALSE_ALARM, 2 * N_SCENES * papers_tiles)
@@ -35,7 +36,8 @@ static void answers_agree_with_vpt(void **state)
     (void)state;
     static const lf_estimator by[2] = {LF_ESTIMATOR_MIS, LF_ESTIMATOR_CV};
     for (int i = 0; i < N_SCENES; i++) {
-        lf_scene *scene = lf_test_scene(scenes[i].scene);
+        lf_scene *scene =
+            lf_test_scene(lf_test_scene_patched(scenes[i].scene, "%s", scenes[i].patch));
         lf_blocks native = papers_native(scene, 16 * papers_views), seen[2];
         lf_renderer *r = papers_renderer(scene, "amv2019", papers_width, papers_height, NULL, NULL);
         papers_pictures(r, 8 * papers_views, 200 + (uint64_t)i, by, seen);
@@ -61,7 +63,8 @@ static void weights_come_to_samples(void **state)
     (void)state;
     const double level = lf_sidak(0.25 * LF_FALSE_ALARM, N_SCENES * (papers_tiles - 1));
     for (int i = 0; i < N_SCENES; i++) {
-        lf_scene *scene = lf_test_scene(scenes[i].scene);
+        lf_scene *scene =
+            lf_test_scene(lf_test_scene_patched(scenes[i].scene, "%s", scenes[i].patch));
         lf_renderer *r = papers_renderer(scene, "amv2019", papers_width, papers_height, NULL, NULL);
         lf_blocks seen[3];
         double worst = 1.0;
@@ -87,12 +90,6 @@ static void weights_come_to_samples(void **state)
 
 /* A wall behind the window, all that is in view, white by half under an even sky: every sample is
  * exactly 0.5, every Jacobian 1. */
-static const char wall[] =
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1.5, 'cone': 20, "
-    "'views': 5 }, 'meshes': { 'wall': { 'shape': 'quad', 'material': 'clay', 'transform': { "
-    "'scale': 40, 'rotate': [90, 0, 0], 'translate': [0, 0, -5] } } }, 'materials': { 'clay': { "
-    "'albedo': 0.5 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }";
-
 /* Where a ray of a view meets the wall, and whether a view sees that point. */
 static double wall_point(const lf_rig *rig, int view, double u)
 {
@@ -139,7 +136,7 @@ static double wall_theory(const lf_rig *rig, int view)
 /* Means of views over 0.5, of seeds. */
 static void wall_moments(const char *integrator, lf_rig *out_rig, lf_moments out[papers_views])
 {
-    lf_scene *scene = lf_test_scene(wall);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("half-white-wall"));
     lf_renderer *r = papers_renderer(scene, integrator, 24, 16, NULL, NULL);
     *out_rig = ((lf_general *)r->state)->rig;
     for (int k = 0; k < papers_replicates(); k++) {
@@ -193,7 +190,7 @@ static void normalisation_by_k_is_off_by_what_theory_says(void **state)
 static void media_are_refused(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("5", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 5));
     lf_renderer *r = lf_test_renderer(scene, "vpt", 24, 16, NULL);
     lf_render_settings settings = *lf_renderer_settings(r);
     lf_error err = {0};

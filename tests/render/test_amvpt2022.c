@@ -4,6 +4,7 @@
 
 #include "render/papers/count.h"
 #include "tests/render/papers.h"
+#include "tests/scene_file.h"
 
 /* Over the phase a pixel gets as many samples as it expects, whatever the visits; and what they are
  * worth alone comes to the passes. */
@@ -33,8 +34,8 @@ static const struct {
     const char *what, *scene, *selection;
     papers_power power;
 } scenes[] = {
-    {"coated, in fog", LF_TEST_MIXED("5", ""), "none", {1.07, 0.6, 1.01}},
-    {"a lamp and a mirror", LF_TEST_LAMP("5", ""), "partition", {1.07, 0.6, 1.02}},
+    {"coated, in fog", "mixed", "none", {1.07, 0.6, 1.01}},
+    {"a lamp and a mirror", "lamp", "partition", {1.07, 0.6, 1.02}},
 };
 #define N_SCENES (int)(sizeof scenes / sizeof scenes[0])
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 2 * N_SCENES * papers_tiles)
@@ -44,7 +45,7 @@ static void adaptive_answers_agree_with_vpt(void **state)
     (void)state;
     static const lf_estimator by[2] = {LF_ESTIMATOR_MIS, LF_ESTIMATOR_CV};
     for (int i = 0; i < N_SCENES; i++) {
-        lf_scene *scene = lf_test_scene(scenes[i].scene);
+        lf_scene *scene = lf_test_scene(lf_test_scene_text(scenes[i].scene));
         lf_blocks native = papers_native(scene, 16 * papers_views), seen[2];
         lf_renderer *r = papers_renderer(scene, "amvpt2022", papers_width, papers_height, NULL,
                                          scenes[i].selection);

@@ -2,6 +2,7 @@
 #include "tests/testing.h"
 
 #include "render/transport/surface/surface_texture.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 16, tile = 8, tiles = 19 };
@@ -124,32 +125,26 @@ static void without_tangents_they_are_level(void **state)
 
 /* ---------------------------------------------------------------------------------- pictures -- */
 
-/* A ball and a wall beside it, under a lamp. */
-#define SCENE(words)                                                                               \
-    "{ 'camera': { 'position': [0, 0.4, 5], 'fov_y': 24, 'aspect': 1.5, 'cone': 40, 'views': 3 "   \
-    "}, 'meshes': { 'ball': { 'shape': 'sphere', 'material': 'steel', 'transform': { 'scale': "    \
-    "0.8 } }, 'wall': { 'shape': 'quad', 'material': 'steel', 'transform': { 'rotate': [75, 20, "  \
-    "0], 'scale': 2, 'translate': [0, 0, -1.2] } } }, 'materials': { 'steel': { 'type': "          \
-    "'principled', 'roughness': 0.45, 'metallic': 0.7, 'albedo': [0.8, 0.6, 0.5]" words            \
-    " } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 0.2 }, 'lamp': { 'type': "      \
-    "'sphere', 'position': [1, 2, 2.5], 'radius': 0.4, 'radiance': 6 } } }"
-#define GROOVES ", 'anisotropy': 0.7, 'anisotropy_rotation': 30"
+/* A patch of the ball and the wall of brushed-steel. */
+#define SCENE(steel) "{'materials': {'steel': {" steel "}}}"
 
 /* The same by both integrators; other angles or none are other pictures. */
 static void both_integrators_show_the_same(void **state)
 {
     static const struct {
-        const char *text, *integrator;
+        const char *patch, *integrator;
         bool same;
-    } cases[] = {{SCENE(GROOVES), "mvpt", true},
-                 {SCENE(", 'anisotropy': 0.7, 'anisotropy_rotation': -60"), "mvpt", false},
-                 {SCENE(""), "mvpt", false}};
+    } cases[] = {{"{}", "mvpt", true},
+                 {SCENE("'anisotropy_rotation': -60"), "mvpt", false},
+                 {SCENE("'anisotropy': null, 'anisotropy_rotation': null"), "mvpt", false}};
     lf_blocks truth[2], seen[2];
     (void)state;
-    lf_test_two_answers(lf_test_scene(SCENE(GROOVES)), "vpt", width, height, tile, 1, truth);
+    lf_test_two_answers(lf_test_scene(lf_test_scene_text("brushed-steel")), "vpt", width, height,
+                        tile, 1, truth);
     for (int i = 0; i < 3; i++) {
-        lf_test_two_answers(lf_test_scene(cases[i].text), cases[i].integrator, width, height, tile,
-                            2, seen);
+        lf_test_two_answers(
+            lf_test_scene(lf_test_scene_patched("brushed-steel", "%s", cases[i].patch)),
+            cases[i].integrator, width, height, tile, 2, seen);
         lf_test_assert_answers(seen, &truth[1], LEVEL, cases[i].same);
     }
     for (int j = 0; j < 2; j++)

@@ -8,8 +8,8 @@
 #include "render/renderer.h"
 #include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 #include "tests/stat/kept.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 48, height = 36, tile = 12, n_views = 3, tiles = n_views * 12 + 1 };
 
@@ -20,27 +20,15 @@ static int replicates(void)
 
 /* --------------------------------------------------------------------------- where they look -- */
 
-/* Three balls that glow, each in a colour of its own, seen by cameras that look here and there. */
-#define BALLS                                                                                      \
-    "'meshes': { 'a': { 'shape': 'sphere', 'material': 'red', 'transform': { 'scale': 0.05, "      \
-    "'translate': [0.3, 0.1, 0] } }, "                                                             \
-    "'b': { 'shape': 'sphere', 'material': 'green', 'transform': { 'scale': 0.05, 'translate': "   \
-    "[-0.2, 0.3, 0.6] } }, "                                                                       \
-    "'c': { 'shape': 'sphere', 'material': 'blue', 'transform': { 'scale': 0.05, 'translate': "    \
-    "[0.1, -0.3, -0.7] } } }, "                                                                    \
-    "'materials': { 'red': { 'albedo': 0, 'emission': [1, 0, 0] }, 'green': { 'albedo': 0, "       \
-    "'emission': [0, 1, 0] }, 'blue': { 'albedo': 0, 'emission': [0, 0, 1] } }"
-
+/* Patches of three-colours, whose cameras look here and there: the list of the file, a circle and a
+ * path. */
 static const char *const looks[] = {
-    "{ 'camera': { 'target': [0, 0, 0.1], 'fov_y': 20, 'aspect': 1.5, 'views': { 'list': [ "
-    "{ 'position': [-3, 0.5, 4] }, { 'position': [0, 0, 6] }, { 'position': [3, -1, 4], 'up': "
-    "[0.3, 1, 0] }, { 'position': [0, 5, 0.5], 'up': [0, 0, -1], 'fov_y': 24 }, "
-    "{ 'position': [-4, 0, -3], 'target': [0.1, 0.1, 0], 'fov_y': 26 } ] } }, " BALLS " }",
-    "{ 'camera': { 'position': [0.2, 1, 5], 'target': [0.1, 0, 0.1], 'fov_y': 20, 'aspect': 1.5, "
-    "'views': { 'circle': { 'count': 7 } } }, " BALLS " }",
-    "{ 'camera': { 'fov_y': 24, 'aspect': 1.5, 'views': { 'path': { 'count': 6, 'through': [ "
-    "{ 'position': [-4, 0, 3] }, { 'position': [-1, 1, 5], 'target': [0.1, 0, 0] }, "
-    "{ 'position': [2, 0.5, 5], 'fov_y': 20 }, { 'position': [4, 0, 2] } ] } } }, " BALLS " }"};
+    "{}",
+    "{'camera': {'position': [0.2, 1, 5], 'target': [0.1, 0, 0.1], 'views': {'list': null, "
+    "'circle': {'count': 7}}}}",
+    "{'camera': {'target': null, 'fov_y': 24, 'views': {'list': null, 'path': {'count': 6, "
+    "'through': [{'position': [-4, 0, 3]}, {'position': [-1, 1, 5], 'target': [0.1, 0, 0]}, "
+    "{'position': [2, 0.5, 5], 'fov_y': 20}, {'position': [4, 0, 2]}]}}}}"};
 
 /* Where a camera of 120 x 80 pixels has a point. */
 static void project(const lf_view_camera *c, double aspect, const double p[3], double out[2])
@@ -90,7 +78,7 @@ static void points_land_where_each_camera_has_them(void **state)
     (void)state;
     static const double balls[3][3] = {{0.3, 0.1, 0}, {-0.2, 0.3, 0.6}, {0.1, -0.3, -0.7}};
     for (size_t i = 0; i < sizeof looks / sizeof looks[0]; i++) {
-        lf_scene *scene = lf_test_scene(looks[i]);
+        lf_scene *scene = lf_test_scene(lf_test_scene_patched("three-colours", "%s", looks[i]));
         lf_renderer *r = lf_test_renderer(scene, i == 1 ? "vpt" : "mvpt", 120, 80, NULL);
         const lf_camera *camera = lf_scene_camera(scene);
         const int views = camera->n_views;
@@ -113,14 +101,10 @@ static void points_land_where_each_camera_has_them(void **state)
 
 /* --------------------------------------------------------------------------------- densities -- */
 
-/* A list whose cameras are those of a track: three, 0.75 apart, each looking straight ahead. */
-#define TRACK "'target': [0, 0.1, 0], 'views': { 'track': { 'count': 3, 'length': 1.5 } }"
-#define LIST                                                                                       \
-    "'views': { 'list': [ { 'position': [-0.75, 0.6, 5], 'target': [-0.75, 0.1, 0] }, "            \
-    "{ 'position': [0, 0.6, 5], 'target': [0, 0.1, 0] }, "                                         \
-    "{ 'position': [0.75, 0.6, 5], 'target': [0.75, 0.1, 0] } ] }"
-#define SEEN                                                                                       \
-    "'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': 1.3333333333, "
+/* The list of listed-cameras as a track. */
+#define TRACK "'target': [0, 0.1, 0], 'views': {'list': null, 'track': {'count': 3, 'length': 1.5}}"
+/* Without what they see. */
+#define NOTHING "'volumes': null, 'meshes': null, 'materials': null, 'lights': null"
 
 static const float centre[2] = {0.0f, 0.0f};
 
@@ -130,8 +114,9 @@ static const float centre[2] = {0.0f, 0.0f};
 static void densities_are_those_of_the_rig(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{ " SEEN LIST " } }"),
-             *track = lf_test_scene("{ " SEEN TRACK " } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched("listed-cameras", "{" NOTHING "}")),
+             *track = lf_test_scene(
+                 lf_test_scene_patched("listed-cameras", "{'camera': {" TRACK "}, " NOTHING "}"));
     lf_render_settings settings = {.camera = *lf_scene_camera(scene), .width = 40, .height = 30},
                        rectified = settings;
     lf_pinhole views[LF_MAX_VIEWS];
@@ -170,7 +155,7 @@ static void densities_are_those_of_the_rig(void **state)
 static void areas_are_those_of_pixels(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(looks[0]);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("three-colours"));
     lf_render_settings settings = {.camera = *lf_scene_camera(scene), .width = 60, .height = 40};
     lf_pinhole views[LF_MAX_VIEWS];
     settings.camera.lens_radius = 0.3;
@@ -226,10 +211,8 @@ static double by_points(const lf_scene *scene, lf_vec3 o, lf_vec3 w, double end)
 
 static lf_scene *rough_voxels(bool nearest)
 {
-    return lf_test_grid_scene(
-        "{ " SEEN LIST " }, " LF_TEST_VOLUMES(", 'fog': { 'shape': 'sphere', 'density': 0.4, "
-                                              "'transform': { 'scale': 1.3 } }") " }",
-        lf_test_grid(lf_test_rough, 23, 18, 11), 0.1, 0.4, 3.0f, nearest);
+    return lf_test_grid_scene(lf_test_scene_text("listed-voxels"),
+                              lf_test_grid(lf_test_rough, 23, 18, 11), 0.1, 0.4, 3.0f, nearest);
 }
 
 static void depths_are_integrals(void **state)
@@ -257,20 +240,10 @@ static void depths_are_integrals(void **state)
 
 /* ---------------------------------------------------------------------------------- pictures -- */
 
-/* Voxels and fog before a ball on the ground: by rows and by the list. */
-#define THINGS_UNDER(lights)                                                                       \
-    LF_TEST_VOLUMES(", 'fog': { 'shape': 'sphere', 'density': 1.2, 'albedo': [0.9, 0.8, 0.7], "    \
-                    "'g': 0.5, 'transform': { 'scale': [0.7, 0.6, 0.5], 'translate': [0.6, 0.2, "  \
-                    "0.8] } }")                                                                    \
-    ", 'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': 'sphere', 'material': 'glaze', "         \
-    "'transform': { 'scale': 0.5, 'translate': [-0.8, -0.3, 0.6] } } }, "                          \
-    "'materials': { 'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'glaze': { 'type': 'conductor', "      \
-    "'albedo': [0.9, 0.6, 0.5], 'roughness': 0.6 } }, " lights " }"
-#define THINGS THINGS_UNDER(LF_TEST_SHARP_LIGHTS)
 /* Suns with a disk are found by light samples and by directions. */
 #define WIDE_SUNS                                                                                  \
-    "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.2 }, 'sun': { 'type': 'distant', "  \
-    "'direction': [0.4, -0.8, -0.5], 'irradiance': 2, 'angle': 40 } }"
+    "'sky': {'radiance': 0.2}, 'sun': {'direction': [0.4, -0.8, -0.5], 'irradiance': 2, 'angle': " \
+    "40}"
 
 static lf_scene *things(const char *camera)
 {
@@ -352,12 +325,16 @@ static void assert_agreement(const lf_blocks *a, const lf_blocks *b, const char 
     assert_true(lf_blocks_welch_injected(a, b, tiles - 1, 0.992) < level);
 }
 
-static void assert_as_rows(const char *name, const char *by_rows, const char *listed)
+/* Scenes seen by rows and by a list, with more keys of the camera. */
+static void assert_as_rows(const char *name, const char *lens)
 {
     static const char *const names[] = {"mis", "cv"};
     const double level = lf_sidak(0.2 * LF_FALSE_ALARM, 4 * tiles);
     lf_blocks seen[3];
-    lf_scene *track = things(by_rows), *list = things(listed);
+    lf_scene *track =
+                 things(lf_test_scene_patched("listed-cameras", "{'camera': {" TRACK "%s}}", lens)),
+             *list = things(
+                 lf_test_scene_patched("listed-cameras", "{'camera': {'views': {}%s}}", lens));
     lf_blocks rows =
         reference(lf_test_renderer(track, "mvpt", width, height, NULL), name, 20, 4, level);
     pictures(list, "mvpt", 6 * n_views, 2, seen);
@@ -377,24 +354,17 @@ static void assert_as_rows(const char *name, const char *by_rows, const char *li
 static void the_general_way_agrees_with_rows(void **state)
 {
     (void)state;
-    assert_as_rows("any_cameras-rows", "{ " SEEN TRACK " }, " THINGS, "{ " SEEN LIST " }, " THINGS);
+    assert_as_rows("any_cameras-rows", "");
 }
 
 /* A lens as wide as the ball's half, which is out of focus. */
-#define LENS "'lens_radius': 0.25, 'focus_distance': 6, "
+#define LENS ", 'lens_radius': 0.25, 'focus_distance': 6"
 
 static void lenses_agree_with_those_of_rows(void **state)
 {
     (void)state;
-    assert_as_rows("any_cameras-lens", "{ " SEEN LENS TRACK " }, " THINGS,
-                   "{ " SEEN LENS LIST " }, " THINGS);
+    assert_as_rows("any_cameras-lens", LENS);
 }
-
-/* Cameras that look from all around, from near and far and with angles of their own. */
-#define AROUND                                                                                     \
-    "{ 'quiltd': 1, 'camera': { 'target': [0, 0, 0.2], 'fov_y': 24, 'aspect': 1.3333333333, "      \
-    "'views': { 'list': [ { 'position': [-1.5, 0.6, 4] }, { 'position': [1, 1, 6], 'fov_y': 30, "  \
-    "'up': [0.2, 1, 0] }, { 'position': [4, 2, -2], 'fov_y': 26 } ] } }, "
 
 /* What each gets from the paths of all is what it finds alone. */
 static void cameras_all_around_agree_with_each_alone(void **state)
@@ -403,7 +373,8 @@ static void cameras_all_around_agree_with_each_alone(void **state)
     static const char *const names[] = {"all around, mis", "all around, cv"};
     const double level = lf_sidak(0.2 * LF_FALSE_ALARM, 3 * tiles);
     lf_blocks seen[3];
-    lf_scene *scene = things(AROUND THINGS_UNDER(WIDE_SUNS));
+    lf_scene *scene =
+        things(lf_test_scene_patched("cameras-all-around", "{'lights': {" WIDE_SUNS "}}"));
     lf_blocks alone = reference(lf_test_renderer(scene, "vpt", width, height, NULL),
                                 "any_cameras-around", 24, 4, level);
     pictures(scene, "mvpt", 6 * n_views, 5, seen);
@@ -425,32 +396,31 @@ static lf_renderer *with_suffixes(lf_scene *scene, const char *integrator, bool 
     return r;
 }
 
-/* A cloud alone. */
-#define BALL "'meshes': { 'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.6 } } }, "
-#define CLOUD(g)                                                                                   \
-    AROUND "'volumes': { 'v': { 'shape': 'box', 'density': 1, 'albedo': [0.98, 0.9, 0.8], 'g': " g \
-           " } }, "
-
 /* What paths bring side by side is what each brings alone: under a sun that light samples and
  * directions find, one that has no width, and a picture of the sky. */
 static void lanes_bring_what_single_paths_do(void **state)
 {
     (void)state;
     static const struct {
-        const char *scene;
+        const char *patch;   /* of cloud-all-around */
         int alone, lanes[2]; /* cycles */
     } cases[] = {
-        {CLOUD("0") WIDE_SUNS " }", 8, {3, 5}},
-        {CLOUD("0.6") LF_TEST_SHARP_LIGHTS " }", 8, {3, 5}},
-        {CLOUD("0.3") BALL WIDE_SUNS " }", 8, {3, 5}},
-        {CLOUD("0.6") "'lights': { 'day': { 'type': 'sky', 'elevation': 14 } } }", 24, {16, 24}}};
+        {"{'volumes': {'v': {'g': 0}}, 'lights': {" WIDE_SUNS "}}", 8, {3, 5}},
+        {"{}", 8, {3, 5}},
+        {"{'volumes': {'v': {'g': 0.3}}, 'meshes': {'ball': {'shape': 'sphere', 'transform': "
+         "{'scale': 0.6}}}, 'lights': {" WIDE_SUNS "}}",
+         8,
+         {3, 5}},
+        {"{'lights': {'sky': null, 'sun': null, 'day': {'type': 'sky', 'elevation': 14}}}",
+         24,
+         {16, 24}}};
     static const char *const names[] = {"mvpt", "vpt"};
     enum { N = sizeof cases / sizeof *cases };
     const double level = lf_sidak(0.2 * LF_FALSE_ALARM, 3 * N * tiles);
     for (int i = 0; i < N; i++) {
         char what[64], name[64];
         lf_blocks lanes[3];
-        lf_scene *scene = things(cases[i].scene);
+        lf_scene *scene = things(lf_test_scene_patched("cloud-all-around", "%s", cases[i].patch));
         snprintf(name, sizeof name, "any_cameras-alone-%d", i);
         lf_blocks alone =
             reference(with_suffixes(scene, "vpt", false, NULL), name, cases[i].alone, 2, level);
@@ -491,7 +461,7 @@ static void weights_come_to_samples(void **state)
         lf_blocks seen[3];
         double worst = 1.0;
         int found = 0;
-        lf_scene *scene = things(AROUND THINGS);
+        lf_scene *scene = things(lf_test_scene_text("cameras-all-around"));
         lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
         lf_test_weight_blocks(r, schedules[i], replicates(), tile, seen);
         lf_renderer_destroy(r);
@@ -538,9 +508,9 @@ static void a_white_world_is_white(void **state)
         "{ 'camera': { 'views': { 'circle': { 'count': 5 } } }, 'volumes': { 'v': { 'shape': "
         "'sphere', 'density': 3, 'albedo': 1, 'transform': { 'scale': 0.6 } } }, "
         "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
-    lf_scene *grid =
-        things(AROUND LF_TEST_VOLUMES("") ", 'lights': { 'sky': { 'type': 'environment', "
-                                          "'radiance': 1 } } }");
+    lf_scene *grid = things(lf_test_scene_patched(
+        "cameras-all-around", "{'volumes': {'fog': null}, 'meshes': null, 'materials': null, "
+                              "'lights': {'sky': {'radiance': 1}, 'sun': null}}"));
     assert_white(lf_test_renderer(ball, "mvpt", 24, 32, NULL));
     assert_white(with_suffixes(grid, "mvpt", true, NULL));
     assert_white(with_suffixes(grid, "mvpt", false, NULL));
@@ -565,10 +535,7 @@ static double *by_threads(lf_scene *scene, const char *integrator, bool in_lanes
 static void surfaces_leave_no_holes(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{ " SEEN LENS LIST " }, 'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': 'sphere', "
-        "'material': 'clay', 'transform': { 'scale': 0.5 } } }, 'materials': { 'clay': { 'albedo': "
-        "0.5 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("listed-edges"));
     lf_renderer *r = lf_test_renderer(scene, "vpt", width, height, NULL);
     uint8_t flags[n_views * width * height];
     float *picture = calloc((size_t)n_views * width * height * 3, sizeof *picture);
@@ -587,7 +554,7 @@ static void surfaces_leave_no_holes(void **state)
 }
 
 /* With a mesh, and in lanes: more of a row wait than there is room for at first. */
-static const char *const of_both_ways[] = {AROUND THINGS, CLOUD("0.6") LF_TEST_SHARP_LIGHTS " }"};
+static const char *const of_both_ways[] = {"cameras-all-around", "cloud-all-around"};
 
 static void pictures_do_not_depend_on_the_number_of_threads(void **state)
 {
@@ -595,7 +562,7 @@ static void pictures_do_not_depend_on_the_number_of_threads(void **state)
     static const char *const names[] = {"mvpt", "vpt"};
     for (int i = 0; i < 4; i++) {
         const bool in_lanes = i / 2;
-        lf_scene *scene = things(of_both_ways[in_lanes]);
+        lf_scene *scene = things(lf_test_scene_text(of_both_ways[in_lanes]));
         double *one = by_threads(scene, names[i % 2], in_lanes, 1);
         for (int threads = 2; threads <= 7; threads += 5) {
             double *many = by_threads(scene, names[i % 2], in_lanes, threads);
@@ -626,7 +593,7 @@ static void a_cancelled_pass_leaves_nothing(void **state)
 {
     (void)state;
     for (int in_lanes = 0; in_lanes < 2; in_lanes++) {
-        lf_scene *scene = things(of_both_ways[in_lanes]);
+        lf_scene *scene = things(lf_test_scene_text(of_both_ways[in_lanes]));
         double *seen[2];
         for (int way = 0; way < 2; way++) {
             lf_renderer *r = with_suffixes(scene, "mvpt", in_lanes, NULL);

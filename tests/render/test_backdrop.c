@@ -4,8 +4,8 @@
 #include "tests/testing.h"
 
 #include "render/renderer.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 24, height = 18, n_views = 5, values = 3 * n_views * width * height, cycles = 8 };
 
@@ -122,14 +122,8 @@ static void what_is_hidden_from_the_camera_lights_and_is_mirrored(void **state)
                                             "'type': 'conductor', 'albedo': 1, 'roughness': 0"};
     static float picture[values];
     for (int m = 0; m < 2; m++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{ 'camera': { 'fov_y': 40, 'aspect': 1.3333333333, 'views': 5, 'cone': 0 }, "
-                 "'meshes': { 'ball': { 'shape': 'sphere', 'material': 'm' } }, 'materials': { "
-                 "'m': { %s } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1, "
-                 "'visible': false } } }",
-                 materials[m]);
-        render(text, 0.0, picture);
+        render(lf_test_scene_patched("hidden-sky", "{'materials': {'m': {%s}}}", materials[m]), 0.0,
+               picture);
         for (int i = 0; i < values / 3; i++) {
             /* The ball's rim is at a sine of 1/5; a pixel is 0.04 wide. */
             double y = tan(20.0 * M_PI / 180.0) *
@@ -152,23 +146,12 @@ static void a_picture_is_its_light_and_what_is_behind_it(void **state)
     (void)state;
     static float before[values], dark[values], unlit[values], seen[values];
     static const char *const lights[] = {"'radiance': 0.6", "'radiance': 0.6, 'visible': false"};
-#define SCENE                                                                                      \
-    "{ " LF_TEST_CAMERA("5", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2.5, "       \
-                                 "'g': 0.5, 'transform': { 'scale': 0.6, 'translate': "            \
-                                 "[0.4, 0, 0.8] } } }, 'meshes': { " LF_TEST_GROUND                \
-                                 ", 'ball': { 'shape': 'sphere', 'material': 'mirror', "           \
-                                 "'transform': { 'scale': 0.5 , 'translate': [-0.6, 0, 0] } } }, " \
-                                 "'materials': { 'clay': {}, 'mirror': { 'type': 'conductor', "    \
-                                 "'albedo': 0.9, 'roughness': 0 } } %s }"
-    char text[2048];
     double difference = 0.0;
-    snprintf(text, sizeof text, SCENE, ", " GRADIENT);
-    render(text, 0.0, unlit);
+    render(lf_test_scene_patched("mirror-and-fog", "{" GRADIENT "}"), 0.0, unlit);
     for (int i = 0; i < 4; i++) {
-        char more[256];
-        snprintf(more, sizeof more, ", 'lights': { 'sky': { 'type': 'environment', %s } }%s",
-                 lights[i % 2], i < 2 ? "" : ", " GRADIENT);
-        snprintf(text, sizeof text, SCENE, more);
+        const char *text = lf_test_scene_patched(
+            "mirror-and-fog", "{'lights': {'sky': {'type': 'environment', %s}}%s}", lights[i % 2],
+            i < 2 ? "" : ", " GRADIENT);
         render(text, 0.0, i == 0 ? seen : i == 1 ? dark : before);
         for (int k = 0; k < values && i >= 2; k++)
             lf_assert_close(before[k], (double)dark[k] + (double)unlit[k], 2e-4, 1e-4);

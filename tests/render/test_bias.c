@@ -7,8 +7,8 @@
  * eight times the seeds. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 12, height = 8, views = 3, counts = 4, groups = 12 };
 
@@ -86,25 +86,25 @@ static void assert_consistent(const char *text)
 static void mwis_is_consistent_on_media_and_surfaces(void **state)
 {
     (void)state;
-    assert_consistent(LF_TEST_MIXED("3", ""));
+    assert_consistent(lf_test_scene_views("mixed", 3));
 }
 
 static void mwis_is_consistent_on_overlapping_media(void **state)
 {
     (void)state;
-    assert_consistent(LF_TEST_FOGS("3", ""));
+    assert_consistent(lf_test_scene_views("fogs", 3));
 }
 
 static void mwis_is_consistent_beside_a_lamp_and_a_mirror(void **state)
 {
     (void)state;
-    assert_consistent(LF_TEST_LAMP("3", ""));
+    assert_consistent(lf_test_scene_views("lamp", 3));
 }
 
 static void mwis_is_consistent_behind_a_alpha(void **state)
 {
     (void)state;
-    assert_consistent(LF_TEST_MIST("3", ""));
+    assert_consistent(lf_test_scene_views("mist", 3));
 }
 
 /* Negative control: without h_k the weights do not tend to n q, and what mwis tends to is not what
@@ -112,8 +112,9 @@ static void mwis_is_consistent_behind_a_alpha(void **state)
 static void wrong_weights_have_an_intercept(void **state)
 {
     (void)state;
-    line no_h = regress(LF_TEST_MIXED("3", ""), LF_FAULT_NO_H, LF_ESTIMATOR_MIS);
-    line no_visibility = regress(LF_TEST_MIXED("3", ""), LF_FAULT_NO_VISIBILITY, LF_ESTIMATOR_MIS);
+    line no_h = regress(lf_test_scene_views("mixed", 3), LF_FAULT_NO_H, LF_ESTIMATOR_MIS);
+    line no_visibility =
+        regress(lf_test_scene_views("mixed", 3), LF_FAULT_NO_VISIBILITY, LF_ESTIMATOR_MIS);
     assert_true(lf_p_mean(&no_h.intercept, 0.0) < CERTAIN);
     assert_true(lf_p_mean(&no_visibility.intercept, 0.0) < CERTAIN);
 }
@@ -122,21 +123,13 @@ static void wrong_weights_have_an_intercept(void **state)
  * everywhere, and the mean of the picture is the card's share of the window. What a pixel at its
  * rim shows although none of its film points has met the card would come on top, the more the fewer
  * visits there are: 1 % of the mean behind four visits. */
-#define CARD                                                                                       \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, "      \
-    "'cone': 40, 'views': 9 }, "                                                                   \
-    "'meshes': { 'card': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 0.5, "     \
-    "'rotate': [90, 0, 20] } } }, "                                                                \
-    "'materials': { 'clay': { 'albedo': 0.5 } }, "                                                 \
-    "'lights': { 'sun': { 'type': 'distant', 'direction': [0, 0, -1], 'irradiance': 3.14159265 } " \
-    "} }"
 
 static void a_silhouette_has_no_rim_at_few_visits(void **state)
 {
     (void)state;
     enum { across = 24, down = 18, replicates = 48, most = 8 };
     double side = 10 * tan(12 * M_PI / 180), truth = 0.5 / (side * side * 4 / 3);
-    lf_scene *scene = lf_test_scene(CARD);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("card-in-the-dark"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", across, down, NULL);
     for (int cycles = 1; cycles <= most; cycles *= 2) {
         lf_moments mean = {0};

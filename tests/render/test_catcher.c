@@ -3,18 +3,15 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { SIDE = 8, VIEWS = 3, PIXELS = SIDE * SIDE * VIEWS };
 
-/* A ground below, and a camera that looks straight down at it from under a disk of radius 1, 1
- * above the middle: what is looked at is next to the middle. */
+#define UNDER_DISK "catcher-under-disk"
+/* A patch of it. */
 #define CATCHER(what, lights)                                                                      \
-    "{ 'camera': { 'position': [0, 0.9, 0], 'target': [0, 0, 0], 'up': [0, 0, -1], 'fov_y': 0.5, " \
-    "'aspect': 1, 'views': 3, 'cone': 1 }, 'backdrop': [1, 2, 3], 'meshes': { 'ground': { "        \
-    "'shape': 'quad', 'catcher': " what                                                            \
-    ", 'transform': { 'scale': 50 } }, 'disk': { 'shape': 'disk', 'transform': { 'translate': "    \
-    "[0, 1, 0] } } }, 'lights': { " lights " } }"
+    "{'meshes': {'ground': {'catcher': " what "}}, 'lights': {" lights "}}"
 
 static lf_renderer *render(lf_scene *scene, int cycles, lf_pool *pool)
 {
@@ -23,11 +20,12 @@ static lf_renderer *render(lf_scene *scene, int cycles, lf_pool *pool)
     return r;
 }
 
-static double mean_shadow(const char *text, int cycles)
+/* The mean shadow of a scene of a file and a patch. */
+static double mean_shadow(const char *name, const char *patch, int cycles)
 {
     static float shadow[PIXELS];
     double sum = 0.0;
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(name, "%s", patch));
     lf_renderer *r = render(scene, cycles, NULL);
     lf_assert_ok(lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_SHADOW, shadow, NULL), NULL);
     for (int i = 0; i < PIXELS; i++)
@@ -45,12 +43,13 @@ static double mean_shadow(const char *text, int cycles)
 static void a_disk_takes_its_form_factor_of_an_even_sky(void **state)
 {
     (void)state;
-    double shadow =
-        mean_shadow(CATCHER("true", "'sky': { 'type': 'environment', 'radiance': 3 }"), 64);
+    double shadow = mean_shadow(
+        UNDER_DISK, CATCHER("true", "'sky': { 'type': 'environment', 'radiance': 3 }"), 64);
     lf_assert_close(shadow, COVERED, 0.005, 0);
     /* A negative control: what is no catcher catches nothing. */
-    assert_true(
-        mean_shadow(CATCHER("false", "'sky': { 'type': 'environment', 'radiance': 3 }"), 4) == 0.0);
+    assert_true(mean_shadow(UNDER_DISK,
+                            CATCHER("false", "'sky': { 'type': 'environment', 'radiance': 3 }"),
+                            4) == 0.0);
 }
 
 /* Each light by what it would give: a sun straight above (behind the disk) 2, the sky pi, half of
@@ -60,26 +59,30 @@ static void lights_count_by_what_they_would_give(void **state)
     (void)state;
     static const double angles[] = {0, 3, 40};
     for (int i = 0; i < 3; i++) {
-        char text[1024];
-        snprintf(text, sizeof text,
+        char patch[1024];
+        snprintf(patch, sizeof patch,
                  CATCHER("true", "'sun': { 'type': 'distant', 'irradiance': 2, 'angle': %g }, 'e': "
                                  "{ 'type': 'environment', 'radiance': 1 }, 'p': { 'type': "
                                  "'point', 'position': [0, 0.5, 0] }"),
                  angles[i]);
-        lf_assert_close(mean_shadow(text, 64), (2.0 + COVERED * M_PI) / (2.0 + M_PI + 4.0), 0.01,
-                        0);
+        lf_assert_close(mean_shadow(UNDER_DISK, patch, 64),
+                        (2.0 + COVERED * M_PI) / (2.0 + M_PI + 4.0), 0.01, 0);
     }
-    lf_assert_close(mean_shadow(CATCHER("true", "'s': { 'type': 'distant' }"), 1), 1.0, 1e-6, 0);
-    assert_true(mean_shadow(CATCHER("true", "'s': { 'type': 'distant', 'direction': [1, -0.2, 0] "
+    lf_assert_close(mean_shadow(UNDER_DISK, CATCHER("true", "'s': { 'type': 'distant' }"), 1), 1.0,
+                    1e-6, 0);
+    assert_true(mean_shadow(UNDER_DISK,
+                            CATCHER("true", "'s': { 'type': 'distant', 'direction': [1, -0.2, 0] "
                                             "}"),
                             1) == 0.0);
-    assert_true(mean_shadow(CATCHER("true", ""), 1) == 0.0); /* no light at all */
+    assert_true(mean_shadow(UNDER_DISK, CATCHER("true", ""), 1) == 0.0); /* no light at all */
     /* Above the disk all is dark; a rectangle before it lights what it lights. */
-    lf_assert_close(mean_shadow(CATCHER("true", "'r': { 'type': 'rectangle', 'radiance': 1, "
+    lf_assert_close(mean_shadow(UNDER_DISK,
+                                CATCHER("true", "'r': { 'type': 'rectangle', 'radiance': 1, "
                                                 "'position': [0, 3, 0] }"),
                                 1),
                     1.0, 1e-6, 0);
-    assert_true(mean_shadow(CATCHER("true", "'r': { 'type': 'rectangle', 'radiance': 1, 'width': "
+    assert_true(mean_shadow(UNDER_DISK,
+                            CATCHER("true", "'r': { 'type': 'rectangle', 'radiance': 1, 'width': "
                                             "0.1, 'height': 0.1, 'position': [0.3, 0.7, 0] }"),
                             1) == 0.0);
 }
@@ -89,13 +92,7 @@ static void lights_count_by_what_they_would_give(void **state)
 static void media_cast_shadows_as_well(void **state)
 {
     (void)state;
-    double shadow = mean_shadow(
-        "{ 'camera': { 'position': [0, 9, 0], 'target': [0, 0, 0], 'up': [0, 0, -1], 'fov_y': 0.5, "
-        "'aspect': 1, 'views': 3, 'cone': 1 }, 'meshes': { 'ground': { 'shape': 'quad', 'catcher': "
-        "true, 'transform': { 'scale': 50 } } }, 'volumes': { 'fog': { 'shape': 'box', 'density': "
-        "0.5, 'transform': { 'translate': [0, 2, 0] } } }, 'lights': { 's': { 'type': 'distant' } "
-        "} }",
-        32);
+    double shadow = mean_shadow("catcher-under-fog", "{}", 32);
     lf_assert_close(shadow, (1.0 - exp(-1.0)) * exp(-1.0), 0.02, 0);
 }
 
@@ -105,12 +102,9 @@ static void media_before_a_catcher_are_as_thick_as_a_view_sees_them(void **state
     (void)state;
     static float shadow[PIXELS];
     double mean[VIEWS] = {0.0};
-    lf_scene *scene = lf_test_scene(
-        "{ 'camera': { 'position': [0, 9, 0], 'target': [0, 0, 0], 'up': [0, 0, -1], 'fov_y': 0.5, "
-        "'aspect': 1, 'views': 3, 'cone': 60 }, 'meshes': { 'ground': { 'shape': 'quad', "
-        "'catcher': true, 'transform': { 'scale': 50 } } }, 'volumes': { 'fog': { 'shape': 'box', "
-        "'density': 0.5, 'transform': { 'scale': [20, 1, 20], 'translate': [0, 2, 0] } } }, "
-        "'lights': { 's': { 'type': 'distant' } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "catcher-under-fog", "{'camera': {'cone': 60}, "
+                             "'volumes': {'fog': {'transform': {'scale': [20, 1, 20]}}}}"));
     lf_renderer *r = render(scene, 1, NULL);
     lf_assert_ok(lf_renderer_layers(r, LF_ESTIMATOR_MWIS, LF_LAYER_SHADOW, shadow, NULL), NULL);
     for (int i = 0; i < PIXELS; i++)
@@ -124,12 +118,8 @@ static void media_before_a_catcher_are_as_thick_as_a_view_sees_them(void **state
 
 /* A ball on a catcher, seen from above. */
 #define ON_IT(what, behind)                                                                        \
-    "{ 'camera': { 'position': [0, 6, 6], 'target': [0.4, 0.3, 0], 'fov_y': 13, 'aspect': 1, "     \
-    "'views': 3, 'cone': 10 }, 'backdrop': " behind ", 'meshes': { 'ground': { 'shape': 'quad', "  \
-    "'catcher': " what ", 'material': 'w', 'transform': { 'scale': 50 } }, 'ball': { 'shape': "    \
-    "'sphere', 'material': 'w', 'transform': { 'scale': 0.5, 'translate': [0, 0.5, 0] } } }, "     \
-    "'materials': { 'w': { 'albedo': 0.8 } }, 'lights': { 'sun': { 'type': 'distant', "            \
-    "'direction': [1, -1, 0] } } }"
+    lf_test_scene_patched("ball-on-catcher",                                                       \
+                          "{'backdrop': " behind ", 'meshes': {'ground': {'catcher': " what "}}}")
 
 /* The colour of the backdrop where the ball is not; of the ball's underside the light that the
  * ground sends back; and shadows nowhere but beside the ball. */

@@ -1,19 +1,19 @@
 /* Shadows of catchers while a picture is rendered: the same as those of a picture that is done,
  * from samples that all views share. */
 #include "tests/render/caught_testing.h"
+#include "tests/scene_file.h"
 
 #include "render/layers/caught.h"
 
 /* A ball above a catcher, seen from above and aside. */
 #define ON_IT(views, backdrop, catcher, light)                                                     \
-    "{ 'camera': { 'position': [0, 6, 6], 'target': [0.4, 0.3, 0], 'fov_y': 18, 'aspect': 1, "     \
-    "'views': " #views ", 'cone': 30 }, " backdrop "'meshes': { 'ground': { 'shape': 'quad', "     \
-    "'catcher': " catcher                                                                          \
-    ", 'transform': { 'scale': 50 } }, 'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.5, " \
-    "'translate': [0, 0.5, 0] } } }, 'lights': { " light " } }"
-#define GIVEN "'backdrop': { 'top': [1, 2, 3], 'bottom': [3, 2, 1] }, "
-#define SUN "'sun': { 'type': 'distant', 'direction': [1, -1, 0] }"
-#define SKY "'sky': { 'type': 'environment', 'radiance': 1 }"
+    lf_test_scene_patched("ball-above-catcher", "{'camera': {'views': " #views "}, " backdrop      \
+                                                "'meshes': {'ground': {'catcher': " catcher        \
+                                                "}}, 'lights': {" light "}}")
+#define GIVEN ""
+#define NONE "'backdrop': null, "
+#define SUN ""
+#define SKY "'sun': null, 'sky': {'type': 'environment', 'radiance': 1}"
 
 /* What is missing of the backdrop, where nothing else is seen; below 0: something is. */
 static double dark(const caught_pictures *p, const float *picture, int pixel)
@@ -87,13 +87,7 @@ static void shared_samples_lie_where_views_see_them(void **state)
 static void samples_are_not_shared_through_what_hides_them(void **state)
 {
     (void)state;
-    caught_make(
-        "{ 'camera': { 'position': [0, 6, 6], 'target': [0, 0.3, 0], 'fov_y': 18, 'aspect': 1, "
-        "'views': 9, 'cone': 30 }, " GIVEN "'meshes': { 'ground': { 'shape': 'quad', 'catcher': "
-        "true, 'transform': { 'scale': 50 } }, 'card': { 'shape': 'quad', 'catcher': true, "
-        "'transform': { 'scale': 0.6, 'translate': [0, 1.5, 0] } } }, 'lights': { 'sun': { "
-        "'type': 'distant', 'direction': [0, -1, -1] } } }",
-        32, 32 * 9, LF_LAYER_COVERAGE, &p);
+    caught_make(lf_test_scene_text("card-above-catcher"), 32, 32 * 9, LF_LAYER_COVERAGE, &p);
     int shaded = 0;
     for (int i = 0; i < SIDE * SIDE * 9; i++)
         shaded += kind_of(dark(&p, p.whole, i), 1e-6) == 1;
@@ -178,13 +172,7 @@ static void what_few_views_see_is_as_dark(void **state)
 {
     (void)state;
     int seen = 0;
-    caught_make("{ 'camera': { 'position': [0, 2, 6], 'target': [0, 1, 0], 'fov_y': 30, 'aspect': "
-                "1, 'views': 45, 'cone': 60 }, " GIVEN
-                "'meshes': { 'ground': { 'shape': 'quad', 'catcher': true, 'transform': { 'scale': "
-                "50 } }, 'roof': { 'shape': 'quad', 'transform': { 'scale': 200, 'translate': [0, "
-                "20, 0] } } }, 'lights': { 'sun': { 'type': 'distant', 'direction': [0, -1, 0] } } "
-                "}",
-                1, 8, LF_LAYER_COVERAGE, &p);
+    caught_make(lf_test_scene_text("catcher-under-roof"), 1, 8, LF_LAYER_COVERAGE, &p);
     for (int i = 0; i < SIDE * SIDE * 45; i++) {
         const bool ground = i / (SIDE * 45) > SIDE / 2 && p.layers[i] == 0.0f;
         if (ground)
@@ -264,8 +252,8 @@ static void the_ball_keeps_its_light(void **state)
 static void there_is_nothing_where_nothing_is_caught(void **state)
 {
     (void)state;
-    static const char *const texts[] = {ON_IT(3, GIVEN, "true", SUN), ON_IT(3, "", "true", SUN),
-                                        ON_IT(3, GIVEN, "false", SUN)};
+    const char *const texts[] = {ON_IT(3, GIVEN, "true", SUN), ON_IT(3, NONE, "true", SUN),
+                                 ON_IT(3, GIVEN, "false", SUN)};
     lf_caught *caught = NULL;
     for (int i = 0; i < 3; i++) {
         lf_scene *scene = lf_test_scene(texts[i]);

@@ -7,97 +7,51 @@
 #include "tests/testing.h"
 
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 16, tiles = n_views * 4 + 1, answers = 3 };
 
 /* Five scenes of three channels by two integrators. */
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 5 * 3 * 2 * answers * tiles)
 
-#define CAMERA(more)                                                                               \
-    "'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': 1.3333333333, "      \
-    "'cone': 40, 'views': 3" more " }, "
-#define LIGHTS                                                                                     \
-    "'lights': { 'sky': { 'type': 'environment', 'radiance': %L0.5 }, 'sun': { 'type': "           \
-    "'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': %L2, 'angle': 8 } } }"
-
 /* In these texts %S stands for the extinction of the channels and %L0.5 for such a light of one. */
-#define OVERLAPPING                                                                                \
-    "{ " CAMERA(                                                                                   \
-        "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, %S'albedo': [0.95, "         \
-            "0.9, 0.8], 'g': 0.5, 'transform': { 'scale': [0.7, 0.6, 0.5], 'rotate': [0, 20, 0], " \
-            "'translate': [0.4, 0, 0.8] } }, 'smoke': { 'shape': 'box', 'density': 0.8, "          \
-            "'albedo': 0.6, "                                                                      \
-            "'transform': { 'scale': [0.5, 0.6, 0.4], 'translate': [0.6, 0, 0.7] } } }, "          \
-            "'meshes': { 'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { "         \
-            "'scale': 4, "                                                                         \
-            "'translate': [0, -1, 0] } }, 'ball': { 'shape': 'sphere', 'material': 'glaze', "      \
-            "'transform': { 'scale': 0.6, 'translate': [-0.7, -0.3, 0.6] } } }, "                  \
-            "'materials': { 'clay': { 'albedo': 0.5 }, 'glaze': { 'type': 'plastic', 'albedo': "   \
-            "0.5, "                                                                                \
-            "'roughness': 0.4 } }, " LIGHTS
-#define BEFORE_A_MIRROR                                                                            \
-    "{ " CAMERA(                                                                                   \
-        ", 'lens_radius': 0.1, 'focus_distance': 4.2") "'volumes': { 'fog': { 'shape': "           \
-                                                       "'sphere', 'density': 1.2, "                \
-                                                       "%S'albedo': 0.9, 'transform': { "          \
-                                                       "'scale': 0.9, 'translate': [0.2, "         \
-                                                       "0, 0.6] } } }, "                           \
-                                                       "'meshes': { 'wall': { 'shape': "           \
-                                                       "'quad', 'material': 'mirror', "            \
-                                                       "'transform': { 'scale': 2, "               \
-                                                       "'rotate': [90, 0, 0], "                    \
-                                                       "'translate': [0, 0, -0.6] } } }, "         \
-                                                       "'materials': { 'mirror': { 'type': "       \
-                                                       "'conductor', 'albedo': 0.8, 'roughness': " \
-                                                       "0 } }, "                                   \
-                                                       "'lights': { 'sky': { 'type': "             \
-                                                       "'environment', 'radiance': %L1 } } }"
-#define BULB                                                                                       \
-    "{ " CAMERA(                                                                                   \
-        "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1, %S'albedo': 0.9, "             \
-            "'g': 0.4, 'transform': { 'scale': 1.2 } } }, 'lights': { 'bulb': { 'type': 'point', " \
-            "'position': [0.2, 0.1, 0], 'intensity': %L1 } } }"
-#define GRID                                                                                       \
-    "{ " CAMERA("") "'volumes': { 'v': { 'shape': 'box', 'density': 1, %S'albedo': 0.6 } "         \
-                    "}, " LIGHTS
 
 static const char *const names[answers] = {"mis", "cv", "mis of a live picture"};
 static const double colour[3] = {1.0, 0.4, 0.1};
 
-/* The text with what stands for its words; channel: that of the light. */
-static char *text_of(const char *pattern, const char *extinction, int channel)
+/* The scene with an extinction of its first volume, and with all its light in one channel. The
+ * caller frees it. */
+static char *text_of(const char *name, const char *extinction, int channel)
 {
-    char *out = malloc(4096), *to = out;
-    for (const char *from = pattern; *from;) {
-        if (strncmp(from, "%S", 2) == 0) {
-            to += sprintf(to, "%s", extinction);
-            from += 2;
-        } else if (strncmp(from, "%L", 2) == 0) {
-            char *end;
-            double value = strtod(from + 2, &end);
-            to += sprintf(to, "[%g, %g, %g]", channel == 0 ? value : 0, channel == 1 ? value : 0,
-                          channel == 2 ? value : 0);
-            from = end;
-        } else {
-            *to++ = *from++;
-        }
+    static const char *const words[] = {"radiance", "irradiance", "intensity"};
+    json_t *doc = lf_test_scene_document(name), *volumes = json_object_get(doc, "volumes"), *light;
+    const char *key;
+    json_object_set_new(json_object_iter_value(json_object_iter(volumes)), "sigma_t",
+                        lf_test_json("sigma_t", extinction));
+    json_object_foreach(json_object_get(doc, "lights"), key, light) for (int i = 0; i < 3; i++)
+    {
+        double value = json_number_value(json_object_get(light, words[i])), rgb[3] = {0};
+        rgb[channel] = value;
+        if (value > 0.0)
+            json_object_set_new(light, words[i], json_pack("[fff]", rgb[0], rgb[1], rgb[2]));
     }
-    *to = '\0';
-    return out;
+    char *text = json_dumps(doc, 0);
+    assert_non_null(text);
+    json_decref(doc);
+    return text;
 }
 
 typedef enum medium { SHAPES, LINEAR, NEAREST } medium;
 
 /* scale: on the extinction of the channel, in grey; 0: the chromatic scene. */
-static lf_scene *scene_of(const char *pattern, medium kind, int channel, double scale)
+static lf_scene *scene_of(const char *name, medium kind, int channel, double scale)
 {
     char extinction[128];
     if (scale > 0.0)
-        snprintf(extinction, sizeof extinction, "'sigma_t': %g, ", scale * colour[channel]);
+        snprintf(extinction, sizeof extinction, "%g", scale * colour[channel]);
     else
-        snprintf(extinction, sizeof extinction, "'sigma_t': [%g, %g, %g], ", colour[0], colour[1],
-                 colour[2]);
-    char *text = text_of(pattern, extinction, channel);
+        snprintf(extinction, sizeof extinction, "[%g, %g, %g]", colour[0], colour[1], colour[2]);
+    char *text = text_of(name, extinction, channel);
     float sigma = 1.5f * (float)(scale > 0.0 ? scale * colour[channel] : 1.0);
     lf_scene *scene = kind == SHAPES
                           ? lf_test_scene(text)
@@ -155,12 +109,12 @@ static void assert_same(const char *integrator, int channel, const lf_blocks *se
     }
 }
 
-static void compare(const char *pattern, medium kind, int replicates, int n)
+static void compare(const char *name, medium kind, int replicates, int n)
 {
     int more = lf_test_long() ? 4 : 1;
     for (int channel = 0; channel < 3; channel++) {
-        lf_scene *chromatic = scene_of(pattern, kind, channel, 0.0),
-                 *grey = scene_of(pattern, kind, channel, 1.0);
+        lf_scene *chromatic = scene_of(name, kind, channel, 0.0),
+                 *grey = scene_of(name, kind, channel, 1.0);
         lf_blocks truth;
         pictures(grey, "vpt", replicates * more, n, 100, false, &truth);
         for (int i = 0; i < 2; i++) {
@@ -180,37 +134,37 @@ static void compare(const char *pattern, medium kind, int replicates, int n)
 static void channels_are_those_of_grey_scenes(void **state)
 {
     (void)state;
-    compare(OVERLAPPING, SHAPES, 10, 12);
+    compare("chromatic-overlap", SHAPES, 10, 12);
 }
 
 static void channels_before_a_mirror(void **state)
 {
     (void)state;
-    compare(BEFORE_A_MIRROR, SHAPES, 10, 12);
+    compare("chromatic-mirror", SHAPES, 10, 12);
 }
 
 static void channels_about_a_bulb(void **state)
 {
     (void)state;
-    compare(BULB, SHAPES, 10, 12);
+    compare("chromatic-bulb", SHAPES, 10, 12);
 }
 
 static void channels_of_a_grid(void **state)
 {
     (void)state;
-    compare(GRID, LINEAR, 10, 12);
-    compare(GRID, NEAREST, 10, 12);
+    compare("chromatic-voxels", LINEAR, 10, 12);
+    compare("chromatic-voxels", NEAREST, 10, 12);
 }
 
 static void another_extinction_is_rejected(void **state)
 {
     (void)state;
     static const double wrong[] = {1.1, 0.9, 0.5 / 0.4};
-    lf_scene *chromatic = scene_of(GRID, LINEAR, 1, 0.0);
+    lf_scene *chromatic = scene_of("chromatic-voxels", LINEAR, 1, 0.0);
     lf_blocks seen[answers], truth[answers];
     pictures(chromatic, "mvpt", 10, 12, 200, true, seen);
     for (int i = 0; i < 3; i++) {
-        lf_scene *grey = scene_of(GRID, LINEAR, 1, wrong[i]);
+        lf_scene *grey = scene_of("chromatic-voxels", LINEAR, 1, wrong[i]);
         pictures(grey, "mvpt", 10, 12, 100, true, truth);
         assert_true(lf_blocks_welch(&seen[1], &truth[1], NULL) < LEVEL);
         for (int k = 0; k < answers; k++)
@@ -231,7 +185,7 @@ static void whole_cycles(lf_renderer *r)
 static void weights_are_what_is_known_of_them(void **state)
 {
     (void)state;
-    lf_scene *scene = scene_of(GRID, LINEAR, 0, 0.0);
+    lf_scene *scene = scene_of("chromatic-voxels", LINEAR, 0, 0.0);
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_blocks blocks[3];
     lf_test_weight_blocks(r, whole_cycles, 10, tile, blocks);
@@ -247,11 +201,7 @@ static void weights_are_what_is_known_of_them(void **state)
 static void a_slab_that_absorbs_is_its_closed_form(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 8, 'aspect': 1.3333333333, "
-        "'views': 3, 'cone': 30 }, 'volumes': { 'slab': { 'shape': 'box', 'density': 2, "
-        "'sigma_t': [0.25, 0.5, 3], 'albedo': 0, 'transform': { 'scale': [60, 60, 0.5] } } }, "
-        "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("chromatic-slab"));
     for (int i = 0; i < 2; i++) {
         lf_renderer *r = lf_test_renderer(scene, i ? "vpt" : "mvpt", width, height, NULL);
         lf_test_passes(r, 6);

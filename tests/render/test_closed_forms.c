@@ -3,14 +3,10 @@
  * false alarms as stat.h says. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 32, height = 24, n_views = 5 };
-
-#define CAMERA                                                                                     \
-    "'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, "        \
-    "'views': 5, 'cone': 30 }, "
-#define WHITE_SKY "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }"
 
 /* as in lf_blocks blocks[3] */
 static const lf_estimator estimators[] = {LF_ESTIMATOR_MWIS, LF_ESTIMATOR_MIS, LF_ESTIMATOR_CV};
@@ -132,28 +128,10 @@ static void assert_pixels(const char *text, const char *integrator, truth_fn tru
 
 /* ---------------------------------------------------------------------------------- furnaces -- */
 
-#define FOG(g)                                                                                     \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': " g       \
-    " } }, " WHITE_SKY "}"
-#define WHITE_SLAB(g)                                                                              \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'box', 'density': 1.5, 'albedo': 1, 'g': " g ", "   \
-    "'transform': { 'scale': [60, 60, 0.5] } } }, " WHITE_SKY "}"
-#define WHITE_SURFACES                                                                             \
-    "{" CAMERA                                                                                     \
-    "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'white' }, "          \
-    "'ground': { 'shape': 'quad', 'material': 'white', 'transform': { 'scale': 3, 'translate': "   \
-    "[0, -1, 0] } } }, "                                                                           \
-    "'materials': { 'white': { 'type': 'diffuse', 'albedo': 1 } }, " WHITE_SKY "}"
-#define BALL(material)                                                                             \
-    "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'normals': 'flat', 'material': 'm' } }, " \
-    "'materials': { 'm': " material " }, " WHITE_SKY "}"
-/* The same sky as a lamp that is sampled: mesh light all around. */
-#define LIT_BY_A_BALL                                                                              \
-    "{" CAMERA                                                                                     \
-    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 1, 'g': 0.6 } }, "           \
-    "'meshes': { 'sky': { 'shape': 'sphere', 'normals': 'flat', 'material': 'lamp', 'transform': " \
-    "{ 'scale': 12 } } }, "                                                                        \
-    "'materials': { 'lamp': { 'type': 'diffuse', 'albedo': 0, 'emission': 1 } } }"
+#define FOG(g) lf_test_scene_patched("furnace-fog", "{'volumes': {'fog': {'g': " g "}}}")
+#define WHITE_SLAB(g) lf_test_scene_patched("furnace-slab", "{'volumes': {'fog': {'g': " g "}}}")
+#define WHITE_SURFACES lf_test_scene_text("furnace-surfaces")
+#define BALL(material) lf_test_scene_patched("furnace-ball", "{'materials': {'m': " material "}}")
 
 static void case_01_a_white_fog_in_a_white_furnace_is_white_in_every_pixel(void **state)
 {
@@ -198,7 +176,7 @@ static void case_01_white_metals_in_a_white_furnace_are_white(void **state)
 static void case_01_a_furnace_of_lamps_is_white(void **state)
 {
     (void)state;
-    assert_blocks(LIT_BY_A_BALL, one, 10, 0, 24, 1e-4);
+    assert_blocks(lf_test_scene_text("furnace-of-light"), one, 10, 0, 24, 1e-4);
 }
 
 /* Negative control: an albedo of 0.99 is not white. */
@@ -206,9 +184,7 @@ static void case_01_a_grey_furnace_is_rejected(void **state)
 {
     (void)state;
     lf_scene *scene = lf_test_scene(
-        "{" CAMERA
-        "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.99 } }, " WHITE_SKY
-        "}");
+        lf_test_scene_patched("furnace-fog", "{'volumes': {'fog': {'albedo': 0.99, 'g': null}}}"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     double *expected = truth_picture(r, one);
     lf_blocks blocks;
@@ -228,13 +204,10 @@ static void case_01_a_grey_furnace_is_rejected(void **state)
 /* ------------------------------------------------------------------------------------- slabs -- */
 
 #define SLAB(albedo, g, lights, depth)                                                             \
-    "{" CAMERA "'volumes': { 'slab': { 'shape': 'box', 'density': 1.5, 'albedo': " albedo          \
-    ", 'g': " g ", "                                                                               \
-    "'transform': { 'scale': [60, 60, 0.5] } } }, 'render': { 'max_depth': " depth " }, " lights   \
-    "}"
-#define SUN                                                                                        \
-    "'lights': { 'sun': { 'type': 'distant', 'direction': [0.3, -0.2, -1], 'irradiance': [3, 3, "  \
-    "3] } }"
+    lf_test_scene_patched("facing-slab", "{'volumes': {'slab': {'albedo': " albedo ", 'g': " g     \
+                                         "}}, 'render': {'max_depth': " depth "}, " lights "}")
+#define IN_FRONT_OF_A_SKY "'lights': {'sun': null, 'sky': {'type': 'environment', 'radiance': 1}}"
+#define SUN "'lights': {}"
 
 /* The slab is 1 thick and faces the cameras. */
 static double absorbed(const lf_renderer *renderer, int view, double mx, double my)
@@ -247,8 +220,8 @@ static void case_03_a_black_slab_lets_exp_of_minus_its_depth_through(void **stat
 {
     (void)state;
     for (int i = 0; i < 2; i++)
-        assert_pixels(SLAB("0", "0", WHITE_SKY, "8"), integrators[i], absorbed, 1e-3);
-    assert_blocks(SLAB("0", "0.5", WHITE_SKY, "8"), absorbed, 5, 5, 8, 1e-3);
+        assert_pixels(SLAB("0", "0", IN_FRONT_OF_A_SKY, "8"), integrators[i], absorbed, 1e-3);
+    assert_blocks(SLAB("0", "0.5", IN_FRONT_OF_A_SKY, "8"), absorbed, 5, 5, 8, 1e-3);
 }
 
 static double single_scattering(double g, double mx, double my)
@@ -283,13 +256,6 @@ static void case_08_a_slab_scatters_the_sun_once(void **state)
 
 /* --------------------------------------------------------------------------- a lamp, a plane -- */
 
-#define LAMP_ON_A_PLANE                                                                            \
-    "{" CAMERA "'meshes': { 'plane': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': " \
-    "20, 'rotate': [90, 0, 0] } } }, "                                                             \
-    "'materials': { 'm': { 'albedo': 0.6 } }, "                                                    \
-    "'lights': { 'lamp': { 'type': 'point', 'position': [0.3, 0.2, 1], 'intensity': [4, 4, 4] } "  \
-    "} }"
-
 static double lamp_on_a_plane(const lf_renderer *renderer, int view, double mx, double my)
 {
     double x = (double)lf_test_rows(renderer)->rig.b[view] + 5.0 * mx - 0.3, y = 5.0 * my - 0.2,
@@ -300,7 +266,7 @@ static double lamp_on_a_plane(const lf_renderer *renderer, int view, double mx, 
 static void case_06_a_lamp_lights_a_plane_by_cosine_and_distance(void **state)
 {
     (void)state;
-    assert_blocks(LAMP_ON_A_PLANE, lamp_on_a_plane, 10, 10, 16, 1e-3);
+    assert_blocks(lf_test_scene_text("light-on-plane"), lamp_on_a_plane, 10, 10, 16, 1e-3);
 }
 
 /* --------------------------------------------------------------------------- one place twice -- */
@@ -308,16 +274,7 @@ static void case_06_a_lamp_lights_a_plane_by_cosine_and_distance(void **state)
 static void case_05_cameras_in_one_place_see_one_picture(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 0.4, 5], 'fov_y': 24, 'aspect': 1.3333333333, "
-        "'views': 3, 'cone': 0 }, "
-        "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.5 } }, "
-        "'meshes': { 'ground': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 3, "
-        "'translate': [0, -1, 0] } } }, "
-        "'materials': { 'm': { 'type': 'plastic', 'albedo': 0.6, 'roughness': 0.4 } }, "
-        "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.5 }, "
-        "'sun': { 'type': 'distant', 'direction': [0.3, -1, -0.2], 'irradiance': 3, 'angle': 5 } } "
-        "}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("one-place"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_test_passes(r, 5);
     size_t pixels = (size_t)width;
@@ -343,11 +300,7 @@ static void case_05_cameras_in_one_place_see_one_picture(void **state)
  * it covers in part. */
 static void mean_of_a_mirror(const char *integrator, int subsets, lf_moments *out)
 {
-    lf_scene *scene = lf_test_scene(
-        "{" CAMERA
-        "'meshes': { 'mirror': { 'shape': 'quad', 'material': 'm', 'transform': { 'scale': 0.5, "
-        "'rotate': [90, 0, 0] } } }, 'materials': { 'm': { 'type': 'conductor', 'albedo': 0.9, "
-        "'roughness': 0 } }, " WHITE_SKY "}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("mirror-in-window"));
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     *out = (lf_moments){0};
     for (int k = 0; k < 32; k++) {
@@ -368,10 +321,9 @@ static void mean_of_a_mirror(const char *integrator, int subsets, lf_moments *ou
 
 /* Thirty views of a mirror that fills them. */
 #define ALL_MIRROR                                                                                 \
-    "{ 'quiltd': 1, 'camera': { 'position': [0,0,5], 'fov_y': 24, 'aspect': 1.3333333333, "        \
-    "'views': 30, 'cone': 20 }, 'meshes': { 'mirror': { 'shape': 'quad', 'material': 'm', "        \
-    "'transform': { 'scale': 20, 'rotate': [90, 0, 0] } } }, 'materials': { 'm': { 'type': "       \
-    "'conductor', 'albedo': 0.9, 'roughness': 0 } }, " WHITE_SKY "}"
+    lf_test_scene_patched("mirror-in-window",                                                      \
+                          "{'camera': {'views': 30, 'cone': 20}, "                                 \
+                          "'meshes': {'mirror': {'transform': {'scale': 20}}}}")
 
 /* One pass gives each mirrored pixel a sample, and none of them more than another: wherever the
  * picture is mirror, it is what converged ones are, 0.9 of the sky. */

@@ -5,8 +5,8 @@
 #include "base/alloc.h"
 #include "render/rows/outlines.h"
 #include "render/transport/sampler.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 /* ---------------------------------------------------------------------------------- the film -- */
 
@@ -238,19 +238,16 @@ static tally compare(const char *text)
 static void fans_are_those_of_any_pass_and_edges_are_sharp(void **state)
 {
     (void)state;
-    tally mixed = compare(LF_TEST_MIXED("19", "")), fogs = compare(LF_TEST_FOGS("19", "")),
-          emissive = compare(LF_TEST_FIRES("19", "")), lamp = compare(LF_TEST_LAMP("19", ""));
+    tally mixed = compare(lf_test_scene_views("mixed", 19)),
+          fogs = compare(lf_test_scene_views("fogs", 19)),
+          emissive = compare(lf_test_scene_views("fires", 19)),
+          lamp = compare(lf_test_scene_views("lamp", 19));
     assert_true(mixed.apart > 1000 && fogs.apart > 1000 && emissive.apart > 1000);
     assert_true(mixed.changes > 100 && fogs.changes > 100 && lamp.changes > 100);
     print_message("          as in any pass %d, %d, %d, %d; interpolated %d, %d, %d, %d\n",
                   mixed.same, fogs.same, emissive.same, lamp.same, mixed.apart, fogs.apart,
                   emissive.apart, lamp.apart);
 }
-
-#define SLAB                                                                                       \
-    "{ " LF_TEST_CAMERA(                                                                           \
-        "19", "") "'volumes': { 'slab': { 'shape': 'box', 'density': 0.8, 'albedo': "              \
-                  "0.5, 'transform': { 'scale': [50, 50, 0.5] } } }, " LF_TEST_SHARP_LIGHTS " }"
 
 /* A slab across the whole picture, d = 0.8 mean free paths thick: of the ray of slopes s and m, q =
  * 1 - exp(-d l), l = sqrt(1 + s^2 + m^2). Its second derivative by s lies between -d^2 s^2 e^-d and
@@ -259,7 +256,7 @@ static void fans_are_those_of_any_pass_and_edges_are_sharp(void **state)
 static void what_hardly_bends_is_interpolated_as_well(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(SLAB);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("wide-slab"));
     lf_renderer *coarse = pass(scene, true, NULL), *whole = pass(scene, false, NULL);
     const lf_rig *rig = &lf_test_rows(coarse)->rig;
     double ds = (double)(rig->dx / rig->distance), bound = 25.0 * ds * ds / 8.0 + 1e-6;
@@ -313,7 +310,7 @@ static void assert_same_bytes(const lf_renderer *a, const lf_renderer *b)
 static void fans_of_rows_without_paths_are_those_of_a_coarse_pass(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("19", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 19));
     lf_renderer *fans = coarse_frame(scene, true, NULL), *whole = pass(scene, true, NULL);
     int same = 0, between = 0, other = 0;
     for (int i = 0; i < HEIGHT * VIEWS * WIDTH; i++) {
@@ -338,7 +335,7 @@ static void fans_of_rows_without_paths_are_those_of_a_coarse_pass(void **state)
 static void what_changes_little_is_left_to_the_rows_around(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(SLAB);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("wide-slab"));
     lf_renderer *r = coarse_frame(scene, true, NULL);
     for (int row = 0; row < HEIGHT; row++)
         assert_int_equal(r->film.rows[row].provisional, row < 2 || row > 10);
@@ -349,7 +346,7 @@ static void what_changes_little_is_left_to_the_rows_around(void **state)
 static void nothing_of_fans_alone_is_left_behind_a_visit(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("19", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 19));
     lf_renderer *with = coarse_frame(scene, true, NULL),
                 *without = coarse_frame(scene, false, NULL);
     assert_true(with->film.rows[1].provisional && !without->film.rows[1].provisional);
@@ -369,7 +366,7 @@ static void nothing_of_fans_alone_is_left_behind_a_visit(void **state)
 static void a_fit_answers_rows_that_have_no_paths(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("19", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 19));
     lf_renderer *r[2] = {coarse_frame(scene, false, NULL), coarse_frame(scene, true, NULL)};
     static float out[3 * VIEWS * WIDTH];
     static uint8_t flags[VIEWS * WIDTH];
@@ -405,20 +402,13 @@ static void make_constant(lf_renderer *r)
     }
 }
 
-/* A ball far before a wall: at its outline pixels are as near as nothing is. */
-#define BALL_BEFORE_WALL                                                                           \
-    "{ " LF_TEST_CAMERA(                                                                           \
-        "19", "") "'meshes': { 'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.6, "         \
-                  "'translate': [0, 0, 3] } }, 'wall': { 'shape': 'quad', 'transform': { "         \
-                  "'scale': 300, 'rotate': [90, 0, 0], 'translate': [0, 0, -60] } } }, "           \
-                  "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }"
-
 /* What becomes known of a row after the fit, by fans alone or by a visit, may lie where no finest
  * cell is, or none at all: cells around know what is
  * constant, about. It was black without a path. */
 static void what_is_constant_stays_where_no_cell_is(void **state)
 {
-    static const char *const texts[] = {LF_TEST_FOGS("19", ""), BALL_BEFORE_WALL};
+    const char *const texts[] = {lf_test_scene_views("fogs", 19),
+                                 lf_test_scene_text("ball-before-wall")};
     static float out[3 * VIEWS * WIDTH];
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -452,7 +442,7 @@ static void what_is_constant_stays_where_no_cell_is(void **state)
 static void any_number_of_threads_gives_the_same_film(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("19", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 19));
     lf_pool *pool;
     lf_assert_ok(lf_pool_create(3, &pool), NULL);
     lf_renderer *a = pass(scene, true, NULL), *b = pass(scene, true, pool);
@@ -468,7 +458,7 @@ static void a_fit_of_many_views_is_the_same_for_any_number_of_threads(void **sta
 {
     enum { MANY = 45, VALUES = 3 * MANY * WIDTH * HEIGHT };
     static float shown[2][VALUES];
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("45", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 45));
     lf_pool *pool;
     (void)state;
     lf_assert_ok(lf_pool_create(3, &pool), NULL);

@@ -3,6 +3,7 @@
 #include "tests/testing.h"
 
 #include "render/transport/surface/surface_texture.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 16, tile = 8, tiles = 19 };
@@ -169,19 +170,10 @@ static void what_lies_below_does_not_turn_a_coat(void **state)
 
 /* ---------------------------------------------------------------------------------- pictures -- */
 
-/* A card aslant under a lamp, coated, whose base leans to its right; a ball beside it. */
-#define SCENE                                                                                      \
-    "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.5, 'cone': 40, 'views': 3 }, "  \
-    "'meshes': { 'card': { 'shape': 'quad', 'material': 'lacquer', 'transform': { 'rotate': [70, " \
-    "15, 0] } }, 'ball': { 'shape': 'sphere', 'material': 'red', 'transform': { 'scale': 0.4, "    \
-    "'translate': [0.6, 0.3, 0.8] } } }, 'materials': { 'lacquer': { 'type': 'principled', "       \
-    "'albedo': [0.2, 0.3, 0.5], 'roughness': 0.4, 'coat': 1, 'coat_roughness': 0.3 }, 'red': { "   \
-    "'albedo': [0.7, 0.2, 0.1] } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 0.3 "  \
-    "}, 'lamp': { 'type': 'sphere', 'position': [0.5, 2, 3], 'radius': 0.4, 'radiance': 8 } } }"
-
+/* The card of lacquered-card, whose base leans to its right. */
 static lf_scene *lacquered(bool coat)
 {
-    lf_scene *scene = lf_test_scene(SCENE);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("lacquered-card"));
     lf_mesh *mesh = &scene->meshes[0];
     lf_material *m = &scene->materials[mesh->material];
     dress_up(true, coat);

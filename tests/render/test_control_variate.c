@@ -3,7 +3,9 @@
 #include "tests/testing.h"
 
 #include "render/film/film.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
+#include "tests/stat/uniform.h"
 
 /* ------------------------------------------------------------------------------- closed form -- */
 
@@ -12,21 +14,16 @@ enum { across = 8, pixels = 3 * across, highlight = pixels - 1 };
 /* One visit in four meets the highlight. */
 #define HIGHLIGHT 300.0
 
-static double uniform(uint64_t *state)
-{
-    *state = lf_hash64(*state, 1);
-    return ((double)(*state >> 11) + 0.5) * 0x1p-53;
-}
-
 /* A half of one sample: W is q times an exponential variable x, N half its square, which have the
  * means q and q. What the highlight sends has nothing to do with W. Where there is W', W is another
  * such variable, which N knows less of. */
 static void draw_half(uint64_t *random, lf_film_half *half)
 {
     for (int i = 0; i < pixels; i++) {
-        double x = -log(uniform(random)), y = 0.5 * x * x, less = -log(uniform(random));
+        double x = -log(lf_test_uniform53(random)), y = 0.5 * x * x,
+               less = -log(lf_test_uniform53(random));
         if (i == highlight)
-            y = uniform(random) < 0.25 ? 4 * HIGHLIGHT : 0;
+            y = lf_test_uniform53(random) < 0.25 ? 4 * HIGHLIGHT : 0;
         float n = (float)(y * (double)Q), w = (float)(x * (double)Q);
         half->scattered[i] = (lf_film_scattered){{n, n, n}, w};
         if (half->w2) {
@@ -94,19 +91,6 @@ static void cv_has_no_bias_beside_a_highlight(void **state)
 
 enum { views = 5, width = 24, height = 32, values = 3 * views * width * height, most_runs = 40 };
 
-/* A copper ball and a coated one under a sun of half a degree. */
-static const char glints[] =
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 1.2, 6], 'fov_y': 26, 'aspect': 0.75, 'views': 5, "
-    "'cone': 35 }, 'meshes': { 'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { "
-    "'scale': 4, 'translate': [0, -1, 0] } }, 'a': { 'shape': 'sphere', 'material': 'copper', "
-    "'transform': { 'scale': 0.5, 'translate': [0.4, -0.3, 0] } }, 'b': { 'shape': 'sphere', "
-    "'material': 'coat', 'transform': { 'scale': 0.4, 'translate': [-0.6, -0.5, 0.3] } } }, "
-    "'materials': { 'clay': { 'albedo': [0.5, 0.4, 0.3] }, 'copper': { 'type': 'conductor', "
-    "'metal': 'copper', 'roughness': 0.12 }, 'coat': { 'type': 'principled', 'albedo': [0.8, 0.1, "
-    "0.1], 'roughness': 0.4, 'coat': 1, 'coat_roughness': 0.06 } }, 'lights': { 'sun': { 'type': "
-    "'distant', 'direction': [-0.5, -1, -0.4], 'irradiance': 20, 'angle': 0.5 }, 'sky': { 'type': "
-    "'environment', 'radiance': 0.1 } } }";
-
 static int less(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
@@ -131,7 +115,7 @@ static void cv_is_no_noisier_than_mis_beside_highlights(void **state)
     static float truth[2][values], picture[values];
     int runs = lf_test_long() ? most_runs : 12;
     double ratio[most_runs];
-    lf_scene *scene = lf_test_scene(glints);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("glints"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     for (int i = 0; i < 2; i++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed(), ~(uint64_t)i));

@@ -6,6 +6,7 @@
 #include "base/alloc.h"
 #include "render/plane/correction.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { VIEWS = 5, SIDE = 12, REPLICATES = 12 };
 
@@ -26,14 +27,9 @@ static const double voxel = 0.02;
  * mu0. */
 static lf_scene *slab_scene(double mfp_a_voxel, double tilt, double mu0, bool nearest)
 {
-    char text[1024];
     double turn = tilt + acos(mu0); /* of the direction to the sun against the view, about y */
-    snprintf(text, sizeof text,
-             "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 0.5, 'aspect': 1, 'cone': 0, 'views': "
-             "5 }, " LF_TEST_VOLUMES("") ", 'lights': { 'sun': { 'type': 'distant', 'direction': "
-                                         "[%.9f, 0, %.9f], 'irradiance': 10 } }, 'render': { "
-                                         "'max_depth': 1 } }",
-             -sin(turn), -cos(turn));
+    const char *text = lf_test_scene_patched(
+        "thin-slab", "{'lights': {'sun': {'direction': [%.9f, 0, %.9f]}}}", -sin(turn), -cos(turn));
     return lf_test_grid_scene(text, lf_test_grid(lf_test_full, WIDE, 16, THICK), voxel, tilt,
                               (float)(mfp_a_voxel / voxel), nearest);
 }

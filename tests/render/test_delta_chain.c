@@ -1,30 +1,11 @@
 /* Chains of mirrors and smooth glass: both branches, what of them is known, and the light field of
  * what surfaces scatter behind them. */
 #include "tests/render/reconstruct_testing.h"
+#include "tests/scene_file.h"
 
 #include "render/transport/path/delta_chain.h"
 
 enum { width = 24, height = 32, n_views = 5, pixels = width * height * n_views };
-
-#define CAMERA                                                                                     \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 6], 'fov_y': 14, 'aspect': 0.75, 'views': 5, "  \
-    "'cone': 8 }, "
-#define GLASS "'glass': { 'type': 'principled', 'albedo': 1, 'roughness': 0, 'transmission': 1 }"
-#define BALL "'ball': { 'shape': 'sphere', 'material': 'glass', 'transform': { 'scale': 0.5 } }"
-
-/* A ball of clear glass under an even sky. */
-static const char furnace[] =
-    CAMERA "'meshes': { " BALL " }, 'materials': { " GLASS " }, 'lights': "
-           "{ 'sky': { 'type': 'environment', 'radiance': 1 } } }";
-
-/* The same before a wall and over a ground that a lamp lights. */
-static const char room[] = CAMERA
-    "'meshes': { " BALL ", 'wall': { 'shape': 'cube', 'material': 'clay', 'transform': { 'scale': "
-    "[5, 5, 0.5], 'translate': [0, 0, -3] } }, 'ground': { 'shape': 'quad', 'material': 'clay', "
-    "'transform': { 'scale': 5, 'translate': [0, -0.7, 0] } } }, 'materials': { " GLASS
-    ", 'clay': { 'albedo': [0.6, 0.5, 0.4] } }, 'lights': { 'window': { 'type': 'rectangle', "
-    "'position': [-2, 3, 2], 'direction': [1, -1, -1], 'width': 2, 'height': 2, 'radiance': 6, "
-    "'visible': false }, 'sky': { 'type': 'environment', 'radiance': 0.1 } } }";
 
 /* Of the ball, and nothing but it. */
 static bool is_inside(size_t i)
@@ -62,7 +43,8 @@ static void both_branches_bring_all_there_is(void **state)
     (void)state;
     static const char *const integrators[] = {"vpt", "mvpt"};
     for (int i = 0; i < 2; i++) {
-        lf_renderer *r = renderer_of(furnace, integrators[i], false);
+        lf_renderer *r =
+            renderer_of(lf_test_scene_text("glass-ball-furnace"), integrators[i], false);
         lf_test_cycles(r, 2);
         float *x = resolved(r, LF_ESTIMATOR_MIS);
         double square = 0.0, sum = 0.0, n = 0.0;
@@ -88,7 +70,7 @@ static void it_is_the_same_light_wherever_it_stands(void **state)
     (void)state;
     float *x[2];
     for (int i = 0; i < 2; i++) {
-        lf_renderer *r = renderer_of(room, "mvpt", i == 1);
+        lf_renderer *r = renderer_of(lf_test_scene_text("glass-ball-room"), "mvpt", i == 1);
         for (int k = 0; k < 6; k++)
             lf_assert_ok(lf_renderer_pass(r, NULL, 1, NULL, NULL, NULL), NULL);
         x[i] = resolved(r, LF_ESTIMATOR_MIS);
@@ -109,7 +91,7 @@ static void it_is_the_same_light_wherever_it_stands(void **state)
 static void its_weights_are_known(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(room, "mvpt", true);
+    lf_renderer *r = renderer_of(lf_test_scene_text("glass-ball-room"), "mvpt", true);
     int n = 0;
     reconstruct_visits(r, NULL, 6);
     for (int row = 0; row < height; row++) {
@@ -134,15 +116,7 @@ static void its_weights_are_known(void **state)
 static void mirror_images_lie_behind_mirrors(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 3], 'fov_y': 14, 'aspect': 0.75, 'views': "
-        "5, 'cone': 8 }, 'meshes': { 'mirror': { 'shape': 'quad', 'material': 'mirror', "
-        "'transform': { 'rotate': [90, 0, 0], 'scale': 2 } }, 'wall': { 'shape': 'quad', "
-        "'material': 'clay', 'transform': { 'rotate': [90, 0, 0], 'scale': 9, 'translate': [0, 0, "
-        "5] } } }, 'materials': { 'mirror': { 'type': 'conductor', 'albedo': 0.9, 'roughness': 0 "
-        "}, 'clay': { 'albedo': 0.5 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': "
-        "1 } } }",
-        "mvpt", true);
+    lf_renderer *r = renderer_of(lf_test_scene_text("wall-in-mirror"), "mvpt", true);
     reconstruct_visits(r, NULL, 2);
     for (int row = 0; row < height; row++) {
         const lf_film_half half = lf_film_at(&r->film, row, 0);
@@ -166,7 +140,7 @@ static void mirror_images_lie_behind_mirrors(void **state)
 static void branches_see_textures_as_the_camera_does(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(room);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("glass-ball-room"));
     lf_tracer tracer = {.scene = scene, .rng = lf_test_seed(), .spread = 1e-3f};
     lf_delta_chain chain = {
         .tracer = &tracer, .max_depth = 16, .apart = true, .distance = 6, .z = 6, .forward = 1};
@@ -201,7 +175,7 @@ static double error_inside(const float *x, float *const truth[2])
 static void glass_is_fitted_as_surfaces_are(void **state)
 {
     (void)state;
-    lf_renderer *r = renderer_of(room, "mvpt", true);
+    lf_renderer *r = renderer_of(lf_test_scene_text("glass-ball-room"), "mvpt", true);
     reconstruct_visits(r, NULL, 20);
     float *raw = resolved(r, LF_ESTIMATOR_MWIS), *shown = malloc(3 * pixels * sizeof *shown);
     assert_non_null(shown);

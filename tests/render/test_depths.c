@@ -6,7 +6,7 @@
 
 #include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
-#include "tests/stat/scenes.h"
+#include "tests/scene_file.h"
 
 enum { n_rays = 600 };
 
@@ -320,11 +320,8 @@ static void media_are_added_up(void **state)
     (void)state;
     static lf_depth_ray rays[n_rays];
     int off = 0;
-    lf_scene *scene = lf_test_grid_scene(
-        "{ " LF_TEST_VOLUMES(", 'fog': { 'shape': 'sphere', 'density': 0.4, 'transform': { "
-                             "'scale': 1.3 } }, 'block': { 'shape': 'box', 'density': 2, "
-                             "'transform': { 'rotate': [10, 20, 30] } }") " }",
-        grid_of_kind(0), 0.1, 0.4, 3.0f, false);
+    lf_scene *scene = lf_test_grid_scene(lf_test_scene_text("added-media"), grid_of_kind(0), 0.1,
+                                         0.4, 3.0f, false);
     draw_rays(scene, rays);
     assert_true(worst_against_the_oracle(scene, n_rays, rays, &off) < 1.0);
     assert_true(off > n_rays / 2);

@@ -4,7 +4,9 @@
 #include "tests/testing.h"
 
 #include "render/transport/path/path.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
+#include "tests/stat/uniform.h"
 
 typedef struct vec {
     double x, y, z;
@@ -65,25 +67,17 @@ typedef struct set_up {
 
 static lf_scene *make_scene(const set_up *s)
 {
-    char text[2048];
     vec up = turn(s->turned, (vec){0, 1, 0});
     bool slanted = s->slant[0] != 0.0 || s->slant[1] != 0.0 || s->slant[2] != 0.0;
     const double *lamp = slanted ? s->slant : s->turned;
-    snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, 'views': "
-             "1 }, 'meshes': { "
-             "'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': %.17g, "
-             "'rotate': [%g, %g, %g], 'translate': "
-             "[%.17g, %.17g, 0] } }, "
-             "'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': %.17g, "
-             "'rotate': [%g, %g, %g], 'translate': "
-             "[%.17g, %.17g, %.17g] } } }, "
-             "'materials': { 'clay': { 'albedo': 1 }, 'lamp': { 'albedo': 0, 'emission': 1 } }, "
-             "'lights': {} }",
-             s->ground, s->turned[0], s->turned[1], s->turned[2], s->moved, -s->moved, s->lamp,
-             lamp[0], lamp[1], lamp[2], s->moved + s->height * up.x, s->height * up.y - s->moved,
-             s->height * up.z);
-    return lf_test_scene(text);
+    return lf_test_scene(lf_test_scene_patched(
+        "light-over-ground",
+        "{'meshes': {'ground': {'transform': {'scale': %.17g, 'rotate': [%g, %g, %g], "
+        "'translate': [%.17g, %.17g, 0]}}, 'lamp': {'transform': {'scale': %.17g, "
+        "'rotate': [%g, %g, %g], 'translate': [%.17g, %.17g, %.17g]}}}}",
+        s->ground, s->turned[0], s->turned[1], s->turned[2], s->moved, -s->moved, s->lamp, lamp[0],
+        lamp[1], lamp[2], s->moved + s->height * up.x, s->height * up.y - s->moved,
+        s->height * up.z));
 }
 
 /* The point of the ground at (x, z) of its own plane, as a ray finds it from below the lamp. */
@@ -209,18 +203,10 @@ static void a_ball_of_light_over_a_plane_gives_the_formula_and_the_inverse_squar
     (void)state;
     static const double sizes[] = {0.01, 0.5, 9.0};
     for (int k = 0; k < 3; k++) {
-        char text[1024];
         double r = sizes[k], h = fmax(1.0, 1.1 * r);
-        snprintf(text, sizeof text,
-                 "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, "
-                 "'views': 1 }, 'meshes': { 'ground': { "
-                 "'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 1000 } }, 'lamp': { "
-                 "'shape': 'sphere', 'material': "
-                 "'lamp', 'transform': { 'scale': %g, 'translate': [0, %g, 0] } } }, 'materials': "
-                 "{ 'clay': { 'albedo': 1 }, 'lamp': "
-                 "{ 'albedo': 0, 'emission': 1 } }, 'lights': {} }",
-                 r, h);
-        lf_scene *scene = lf_test_scene(text);
+        lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+            "ball-of-light",
+            "{'meshes': {'lamp': {'transform': {'scale': %g, 'translate': [0, %g, 0]}}}}", r, h));
         lf_tracer tracer = {.scene = scene, .rng = lf_test_seed()};
         lf_event at = {.kind = LF_EVENT_SURFACE, .w = lf_v3(0.0f, -1.0f, 0.0f)};
         assert_true(lf_trace_surface(&tracer, lf_v3((float)(1.5 * h), (float)(0.3 * h), 0.0f), at.w,
@@ -293,18 +279,8 @@ static void a_lamp_lights_a_ground_of_any_size_in_pictures(void **state)
     static const char *const grounds[] = {"1", "16", "1e4"}, *const integrators[] = {"vpt", "mvpt"};
     const double f = 0.5 * 4.0 / M_PI * sqrt(0.2) * atan(sqrt(0.2));
     for (int k = 0; k < 6; k++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{ 'quiltd': 1, 'camera': { 'position': [0, 0.5, 0.02], 'target': [0, 0, 0], "
-                 "'up': [0, 0, -1], 'fov_y': 1, 'aspect': "
-                 "1, "
-                 "'views': 3, 'cone': 1 }, 'meshes': { 'f': { 'shape': 'quad', 'material': 'd', "
-                 "'transform': { 'scale': %s } }, 'l': { "
-                 "'shape': 'quad', 'material': 'e', 'transform': { 'scale': 0.5, 'translate': [0, "
-                 "1, 0] } } }, 'materials': { 'd': { "
-                 "'albedo': 0.5 }, 'e': { 'albedo': 0, 'emission': 1 } }, 'lights': {} }",
-                 grounds[k / 2]);
-        lf_scene *scene = lf_test_scene(text);
+        lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+            "spot-below-light", "{'meshes': {'f': {'transform': {'scale': %s}}}}", grounds[k / 2]));
         lf_renderer *r = lf_test_renderer(scene, integrators[k % 2], 32, 32, NULL);
         lf_blocks blocks;
         lf_test_pictures(r, four_cycles, LF_ESTIMATOR_MIS, 12, (uint64_t)k, 32, &blocks);
@@ -361,20 +337,15 @@ typedef struct boxed {
 
 static void set_box(boxed *b)
 {
-    char text[2048];
     vec up = turn(b->turned, (vec){0, 1, 0});
     const double *r = b->turned, x = b->moved, lift = 0.01;
-    snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 1, 5], 'fov_y': 24, 'aspect': 1, 'views': "
-             "1 }, 'meshes': { "
-             "'ground': { 'shape': 'quad', 'transform': { 'scale': %.17g, 'rotate': [%g, %g, %g], "
-             "'translate': [%.17g, %.17g, 0] } }, "
-             "'hut': { 'shape': 'cube', 'transform': { 'scale': [0.1, 0.01, 0.1], 'rotate': [%g, "
-             "%g, %g], 'translate': [%.17g, "
-             "%.17g, %.17g] } } }, 'lights': {} }",
-             b->ground, r[0], r[1], r[2], x, -x, r[0], r[1], r[2], x + lift * up.x, lift * up.y - x,
-             lift * up.z);
-    b->scene = lf_test_scene(text);
+    b->scene = lf_test_scene(lf_test_scene_patched(
+        "hut-on-ground",
+        "{'meshes': {'ground': {'transform': {'scale': %.17g, 'rotate': [%g, %g, %g], "
+        "'translate': [%.17g, %.17g, 0]}}, 'hut': {'transform': {'rotate': [%g, %g, %g], "
+        "'translate': [%.17g, %.17g, %.17g]}}}}",
+        b->ground, r[0], r[1], r[2], x, -x, r[0], r[1], r[2], x + lift * up.x, lift * up.y - x,
+        lift * up.z));
     b->tracer = (lf_tracer){.scene = b->scene};
     b->random = lf_test_seed();
     const double *o = b->scene->origin;
@@ -382,12 +353,6 @@ static void set_box(boxed *b)
     b->axis[0] = turn(r, (vec){1, 0, 0});
     b->axis[1] = up;
     b->axis[2] = turn(r, (vec){0, 0, 1});
-}
-
-static double uniform(boxed *b)
-{
-    b->random = lf_hash64(b->random, 1);
-    return (double)(b->random >> 40) * 0x1p-24;
 }
 
 /* A point or, without the middle, a direction given in the frame of the box. */
@@ -440,15 +405,18 @@ static void assert_box(boxed b)
     lf_vec3 sun = lf_normalize(rounded(place(&b, (vec){0, 0, 0}, -0.9, 0.3, 0.0)));
     for (int i = 0; i < n; i++) {
         lf_event at;
-        lf_vec3 w = lf_normalize(rounded(
-            place(&b, (vec){0, 0, 0}, uniform(&b) - 0.5, uniform(&b) - 0.5, uniform(&b) - 0.5)));
-        primary += look(&b, 0.4 * uniform(&b) - 0.2, 0.0, 0.4 * uniform(&b) - 0.2, &at);
+        lf_vec3 w = lf_normalize(rounded(place(
+            &b, (vec){0, 0, 0}, (double)lf_test_uniform(&b.random) - 0.5,
+            (double)lf_test_uniform(&b.random) - 0.5, (double)lf_test_uniform(&b.random) - 0.5)));
+        primary += look(&b, 0.4 * (double)lf_test_uniform(&b.random) - 0.2, 0.0,
+                        0.4 * (double)lf_test_uniform(&b.random) - 0.2, &at);
         shadow += ask(&b, &at, sun);
         dark += !(lf_path_visible(&b.tracer, &at,
                                   &(lf_light_sample){.wi = sun, .distance = INFINITY}) > 0.0f);
         bounce += ask(&b, &at, w);
         /* along the foot of the wall */
-        primary += look(&b, 0.2 * uniform(&b) - 0.1, 0.004 * uniform(&b) - 0.002, 0.1, &at);
+        primary += look(&b, 0.2 * (double)lf_test_uniform(&b.random) - 0.1,
+                        0.004 * (double)lf_test_uniform(&b.random) - 0.002, 0.1, &at);
         bounce += ask(&b, &at, w);
     }
     lf_scene_unref(b.scene);
@@ -462,19 +430,8 @@ static void assert_box(boxed b)
 /* The mean of a picture of a box of 0.02 and its shadow. */
 static double picture_of_box(const char *ground, const char *integrator)
 {
-    char text[1024];
-    snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 4, 4], 'target': [0, 0, 0], 'fov_y': 6, "
-             "'aspect': 0.75, 'views': 5, 'cone': 10 "
-             "}, 'meshes': { 'ground': { 'shape': 'quad', 'material': 'g', 'transform': { 'scale': "
-             "%s } }, 'box': { 'shape': 'cube', "
-             "'material': 'g', 'transform': { 'scale': [0.1, 0.01, 0.1], 'translate': [0, 0.01, 0] "
-             "} } }, 'materials': { 'g': { "
-             "'albedo': 0.5 } }, 'lights': { 'sun': { 'type': 'distant', 'direction': [0.9, -0.3, "
-             "0], 'irradiance': 5 } }, 'render': { "
-             "'max_depth': 1 } }",
-             ground);
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "box-and-shadow", "{'meshes': {'ground': {'transform': {'scale': %s}}}}", ground));
     lf_renderer *r = lf_test_renderer(scene, integrator, 36, 48, NULL);
     lf_test_cycles(r, 2);
     double *picture = lf_test_picture(r, LF_ESTIMATOR_MIS), sum = 0.0;

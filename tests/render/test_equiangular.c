@@ -4,6 +4,7 @@
  * variance. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 12, height = 10, n_views = 5 };
@@ -13,16 +14,6 @@ enum { width = 12, height = 10, n_views = 5 };
 #define INTENSITY 2.0
 
 static const double bulb[3] = {0.1, 0.05, 0.2};
-
-/* A ball of fog about the origin; the cameras look at the bulb, so that pixels become as small as
- * the field of view says. */
-#define SCENE                                                                                      \
-    "{ 'quiltd': 1, 'camera': { 'position': [0.1, 0.05, 6], 'target': [0.1, 0.05, 0.2], 'fov_y': " \
-    "%g, 'aspect': 1.2, 'views': 5, "                                                              \
-    "'cone': 20 }, 'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, 'albedo': 0.9, 'g': "  \
-    "%g } }, 'lights': { 'bulb': { "                                                               \
-    "'type': 'point', 'position': [0.1, 0.05, 0.2], 'intensity': 2 } }, 'render': { 'max_depth': " \
-    "1 } }"
 
 static double dot(const double a[3], const double b[3])
 {
@@ -102,18 +93,23 @@ static double *truth_picture(const lf_renderer *r, double g)
     return out;
 }
 
+/* The ball of fog and its bulb. */
+static lf_scene *bulb_in_fog(double field, double g)
+{
+    return lf_test_scene(lf_test_scene_patched(
+        "bulb-in-fog", "{'camera': {'fov_y': %g}, 'volumes': {'fog': {'g': %g}}}", field, g));
+}
+
 /* A replicate is 16 samples a view pixel. The mean of mis and mwis against the truth, in blocks of
  * 5 x 5 pixels; returns the smallest p, *out_error the relative standard error of the whole. */
 static double compare(const char *integrator, double field, double g, unsigned faults,
                       double *out_error)
 {
     enum { replicates = 12 };
-    char text[1024];
     double least = 1.0;
     const lf_estimator estimators[2] = {LF_ESTIMATOR_MIS, LF_ESTIMATOR_MWIS};
     lf_blocks blocks[2];
-    snprintf(text, sizeof text, SCENE, field, g);
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = bulb_in_fog(field, g);
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     r->faults = faults;
     double *truth = truth_picture(r, g);
@@ -180,10 +176,8 @@ static void take_away(lf_scene *scene)
 /* Largest over smallest stated error of eight seeds. */
 static double spread(const char *integrator, bool points)
 {
-    char text[1024];
     double least = INFINITY, most = 0.0;
-    snprintf(text, sizeof text, SCENE, 20.0, 0.0);
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = bulb_in_fog(20.0, 0.0);
     if (!points)
         take_away(scene);
     lf_renderer *r = lf_test_renderer(scene, integrator, 24, 20, NULL);
@@ -212,35 +206,6 @@ static void the_stated_error_of_a_bulb_in_fog_does_not_depend_on_the_seed(void *
 /* Where nothing comes nearer to a light than 0.2 the points drawn about it change nothing but
  * noise, and without them the noise is small enough to see that: fogs of two kinds that overlap,
  * several collisions, a ground and a post that hide lights and fog from views. */
-#define FOG_ROOM(more, lights)                                                                     \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0.3, 5], 'fov_y': 24, 'aspect': 1.2, 'views': 5, " \
-    "'cone': 30" more " }, "                                                                       \
-    "'volumes': { 'ball': { 'shape': 'sphere', 'density': 2, 'albedo': [0.9, 0.8, 0.7], 'g': 0.5 " \
-    "}, "                                                                                          \
-    "'haze': { 'shape': 'sphere', 'density': 0.5, 'albedo': 0.9, 'g': -0.4, 'transform': { "       \
-    "'scale': [1.3, 0.7, 0.9] } } }, "                                                             \
-    "'meshes': { 'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 2, "     \
-    "'translate': [0, -0.8, 0] } }, "                                                              \
-    "'post': { 'shape': 'sphere', 'material': 'clay', 'transform': { 'scale': 0.2, 'translate': "  \
-    "[-0.2, 0.2, 0.9] } }" lights "}, 'render': { 'max_depth': 4 } }"
-#define BULBS                                                                                      \
-    " }, 'materials': { 'clay': { 'albedo': 0.5 } }, 'lights': { 'bulb': { 'type': 'point', "      \
-    "'position': [0.7, 0.7, 0.8], "                                                                \
-    "'intensity': 1 }, 'beside': { 'type': 'point', 'position': [-1.1, 0.5, 0.6], 'intensity': "   \
-    "[0.5, 1, 2] } "
-#define LAMP                                                                                       \
-    ", 'lamp': { 'shape': 'cube', 'material': 'lamp', 'transform': { 'scale': 0.03, 'translate': " \
-    "[0.2, 1.2, 0.3] } } }, "                                                                      \
-    "'materials': { 'clay': { 'albedo': 0.5 }, 'lamp': { 'albedo': 0, 'emission': 600 } }, "       \
-    "'lights': { "
-
-/* A light at the middle camera, before a fog with a lobe. */
-#define HEADLAMP                                                                                   \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 1.4], 'target': [0, 0, 0], 'fov_y': 40, "       \
-    "'aspect': 1.2, 'views': 5, "                                                                  \
-    "'cone': 30 }, 'volumes': { 'fog': { 'shape': 'sphere', 'density': 1, 'albedo': 0.9, 'g': "    \
-    "0.4 } }, 'lights': { 'bulb': { "                                                              \
-    "'type': 'point', 'position': [0, 0, 1.4], 'intensity': 1 } }, 'render': { 'max_depth': 2 } }"
 
 static void partial(lf_renderer *r)
 {
@@ -286,32 +251,31 @@ static double agreement(const char *text, const char *integrator, lf_test_schedu
 static void points_about_lights_change_nothing_but_noise(void **state)
 {
     (void)state;
-    char cloud[2048];
-    snprintf(cloud, sizeof cloud,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 9], 'fov_y': 14, 'aspect': 1.2, "
-             "'views': 5, 'cone': 30 }, "
-             "'volumes': { 'cloud': { 'file': '%s', 'scale': 10, 'albedo': 0.9, 'g': 0.3, "
-             "'transform': { 'rotate': [10, 30, 0] } } }, "
-             "'lights': { 'bulb': { 'type': 'point', 'position': [1, 0.9, 0.3], 'intensity': 1 } "
-             "}, 'render': { 'max_depth': 4 } }",
-             lf_test_built("../scenes/cloud.vdb"));
+    /* a light of faces in place of the two bulbs */
+    static const char lamp[] =
+        "{'meshes': {'lamp': {'shape': 'cube', 'material': 'lamp', 'transform': {'scale': 0.03, "
+        "'translate': [0.2, 1.2, 0.3]}}}, "
+        "'materials': {'lamp': {'albedo': 0, 'emission': 600}}, 'lights': {'bulb': null, 'beside': "
+        "null}}";
+    const char *room = lf_test_scene_text("fog-room"),
+               *lens = lf_test_scene_patched(
+                   "fog-room", "{'camera': {'lens_radius': 0.1, 'focus_distance': 4}}"),
+               *lamp_lit = lf_test_scene_patched("fog-room", "%s", lamp),
+               *headlamp = lf_test_scene_text("headlamp"),
+               *cloud =
+                   lf_test_scene_patched("bulb-in-cloud", "{'volumes': {'cloud': {'file': '%s'}}}",
+                                         lf_test_built("../scenes/cloud.vdb"));
     const struct {
         const char *text, *integrator;
         lf_test_schedule schedule;
         double seen;
     } cases[] = {
-        {FOG_ROOM("", BULBS), "mvpt", whole, 1.1},
-        {FOG_ROOM("", BULBS), "vpt", whole, 1.1},
-        {FOG_ROOM("", BULBS), "mvpt", partial, 1.1},
-        {FOG_ROOM(", 'lens_radius': 0.1, 'focus_distance': 4", BULBS), "mvpt", whole, 1.1},
-        {FOG_ROOM(", 'lens_radius': 0.1, 'focus_distance': 4", BULBS), "vpt", whole, 1.1},
-        {FOG_ROOM("", BULBS), "amvpt", adapted, 1.1},
-        {FOG_ROOM("", LAMP), "mvpt", whole, 1.25},
-        {FOG_ROOM("", LAMP), "vpt", whole, 1.25},
-        {cloud, "mvpt", whole, 1.2},
-        {cloud, "vpt", whole, 1.2},
-        {HEADLAMP, "mvpt", whole, 1.1},
-        {HEADLAMP, "vpt", whole, 1.1},
+        {room, "mvpt", whole, 1.1},      {room, "vpt", whole, 1.1},
+        {room, "mvpt", partial, 1.1},    {lens, "mvpt", whole, 1.1},
+        {lens, "vpt", whole, 1.1},       {room, "amvpt", adapted, 1.1},
+        {lamp_lit, "mvpt", whole, 1.25}, {lamp_lit, "vpt", whole, 1.25},
+        {cloud, "mvpt", whole, 1.2},     {cloud, "vpt", whole, 1.2},
+        {headlamp, "mvpt", whole, 1.1},  {headlamp, "vpt", whole, 1.1},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         double p = agreement(cases[i].text, cases[i].integrator, cases[i].schedule, cases[i].seen);

@@ -4,8 +4,8 @@
 
 #include "render/plane/kernel.h"
 #include "tests/render/fans.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { WIDTH = 40, HEIGHT = 30 };
 
@@ -15,28 +15,30 @@ enum { WIDTH = 40, HEIGHT = 30 };
 static lf_projection make_projection(const lf_rig *rig, uint64_t *seed)
 {
     lf_projection of = {.rig = rig,
-                        .z = 0.3f + 6.0f * uniform(seed),
-                        .lx = uniform(seed) < 0.5f ? 0.0f : 0.2f * uniform(seed) - 0.1f,
-                        .surface = uniform(seed) < 0.5f,
-                        .nx = 2.0f * uniform(seed) - 1.0f};
-    of.x = (3.0f * uniform(seed) - 1.5f) * of.z;
-    of.nyz = (2.0f * uniform(seed) - 1.2f) * of.z;
-    of.yz2 = (1.0f + uniform(seed)) * of.z * of.z;
+                        .z = 0.3f + 6.0f * lf_test_uniform(seed),
+                        .lx = lf_test_uniform(seed) < 0.5f ? 0.0f
+                                                           : 0.2f * lf_test_uniform(seed) - 0.1f,
+                        .surface = lf_test_uniform(seed) < 0.5f,
+                        .nx = 2.0f * lf_test_uniform(seed) - 1.0f};
+    of.x = (3.0f * lf_test_uniform(seed) - 1.5f) * of.z;
+    of.nyz = (2.0f * lf_test_uniform(seed) - 1.2f) * of.z;
+    of.yz2 = (1.0f + lf_test_uniform(seed)) * of.z * of.z;
     return of;
 }
 
 static lf_rig make_rig(uint64_t *seed)
 {
-    lf_rig rig = {.n_views = 1 + (int)(255.0f * uniform(seed)),
-                  .width = 1 + (int)(300.0f * uniform(seed)),
-                  .distance = 3.0f + uniform(seed),
-                  .focus = 2.0f + 3.0f * uniform(seed),
-                  .x0 = -0.5f - uniform(seed)};
+    lf_rig rig = {.n_views = 1 + (int)(255.0f * lf_test_uniform(seed)),
+                  .width = 1 + (int)(300.0f * lf_test_uniform(seed)),
+                  .distance = 3.0f + lf_test_uniform(seed),
+                  .focus = 2.0f + 3.0f * lf_test_uniform(seed),
+                  .x0 = -0.5f - lf_test_uniform(seed)};
     rig.dx = -2.0f * rig.x0 / (float)rig.width;
-    const float still = uniform(seed) < 0.5f ? 1.0f : 0.0f;
+    const float still = lf_test_uniform(seed) < 0.5f ? 1.0f : 0.0f;
     for (int k = 0; k < LF_MAX_LANES; k++)
-        rig.b[k] = k < rig.n_views ? -1.0f + 2.0f * ((float)k + uniform(seed)) / (float)rig.n_views
-                                   : rig.b[k - 1];
+        rig.b[k] = k < rig.n_views
+                       ? -1.0f + 2.0f * ((float)k + lf_test_uniform(seed)) / (float)rig.n_views
+                       : rig.b[k - 1];
     for (int k = 0; k < LF_MAX_LANES; k++)
         rig.skew[k] = rig.b[k] * still;
     return rig;
@@ -86,9 +88,10 @@ static void without_media_densities_are_those_of_no_depth(void **state)
         float scale[LANES], tau[LANES] = {0}, d[2][LANES];
         int n = LF_LANES * (1 + trial % (LANES / LF_LANES));
         for (int k = 0; k < n; k++)
-            scale[k] = trial % 10 == 0 || uniform(&seed) < 0.3f
-                           ? 0.0f
-                           : ldexpf(uniform(&seed), (int)(60.0f * uniform(&seed)) - 30);
+            scale[k] =
+                trial % 10 == 0 || lf_test_uniform(&seed) < 0.3f
+                    ? 0.0f
+                    : ldexpf(lf_test_uniform(&seed), (int)(60.0f * lf_test_uniform(&seed)) - 30);
         float sum = lf_kernels_c.densities(n, scale, tau, d[0]);
         for (int i = 0; lf_kernels_at(i); i++) {
             float own = lf_kernels_at(i)->fans->densities(n, scale, d[1]);
@@ -132,8 +135,8 @@ static void tear_down(bench *b)
 
 static void cut(bench *b, int row)
 {
-    const float lens[2] = {uniform(&b->seed), uniform(&b->seed)};
-    lf_rig_row_plane(rig_of(b), (float)row + uniform(&b->seed), lens, &b->plane);
+    const float lens[2] = {lf_test_uniform(&b->seed), lf_test_uniform(&b->seed)};
+    lf_rig_row_plane(rig_of(b), (float)row + lf_test_uniform(&b->seed), lens, &b->plane);
     lf_section_cut(&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, rig_of(b), row,
                    &b->plane, LF_CUT_ALL);
 }
@@ -187,7 +190,9 @@ static int ask(bench *b, float lx, lf_vec3 p, const lf_hit *on)
     float c[LF_MAX_LANES], before[LF_MAX_LANES], wanted[LF_MAX_LANES], scale[LF_MAX_LANES];
     for (int k = 0; k < n; k++) {
         c[k] = rig_of(b)->b[k] + lx;
-        before[k] = k < rig_of(b)->n_views && uniform(&b->seed) < 0.9f ? uniform(&b->seed) : 0.0f;
+        before[k] = k < rig_of(b)->n_views && lf_test_uniform(&b->seed) < 0.9f
+                        ? lf_test_uniform(&b->seed)
+                        : 0.0f;
     }
     const lf_row_cut of = {&b->section, &lf_test_rows(b->renderer)->triangles, b->scene, rig_of(b),
                            &b->plane};
@@ -256,9 +261,9 @@ static void assert_section(const char *text)
         cut(&b, row);
         for (int i = 0; i < 20; i++) {
             const lf_rig *rig = rig_of(&b);
-            int view = (int)(uniform(&b.seed) * (float)rig->n_views);
-            float lx = (2.0f * uniform(&b.seed) - 1.0f) * b.plane.lens_chord,
-                  xw = rig->x0 + uniform(&b.seed) * (float)WIDTH * rig->dx,
+            int view = (int)(lf_test_uniform(&b.seed) * (float)rig->n_views);
+            float lx = (2.0f * lf_test_uniform(&b.seed) - 1.0f) * b.plane.lens_chord,
+                  xw = rig->x0 + lf_test_uniform(&b.seed) * (float)WIDTH * rig->dx,
                   slope = (xw - rig->b[view]) / rig->distance - lx / rig->focus;
             lf_vec3 eye = lf_rig_point(rig, rig->b[view] + lx, b.plane.ly, 0.0f),
                     w = lf_rig_direction(rig, slope, b.plane.my, 1.0f);
@@ -266,7 +271,7 @@ static void assert_section(const char *text)
             bool found = lf_trace_surface(&b.tracer, eye, w, INFINITY, &hit);
             if (found)
                 hidden += ask(&b, lx, hit.p, &hit);
-            float way = uniform(&b.seed) * (found ? hit.t : 2.0f * rig->distance);
+            float way = lf_test_uniform(&b.seed) * (found ? hit.t : 2.0f * rig->distance);
             hidden += ask(&b, lx, lf_madd(eye, way, w), NULL);
             met += look(&b, xw / rig->distance, lx);
         }
@@ -275,18 +280,14 @@ static void assert_section(const char *text)
     tear_down(&b);
 }
 
-#define ROOM                                                                                       \
-    "'meshes': { 'room': { 'shape': 'sphere', 'transform': { 'scale': 9 } }, "                     \
-    "'floor': { 'shape': 'quad', 'transform': { 'scale': 30, 'translate': [0, -0.4, 0] } }, "      \
-    "'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.5, 'translate': [-0.4, 0.2, 1] } } }"
-
 /* Balls, a mirror, a lamp and the ground; a room that surrounds the cameras. */
 static void sections_answer_what_every_segment_says(void **state)
 {
     (void)state;
-    assert_section(LF_TEST_LAMP("45", ""));
-    assert_section(LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"));
-    assert_section("{ " LF_TEST_CAMERA("45", "") ROOM " }");
+    assert_section(lf_test_scene_views("lamp", 45));
+    assert_section(lf_test_scene_patched(
+        "lamp", "{'camera': {'views': 13, 'lens_radius': 0.15, 'focus_distance': 4}}"));
+    assert_section(lf_test_scene_views("inside-a-ball", 45));
 }
 
 int main(void)

@@ -6,7 +6,7 @@
 #include "render/plane/media.h"
 #include "tests/render/fans.h"
 #include "tests/render/grids.h"
-#include "tests/stat/scenes.h"
+#include "tests/scene_file.h"
 
 enum { STEPS = 40000 };
 
@@ -98,7 +98,7 @@ static void shapes_are_met_where_the_truncated_exponential_says(void **state)
     uint64_t seed = 3;
     int met = 0;
     for (int trial = 0; trial < 20; trial++) {
-        double z = 4.0 + 3.0 * (double)uniform(&seed), half = 0.1 * z,
+        double z = 4.0 + 3.0 * (double)lf_test_uniform(&seed), half = 0.1 * z,
                sigma_t = depths[trial % 5] / (2.0 * half), distance = 5.0;
         lf_body body = body_at(trial % 2 ? LF_VOLUME_BOX : LF_VOLUME_SPHERE, 0.0, z, half, sigma_t);
         lf_fan fan;
@@ -300,19 +300,6 @@ static void voxels_are_met_where_a_walk_of_small_steps_says(void **state)
 
 /* -------------------------------------------------------------------------------------- film -- */
 
-#define CAMERA                                                                                     \
-    "'quiltd': 1, 'camera': { 'target': [0,0,0], 'position': [0,0,5], 'up': [0,1,0], 'fov_y': 14," \
-    " 'aspect': 1, 'views': 5, 'cone': 20 },"                                                      \
-    " 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } }"
-/* A wall of the side of 20 across the view axis at z. */
-#define WALL(z)                                                                                    \
-    ", 'materials': { 'm': { 'type': 'diffuse', 'albedo': 0.5 } }, 'meshes': { 'w': { 'shape': "   \
-    "'quad', 'material': 'm', 'transform': { 'rotate': [90,0,0], 'scale': 20, 'translate': "       \
-    "[0,0," z "] } } }"
-#define BOX                                                                                        \
-    ", 'volumes': { 'b': { 'shape': 'box', 'density': 0.8, 'albedo': 1, 'transform': { 'scale': "  \
-    "[4,4,0.5], 'translate': [0,0,1] } } }"
-
 enum { WIDTH = 12, HEIGHT = 8 };
 
 static lf_renderer *render(lf_scene *scene, bool features, lf_pool *pool, int passes)
@@ -328,7 +315,7 @@ static lf_renderer *render(lf_scene *scene, bool features, lf_pool *pool, int pa
 static void a_surface_is_exactly_where_it_is(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{" CAMERA WALL("-1.25") "}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched("wall-behind-box", "{'volumes': null}"));
     lf_renderer *r = render(scene, true, NULL, 15);
     for (int row = 0; row < HEIGHT; row++)
         for (int half = 0; half < 2; half++) {
@@ -354,7 +341,7 @@ static double sigma_of_box(const void *context, double z)
 static void a_surface_behind_a_medium_counts_for_what_comes_through(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{" CAMERA WALL("-1.25") BOX "}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("wall-behind-box"));
     lf_renderer *r = render(scene, true, NULL, 40);
     for (int view = 0; view < 5; view += 2)
         for (int row = 0; row < HEIGHT; row += 3)
@@ -381,21 +368,13 @@ static void a_surface_behind_a_medium_counts_for_what_comes_through(void **state
 
 /* Veils at Z = 4 and Z = 5 stop 0.3 and 0.5 of a ray, in closed form; neither the file nor the tree
  * of the section has them in that order. */
-#define ALPHAS                                                                                     \
-    ", 'materials': { 'm': { 'type': 'diffuse', 'albedo': 0.5 }, 'a': { 'alpha': 0.5 }, 'b': { "   \
-    "'alpha': 0.3 } }, 'meshes': { 'far': { 'shape': 'quad', 'material': 'a', 'transform': { "     \
-    "'rotate': [90,0,0], 'scale': 20 } }, 'near': { 'shape': 'quad', 'material': 'b', "            \
-    "'transform': { 'rotate': [90,0,0], 'scale': 20, 'translate': [0,0,1] } }"
-#define BEHIND                                                                                     \
-    ", 'wall': { 'shape': 'quad', 'material': 'm', 'transform': { 'rotate': [90,0,0], 'scale': "   \
-    "20, 'translate': [0,0,-1.25] } }"
 
 static void alphas_count_for_what_they_cover(void **state)
 {
     (void)state;
     for (int wall = 0; wall < 2; wall++) {
-        lf_scene *scene =
-            lf_test_scene(wall ? "{" CAMERA ALPHAS BEHIND "} }" : "{" CAMERA ALPHAS "} }");
+        lf_scene *scene = lf_test_scene(
+            lf_test_scene_patched("two-alphas", wall ? "{}" : "{'meshes': {'wall': null}}"));
         lf_renderer *r = render(scene, true, NULL, 15);
         const double share[3] = {0.3, 0.35, wall ? 0.35 : 0.0}, at[3] = {1.25, 1.0, 0.8};
         double all = 0.0, mean = 0.0, variance = 0.0;
@@ -425,7 +404,7 @@ static void alphas_count_for_what_they_cover(void **state)
 static void features_change_nothing_but_outlines(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("5", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 5));
     lf_renderer *with = render(scene, true, NULL, 12), *without = render(scene, false, NULL, 12);
     size_t pixels = 5 * (size_t)WIDTH, others = 0;
     double sum = 0.0;
@@ -455,13 +434,6 @@ static void features_change_nothing_but_outlines(void **state)
 
 /* A pane before the sky above a box of fog: what a worker has found in the fog is not what its next
  * row sees in the pane. */
-#define PANE                                                                                       \
-    ", 'materials': { 'm': { 'type': 'principled', 'transmission': 1, 'roughness': 0, 'glass': "   \
-    "'sheet', 'albedo': 0.8"                                                                       \
-    " } }, 'meshes': { 'w': { 'shape': 'quad', 'material': 'm', 'transform': { 'rotate': "         \
-    "[90,0,0], 'scale': 20, 'translate': [0,0,1] } } }, 'volumes': { 'b': { 'shape': 'box', "      \
-    "'density': 0.8, 'albedo': 1, 'transform': { 'scale': [4,0.3,0.5], 'translate': [0,-0.3,0] } " \
-    "} }"
 
 static void assert_same_for_any_number_of_threads(lf_scene *scene)
 {
@@ -482,9 +454,9 @@ static void assert_same_for_any_number_of_threads(lf_scene *scene)
 static void features_do_not_depend_on_the_number_of_threads(void **state)
 {
     (void)state;
-    assert_same_for_any_number_of_threads(
-        lf_test_scene(LF_TEST_MIXED("5", ", 'lens_radius': 0.1")));
-    assert_same_for_any_number_of_threads(lf_test_scene("{" CAMERA PANE "}"));
+    assert_same_for_any_number_of_threads(lf_test_scene(
+        lf_test_scene_patched("mixed", "{'camera': {'views': 5, 'lens_radius': 0.1}}")));
+    assert_same_for_any_number_of_threads(lf_test_scene(lf_test_scene_text("thin-glass-and-box")));
 }
 
 int main(void)

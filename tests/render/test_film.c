@@ -4,8 +4,8 @@
 
 #include "render/film/film.h"
 #include "render/film/film_difference.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 static const lf_film_layout row_of_256 = {.n_views = 1, .width = 256, .height = 1, .has_w2 = true};
 
@@ -391,10 +391,7 @@ static void light_that_is_not_stored_is_the_same_light(void **state)
     static float stored[values], implied[values];
     lf_pool *pool = NULL;
     assert_int_equal(lf_pool_create(1, &pool), LF_OK);
-    lf_scene *scene = lf_test_scene(
-        "{ " LF_TEST_CAMERA("5", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5 } }, "
-                                     "'meshes': { " LF_TEST_GROUND
-                                     " }, 'materials': { 'clay': {} }, " LF_TEST_SHARP_LIGHTS " }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("fog-over-ground"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
     assert_false(r->film.layout.has_known);
     json_t *skipped = lf_renderer_skipped(r);
@@ -430,9 +427,9 @@ static void the_error_goes_on_falling(void **state)
     static float picture[3 * views * width * height];
     lf_pool *pool = NULL;
     assert_int_equal(lf_pool_create(1, &pool), LF_OK);
-    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA(
-        "9", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 4 } }, " LF_TEST_SHARP_LIGHTS
-                 " }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "fog-over-ground", "{'camera': {'views': 9}, 'volumes': {'fog': {'density': 4}}, "
+                           "'meshes': null, 'materials': null}"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, pool);
     for (int e = LF_ESTIMATOR_MWIS; e <= LF_ESTIMATOR_MIS; e++) {
         lf_render_stats few, many;
@@ -470,11 +467,11 @@ static bool stores(const char *text)
 static void light_is_stored_where_it_is_not_implied(void **state)
 {
     (void)state;
-    assert_false(stores(LF_TEST_FOGS("3", "")));
-    assert_false(stores(LF_TEST_BENT("3", "")));
-    assert_true(stores(LF_TEST_MIXED("3", "")));
-    assert_true(stores(LF_TEST_LAMP("3", "")));
-    assert_true(stores(LF_TEST_MIST("3", "")));
+    assert_false(stores(lf_test_scene_views("fogs", 3)));
+    assert_false(stores(lf_test_scene_views("bent", 3)));
+    assert_true(stores(lf_test_scene_views("mixed", 3)));
+    assert_true(stores(lf_test_scene_views("lamp", 3)));
+    assert_true(stores(lf_test_scene_views("mist", 3)));
 }
 
 /* However they are rounded: a surface that fills a pixel does so for ever. */

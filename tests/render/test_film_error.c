@@ -3,19 +3,14 @@
 #include "tests/testing.h"
 
 #include "render/film/film.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
-
-static double uniform(uint64_t *state)
-{
-    *state = lf_hash64(*state, 1);
-    return ((double)(*state >> 11) + 0.5) * 0x1p-53;
-}
+#include "tests/stat/uniform.h"
 
 static double normal(uint64_t *state)
 {
-    double r = sqrt(-2 * log(uniform(state)));
-    return r * cos(6.283185307179586 * uniform(state));
+    double r = sqrt(-2 * log(lf_test_uniform53(state)));
+    return r * cos(6.283185307179586 * lf_test_uniform53(state));
 }
 
 /* Halves of normal noise: 24 rows of `own` independent numbers, each of which `shared` views have
@@ -109,23 +104,6 @@ static void bounds_shrink_with_confidence_and_rows(void **state)
 /* -------------------------------------------------------------------------------- renderings -- */
 
 enum { views = 9, width = 16, height = 24, values = 3 * views * width * height };
-#define CLOUD(g)                                                                                   \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 0.6667, 'cone': "    \
-    "35, 'views': 9 }, "                                                                           \
-    "'volumes': { 'cloud': { 'shape': 'sphere', 'density': 4, 'albedo': [0.99, 0.95, 0.9], "       \
-    "'g': " g                                                                                      \
-    ", 'transform': { 'scale': [0.7, 0.8, 0.6], 'rotate': [0, 30, 0] } } }, " LF_TEST_SHARP_LIGHTS \
-    " }"
-
-static double relative_mse(const float *x, const float *truth)
-{
-    double sum = 0;
-    for (int i = 0; i < values; i++) {
-        double d = (double)x[i] - (double)truth[i];
-        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2);
-    }
-    return sum / values;
-}
 
 /* What is claimed of every answer: 93 %. False alarm: with just that a test of this many runs fails
  * with probability 3e-5 (4 standard errors). */
@@ -137,70 +115,47 @@ static void assert_coverage(int held, int runs)
 
 /* ---------------------------------------------------------------------------- edges of lamps -- */
 
-#define LIT(lights, rest)                                                                          \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 0.6667, 'cone': "    \
-    "35, 'views': 9 }, "                                                                           \
-    "'lights': { " lights " }, 'materials': { 'clay': {}, 'gloss': { 'type': 'conductor', "        \
-    "'albedo': 0.8, 'roughness': 0.4 }, "                                                          \
-    "'mirror': { 'type': 'conductor', 'albedo': 0.9, 'roughness': 0 }, 'lamp': { 'albedo': 0, "    \
-    "'emission': 30 } }, " rest " }"
-#define SKY(radiance) "'sky': { 'type': 'environment', 'radiance': " radiance " }"
-#define MESH(name, shape, material, transform)                                                     \
-    "'" name "': { 'shape': '" shape "', 'material': '" material "', 'transform': { " transform    \
-    " } }"
-#define GROUND(material) MESH("ground", "quad", material, "'scale': 3, 'translate': [0, -0.8, 0]")
-#define WALL(material)                                                                             \
-    MESH("wall", "quad", material,                                                                 \
-         "'scale': [1.2, 1, 0.7], 'rotate': [90, 0, 0], 'translate': [0, 0.2, -0.8]")
-/* Three of a kind, none of them along the pixels. */
-#define LAMPS(shape, scale)                                                                        \
-    MESH("lamp a", shape, "lamp",                                                                  \
-         "'scale': " scale ", 'rotate': [10, 30, 20], 'translate': [-0.33, 0.52, 0.31]")           \
-    ", " MESH(                                                                                     \
-        "lamp b", shape, "lamp",                                                                   \
-        "'scale': " scale                                                                          \
-        ", 'rotate': [-20, 10, 65], 'translate': [0.31, 0.17, 0.42]") ", " MESH("lamp c", shape,   \
-                                                                                "lamp",            \
-                                                                                "'scale': " scale  \
-                                                                                ", 'rotate': "     \
-                                                                                "[40, -25, 8], "   \
-                                                                                "'translate': "    \
-                                                                                "[-0.11, -0.36, "  \
-                                                                                "0.2]")
-#define SUN(name, direction, angle)                                                                \
-    "'" name "': { 'type': 'distant', 'direction': " direction                                     \
-    ", 'irradiance': 1, 'angle': " angle " }"
-
 typedef struct lit_scene {
-    const char *name, *text;
+    const char *name, *file, *patch;
 } lit_scene;
 
+/* The lights of area-lights as this shape of this size, or none. */
+#define LAMPS(shape, scale)                                                                        \
+    LAMP("a", shape, scale) ", " LAMP("b", shape, scale) ", " LAMP("c", shape, scale)
+#define LAMP(name, shape, scale)                                                                   \
+    "'lamp " name "': {'shape': '" shape "', 'transform': {'scale': " scale "}}"
+#define NO_LAMPS "'lamp a': null, 'lamp b': null, 'lamp c': null"
+#define SUN(direction, angle)                                                                      \
+    "{'type': 'distant', 'direction': " direction ", 'irradiance': 1, 'angle': " angle "}"
+
 static const lit_scene lit_scenes[] = {
-    {"over a ground and a rough ball",
-     LIT(SKY("0.1"),
-         "'meshes': { " GROUND("clay") ", " MESH(
-             "ball", "sphere", "gloss",
-             "'scale': 0.4, 'translate': [0, 0, -0.5]") ", " LAMPS("cube", "0.08") " }")},
-    {"before the dark", LIT("", "'meshes': { " LAMPS("cube", "0.14") " }")},
-    {"before a bright sky",
-     LIT(SKY("3"), "'meshes': { " GROUND("clay") ", " LAMPS("quad", "0.2") " }")},
-    {"in fog",
-     LIT(SKY("0.1"),
-         "'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.7, 'albedo': 0.9, 'g': 0.3 } }, "
-         "'meshes': { " LAMPS("cube", "0.1") " }")},
-    {"before a mirror", LIT(SKY("0.1"), "'meshes': { " GROUND("clay") ", " WALL(
-                                            "mirror") ", " LAMPS("cube", "0.1") " }")},
-    {"disks of suns",
-     LIT(SKY("0.3") ", " SUN("a", "[0.03, -0.05, 1]", "4") ", " SUN("b", "[-0.06, 0.07, 1]", "2.5"),
-         "'meshes': { " GROUND("clay") " }")},
-    {"balls before a wall",
-     LIT(SKY("0.1"), "'meshes': { " WALL("clay") ", " LAMPS("sphere", "0.07") " }")},
-    {"thin tubes",
-     LIT(SKY("0.1"), "'meshes': { " WALL("clay") ", " LAMPS("cube", "[0.4, 0.012, 0.012]") " }")},
-    {"over a glossy ground",
-     LIT(SKY("0.1"), "'meshes': { " GROUND("gloss") ", " LAMPS("cube", "0.12") " }")},
-    {"a sky of small lights",
-     LIT("'sky': { 'type': 'environment', 'file': 'FILE' }", "'meshes': { " GROUND("clay") " }")},
+    {"over a ground and a rough ball", "area-lights",
+     "{'meshes': {'wall': null, " LAMPS("cube", "0.08") "}}"},
+    {"before the dark", "area-lights",
+     "{'lights': {'sky': null}, 'meshes': {'ground': null, 'ball': null, 'wall': null, " LAMPS(
+         "cube", "0.14") "}}"},
+    {"before a bright sky", "area-lights",
+     "{'lights': {'sky': {'radiance': 3}}, 'meshes': {'ball': null, 'wall': null, " LAMPS(
+         "quad", "0.2") "}}"},
+    {"in fog", "area-lights",
+     "{'volumes': {'fog': {'shape': 'sphere', 'density': 0.7, 'albedo': 0.9, 'g': 0.3}}, "
+     "'meshes': {'ground': null, 'ball': null, 'wall': null}}"},
+    {"before a mirror", "area-lights",
+     "{'meshes': {'ball': null, 'wall': {'material': 'mirror'}}}"},
+    {"disks of suns", "area-lights",
+     "{'lights': {'sky': {'radiance': 0.3}, 'a': " SUN("[0.03, -0.05, 1]", "4") ", 'b': " SUN(
+         "[-0.06, 0.07, 1]", "2.5") "}, "
+                                    "'meshes': {'ball': null, 'wall': null, " NO_LAMPS "}}"},
+    {"balls before a wall", "area-lights",
+     "{'meshes': {'ground': null, 'ball': null, " LAMPS("sphere", "0.07") "}}"},
+    {"thin tubes", "area-lights",
+     "{'meshes': {'ground': null, 'ball': null, " LAMPS("cube", "[0.4, 0.012, 0.012]") "}}"},
+    {"over a glossy ground", "area-lights",
+     "{'meshes': {'ground': {'material': 'gloss'}, 'ball': null, 'wall': null, " LAMPS(
+         "cube", "0.12") "}}"},
+    {"a sky of small lights", "area-lights",
+     "{'lights': {'sky': {'radiance': null, 'file': 'FILE'}}, "
+     "'meshes': {'ball': null, 'wall': null, " NO_LAMPS "}}"},
 };
 
 enum { lit_most = 200 };
@@ -224,7 +179,7 @@ static const char *write_sky(const char *folder)
     fprintf(file, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", down, across);
     for (int i = 0; i < across * down; i++) {
         const unsigned char dark[4] = {100, 110, 130, 125}, bright[4] = {200, 180, 160, 132};
-        assert_int_equal(fwrite(uniform(&random) < 0.02 ? bright : dark, 4, 1, file), 1);
+        assert_int_equal(fwrite(lf_test_uniform53(&random) < 0.02 ? bright : dark, 4, 1, file), 1);
     }
     assert_int_equal(fclose(file), 0);
     return path;
@@ -233,11 +188,11 @@ static const char *write_sky(const char *folder)
 static lf_scene *load_lit(const lit_scene *s)
 {
     char *folder = lf_test_folder(), text[4096];
-    const char *file = strstr(s->text, "FILE");
+    const char *file = strstr(s->patch, "FILE");
     if (file)
-        snprintf(text, sizeof text, "%.*s%s%s", (int)(file - s->text), s->text, write_sky(folder),
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(file - s->patch), s->patch, write_sky(folder),
                  file + 4);
-    lf_scene *scene = lf_test_scene(file ? text : s->text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(s->file, "%s", file ? text : s->patch));
     lf_test_folder_remove(folder);
     return scene;
 }
@@ -263,7 +218,7 @@ static void run_lit(const lit_scene *s, int cycles, int first, int runs, lit_res
     }
     for (int e = LF_ESTIMATOR_MWIS; e <= LF_ESTIMATOR_CV; e++) {
         for (int i = 0; i < runs; i++) {
-            double realised = relative_mse(pictures[e][i], truth) * runs / (runs - 1);
+            double realised = lf_test_rel_mse(pictures[e][i], truth, values) * runs / (runs - 1);
             lf_moments_add(&out[e].realised, realised);
             lf_moments_add(&out[e].stated, estimates[e][i]);
             lf_moments_add(&out[e].ratio, bounds[e][i] / estimates[e][i]);
@@ -275,10 +230,10 @@ static void run_lit(const lit_scene *s, int cycles, int first, int runs, lit_res
     lf_scene_unref(scene);
 }
 
-static void check_scene(const char *text)
+static void check_cloud(const char *patch)
 {
     enum { at_once = 100 };
-    const lit_scene scene = {"a cloud", text};
+    const lit_scene scene = {"a cloud", "thick-cloud", patch};
     const int runs = lf_test_long() ? 20 * at_once : at_once;
     for (int cycles = 2; cycles <= 6; cycles *= 3) {
         lit_result result[3] = {{.held = 0}};
@@ -298,13 +253,13 @@ static void check_scene(const char *text)
 static void bounds_hold_in_an_isotropic_cloud(void **state)
 {
     (void)state;
-    check_scene(CLOUD("0"));
+    check_cloud("{}");
 }
 
 static void bounds_hold_with_narrow_lobes(void **state)
 {
     (void)state;
-    check_scene(CLOUD("0.9"));
+    check_cloud("{'volumes': {'cloud': {'g': 0.9}}}");
 }
 
 /* The stated error over the true one; its relative standard error. */
@@ -350,27 +305,12 @@ static void errors_beside_lamps_are_what_is_stated(void **state)
 
 /* ----------------------------------------------------------------------- glints and caustics -- */
 
-#define UNDER_SUN(angle, irradiance, rest)                                                         \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 1.2, 6], 'fov_y': 26, 'aspect': 0.6667, 'cone': "  \
-    "35, 'views': 9 }, 'lights': { 'sun': { 'type': 'distant', 'direction': [-0.5, -1, -0.4], "    \
-    "'irradiance': " irradiance ", 'angle': " angle                                                \
-    " }, " SKY("0.1") " }, 'materials': { "                                                        \
-                      "'clay': { 'albedo': [0.8, 0.6, 0.4] }, 'fine': { 'type': 'conductor', "     \
-                      "'metal': 'copper', "                                                        \
-                      "'roughness': 0.06 }, 'copper': { 'type': 'conductor', 'metal': 'copper', "  \
-                      "'roughness': 0.12 "                                                         \
-                      "}, 'coat': { 'type': 'principled', 'albedo': [0.8, 0.1, 0.1], "             \
-                      "'roughness': 0.4, 'coat': 1, "                                              \
-                      "'coat_roughness': 0.06 } }, 'meshes': { " MESH(                             \
-                          "ground", "quad", "clay",                                                \
-                          "'scale': 4, 'translate': [0, -1, 0]") ", " rest " } }"
-#define BALL(material) MESH("ball", "sphere", material, "'scale': 0.6, 'translate': [0, -0.3, 0]")
-
 static const lit_scene glint_scenes[] = {
-    {"copper, a sun of half a degree", UNDER_SUN("0.5", "20", BALL("copper"))},
-    {"finer copper", UNDER_SUN("0.5", "20", BALL("fine"))},
-    {"copper, a sun of two degrees", UNDER_SUN("2", "20", BALL("copper"))},
-    {"a coat, a sun of half a degree", UNDER_SUN("0.5", "20", BALL("coat"))},
+    {"copper, a sun of half a degree", "copper-under-sun", "{}"},
+    {"finer copper", "copper-under-sun", "{'meshes': {'ball': {'material': 'fine'}}}"},
+    {"copper, a sun of two degrees", "copper-under-sun", "{'lights': {'sun': {'angle': 2}}}"},
+    {"a coat, a sun of half a degree", "copper-under-sun",
+     "{'meshes': {'ball': {'material': 'coat'}}}"},
 };
 
 static int less(const void *a, const void *b)

@@ -8,8 +8,8 @@
 
 #include "base/alloc.h"
 #include "render/film/film_file.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { WIDTH = 24, HEIGHT = 13, VIEWS = 5, VALUES = VIEWS * WIDTH * HEIGHT * 3 };
 
@@ -20,7 +20,7 @@ typedef struct fixture {
 
 static fixture begin(void)
 {
-    return (fixture){lf_test_scene(LF_TEST_MIXED("5", "")), lf_test_folder()};
+    return (fixture){lf_test_scene(lf_test_scene_views("mixed", 5)), lf_test_folder()};
 }
 
 static void end(fixture *f)
@@ -209,13 +209,8 @@ static void holes_of_added_films_are_filled(void **state)
 static double rel_mse(const lf_renderer *r, const float *truth)
 {
     static float x[VALUES];
-    double sum = 0;
     lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MIS, x, NULL), NULL);
-    for (int i = 0; i < VALUES; i++) {
-        double t = (double)truth[i], d = (double)x[i] - t;
-        sum += d * d / (t * t + 1e-2) / VALUES;
-    }
-    return sum;
+    return lf_test_rel_mse(x, truth, VALUES);
 }
 
 /* Films of several streams and of another seed, each alone and all added. */

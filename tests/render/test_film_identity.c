@@ -8,18 +8,14 @@
 #include "base/alloc.h"
 #include "base/file.h"
 #include "render/import/scene/file_identity.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { WIDTH = 4, HEIGHT = 3 };
 
-static const char *const SCENE =
-    "{ 'camera': { 'position': [0, 0, 5], 'views': 2 }, "
-    "'volumes': { 'v': { 'file': 'tiles.vdb' }, 'ball': { 'shape': 'sphere' } }, "
-    "'meshes': { 'm': { 'file': 'tri.obj' }, 'q': { 'shape': 'quad' } }, "
-    "'lights': { 'lamp': { 'type': 'point', 'intensity': [1, 1, 1] }, "
-    "            'sky': { 'type': 'environment', 'file': 'sky.hdr' } } }";
+/* With files beside each other in the folder of the test. */
+#define SCENE lf_test_scene_text("film-of-files")
 
-/* Their last bytes are as good as any other. */
 static const char *const FILES[] = {"tiles.vdb", "tri.obj", "tri.mtl", "sky.hdr"};
 enum { N_FILES = sizeof FILES / sizeof FILES[0] };
 
@@ -111,15 +107,10 @@ static void films_of_copied_files_are_added(void **state)
 
 static void files_may_have_other_names(void **state)
 {
-    char elsewhere[4096];
     make_two_places(*state);
-    snprintf(elsewhere, sizeof elsewhere,
-             "{ 'camera': { 'position': [0, 0, 5], 'views': 2 }, "
-             "'volumes': { 'v': { 'file': '%s' }, 'ball': { 'shape': 'sphere' } }, "
-             "'meshes': { 'm': { 'file': 'tri.obj' }, 'q': { 'shape': 'quad' } }, "
-             "'lights': { 'lamp': { 'type': 'point', 'intensity': [1, 1, 1] }, "
-             "            'sky': { 'type': 'environment', 'file': '%s' } } }",
-             path_to(*state, "there", "tiles.vdb"), path_to(*state, "there", "sky.hdr"));
+    const char *elsewhere = lf_test_scene_patched(
+        "film-of-files", "{'volumes': {'v': {'file': '%s'}}, 'lights': {'sky': {'file': '%s'}}}",
+        path_to(*state, "there", "tiles.vdb"), path_to(*state, "there", "sky.hdr"));
     lf_scene *here = scene_at(*state, "here");
     lf_scene *other = lf_test_scene_in(lf_test_path(*state, "here"), elsewhere, NULL);
     lf_assert_ok(added(here, 0, other, 0), NULL);

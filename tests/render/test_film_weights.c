@@ -3,8 +3,8 @@
  * blocks of 8 x 8 pixels of one view, and compared with 0 over seeds. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 24, height = 16, n_views = 7, blocks_of_a_view = 6, replicates = 40 };
 
@@ -38,38 +38,49 @@ static void assert_weights(const char *text, lf_test_schedule schedule)
 static void invariant_2_weights_are_n_q_with_media_and_surfaces(void **state)
 {
     (void)state;
-    assert_weights(LF_TEST_MIXED("7", ""), two_passes);
-    assert_weights(LF_TEST_MIXED("7", ""), live);
+    assert_weights(lf_test_scene_views("mixed", 7), two_passes);
+    assert_weights(lf_test_scene_views("mixed", 7), live);
 }
 
 static void invariant_2_weights_are_n_q_with_a_lens(void **state)
 {
     (void)state;
-    assert_weights(LF_TEST_MIXED("7", ", 'lens_radius': 0.15, 'focus_distance': 4.2"),
-                   whole_cycles);
-    assert_weights(LF_TEST_MIXED("7", ", 'lens_radius': 0.15, 'focus_distance': 4.2"), live);
+    assert_weights(
+        lf_test_scene_patched(
+            "mixed", "{'camera': {'views': 7, 'lens_radius': 0.15, 'focus_distance': 4.2}}"),
+        whole_cycles);
+    assert_weights(
+        lf_test_scene_patched(
+            "mixed", "{'camera': {'views': 7, 'lens_radius': 0.15, 'focus_distance': 4.2}}"),
+        live);
 }
 
 static void invariant_2_weights_are_n_q_in_overlapping_media(void **state)
 {
     (void)state;
-    assert_weights(LF_TEST_FOGS("7", ", 'placement': 'inclusive'"), whole_cycles);
-    assert_weights(LF_TEST_FOGS("7", ", 'placement': 'inclusive'"), live);
+    assert_weights(
+        lf_test_scene_patched("fogs", "{'camera': {'views': 7, 'placement': 'inclusive'}}"),
+        whole_cycles);
+    assert_weights(
+        lf_test_scene_patched("fogs", "{'camera': {'views': 7, 'placement': 'inclusive'}}"), live);
 }
 
 static void invariant_2_weights_are_n_q_beside_mirrors(void **state)
 {
     (void)state;
-    assert_weights(LF_TEST_LAMP("7", ""), two_passes);
-    assert_weights(LF_TEST_MIST("7", ""), live);
+    assert_weights(lf_test_scene_views("lamp", 7), two_passes);
+    assert_weights(lf_test_scene_views("mist", 7), live);
 }
 
 static void invariant_2_weights_are_n_q_on_glossy_surfaces_with_bent_normals(void **state)
 {
     (void)state;
-    assert_weights(LF_TEST_GLOSSY("7", ""), whole_cycles);
-    assert_weights(LF_TEST_GLOSSY("7", ", 'lens_radius': 0.15, 'focus_distance': 4.2"), live);
-    assert_weights(LF_TEST_GLOSSY("10", ""), two_passes);
+    assert_weights(lf_test_scene_views("glossy", 7), whole_cycles);
+    assert_weights(
+        lf_test_scene_patched(
+            "glossy", "{'camera': {'views': 7, 'lens_radius': 0.15, 'focus_distance': 4.2}}"),
+        live);
+    assert_weights(lf_test_scene_views("glossy", 10), two_passes);
 }
 
 /* Power: 1 % of q in one block of the middle view, 0.3 % of it over the picture. */
@@ -77,7 +88,7 @@ static void invariant_2_weights_are_n_q_and_a_bias_of_one_per_cent_would_be_seen
 {
     (void)state;
     lf_blocks blocks[3];
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("7", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 7));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_test_weight_blocks(r, whole_cycles, replicates, 8, blocks);
     for (int second = 0; second < 2; second++) {

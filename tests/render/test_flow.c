@@ -12,6 +12,7 @@
 
 #include "render/scene/grid_flow.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 8, tiles = n_views * 12 + 1 };
 
@@ -31,15 +32,12 @@ typedef struct said {
 
 static lf_scene *scene_after(const said *s, const char *transform, const lf_scene *previous)
 {
-    char path[PATH_MAX], text[PATH_MAX + 2048];
+    char path[PATH_MAX];
     assert_non_null(realpath(lf_test_built(s->file), path));
-    snprintf(
-        text, sizeof text,
-        "{'rate': %g, 'camera': {'position': [0, 0.4, 5], 'fov_y': 24, 'aspect': 1.3333333333, "
-        "'cone': 40, 'views': 3, 'shutter': %.17g, 'shutter_open': %.17g}, 'volumes': {'v': "
-        "{'file': '%s', 'grid': '%s'%s%s%s%s}}, 'lights': {'sky': {'type': 'environment', "
-        "'radiance': [0.4, 0.5, 0.7]}, 'sun': {'type': 'distant', 'direction': [0.5, -0.7, "
-        "-0.5], 'irradiance': [2, 1.7, 1.5]}}}",
+    const char *text = lf_test_scene_patched(
+        "flowing-blob",
+        "{'fps': %g, 'camera': {'shutter': %.17g, 'shutter_open': %.17g}, "
+        "'volumes': {'v': {'file': '%s', 'grid': '%s'%s%s%s%s}}}",
         s->rate, s->shutter, s->open, path, s->grid, s->velocity[0] ? ", 'velocity': " : "",
         s->velocity, s->more, transform);
     return lf_test_scene_in(".", text, previous);
@@ -94,7 +92,7 @@ enum { points = 29 * 23 * 19 };
 static void whole_voxels_are_the_blob_carried_as_a_whole(void **state)
 {
     (void)state;
-    const said flowing = {FLOWS, "{'steps': 2}", 0, 4, ", 'emission': {'kelvin': 1500}"};
+    const said flowing = {FLOWS, "{'steps': 2}", 0, 4, ", 'emission': {'temperature_scale': 1500}"};
     lf_scene *flows = scene_of(&flowing);
     const said carried = {FLOWS, "", 0, 4, ""};
     /* Goes evenly, 4 seconds long. */
@@ -125,9 +123,10 @@ static void whole_voxels_are_the_blob_carried_as_a_whole(void **state)
 static void what_is_emitted_and_scattered_flows_along(void **state)
 {
     (void)state;
-    const said s = {FLOWS, "{'steps': 3}", -0.5, 2,
-                    ", 'emission': {'grid': 'temperature', 'kelvin': 1500}, 'albedo': {'red': "
-                    "'temperature', 'green': 'density', 'blue': 'density'}"};
+    const said s = {
+        FLOWS, "{'steps': 3}", -0.5, 2,
+        ", 'emission': {'grid': 'temperature', 'temperature_scale': 1500}, 'albedo': {'red': "
+        "'temperature', 'green': 'density', 'blue': 'density'}"};
     lf_scene *scene = scene_of(&s);
     const lf_volume *fields[] = {&scene->emissive.field[0], &scene->volumes[0].albedo_fields[0],
                                  &scene->volumes[0].albedo_fields[1]};
@@ -351,7 +350,7 @@ static void halves_are_rounded(void **state)
 /* A bright and thick blob, which glows. */
 #define LOOK                                                                                       \
     ", 'scale': 4, 'albedo': [0.9, 0.8, 0.7], 'g': 0.3, 'emission': {'grid': 'temperature', "      \
-    "'kelvin': 1500, 'scale': 0.2}"
+    "'temperature_scale': 1500, 'scale': 0.2}"
 
 static lf_scene *flowing_scene(const char *velocity)
 {

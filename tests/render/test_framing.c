@@ -3,14 +3,8 @@
  * tan(a_i)). */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-
-#define THREE_THINGS                                                                               \
-    "'volumes': {'ball': {'shape': 'sphere', 'transform': {'scale': 0.5, 'translate': [2, 0, "     \
-    "0]}}, "                                                                                       \
-    "'air': {'shape': 'box', 'density': 0}}, 'meshes': {'cube': {'shape': 'cube', 'transform': "   \
-    "{'scale': [1, 0.5, 0.25], 'translate': [0, 1, -1]}}, 'quad': {'shape': 'quad', 'transform': " \
-    "{'scale': 2, 'translate': [0, -1, 3]}}}"
 
 static lf_render_settings settings_of(const lf_scene *scene, int width, int height)
 {
@@ -32,7 +26,8 @@ static void assert_bounds(const lf_scene *scene, const char *name, const double 
 static void bounds_are_those_of_what_is_there(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{" THREE_THINGS "}"), *none = lf_test_scene("{}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("three-things")),
+             *none = lf_test_scene("{}");
     double is[2][3];
     assert_bounds(scene, "ball", (double[]){1.5, -.5, -.5}, (double[]){2.5, .5, .5});
     assert_bounds(scene, "cube", (double[]){-1, .5, -1.25}, (double[]){1, 1.5, -.75});
@@ -249,7 +244,7 @@ static void assert_fits(const char *text, const char *name, double fill, double 
     lf_scene_unref(scene);
 }
 
-#define LOOK(camera) "{'camera': {" camera "}, " THREE_THINGS "}"
+#define LOOK(camera) lf_test_scene_patched("three-things", "{'camera': {" camera "}}")
 
 static void what_is_framed_fills_its_share_of_all_views(void **state)
 {
@@ -274,7 +269,8 @@ static void what_is_framed_is_no_deeper_than_asked(void **state)
 static void nothing_cannot_be_framed(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{" THREE_THINGS "}"), *none = lf_test_scene("{}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("three-things")),
+             *none = lf_test_scene("{}");
     lf_render_settings settings = settings_of(scene, 90, 120);
     double target[3] = {7}, position[3] = {7};
     lf_error err;

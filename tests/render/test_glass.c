@@ -6,6 +6,7 @@
 #include "render/transport/path/path.h"
 #include "render/transport/sampler.h"
 #include "render/transport/surface/surface_glass.h"
+#include "tests/scene_file.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/fixture.h"
 
@@ -448,12 +449,7 @@ static void light_through_a_rough_slab_is_what_a_walk_finds(void **state)
 {
     (void)state;
     enum { N = 60000 };
-    lf_scene *scene = lf_test_scene(
-        "{ 'meshes': { 'slab': { 'shape': 'cube', 'material': 'glass', 'transform': { 'scale': "
-        "[100, 0.25, 100] } }, 'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { "
-        "'scale': [3000, 1, 3000], 'translate': [0, -1, 0] } } }, 'materials': { 'glass': { "
-        "'type': 'principled', 'roughness': 0.5, 'albedo': 1, 'transmission': 1, 'absorption': 1 "
-        "}, 'lamp': { 'type': 'diffuse', 'albedo': 0, 'emission': 1 } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("slab-over-light"));
     for (int c = 0; c < 2; c++) {
         walk w = {.alpha = 0.25};
         float cosine = c ? 0.4f : 1.0f;

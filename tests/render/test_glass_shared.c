@@ -2,30 +2,14 @@
  * weights; and mistakes in either that must be caught. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 8, blocks_of_all = n_views * 12 + 1 };
 
 /* Three answers, and the weights twice. */
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 5 * blocks_of_all)
 #define CERTAIN 1e-9
-
-/* A solid ball that absorbs, whose smooth normals lean, and a pane before it, both rough, over the
- * ground and a glowing card. */
-static const char scene_text[] = "{ " LF_TEST_CAMERA(
-    "3", "") "'meshes': { " LF_TEST_GROUND
-             ", 'ball': { 'shape': 'sphere', 'material': 'solid', 'transform': { 'scale': 0.7, "
-             "'translate': [-0.4, -0.2, 0] } }, 'pane': { 'shape': 'quad', 'material': 'pane', "
-             "'transform': { 'scale': 0.5, 'rotate': [80, 0, 20], 'translate': [0.6, 0, 0.9] } "
-             "}, 'card': { 'shape': 'quad', 'material': 'card', 'transform': { 'scale': 1.5, "
-             "'rotate': [90, 0, 0], 'translate': [0, 0.3, -2] } } }, 'materials': { 'clay': { "
-             "'albedo': [0.5, 0.45, 0.4] }, 'solid': { 'type': 'principled', 'roughness': 0.5, "
-             "'albedo': 1, 'transmission': 0.9, 'absorption': [0.2, 0.4, 0.6] }, 'pane': { "
-             "'type': 'principled', 'roughness': 0.4, 'albedo': [0.9, 0.8, 0.7], "
-             "'transmission': 1, 'glass': 'sheet' }, 'card': { 'albedo': 0.2, 'emission': [1, "
-             "1.2, 1.4] } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': [0.4, "
-             "0.5, 0.7] } } }";
 
 static void schedule(lf_renderer *r)
 {
@@ -35,7 +19,7 @@ static void schedule(lf_renderer *r)
 static void pictures(const char *integrator, lf_estimator estimator, unsigned faults, uint64_t seed,
                      lf_blocks *out)
 {
-    lf_scene *scene = lf_test_scene(scene_text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("rough-glass"));
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     r->faults = faults;
     lf_test_pictures(r, schedule, estimator, 16, seed, tile, out);
@@ -70,7 +54,8 @@ static void views_share_rough_glass_and_see_what_each_alone_does(void **state)
 static void weights_of_rough_glass_are_what_is_expected(void **state)
 {
     (void)state;
-    lf_test_assert_weights(scene_text, width, height, schedule, 16, tile, LEVEL);
+    lf_test_assert_weights(lf_test_scene_text("rough-glass"), width, height, schedule, 16, tile,
+                           LEVEL);
 }
 
 int main(void)

@@ -6,6 +6,8 @@
 
 #include "render/plane/kernel.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
+#include "tests/stat/uniform.h"
 
 enum { SIDE = 32, HALVES = 0x7c00 }; /* finite halves that are not negative: SIDE^3 has room */
 
@@ -54,12 +56,6 @@ static void every_half_is_exact(void **state)
     lf_grid_unref(grid[1]);
 }
 
-static float uniform(uint64_t *seed)
-{
-    *seed = lf_hash64(*seed, 1);
-    return (float)(*seed >> 40) * 0x1p-24f;
-}
-
 static void look_ups_are_those_of_floats(void **state)
 {
     (void)state;
@@ -71,14 +67,14 @@ static void look_ups_are_those_of_floats(void **state)
         float at[3], x[N], value[2][N];
         lf_line line;
         for (int i = 0; i < 3; i++) {
-            at[i] = 24.0f * uniform(&seed) - 2.0f;
-            line.origin[i] = 20.0f * uniform(&seed);
-            line.across[i] = 20.0f * uniform(&seed) - 10.0f;
+            at[i] = 24.0f * lf_test_uniform(&seed) - 2.0f;
+            line.origin[i] = 20.0f * lf_test_uniform(&seed);
+            line.across[i] = 20.0f * lf_test_uniform(&seed) - 10.0f;
         }
         assert_true(lf_grid_linear(grid[0], at[0], at[1], at[2]) ==
                     lf_grid_linear(grid[1], at[0], at[1], at[2]));
         for (int k = 0; k < N; k++)
-            x[k] = 2.0f * uniform(&seed) - 1.0f;
+            x[k] = 2.0f * lf_test_uniform(&seed) - 1.0f;
         for (int i = 0; lf_kernels_at(i); i++) {
             for (int j = 0; j < 2; j++) {
                 lf_volume volume = {.kind = LF_VOLUME_GRID, .grid = grid[j], .sigma_scale = 3.0f};
@@ -122,16 +118,11 @@ static void what_is_rounded_is_near(void **state)
     lf_grid_unref(exact);
 }
 
-#define SCENE                                                                                      \
-    "{ 'camera': { 'position': [0, 0.5, 5], 'views': 5, 'cone': 30, 'fov_y': 24 }, "               \
-    "" LF_TEST_VOLUMES(                                                                            \
-        "") ", 'lights': { 'sky': { 'type': 'environment', 'radiance': [0.4, 0.5, 0.7] }, "        \
-            "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5] } } }"
-
 /* Suffixes go one by one. */
 static double *picture(lf_grid *grid, const char *integrator, bool nearest)
 {
-    lf_scene *scene = lf_test_grid_scene(SCENE, lf_grid_ref(grid), 0.08, 0.4, 6.0f, nearest);
+    lf_scene *scene = lf_test_grid_scene(lf_test_scene_text("voxels-in-sun"), lf_grid_ref(grid),
+                                         0.08, 0.4, 6.0f, nearest);
     lf_renderer *r = lf_test_renderer(scene, integrator, 24, 18, NULL);
     lf_render_settings settings = *lf_renderer_settings(r);
     settings.skip = LF_SKIP_ALL & ~LF_SKIP_PATHS;

@@ -8,6 +8,7 @@
 #include <limits.h>
 
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 16, tiles = n_views * 4 + 1 };
 
@@ -83,20 +84,13 @@ static void other_places_are_refused(void **state)
     lf_grid_unref(between);
 }
 
-#define VOLUME(name, grid)                                                                         \
-    "'" name "': { 'file': 'colours.vdb', 'grid': " grid ", 'scale': 2, 'albedo': 0.7, 'g': 0.3, " \
-    "'transform': { 'scale': 0.2, 'translate': [-0.7, -0.7, -0.7] } }"
-
+/* With these changes of the volumes. */
 static lf_scene *scene_of(const char *volumes)
 {
-    char folder[PATH_MAX], text[2048];
+    char folder[PATH_MAX];
     assert_non_null(realpath(lf_test_built("testdata"), folder));
-    snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': "
-             "1.3333333333, 'cone': 40, 'views': 3 }, 'lights': { 'sky': { 'type': 'environment', "
-             "'radiance': [0.4, 0.5, 0.7] } }, 'volumes': { %s } }",
-             volumes);
-    return lf_test_scene_in(folder, text, NULL);
+    return lf_test_scene_in(
+        folder, lf_test_scene_patched("summed-voxels", "{'volumes': {%s}}", volumes), NULL);
 }
 
 static void pictures(lf_scene *scene, const char *integrator, uint64_t salt, lf_blocks out[2])
@@ -108,9 +102,9 @@ static void a_volume_of_two_grids_is_two_volumes(void **state)
 {
     (void)state;
     lf_blocks truth[2], seen[2];
-    pictures(scene_of(VOLUME("a", "'red'") ", " VOLUME("b", "'blue'")), "vpt", 1, truth);
+    pictures(scene_of(""), "vpt", 1, truth);
     for (int i = 0; i < 2; i++) {
-        pictures(scene_of(i ? VOLUME("a", "'red'") : VOLUME("a", "['red', 'blue']")), "mvpt", 2,
+        pictures(scene_of(i ? "'b': null" : "'a': {'grid': ['red', 'blue']}, 'b': null"), "mvpt", 2,
                  seen);
         lf_test_assert_answers(seen, &truth[1], LEVEL, i == 0);
     }

@@ -6,6 +6,7 @@
  * says, and five of those would be seen. With QUILTD_LONG=1 it is below 0.3 of that. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/h_function.h"
 
@@ -36,13 +37,7 @@ static void h_is_what_its_author_computed(void **state)
 
 /* ------------------------------------------------------------------------------- half-spaces -- */
 
-/* The face is the plane z = 0, a mean free path is 1 wide, and the views look at it aslant, at
- * cosines from about 0.15 to 0.9. */
-#define CAMERA                                                                                     \
-    "'quiltd': 1, 'camera': { 'position': [8, 1, 4], 'target': [0, 0, 0], 'up': [0, 0, 1], "       \
-    "'fov_y': 30, 'aspect': 1.3333333333, "                                                        \
-    "'views': 3, "                                                                                 \
-    "'cone': 70 }, 'render': { 'max_depth': 16384 }, "
+/* A form of half-space. */
 typedef struct half_space {
     const char *voxels; /* how they are interpolated; NULL = none, a shape */
     double albedo, sun; /* cosine of the sun to the face's normal */
@@ -82,27 +77,24 @@ static char *volume_of(const half_space *s)
     char path[PATH_MAX], *text = NULL;
     assert_non_null(realpath(lf_test_built("testdata/block.vdb"), path));
     if (s->voxels)
-        assert_true(
-            asprintf(&text,
-                     "'file': '%s', 'interpolation': '%s', 'transform': { 'scale': [100, 100, 4], "
-                     "'translate': [-350, -350, -30] }",
-                     path, s->voxels) > 0);
+        assert_true(asprintf(&text,
+                             "'shape': null, 'file': '%s', 'interpolation': '%s', 'transform': "
+                             "{'scale': [100, 100, 4], "
+                             "'translate': [-350, -350, -30]}, ",
+                             path, s->voxels) > 0);
     else
-        assert_non_null(text = strdup("'shape': 'box', 'transform': { 'scale': [2000, 2000, 300], "
-                                      "'translate': [0, 0, -300] }"));
+        assert_non_null(text = strdup(""));
     return text;
 }
 
 static lf_scene *scene_of(const half_space *s)
 {
-    char *volume = volume_of(s), *text = NULL;
-    assert_true(asprintf(&text,
-                         "{ " CAMERA "'volumes': { 'ground': { %s, 'albedo': %.17g } }, 'lights': "
-                         "{ 'sun': { 'type': 'distant', "
-                         "'direction': [%.17g, 0, %.17g] } } }",
-                         volume, s->albedo, sqrt(1 - s->sun * s->sun), -s->sun) > 0);
-    lf_scene *scene = lf_test_scene(text);
-    free(text);
+    char *volume = volume_of(s);
+    lf_scene *scene =
+        lf_test_scene(lf_test_scene_patched("half-space",
+                                            "{'volumes': {'ground': {%s'albedo': %.17g}}, "
+                                            "'lights': {'sun': {'direction': [%.17g, 0, %.17g]}}}",
+                                            volume, s->albedo, sqrt(1 - s->sun * s->sun), -s->sun));
     free(volume);
     return scene;
 }

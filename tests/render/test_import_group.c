@@ -10,6 +10,7 @@
 #include "render/scene/scene.h"
 #include "tests/base/pictures.h"
 #include "tests/render/fake_reader.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 /* What meshes_import.c says. */
@@ -128,24 +129,9 @@ static void a_mesh_file_is_read_once(void **state)
     lf_test_folder_remove(folder);
 }
 
-/* Two that are read together stand in places of their own; others of the file are elsewhere, or
- * smooth, or of a material of the scene, which the reader is to know. */
-#define APART                                                                                      \
-    "{'camera': {'position': [0, 0, 9], 'views': 2},"                                              \
-    " 'lights': {'s': {'type': 'environment', 'radiance': 1}},"                                    \
-    " 'materials': {'red': {'type': 'diffuse', 'albedo': [1, 0, 0]},"                              \
-    "  'blue': {'type': 'diffuse', 'albedo': [0, 0, 1]}},"                                         \
-    " 'meshes': {'m0': {'file': '%s', 'material': 'red', 'instances': [{'translate': [-1, 0, "     \
-    "0]}]},"                                                                                       \
-    "  'm1': {'file': '%s', 'material': 'blue', 'instances': [{'translate': [0.5, 0, 0]}]},"       \
-    "  'm2': {'file': '%s', 'transform': {'translate': [0, 1, 0]}},"                               \
-    "  'm3': {'file': '%s', 'normals': 'smooth', 'transform': {'translate': [0, -1, 0]}},"         \
-    "  'm4': {'file': '%s', 'material': 'red', 'transform': {'scale': 0.5}},"                      \
-    "  'm5': {'file': '%s', 'instances': [{'translate': [2, 0, 0]}]}}}"
-
 static void meshes_that_share_a_reading_are_those_that_are_read_apart(void **state)
 {
-    char *folder = lf_test_folder(), text[2048];
+    char *folder = lf_test_folder();
     static const char corner[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\n";
     static const char *const names[] = {"a.obj", "b.obj", "c.obj", "d.obj", "e.obj", "f.obj"};
     double *picture[2];
@@ -156,7 +142,11 @@ static void meshes_that_share_a_reading_are_those_that_are_read_apart(void **sta
         const char *of[6];
         for (int i = 0; i < 6; i++)
             of[i] = names[apart ? i : 0];
-        snprintf(text, sizeof text, APART, of[0], of[1], of[2], of[3], of[4], of[5]);
+        const char *text = lf_test_scene_patched(
+            "six-meshes",
+            "{'meshes': {'m0': {'file': '%s'}, 'm1': {'file': '%s'}, 'm2': {'file': '%s'}, "
+            "'m3': {'file': '%s'}, 'm4': {'file': '%s'}, 'm5': {'file': '%s'}}}",
+            of[0], of[1], of[2], of[3], of[4], of[5]);
         assert_int_equal(count_read(folder, text, ".obj"), apart ? 6 : 5);
         lf_scene *scene = lf_test_scene_in(folder, text, NULL);
         picture[apart] = lf_test_picture_by(scene, 16, 16, 1);

@@ -4,7 +4,7 @@
 
 #include "render/plane/section_rays.h"
 #include "tests/render/instances.h"
-#include "tests/stat/scenes.h"
+#include "tests/scene_file.h"
 
 enum { width = 40, height = 30, tile = 8, views = 3 };
 
@@ -24,10 +24,8 @@ static lf_scene *scene_of(const char *shape, const char *material, bool copies, 
     double m[n_instances][12];
     char *at = text, *end = text + sizeof text;
     places(moved, m);
-    at += snprintf(at, (size_t)(end - at),
-                   "{ 'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'aspect': "
-                   "1.3333333333, 'cone': 40, 'views': %s%s }, 'meshes': { " LF_TEST_GROUND ", ",
-                   n_views, more);
+    at +=
+        snprintf(at, (size_t)(end - at), "{'camera': {'views': %s%s}, 'meshes': {", n_views, more);
     for (int k = 0; k < n_instances; k++) {
         if (k == 0 || copies)
             at += snprintf(at, (size_t)(end - at),
@@ -39,13 +37,8 @@ static lf_scene *scene_of(const char *shape, const char *material, bool copies, 
         if (k + 1 < n_instances)
             at += snprintf(at, (size_t)(end - at), ", ");
     }
-    snprintf(at, (size_t)(end - at),
-             "%s }, 'materials': { 'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'glaze': { 'type': "
-             "'plastic', 'albedo': [0.6, 0.3, 0.2], 'roughness': 0.5 }, 'pane': { 'type': "
-             "'principled', 'roughness': 0, 'albedo': 0.8, 'transmission': 1, 'glass': 'sheet' }, "
-             "'glow': { 'albedo': 0.5, 'emission': 2 } }, " LF_TEST_LIGHTS " }",
-             copies ? "" : "] }");
-    return lf_test_scene(text);
+    snprintf(at, (size_t)(end - at), "%s}}", copies ? "" : "]}");
+    return lf_test_scene(lf_test_scene_patched("instances-on-ground", "%s", text));
 }
 
 /* -------------------------------------------------------------------------------------- rays -- */

@@ -3,69 +3,43 @@
 #include "tests/testing.h"
 
 #include "render/transport/path/interior.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 32, height = 24, n_views = 2, tile = 8, blocks_of_all = n_views * 12 + 1 };
 enum { CASES = 4 };
 #define LEVEL lf_sidak(LF_FALSE_ALARM, CASES *blocks_of_all)
 #define CERTAIN 1e-9
 
-#define PLACE "'transform': { 'scale': [0.8, 0.6, 0.7], 'rotate': [0, 30, 0] }"
-#define CUBE "'cube': { 'shape': 'cube', 'material': 'fill', " PLACE " }"
-/* What lies inside of the cube: a card and a lamp. */
-#define INSIDE                                                                                     \
-    "'card': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 0.4, 'translate': "    \
-    "[0, -0.3, 0] } }, 'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': "    \
-    "0.2, 'rotate': [180, 0, 0], 'translate': [0, 0.4, 0] } }"
-#define SCENE(meshes, volumes, more)                                                               \
-    "{ " LF_TEST_CAMERA(                                                                           \
-        "2",                                                                                       \
-        "") "'meshes': { " LF_TEST_GROUND ", " meshes " }, 'volumes': { " volumes                  \
-            " }, 'materials': { 'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'lamp': { 'albedo': 0, "   \
-            "'emission': [3, 4, 5] }, 'fill': { 'type': 'principled', 'roughness': 0, 'ior': 1, "  \
-            "'albedo': 1, 'transmission': 1" more                                                  \
-            " } }, 'lights': { 'sky': { 'type': 'environment', "                                   \
-            "'radiance': [0.4, 0.5, 0.7] } } }"
-/* Without the glass, whose material nothing is made of. */
-#define OPEN(meshes, volumes) SCENE(meshes, volumes, "")
+/* The glass with changes of what is in it, and filled with this; with nothing in it; and volumes in
+ * its place. */
+#define FILLED(meshes, volumes, fill)                                                              \
+    "{'meshes': {" meshes "}, 'volumes': {" volumes "}, 'materials': {'fill': {" fill "}}}"
+#define EMPTY(fill) FILLED(ALONE, "'fog': null", fill)
+#define OPEN(meshes, volumes) "{'meshes': {" meshes "}, 'volumes': {" volumes "}}"
+#define ALONE "'card': null, 'lamp': null"
+#define FAR                                                                                        \
+    "'cube': null, 'card': null, 'lamp': null, 'far': {'shape': 'quad', 'material': 'clay', "      \
+    "'transform': {'translate': [0, -50, 0]}}"
+#define BOX(medium)                                                                                \
+    "{'shape': 'box', " medium ", 'transform': {'scale': [0.8, 0.6, 0.7], 'rotate': [0, 30, 0]}}"
 
 static const struct {
-    const char *filled, *open, *wrong;
+    const char *filled, *open, *wrong; /* patches of filled-glass */
 } cases[CASES] = {
     /* milk */
-    {SCENE(CUBE, "", ", 'scattering': [1.8, 1.4, 0.8], 'absorption': [0.2, 0.6, 1.2], 'g': 0.5"),
-     OPEN("'far': { 'shape': 'quad', 'material': 'clay', 'transform': { 'translate': [0, -50, 0] } "
-          "}",
-          "'fog': { 'shape': 'box', 'density': 2, 'albedo': [0.9, 0.7, 0.4], 'g': 0.5, " PLACE
-          " }"),
-     SCENE(CUBE, "", ", 'scattering': [1.8, 1.4, 0.8], 'absorption': [0.2, 0.6, 1.2], 'g': 0")},
+    {EMPTY("'scattering': [1.8, 1.4, 0.8], 'absorption': [0.2, 0.6, 1.2], 'g': 0.5"),
+     OPEN(FAR, "'fog': null, 'milk': " BOX("'density': 2, 'albedo': [0.9, 0.7, 0.4], 'g': 0.5")),
+     EMPTY("'scattering': [1.8, 1.4, 0.8], 'absorption': [0.2, 0.6, 1.2], 'g': 0")},
     /* things in coloured glass: between them, and a lamp's light sample */
-    {SCENE(CUBE ", " INSIDE, "", ", 'absorption': 1"),
-     OPEN(INSIDE, "'fog': { 'shape': 'box', 'density': 1, 'albedo': 0, " PLACE " }"),
-     SCENE(CUBE ", " INSIDE, "", ", 'absorption': 0.9")},
+    {FILLED("", "'fog': null", "'absorption': 1"),
+     OPEN("'cube': null", "'fog': null, 'ink': " BOX("'density': 1, 'albedo': 0")),
+     FILLED("", "'fog': null", "'absorption': 0.9")},
     /* smoke in clear glass, and in milk */
-    {SCENE(CUBE,
-           "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': "
-           "{ 'scale': 0.5 } }",
-           ", 'absorption': 0.001"),
-     OPEN("'far': { 'shape': 'quad', 'material': 'clay', 'transform': { 'translate': [0, -50, 0] } "
-          "}",
-          "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': { "
-          "'scale': 0.5 } }"),
-     SCENE(CUBE, "", ", 'absorption': 0.001")},
-    {SCENE(CUBE,
-           "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': "
-           "{ 'scale': 0.5 } }",
-           ", 'absorption': 0.5, 'scattering': 0.5"),
-     OPEN("'far': { 'shape': 'quad', 'material': 'clay', 'transform': { 'translate': [0, -50, 0] } "
-          "}",
-          "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': { "
-          "'scale': 0.5 } }, 'milk': { 'shape': 'box', 'density': 1, 'albedo': 0.5, " PLACE " }"),
-     SCENE(CUBE,
-           "'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.3, 'transform': "
-           "{ 'scale': 0.5 } }",
-           ", 'absorption': 0.6, 'scattering': 0.5")},
+    {FILLED(ALONE, "", "'absorption': 0.001"), OPEN(FAR, ""), EMPTY("'absorption': 0.001")},
+    {FILLED(ALONE, "", "'absorption': 0.5, 'scattering': 0.5"),
+     OPEN(FAR, "'milk': " BOX("'density': 1, 'albedo': 0.5")),
+     FILLED(ALONE, "", "'absorption': 0.6, 'scattering': 0.5")},
 };
 
 static void schedule(lf_renderer *r)
@@ -73,9 +47,11 @@ static void schedule(lf_renderer *r)
     lf_test_passes(r, 8 * n_views);
 }
 
-static void pictures(const char *text, const char *integrator, uint64_t seed, lf_blocks *out)
+static void pictures(const char *name, const char *patch, const char *integrator, uint64_t seed,
+                     lf_blocks *out)
 {
-    lf_test_pictures_of(lf_test_scene(text), integrator, width, height, schedule, seed, tile, out);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(name, "%s", patch));
+    lf_test_pictures_of(scene, integrator, width, height, schedule, seed, tile, out);
 }
 
 static void what_fills_glass_of_index_one_is_a_volume(void **state)
@@ -84,9 +60,9 @@ static void what_fills_glass_of_index_one_is_a_volume(void **state)
     for (int i = 0; i < CASES; i++) {
         lf_blocks filled, open, wrong;
         int where = 0;
-        pictures(cases[i].filled, i % 2 ? "mvpt" : "vpt", 1000, &filled);
-        pictures(cases[i].open, "mvpt", 2000, &open);
-        pictures(cases[i].wrong, "vpt", 3000, &wrong);
+        pictures("filled-glass", cases[i].filled, i % 2 ? "mvpt" : "vpt", 1000, &filled);
+        pictures("filled-glass", cases[i].open, "mvpt", 2000, &open);
+        pictures("filled-glass", cases[i].wrong, "vpt", 3000, &wrong);
         double p = lf_blocks_welch(&filled, &open, &where);
         if (!(p > LEVEL))
             fail_msg("case %d, block %d: %.5g +- %.2g, as a volume %.5g +- %.2g, p %.2g", i, where,
@@ -104,18 +80,11 @@ static void what_fills_glass_of_index_one_is_a_volume(void **state)
 static void rough_faces_dim_as_smooth_ones_do(void **state)
 {
     (void)state;
-    static const char format[] =
-        "{ 'camera': { 'position': [0, 0, 9], 'views': 3, 'cone': 6, 'fov_y': 10 }, 'meshes': { "
-        "'slab': { 'shape': 'cube', 'material': 'glass', 'transform': { 'scale': [20, 20, 1] } } "
-        "}, 'materials': { 'glass': { 'type': 'principled', 'roughness': %g, 'albedo': 1, "
-        "'transmission': 1, 'ior': 1.05, 'absorption': 1 } }, 'lights': { 'sky': { 'type': "
-        "'environment', 'radiance': 1 } } }";
+    static const char *const roughness[] = {"{}", "{'materials': {'glass': {'roughness': 0.05}}}"};
     for (int i = 0; i < 4; i++) {
-        char text[1024];
         lf_blocks seen;
         lf_moments all = {0};
-        snprintf(text, sizeof text, format, i < 2 ? 0.0 : 0.05);
-        pictures(text, i % 2 ? "mvpt" : "vpt", 5, &seen);
+        pictures("glass-slab", roughness[i / 2], i % 2 ? "mvpt" : "vpt", 5, &seen);
         for (int b = 0; b < seen.n; b++)
             lf_moments_add(&all, seen.moments[b].mean);
         lf_assert_close(all.mean, exp(-2.0), 0.01, 0);
@@ -129,11 +98,7 @@ static void what_scatters_all_is_not_seen_under_an_even_sky(void **state)
 {
     (void)state;
     enum { N = 40000 };
-    lf_scene *scene = lf_test_scene(
-        "{ 'meshes': { 'ball': { 'shape': 'sphere', 'material': 'milk' } }, 'materials': { 'milk': "
-        "{ 'type': 'principled', 'roughness': 0.4, 'albedo': 1, 'transmission': 1, 'ior': 1.3, "
-        "'scattering': [0.2, 1, 3], 'g': 0.6 } }, 'lights': { 'sky': { 'type': 'environment', "
-        "'radiance': 1 } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("milk-ball"));
     lf_tracer tracer = {.scene = scene, .rng = lf_test_seed() + 3};
     lf_event event = {.kind = LF_EVENT_SURFACE, .w = lf_v3(0.0f, 0.0f, -1.0f)};
     assert_true(lf_trace_surface(&tracer, lf_v3(0.2f, 0.3f, 4.0f), event.w, INFINITY, &event.hit));

@@ -13,7 +13,7 @@ static void every_instruction_set_equals_plain_c_bit_for_bit(void **state)
     assert_true(make_slice(&slice, 11));
     /* planes that stand partly behind the cameras */
     for (int i = 0; i < NZ; i += 3)
-        slice.behind[i] = uniform(&seed);
+        slice.behind[i] = lf_test_uniform(&seed);
     for (int i = 1; lf_kernels_at(i); i++) {
         for (int trial = 0; trial < 500; trial++) {
             lf_fan fan;
@@ -49,7 +49,7 @@ static void moments_are_the_same_in_every_instruction_set(void **state)
     lf_slice slice;
     assert_true(make_slice(&slice, 13));
     for (int i = 0; i < NZ; i += 3)
-        slice.behind[i] = uniform(&seed);
+        slice.behind[i] = lf_test_uniform(&seed);
     for (int trial = 0; trial < 500; trial++) {
         lf_fan fan;
         lf_body body = make_body(&seed);
@@ -91,7 +91,7 @@ static lf_grid *make_grid(uint64_t *seed)
     lf_assert_ok(lf_grid_allocate(grid, NULL), NULL);
     for (int i = 0; i < SIDE * SIDE * 6; i++) {
         const int at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
-        lf_grid_fill(grid, at, at, lf_max(uniform(seed) - 0.2f, 0.0f));
+        lf_grid_fill(grid, at, at, lf_max(lf_test_uniform(seed) - 0.2f, 0.0f));
     }
     lf_grid_finish(grid);
     return grid;
@@ -112,15 +112,15 @@ static void grids_are_the_same_in_every_instruction_set(void **state)
         make_fan(&fan, trial % 2 == 0, &seed);
         lf_probe probe = {.slice = &slice,
                           .volume = &volume,
-                          .z = 2.8f + 3.5f * uniform(&seed),
+                          .z = 2.8f + 3.5f * lf_test_uniform(&seed),
                           .my2 = 1.1f,
                           .inverse = 0.1f};
         for (int i = 0; i < 3; i++) {
-            probe.line.origin[i] = 20.0f * uniform(&seed) - (i == 2 ? 3.0f : 0.0f);
-            probe.line.across[i] = 20.0f * uniform(&seed) - 10.0f;
+            probe.line.origin[i] = 20.0f * lf_test_uniform(&seed) - (i == 2 ? 3.0f : 0.0f);
+            probe.line.across[i] = 20.0f * lf_test_uniform(&seed) - 10.0f;
         }
         for (int k = 0; k < LANES; k++)
-            points[k] = 4.0f * uniform(&seed) - 2.0f;
+            points[k] = 4.0f * lf_test_uniform(&seed) - 2.0f;
         for (int i = 0; lf_kernels_at(i); i++) {
             const lf_kernels *kernels = lf_kernels_at(i);
             int j = i > 0;

@@ -4,6 +4,7 @@
 
 #include "render/import/scene/keyframes.h"
 #include "render/scene/geometry.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 /* text with ' for ". */
@@ -58,22 +59,8 @@ static void a_number_is_that_of_its_keys_in_the_frame(void **state)
 static void keys_stand_wherever_numbers_stand_and_nowhere_else(void **state)
 {
     (void)state;
-    json_t *moving = document(
-               "{'frame': 2, 'camera': {'position': {'keys': [[1, [0, 0, 4]], [3, [2, 0, 6]]]}},"
-               "'film': {'exposure': {'keys': [[2, 1]]}}, 'backdrop': {'keys': [[1, 0], [3, 1]]},"
-               "'volumes': {'v': {'shape': 'box', 'density': {'keys': [[1, 1], [3, 2]]}}},"
-               "'meshes': {'views': {'shape': 'cube', 'transform': {'rotate': {'keys':"
-               "[[1, [0, 350, 0]], [3, [0, 370, 0]]]}}}, 'keys': {'shape': 'quad'}},"
-               "'materials': {'m': {'emission': {'keys': [[1, [1, 2, 3]], [3, [3, 2, 1]]]}}},"
-               "'lights': {'keys': {'type': 'point', 'intensity': {'keys': [[1, 4], [3, 8]]}}}}"),
-           *plain = document(
-               "{'frame': 2, 'camera': {'position': [1.0, 0.0, 5.0]},"
-               "'film': {'exposure': 1.0}, 'backdrop': 0.5,"
-               "'volumes': {'v': {'shape': 'box', 'density': 1.5}},"
-               "'meshes': {'views': {'shape': 'cube', 'transform': {'rotate': [0.0, 360.0, 0.0]}},"
-               "'keys': {'shape': 'quad'}},"
-               "'materials': {'m': {'emission': [2.0, 2.0, 2.0]}},"
-               "'lights': {'keys': {'type': 'point', 'intensity': 6.0}}}");
+    json_t *moving = lf_test_scene_document("keyed-everywhere"),
+           *plain = lf_test_scene_document("keyed-at-frame-2");
     lf_scene *a = NULL, *b = NULL;
     lf_error err = {0};
     lf_assert_ok(lf_scene_from_json(moving, "/", "test", NULL, NULL, &a, &err), &err);

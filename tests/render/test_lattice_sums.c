@@ -1,6 +1,7 @@
 /* Sums of moments and the fits made of them: seen from another place, as a linear function says,
  * and in coarser cells what finer ones have. */
 #include "tests/render/reconstruct_testing.h"
+#include "tests/scene_file.h"
 
 #include "render/reconstruct/kernel.h"
 
@@ -100,7 +101,7 @@ static void coarser_cells_have_what_finer_ones_have(void **state)
 {
     (void)state;
     double finest[LF_FEATURES][LF_FEATURES], sum[LF_FEATURES][LF_FEATURES];
-    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), 32, 24, NULL);
+    lf_renderer *r = reconstruct_renderer(lf_test_scene_views("mixed", 9), 32, 24, NULL);
     reconstruct_visits(r, NULL, 3);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     sum_level(r->shown, 0, finest);

@@ -1,21 +1,11 @@
 /* Layers beside the colours of view pixels. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 /* A wall across the view axis at a distance of 6.25 in the left half, a thin slab from 3.5 to 4.5
  * before all of it. */
-#define SCENE                                                                                      \
-    "{ 'quiltd': 1, 'camera': { 'target': [0,0,0], 'position': [0,0,5], 'up': [0,1,0],"            \
-    " 'fov_y': 14, 'aspect': 1, 'views': 3, 'cone': 4 },"                                          \
-    " 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } },"                              \
-    " 'materials': { 'm': { 'type': 'diffuse', 'albedo': [0.5, 0.25, 0.75] } },"                   \
-    " 'meshes': { 'w': { 'shape': 'quad', 'material': 'm', 'transform': { 'rotate': [90,0,0],"     \
-    " 'scale': 20, 'translate': [-20,0,-1.25] } } }"
-#define SLAB                                                                                       \
-    ", 'volumes': { 'b': { 'shape': 'box', 'density': 1e-3, 'albedo': 1, 'transform': { 'scale': " \
-    "[4,4,0.5], 'translate': [0,0,1] } } }"
 
 enum { SIDE = 16, VIEWS = 3, PIXELS = SIDE * SIDE * VIEWS };
 
@@ -45,7 +35,7 @@ static void pixels_know_how_far_and_what_they_see(void **state)
     const unsigned wanted =
         LF_LAYER_DEPTH | LF_LAYER_COVERAGE | LF_LAYER_NORMAL | LF_LAYER_ALBEDO | LF_LAYER_SAMPLES;
     static const float wall[] = {6.25f, 1.0f, 0.0f, 0.0f, 1.0f, 0.5f, 0.25f, 0.75f};
-    lf_scene *scene = lf_test_scene(SCENE SLAB "}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("wall-behind-slab"));
     lf_renderer *r = render(scene, true, NULL, 1);
     float *out = layers_of(r, wanted);
     for (int row = 0; row < SIDE; row++)
@@ -76,17 +66,13 @@ static void pixels_know_how_far_and_what_they_see(void **state)
 static void mirrors_and_lamps_are_where_they_are(void **state)
 {
     (void)state;
-    static const char *const walls[] = {"{ 'type': 'conductor', 'albedo': 0.9, 'roughness': 0 }",
-                                        "{ 'type': 'diffuse', 'albedo': 0, 'emission': 1 }"};
+    static const char *const walls[] = {
+        "{ 'type': 'conductor', 'albedo': 0.9, 'roughness': 0 }",
+        "{ 'type': 'diffuse', 'albedo': 0, 'roughness': null, 'emission': 1 }"};
     for (int i = 0; i < 4; i++) {
-        char text[2048];
-        snprintf(text, sizeof text,
-                 "{ 'quiltd': 1, 'camera': { 'target': [0,0,0], 'position': [0,0,5], 'fov_y': 14, "
-                 "'aspect': 1, 'views': 3, 'cone': 4 }, 'materials': { 'm': %s }, 'meshes': { 'w': "
-                 "{ 'shape': 'quad', 'material': 'm', 'transform': { 'rotate': [90,0,0], 'scale': "
-                 "20, 'translate': [0,0,-1.25] } } } %s }",
-                 walls[i % 2], i < 2 ? "" : SLAB);
-        lf_scene *scene = lf_test_scene(text);
+        lf_scene *scene =
+            lf_test_scene(lf_test_scene_patched("mirror-behind-slab", "{'materials': {'m': %s}%s}",
+                                                walls[i % 2], i < 2 ? ", 'volumes': null" : ""));
         lf_renderer *r = render(scene, true, NULL, 1);
         float *out = layers_of(r, LF_LAYER_DEPTH | LF_LAYER_COVERAGE);
         for (int k = 0; k < PIXELS; k++) {
@@ -105,13 +91,7 @@ static void mirrors_and_lamps_are_where_they_are(void **state)
 static void rims_of_mirrors_are_no_holes(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{ 'quiltd': 1, 'camera': { 'target': [0,0,0], 'position': [0,0,5], 'fov_y': 14, 'aspect': "
-        "1, 'views': 3, 'cone': 4 }, 'materials': { 'm': { 'type': 'conductor', 'albedo': 0.9, "
-        "'roughness': 0 }, 'w': { 'type': 'diffuse' } }, 'meshes': { 'w': { 'shape': 'quad', "
-        "'material': 'w', 'transform': { 'rotate': [90,0,0], 'scale': 20, 'translate': [0,0,-1.25] "
-        "} }, 'm': { 'shape': 'quad', 'material': 'm', 'transform': { 'rotate': [90,0,20], "
-        "'scale': 0.5 } } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("mirror-rim"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", SIDE, SIDE, NULL);
     lf_render_settings settings = *lf_renderer_settings(r);
     settings.features = true;
@@ -130,7 +110,7 @@ static void rims_of_mirrors_are_no_holes(void **state)
 static void where_nothing_is_met_everything_is_0(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(SCENE "}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched("wall-behind-slab", "{'volumes': null}"));
     lf_renderer *r = render(scene, true, NULL, 1);
     float *out = layers_of(r, 127);
     int n = lf_layer_channels(127, NULL);
@@ -148,7 +128,7 @@ static void variance_is_what_pictures_are_apart(void **state)
 {
     (void)state;
     double said = 0.0, apart = 0.0;
-    lf_scene *scene = lf_test_scene(LF_TEST_FOGS("3", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("fogs", 3));
     for (uint64_t seed = 0; seed < 24; seed++) {
         static float colours[2][3 * PIXELS];
         lf_renderer *r[2];
@@ -172,7 +152,7 @@ static void variance_is_what_pictures_are_apart(void **state)
 static void layers_do_not_depend_on_threads_and_need_what_they_are_made_of(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("3", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 3));
     float *out[2], none[1];
     for (int i = 0; i < 2; i++) {
         lf_pool *pool = NULL;
@@ -201,7 +181,7 @@ static void rows_without_visits_are_as_far_as_the_nearest_one_with(void **state)
     const unsigned wanted = LF_LAYER_DEPTH | LF_LAYER_NORMAL | LF_LAYER_VARIANCE | LF_LAYER_SAMPLES;
     const int n = 8, row_length = n * SIDE * VIEWS;
     double samples = 0.0;
-    lf_scene *scene = lf_test_scene(SCENE SLAB "}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("wall-behind-slab"));
     lf_renderer *r = render(scene, true, NULL, 1);
     float *whole = layers_of(r, wanted);
     lf_assert_ok(lf_renderer_restart(r, scene, lf_renderer_settings(r), NULL), NULL);

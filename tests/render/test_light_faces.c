@@ -6,8 +6,8 @@
 #include "render/scene/geometry.h"
 #include "render/transport/light/light_kind.h"
 #include "render/transport/path/path.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { side = 24, n_views = 5, values = 3 * n_views * side * side };
 
@@ -233,30 +233,21 @@ static void render(const char *text, const char *integrator, int cycles, float o
     lf_scene_unref(scene);
 }
 
-#define THINGS                                                                                     \
-    "'camera': { 'position': [0, 1, 6], 'fov_y': 30, 'aspect': 1, 'views': 5, 'cone': 30 }, "      \
-    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, 'transform': { 'scale': 0.5, "       \
-    "'translate': [0.7, 0, 0.5] } } }, 'materials': { 'clay': {}, 'lamp': { 'albedo': 0, "         \
-    "'emission': [5, 4, 3] }, 'metal': { 'type': 'conductor', 'roughness': 0.4 } }, "
-
 /* A lamp that is seen from its front alone. */
 static void a_rectangle_is_an_emissive_quad_bit_by_bit(void **state)
 {
     (void)state;
     static float rectangle[values], mesh[values], higher[values];
-#define LIT_BY(lamp, light)                                                                        \
-    "{ " THINGS "'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': 'sphere', 'material': "        \
-    "'metal', 'transform': { 'scale': 0.5 , 'translate': [-0.6, 0, 0] } }" lamp " }" light " }"
-#define RECTANGLE(height)                                                                          \
-    ", 'lights': { 'l': { 'type': 'rectangle', 'position': [0.3, " height ", 0.2], 'width': "      \
-    "1.5, 'height': 1, 'radiance': [5, 4, 3] } }"
-    render(LIT_BY("", RECTANGLE("2.5")), "mvpt", 3, rectangle);
-    render(LIT_BY(", 'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': "
-                  "[0.75, 1, 0.5], 'rotate': [0, 0, 180], 'translate': [0.3, 2.5, 0.2] } }",
-                  ""),
+    render(lf_test_scene_text("under-rectangle"), "mvpt", 3, rectangle);
+    render(lf_test_scene_patched("under-rectangle",
+                                 "{'meshes': {'lamp': {'shape': 'quad', 'material': 'lamp', "
+                                 "'transform': {'scale': [0.75, 1, 0.5], 'rotate': [0, 0, 180], "
+                                 "'translate': [0.3, 2.5, 0.2]}}}, 'lights': null}"),
            "mvpt", 3, mesh);
     assert_memory_equal(rectangle, mesh, sizeof mesh);
-    render(LIT_BY("", RECTANGLE("2.6")), "mvpt", 3, higher);
+    render(lf_test_scene_patched("under-rectangle",
+                                 "{'lights': {'l': {'position': [0.3, 2.6, 0.2]}}}"),
+           "mvpt", 3, higher);
     assert_memory_not_equal(rectangle, higher, sizeof mesh);
 }
 
@@ -296,14 +287,10 @@ static void a_back_lights_nothing_and_mirrors_show_it_black(void **state)
                                             "'type': 'conductor', 'albedo': 1, 'roughness': 0.5"};
     for (int turned = 0; turned < 2; turned++)
         for (int m = 0; m < 3; m++) {
-            char text[1024];
-            snprintf(text, sizeof text,
-                     "{ 'camera': { 'position': [0, 5, 0.1], 'fov_y': 6, 'aspect': 1, 'views': 5, "
-                     "'cone': 6 }, 'meshes': { 'ground': { 'shape': 'quad', 'material': 'm', "
-                     "'transform': { 'scale': 2 } } }, 'materials': { 'm': { %s } }, 'lights': { "
-                     "'l': { 'type': 'rectangle', 'position': [0, 9, 0], 'direction': [0, %d, 0], "
-                     "'width': 90, 'height': 90, 'radiance': 7 } } }",
-                     materials[m], turned ? 1 : -1);
+            const char *text = lf_test_scene_patched(
+                "light-above-ground",
+                "{'materials': {'m': {%s}}, 'lights': {'l': {'direction': [0, %d, 0]}}}",
+                materials[m], turned ? 1 : -1);
             render(text, "mvpt", 2, picture);
             double sum = 0.0;
             for (int k = 0; k < values; k++)
@@ -322,14 +309,8 @@ static void the_camera_looks_through_a_hidden_light(void **state)
     enum { replicates = 8, block = 8 };
     static const char *const integrators[] = {"mvpt", "vpt"};
     for (int visible = 0; visible < 2; visible++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{ 'camera': { 'position': [0, 6, 0], 'up': [0, 0, -1], 'fov_y': 14, 'aspect': 1, "
-                 "'views': 5, 'cone': 20 }, 'meshes': { 'ground': { 'shape': 'quad', 'material': "
-                 "'m', 'transform': { 'scale': 4 } } }, 'materials': { 'm': { 'albedo': 0.5 } }, "
-                 "'lights': { 'l': { 'type': 'rectangle', 'position': [0, 1, 0], 'width': 2.4, "
-                 "'height': 2, 'radiance': 3, 'visible': %s } } }",
-                 visible ? "true" : "false");
+        const char *text = lf_test_scene_patched(
+            "hidden-rectangle", "{'lights': {'l': {'visible': %s}}}", visible ? "true" : "false");
         for (int k = 0; k < 2; k++) {
             lf_scene *scene = lf_test_scene(text);
             lf_renderer *r = lf_test_renderer(scene, integrators[k], side, side, NULL);
@@ -364,13 +345,6 @@ static void the_camera_looks_through_a_hidden_light(void **state)
     }
 }
 
-/* Fog, ground and ball behind a hidden disk that is in everybody's way. */
-#define BEHIND                                                                                     \
-    "{ " THINGS "'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': 'sphere', 'material': "        \
-    "'metal', 'transform': { 'scale': 0.5 , 'translate': [-0.6, 0, 0] } } }, 'lights': { 'sky': "  \
-    "{ 'type': 'environment', 'radiance': 0.3 }, 'l': { 'type': 'disk', 'position': [0, 0, 2], "   \
-    "'direction': [0, 0, -1], 'radius': 0.5, 'radiance': [5, 4, 3], 'visible': false } } }"
-
 static void schedule(lf_renderer *r)
 {
     lf_test_cycles(r, 4);
@@ -379,8 +353,9 @@ static void schedule(lf_renderer *r)
 static void views_share_what_is_seen_through_a_hidden_light(void **state)
 {
     (void)state;
-    lf_test_assert_weights(BEHIND, side, side, schedule, 12, 8, LF_FALSE_ALARM);
-    lf_scene *scene = lf_test_scene(BEHIND);
+    lf_test_assert_weights(lf_test_scene_text("behind-hidden-disk"), side, side, schedule, 12, 8,
+                           LF_FALSE_ALARM);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("behind-hidden-disk"));
     lf_blocks blocks[2];
     for (int k = 0; k < 2; k++) {
         lf_renderer *r = lf_test_renderer(scene, k ? "vpt" : "mvpt", side, side, NULL);
@@ -404,8 +379,10 @@ static void a_light_out_of_sight_may_as_well_be_hidden(void **state)
     (void)state;
     static float seen[values], hidden[values];
 #define BESIDE(more)                                                                               \
-    "{ " THINGS "'meshes': { " LF_TEST_GROUND " }, 'lights': { 'l': { 'type': 'sphere', "          \
-    "'position': [0, 6, 0], 'radius': 0.5, 'power': 50" more " } } }"
+    lf_test_scene_patched("under-rectangle",                                                       \
+                          "{'meshes': {'ball': null}, 'lights': {'l': {'type': 'sphere', "         \
+                          "'position': [0, 6, 0], 'width': null, 'height': null, 'radiance': "     \
+                          "null, 'radius': 0.5, 'power': 50" more "}}}")
     render(BESIDE(""), "mvpt", 2, seen);
     render(BESIDE(", 'visible': false"), "mvpt", 2, hidden);
     assert_memory_equal(seen, hidden, sizeof seen);

@@ -5,6 +5,7 @@
 #include "base/alloc.h"
 #include "render/transport/light/light_kind.h"
 #include "render/transport/path/path.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 static const struct {
@@ -100,11 +101,7 @@ static void all_light_of_a_spot_arrives_on_a_plane(void **state)
 static void a_ground_below_a_spot_has_its_radiance(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{ 'quiltd': 1, 'camera': { 'position': [0, 50, 0.01], 'up': [0, 0, -1], 'fov_y': 0.1, "
-        "'aspect': 1, 'views': 1 }, 'meshes': { 'ground': { 'shape': 'quad', 'material': 'white', "
-        "'transform': { 'scale': 20 } } }, 'materials': { 'white': { 'albedo': 1 } }, 'lights': { "
-        "'s': { 'type': 'spot', 'position': [0, 2, 0], 'angle': 60, 'intensity': 4 } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("spot-on-ground"));
     lf_renderer *renderer = lf_test_renderer(scene, "vpt", 4, 4, NULL);
     lf_test_cycles(renderer, 16);
     double *picture = lf_test_picture(renderer, LF_ESTIMATOR_MWIS), sum = 0.0;

@@ -8,6 +8,7 @@
 
 #include "render/transport/path/phase.h"
 #include "render/transport/sampler.h"
+#include "tests/scene_file.h"
 #include "tests/stat/chi2.h"
 #include "tests/stat/fixture.h"
 
@@ -127,14 +128,9 @@ static void corners_of_the_unit_square_give_unit_directions(void **state)
     }
 }
 
-#define FOG(name, density, phase)                                                                  \
-    "'" name "': { 'shape': 'sphere', 'density': " density ", 'albedo': 0.9, " phase               \
-    ", 'transform': { 'scale': [1, 0.8, 0.7], 'translate': [0.2, 0, 0.3] } }"
-#define SCENE(volumes)                                                                             \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0.6, 5], 'fov_y': 24, 'aspect': 1.3333333333, "    \
-    "'cone': 40, 'views': 3 }, 'volumes': { " volumes " }, 'lights': { 'sky': { 'type': "          \
-    "'environment', 'radiance': 0.1 }, 'sun': { 'type': 'distant', 'direction': [0.5, -0.4, "      \
-    "0.7], 'irradiance': 2 } } }"
+/* One fog in the place of the two of two-lobes. */
+#define ONE(phase)                                                                                 \
+    lf_test_scene_patched("two-lobes", "{'volumes': {'a': {'density': 2, " phase "}, 'b': null}}")
 
 static void pictures(const char *text, const char *integrator, uint64_t salt, lf_blocks out[2])
 {
@@ -157,16 +153,14 @@ static void compare(const char *a, const char *b, const char *other)
 static void two_lobes_are_two_fogs(void **state)
 {
     (void)state;
-    compare(SCENE(FOG("a", "1.4", "'g': 0.6") ", " FOG("b", "0.6", "'g': -0.5")),
-            SCENE(FOG("a", "2", "'g': 0.6, 'second_g': -0.5, 'second_share': 0.3")),
-            SCENE(FOG("a", "2", "'g': 0.6, 'second_g': -0.5, 'second_share': 0.4")));
+    compare(lf_test_scene_text("two-lobes"), ONE("'g': 0.6, 'second_g': -0.5, 'second_share': 0.3"),
+            ONE("'g': 0.6, 'second_g': -0.5, 'second_share': 0.4"));
 }
 
 static void droplets_are_the_same_by_both_integrators(void **state)
 {
     (void)state;
-    compare(SCENE(FOG("a", "2", "'droplets': 8")), SCENE(FOG("a", "2", "'droplets': 8")),
-            SCENE(FOG("a", "2", "'g': 0.8")));
+    compare(ONE("'g': null, 'droplets': 8"), ONE("'g': null, 'droplets': 8"), ONE("'g': 0.8"));
 }
 
 int main(void)

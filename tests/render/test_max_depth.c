@@ -5,6 +5,7 @@
 #include "tests/testing.h"
 
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { width = 16, height = 12, n_views = 3, replicates = 24 };
 
@@ -69,12 +70,12 @@ static void shapes_lack_what_is_counted(void **state)
     (void)state;
     for (int i = 0; i < 2; i++) {
         assert_counted(lf_test_scene("{" CAMERA ", " LIMIT ", " SKY
-                                     ", 'volumes': { 'v': { 'shape': 'box', "
-                                     "'density': 4, 'albedo': 1 } } }"),
+                                     ", 'volumes': { 'v': { 'shape': 'box', 'density': 4, "
+                                     "'albedo': 1 } } }"),
                        integrators[i]);
         assert_counted(lf_test_scene("{" CAMERA ", " LIMIT ", " SKY ", " GROUND
-                                     ", 'volumes': { 'v': { "
-                                     "'shape': 'box', 'density': 4, 'albedo': 1 } } }"),
+                                     ", 'volumes': { 'v': { 'shape': 'box', 'density': 4, "
+                                     "'albedo': 1 } } }"),
                        integrators[i]);
     }
 }
@@ -85,14 +86,8 @@ static void glass_counts_what_it_leaves(void **state)
     (void)state;
     lf_render_stats stats[2];
     for (int i = 0; i < 2; i++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{" CAMERA ", 'render': { 'max_depth': 1 }, " SKY ", 'meshes': { 'cube': { "
-                 "'shape': 'cube', 'material': 'glass' } }, 'materials': { 'glass': { 'type': "
-                 "'principled', 'transmission': 1, 'roughness': 0, 'ior': 1, 'specular': 0, "
-                 "'absorption': %g } } }",
-                 i ? 100.0 : 0.0);
-        lf_scene *scene = lf_test_scene(text);
+        lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+            "glass-of-index-1", "{'materials': {'glass': {'absorption': %d}}}", i ? 100 : 0));
         lf_renderer *r = lf_test_renderer(scene, "vpt", width, height, NULL);
         lf_test_cycles(r, 8);
         lf_renderer_stats(r, &stats[i]);

@@ -4,6 +4,7 @@
 #include "render/import/scene/mesh_import.h"
 #include "render/scene/geometry.h"
 #include "render/scene/scene.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 /* A mesh of a file as the scene would describe it: its own materials, nothing moved. */
@@ -233,24 +234,6 @@ static void a_mesh_without_materials_is_grey(void **state)
     lf_mesh_data_finish(&data);
 }
 
-/* Two nodes, one in the other, one mesh; three materials by their factors. */
-static const char *const GLTF =
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
-    "\"translation\":[10,0,0],\"children\":["
-    "1,2]},"
-    "{\"mesh\":0,\"scale\":[2,2,2]},{\"mesh\":1,\"translation\":[0,0,7]}],"
-    "\"buffers\":[{\"uri\":\"tri.bin\",\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,"
-    "\"byteLength\":36}],"
-    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":"
-    "[0,0,0],\"max\":[1,1,0]}],"
-    "\"materials\":[{\"name\":\"metal\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0.6,0.2,"
-    "1],\"metallicFactor\":1,"
-    "\"roughnessFactor\":0.25}},{\"name\":\"coat\",\"emissiveFactor\":[1,0.5,0],"
-    "\"pbrMetallicRoughness\":{\"baseColorFactor\":"
-    "[0.1,0.2,0.3,1],\"metallicFactor\":0,\"roughnessFactor\":0.5}}],"
-    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]},"
-    "{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":1}]}]}";
-
 static void write_corners(const char *folder)
 {
     const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -260,10 +243,11 @@ static void write_corners(const char *folder)
     fclose(file);
 }
 
+/* Two nodes in another one, a mesh in each, two materials by their factors. */
 static void gltf_nodes_and_factors_arrive(void **state)
 {
     write_corners(*state);
-    lf_test_write(*state, "a.gltf", GLTF);
+    lf_test_write(*state, "a.gltf", lf_test_scene_text("gltf-two-nodes"));
     lf_mesh_data data = imported_file("a.gltf", *state);
     assert_int_equal(data.n_triangles, 2);
     assert_int_equal(data.n_files, 2);
@@ -287,23 +271,8 @@ static void gltf_nodes_and_factors_arrive(void **state)
 /* Three triangles whose materials have colours and no names, and a fourth without a material. */
 static void materials_without_a_name_keep_their_colours(void **state)
 {
-    static const char *const text =
-        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
-        "\"mesh\":0}],"
-        "\"buffers\":[{\"uri\":\"tri.bin\",\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,"
-        "\"byteLength\":36}],"
-        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
-        "\"min\":[0,0,0],\"max\":[1,1,0]}],"
-        "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.9,0,0,1],"
-        "\"metallicFactor\":0}},"
-        "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,0.8,0,1]}},{\"emissiveFactor\":[0,0,1]}]"
-        ","
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0},{"
-        "\"attributes\":{\"POSITION\":0},"
-        "\"material\":1},{\"attributes\":{\"POSITION\":0},\"material\":2},{\"attributes\":{"
-        "\"POSITION\":0}}]}]}";
     write_corners(*state);
-    lf_test_write(*state, "nameless.gltf", text);
+    lf_test_write(*state, "nameless.gltf", lf_test_scene_text("gltf-nameless-materials"));
     lf_test_write(*state, "nameless.ply",
                   "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
                   "y\nproperty float z\n"
@@ -379,7 +348,8 @@ static void malformed_files_are_refused_in_words(void **state)
         "ply\nformat ascii 1.0\nelement vertex 400000000\nproperty float x\nend_header\n0\n");
     lf_test_write(folder, "short.glb", "glTF\x02");
     lf_test_write(folder, "garbage.stl", "\x01\x02\x03\x04garbage");
-    lf_test_write(folder, "nobin.gltf", GLTF); /* tri.bin is not there */
+    lf_test_write(folder, "nobin.gltf",
+                  lf_test_scene_text("gltf-two-nodes")); /* tri.bin is not there */
     lf_test_write(folder, "no.gltf",
                   "{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{\"attributes\":{"
                   "\"POSITION\":7}}]}]}");

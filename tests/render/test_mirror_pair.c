@@ -8,6 +8,7 @@
 #include "tests/testing.h"
 
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { height = 16, views = 3, replicates = 24, side = 20 };
 
@@ -67,27 +68,20 @@ enum {
  * (3 - z, y, 3 - x). */
 static lf_scene *make(const subject *s, bool mirrored)
 {
-    static const char mirror[] = "'mirror': { 'shape': 'quad', 'material': 'm', 'transform': { "
-                                 "'scale': 1.5, 'rotate': [90, 45, "
-                                 "0], 'translate': [0, 0, 3] } }";
-    char text[PATH_MAX + 2048], volume[PATH_MAX + 128] = "'shape': 'box'";
+    char volume[PATH_MAX + 128] = "";
     if (!s->voxels)
         snprintf(volume, sizeof volume,
-                 "'file': '%s', 'scale': %g, 'interpolation': '%s', 'transform': { 'rotate': [0, "
-                 "30, 0] }",
+                 "'shape': null, 'file': '%s', 'scale': %g, 'interpolation': '%s', "
+                 "'transform': {'rotate': [0, 30, 0]}",
                  lf_test_built("../scenes/cloud.vdb"), (double)s->sigma,
                  s->nearest ? "nearest" : "linear");
-    snprintf(text, sizeof text,
-             "{ 'camera': { 'position': [%s], 'target': [%s], 'fov_y': %g, 'aspect': 1, 'cone': "
-             "20, 'views': 3 }, "
-             "'volumes': { 'v': { %s, 'albedo': 1 } }, 'meshes': { %s }, "
-             "'materials': { 'm': { 'type': 'conductor', 'albedo': 1, 'roughness': 0 } }, "
-             "'lights': { 'sun': { 'type': 'distant', 'direction': [%.9f, -0.1, %.9f], "
-             "'irradiance': 10 } }, "
-             "'render': { 'max_depth': %d } }",
-             mirrored ? "-2, 0, 3" : "0, 0, 5", mirrored ? "3, 0, 3" : "0, 0, 0",
-             s->voxels ? 2.4 : 14.0, volume, mirrored ? mirror : "", sqrt(1.0 - s->sun * s->sun),
-             -s->sun, mirrored ? 2 : 1);
+    const char *text = lf_test_scene_patched(
+        "mirror-pair",
+        "{'camera': {%s'fov_y': %g}, 'volumes': {'v': {%s}}, %s'lights': {'sun': {'direction': "
+        "[%.9f, -0.1, %.9f]}}}",
+        mirrored ? "" : "'position': [0, 0, 5], 'target': [0, 0, 0], ", s->voxels ? 2.4 : 14.0,
+        volume, mirrored ? "" : "'meshes': {'mirror': null}, 'render': {'max_depth': 1}, ",
+        sqrt(1.0 - s->sun * s->sun), -s->sun);
     if (!s->voxels)
         return lf_test_scene(text);
     return lf_test_grid_scene(text, lf_test_grid(s->voxels, side, side, side), 1.0 / 64, 0.5,

@@ -7,6 +7,7 @@
 #include "render/papers/selection.h"
 #include "tests/render/grids.h"
 #include "tests/render/papers.h"
+#include "tests/scene_file.h"
 
 enum {
     width = papers_width,
@@ -23,13 +24,8 @@ static lf_blocks native;
 /* Rough voxels within a fog that scatters forwards, both seen through a lens. */
 static lf_scene *grid_in_fog(void)
 {
-    return lf_test_grid_scene(
-        "{ " LF_TEST_CAMERA("5", ", 'lens_radius': 0.5, 'focus_distance': 4.8")
-            LF_TEST_VOLUMES(", 'fog': { 'shape': 'sphere', 'density': 0.4, 'albedo': [0.9, 0.8, "
-                            "0.7], 'g': 0.7, "
-                            "'transform': { 'scale': [1.2, 0.7, 0.8], 'translate': [0.5, 0, 0.4] } "
-                            "}") ", " LF_TEST_SHARP_LIGHTS " }",
-        lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
+    return lf_test_grid_scene(lf_test_scene_text("grid-in-fog"),
+                              lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
 }
 
 static lf_renderer *renderer_of(lf_scene *scene, int w, int h, const char *shift,
@@ -250,7 +246,9 @@ static void nothing_is_left_out_that_only_rows_have(void **state)
     static const char *const rows_own[] = {"single-paths", "known-light", "view-lobes",
                                            "background"};
     lf_scene *cloud = lf_test_grid_scene(
-        "{ " LF_TEST_CAMERA("5", "") LF_TEST_VOLUMES("") ", " LF_TEST_SHARP_LIGHTS " }",
+        lf_test_scene_patched(
+            "grid-in-fog",
+            "{'camera': {'lens_radius': null, 'focus_distance': null}, 'volumes': {'fog': null}}"),
         lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
     for (int i = 0; i < 2; i++) {
         lf_renderer *r = lf_test_renderer(cloud, i ? "mvpt" : "mvpt2022", width, height, NULL);
@@ -281,7 +279,7 @@ static void what_it_does_not_know_is_refused(void **state)
     assert_string_equal(err.what, "mvpt2022 does not support denoising and depth; the image is "
                                   "denoised or has depth; use one of mvpt, vpt, amvpt");
     settings.features = false;
-    lf_scene *emissive = lf_test_scene(LF_TEST_FIRES("3", ""));
+    lf_scene *emissive = lf_test_scene(lf_test_scene_views("fires", 3));
     lf_assert_status(lf_renderer_restart(r, emissive, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what,
                         "mvpt2022 does not support volumes that emit; the scene has some; "
@@ -295,14 +293,6 @@ static void what_it_does_not_know_is_refused(void **state)
 enum { many = 45, slab_width = 12, slab_height = 4, first_column = 4, end_column = 8 };
 #define SLAB_G 0.9
 #define SLAB_DEPTH 0.7
-
-/* Black fog that scatters forwards, in the window and everywhere in it, before a sky of 1: what is
- * seen is exp(-depth), and what the selection does to W is all that there is of noise. */
-static const char slab[] =
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 6, 'aspect': 3, 'cone': 40, "
-    "'views': 45 }, 'volumes': { 'fog': { 'shape': 'box', 'density': 7, 'albedo': 0, 'g': 0.9, "
-    "'transform': { 'scale': [9, 9, 0.05] } } }, "
-    "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }";
 
 /* Equation 24 of two views of the middle of the window. */
 static double slab_distance(int a, int b)
@@ -360,9 +350,11 @@ static double weights_seen(const lf_renderer *r, int view)
     return (sum - escaped) / (n * (1 - slab_through(view)));
 }
 
+/* Of black fog before a sky of 1, what is seen is exp(-depth), and the only noise is what the
+ * selection does to W. */
 static void slab_moments(const char *selection, int n, lf_moments out[many])
 {
-    lf_scene *scene = lf_test_scene(slab);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("black-slab"));
     lf_renderer *r = renderer_of(scene, slab_width, slab_height, "optical-stretch", selection);
     for (int k = 0; k < n; k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed() + 400, (uint64_t)k));

@@ -4,29 +4,17 @@
 #include "tests/testing.h"
 
 #include "tests/render/papers.h"
-
-/* Seen by the camera, and in part hidden from some views. */
-#define SHINES                                                                                     \
-    "{ " LF_TEST_CAMERA("5", "") "'meshes': { " LF_TEST_GROUND                                     \
-                                 ", 'lamp': { 'shape': 'sphere', 'material': 'lamp', "             \
-                                 "'transform': { 'scale': 0.5, 'translate': "                      \
-                                 "[0.5, -0.4, -0.3] } }, 'card': { 'shape': 'cube', 'material': "  \
-                                 "'clay', 'transform': { "                                         \
-                                 "'scale': 0.3, 'translate': [0, -0.6, 0.6] } } }, 'materials': "  \
-                                 "{ 'clay': { 'albedo': 0.5 }, "                                   \
-                                 "'lamp': { 'albedo': 0.2, 'emission': [1, 0.8, 0.6] } }, "        \
-                                 "'lights': { 'sky': { 'type': "                                   \
-                                 "'environment', 'radiance': 0.4 } } }"
+#include "tests/scene_file.h"
 
 static const struct {
-    const char *what, *scene;
+    const char *what, *scene, *patch;
     papers_power power;
 } scenes[] = {
-    {"matt, seen through a lens", LF_TEST_BENT("5", ", 'lens_radius': 0.15"), {1.07, 0.6, 1.01}},
-    {"glossy, leaning", LF_TEST_GLOSSY("5", ""), {1.1, 0.6, 1.04}},
-    {"a lamp and a mirror", LF_TEST_LAMP("5", ""), {1.07, 0.6, 1.01}},
-    {"what shines", SHINES, {1.07, 0.6, 1.01}},
-    {"coated, in fog", LF_TEST_MIXED("5", ""), {1.07, 0.6, 1.01}},
+    {"matt, seen through a lens", "bent", "{'camera': {'lens_radius': 0.15}}", {1.07, 0.6, 1.01}},
+    {"glossy, leaning", "glossy", "{}", {1.1, 0.6, 1.04}},
+    {"a lamp and a mirror", "lamp", "{}", {1.07, 0.6, 1.01}},
+    {"what shines", "emissive-ball", "{}", {1.07, 0.6, 1.01}},
+    {"coated, in fog", "mixed", "{}", {1.07, 0.6, 1.01}},
 };
 #define N_SCENES (int)(sizeof scenes / sizeof scenes[0])
 
@@ -42,7 +30,8 @@ static void surfaces_agree_with_vpt(void **state)
     (void)state;
     static const lf_estimator by[2] = {LF_ESTIMATOR_MIS, LF_ESTIMATOR_CV};
     for (int i = 0; i < N_SCENES; i++) {
-        lf_scene *scene = lf_test_scene(scenes[i].scene);
+        lf_scene *scene =
+            lf_test_scene(lf_test_scene_patched(scenes[i].scene, "%s", scenes[i].patch));
         lf_blocks native = papers_native(scene, 16 * papers_views);
         for (int j = 0; j < N_WAYS; j++) {
             lf_blocks seen[2];
@@ -75,7 +64,8 @@ static void weights_come_to_samples(void **state)
     (void)state;
     const double level = lf_sidak(0.5 * LF_FALSE_ALARM, N_SCENES * (papers_tiles - 1));
     for (int i = 0; i < N_SCENES; i++) {
-        lf_scene *scene = lf_test_scene(scenes[i].scene);
+        lf_scene *scene =
+            lf_test_scene(lf_test_scene_patched(scenes[i].scene, "%s", scenes[i].patch));
         lf_renderer *r = papers_renderer(scene, "mvpt2022", papers_width, papers_height, NULL,
                                          ways[i % 2].selection);
         lf_blocks seen[3];

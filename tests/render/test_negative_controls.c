@@ -2,8 +2,8 @@
  * catch; and the same tests with the same numbers pass without them. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 32, height = 24, n_views = 7 };
 
@@ -12,7 +12,6 @@ enum { width = 32, height = 24, n_views = 7 };
 /* What a mistake must be rejected with. */
 #define CERTAIN 1e-9
 
-static const char scene_text[] = LF_TEST_MIXED("7", "");
 static void whole_cycles(lf_renderer *r)
 {
     lf_test_passes(r, 4 * n_views);
@@ -43,18 +42,18 @@ static double p_of_weights_of(const char *text, bool second, unsigned faults,
 
 static double p_of_weights(unsigned faults, lf_test_schedule schedule)
 {
-    return p_of_weights_of(scene_text, false, faults, schedule);
+    return p_of_weights_of(lf_test_scene_views("mixed", 7), false, faults, schedule);
 }
 
 static double p_of_glossy_weights(unsigned faults)
 {
-    return p_of_weights_of(LF_TEST_GLOSSY("7", ""), true, faults, whole_cycles);
+    return p_of_weights_of(lf_test_scene_views("glossy", 7), true, faults, whole_cycles);
 }
 
 /* Pictures of one integrator by mis. */
 static void pictures(const char *integrator, unsigned faults, uint64_t seed, lf_blocks *out)
 {
-    lf_scene *scene = lf_test_scene(scene_text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 7));
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     r->faults = faults;
     lf_test_pictures(r, whole_cycles, LF_ESTIMATOR_MIS, 24, seed, 8, out);
@@ -137,9 +136,10 @@ static void lobes_cut_at_the_horizon_are_caught(void **state)
  * two visits differs by all of it: unseen in 24 with probability 2^-24. */
 static double worst_row(unsigned faults)
 {
-    static const char card[] = "{ " LF_TEST_CAMERA(
-        "7", "") "'meshes': { 'card': { 'shape': 'quad', 'transform': { 'scale': 4, "
-                 "'rotate': [90, 0, 0], 'translate': [0, -3.336, 0] } } } }";
+    const char *card = lf_test_scene_patched(
+        "bare-camera", "{'camera': {'views': 7}, 'meshes': {'card': {'shape': 'quad', "
+                       "'transform': {'scale': 4, 'rotate': [90, 0, 0], "
+                       "'translate': [0, -3.336, 0]}}}}");
     enum { pixels = n_views * width };
     double *d = malloc(height * pixels * sizeof *d), *q = malloc(height * pixels * sizeof *q),
            worst = 0.0;

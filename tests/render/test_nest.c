@@ -5,6 +5,7 @@
 
 #include "render/scene/vec_double.h"
 #include "render/transport/path/path.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 #define GLASS "'type': 'principled', 'albedo': 1, 'transmission': 1, "
@@ -452,52 +453,35 @@ static void assert_alike(const char *text, const char *as, const char *other)
     lf_blocks_finish(&c);
 }
 
-#define CAMERA                                                                                     \
-    "'camera': { 'position': [0.5, 1, 6], 'target': [0, 0, 0], 'views': 2, 'cone': 20, 'fov_y': "  \
-    "26 }, "
-/* A card and a lamp inside of what light goes through as through air, but dimmed. */
-#define DIM(meshes)                                                                                \
-    "{ " CAMERA "'meshes': { " meshes ", 'card': { 'shape': 'quad', 'material': 'clay', "          \
-    "'transform': { 'scale': 0.5, 'rotate': [0, 0, 20], 'translate': [-0.6, -0.5, 0] } }, "        \
-    "'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': 0.3, 'rotate': "       \
-    "[180, 0, 0], 'translate': [0.7, 0.7, 0] } } }, 'materials': { 'clay': { 'albedo': 0.7 }, "    \
-    "'lamp': { 'albedo': 0, 'emission': 9 }, 'dim': { " GLASS "'roughness': 0, 'ior': 1, "         \
-    "'absorption': [0.3, 0.5, 0.8] } }, 'lights': { 'sky': { 'type': 'environment', "              \
-    "'radiance': 0.2 } } }"
-#define BLOCK(name, scale, at)                                                                     \
-    "'" name "': { 'shape': 'cube', 'material': 'dim', 'transform': { 'scale': " scale             \
-    ", 'translate': " at " } }"
+#define LEFT(scale, at) "'left': {'transform': {'scale': " scale ", 'translate': " at "}}"
+#define RIGHT(scale, at) "'right': {'transform': {'scale': " scale ", 'translate': " at "}}"
+#define ONE(scale) LEFT(scale, "[0, 0, 0]") ", 'right': null"
 
-#define ALL BLOCK("all", "[1.5, 1, 1]", "[0, 0, 0]")
+/* The scene with other blocks. */
+static const char *dim(const char *blocks)
+{
+    return lf_test_scene_patched("dim-blocks", "{'meshes': {%s}}", blocks);
+}
 
 /* Light goes from the lamp in one to the card in the other through faces that are not there. */
 static void solids_of_one_glass_that_overlap_are_one(void **state)
 {
     (void)state;
-    assert_alike(DIM(BLOCK("left", "[0.8, 1, 1]", "[-0.7, 0, 0]") ", " BLOCK("right", "[0.7, 1, 1]",
-                                                                             "[0.8, 0, 0]")),
-                 DIM(ALL), DIM(BLOCK("all", "[1.5, 0.8, 1]", "[0, 0, 0]")));
-    assert_alike(DIM(BLOCK("left", "[0.8, 1, 1]", "[-0.7, 0, 0]") ", " BLOCK("right", "[0.9, 1, 1]",
-                                                                             "[0.6, 0, 0]")),
-                 DIM(ALL), DIM(BLOCK("all", "[1.5, 0.8, 1]", "[0, 0, 0]")));
-    assert_alike(DIM(ALL ", " BLOCK("lit", "[0.6, 0.8, 0.9]", "[0.8, 0.1, 0]")), DIM(ALL),
-                 DIM(BLOCK("all", "[1.5, 0.8, 1]", "[0, 0, 0]")));
+    const char *one = dim(ONE("[1.5, 1, 1]")), *lower = dim(ONE("[1.5, 0.8, 1]"));
+    assert_alike(lf_test_scene_text("dim-blocks"), one, lower);
+    assert_alike(dim(RIGHT("[0.9, 1, 1]", "[0.6, 0, 0]")), one, lower);
+    assert_alike(
+        dim(LEFT("[1.5, 1, 1]", "[0, 0, 0]") ", " RIGHT("[0.6, 0.8, 0.9]", "[0.8, 0.1, 0]")), one,
+        lower);
 }
-
-#define FROSTED(outer, inner)                                                                      \
-    "{ " CAMERA "'meshes': { 'glass': { 'shape': 'cube', 'material': 'glass' }, 'water': { "       \
-    "'shape': 'cube', 'material': 'water', 'transform': { 'scale': [0.6, 0.7, 0.5], 'rotate': "    \
-    "[0, 30, 0] } }, 'card': { 'shape': 'quad', 'material': 'card', 'transform': { 'scale': 9, "   \
-    "'translate': [0, -1.2, 0] } } }, 'materials': { 'card': { 'albedo': 0 }, 'glass': { " GLASS   \
-        outer " }, 'water': { " GLASS inner                                                        \
-    " } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }"
 
 /* Each view by itself, and all by the light that they share. */
 static void views_share_what_stands_in_rough_glass(void **state)
 {
     (void)state;
-    const char right[] = FROSTED("'roughness': 0.2, 'ior': 1.5", "'roughness': 0.3, 'ior': 2.4"),
-               wrong[] = FROSTED("'roughness': 0.2, 'ior': 1.5", "'roughness': 0.3, 'ior': 1.6");
+    const char *right = lf_test_scene_text("frosted-glass"),
+               *wrong =
+                   lf_test_scene_patched("frosted-glass", "{'materials': {'water': {'ior': 1.6}}}");
     assert_alike(right, right, wrong);
 }
 
@@ -506,19 +490,15 @@ static void glass_in_glass_is_not_seen_under_an_even_sky(void **state)
 {
     (void)state;
     for (int i = 0; i < 8; i++) {
-        char text[1024];
         light seen;
         const int rough = i / 2 % 2;
         const double clear_share = i < 4 ? 1.0 : 0.5; /* the rest is white and diffuse */
-        snprintf(text, sizeof text,
-                 "{ 'meshes': { 'a': { 'shape': 'sphere', 'material': 'a' }, 'b': { 'shape': "
-                 "'sphere', 'material': 'b', 'transform': { 'scale': 0.6, 'translate': [0.2, 0, 0] "
-                 "} } }, 'materials': { 'a': { " WHITE "'ior': %g, 'roughness': %g }, 'b': { " WHITE
-                 "'ior': %g, 'roughness': %g } }, 'lights': { 'sky': { 'type': 'environment', "
-                 "'radiance': 1 } } }",
-                 clear_share, i % 2 ? 1.33 : 2.4, rough * 0.3, clear_share, i % 2 ? 2.0 : 1.05,
-                 rough * 0.4);
-        lf_scene *scene = lf_test_scene(text);
+        lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+            "glass-in-glass",
+            "{'materials': {'a': {'transmission': %g, 'ior': %g, 'roughness': %g}, "
+            "'b': {'transmission': %g, 'ior': %g, 'roughness': %g}}}",
+            clear_share, i % 2 ? 1.33 : 2.4, rough * 0.3, clear_share, i % 2 ? 2.0 : 1.05,
+            rough * 0.4));
         look(scene, lf_v3(0.2f, 0.3f, 4.0f), lf_v3(0.0f, 0.0f, -1.0f), 40000, &seen);
         print_message("%.4f +- %.4f\n", seen.channel[1].mean, lf_moments_error(&seen.channel[1]));
         lf_assert_close(seen.channel[1].mean, 1.0, i < 2 ? 1e-4 : 1e-2,

@@ -5,8 +5,8 @@
 #include "render/film/film.h"
 #include "render/rows/outlines.h"
 #include "render/rows/rows.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { VIEWS = 9, WIDTH = 32, HEIGHT = 24, SEEDS = 40 };
 
@@ -18,19 +18,15 @@ static const double unit = 2.0 / HEIGHT, filled = 0.3, wide = 0.3;
 
 static lf_scene *cards(double alpha)
 {
-    char text[2048];
     const double top = 1.0 - unit * (EDGE + 1.0 - filled), left = -unit * WIDTH / 2.0;
-    snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': %.12f, 'aspect': %.12f, "
-             "'cone': 20, 'views': %d }, 'meshes': { 'card': { 'shape': 'quad', 'material': "
-             "'clay', 'transform': { 'scale': [9, 1, 2], 'rotate': [90, 0, 0], 'translate': [0, "
-             "%.12f, 0] } }, 'wire': { 'shape': 'quad', 'material': 'clay', 'transform': { "
-             "'scale': [%.12f, 1, 4], 'rotate': [90, 0, 0], 'translate': [%.12f, 0, 0] } } }, "
-             "'materials': { 'clay': { 'albedo': [0.5, 0.5, 0.5], 'alpha': %.2f } "
-             "}, " LF_TEST_SHARP_LIGHTS " }",
-             2.0 * atan(0.2) * 180.0 / 3.14159265358979, (double)WIDTH / HEIGHT, VIEWS, top - 2.0,
-             0.5 * wide * unit, left + unit * (WIRE + 0.5), alpha);
-    return lf_test_scene(text);
+    return lf_test_scene(lf_test_scene_patched(
+        "card-and-wire",
+        "{'camera': {'fov_y': %.12f, 'aspect': %.12f, 'views': %d}, "
+        "'meshes': {'card': {'transform': {'translate': [0, %.12f, 0]}}, "
+        "'wire': {'transform': {'scale': [%.12f, 1, 4], 'translate': [%.12f, 0, 0]}}}, "
+        "'materials': {'clay': {'alpha': %.2f}}}",
+        2.0 * atan(0.2) * 180.0 / 3.14159265358979, (double)WIDTH / HEIGHT, VIEWS, top - 2.0,
+        0.5 * wide * unit, left + unit * (WIRE + 0.5), alpha));
 }
 
 /* Points 0..3 of the two halves or the four quarters that they lie in, each in another. */
@@ -172,7 +168,7 @@ static void the_first_visits_bring_it_nearer(void **state)
 static void what_is_kept_is_what_would_be_found(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("9", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 9));
     lf_renderer *kept = pass(scene, 1, NULL), *found = pass(scene, 1, NULL);
     lf_rows *rows = found->state;
     assert_non_null(rows->plan.outlines.found);
@@ -207,16 +203,9 @@ static double outlines_of(const char *text)
 static void a_steep_triangle_is_an_outline_under_suns_alone(void **state)
 {
     (void)state;
-#define LOW_GROUND(lights)                                                                         \
-    "{ 'quiltd': 1, 'camera': { 'position': [-50, 2, 100], 'target': [-50, 0, -100], 'fov_y': "    \
-    "0.5, "                                                                                        \
-    "'aspect': 1.333, 'cone': 5, 'views': 9 }, 'meshes': { 'ground': { 'shape': 'quad', "          \
-    "'transform': { 'scale': 900 } } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': "  \
-    "1 }" lights " } }"
-    const double without = outlines_of(LOW_GROUND(""));
-    const double with = outlines_of(LOW_GROUND(
-        ", 'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': 2 }"));
-#undef LOW_GROUND
+    const double without =
+        outlines_of(lf_test_scene_patched("low-ground", "{'lights': {'sun': null}}"));
+    const double with = outlines_of(lf_test_scene_text("low-ground"));
     print_message("          outlines %.3f, under a sun %.3f\n", without, with);
     assert_true(without < 0.1);
     assert_true(with > 0.5);

@@ -4,25 +4,9 @@
 #include "base/alloc.h"
 #include "render/plane/rig.h"
 #include "render/render.h"
+#include "tests/scene_file.h"
 
 enum { VIEWS = 9, WIDTH = 120, HEIGHT = 40 };
-
-/* Three glowing balls: red on the window plane, green in front of it, blue behind, one above the
- * other. */
-static const char SCENE[] = "{\"quiltd\":1,"
-                            "\"camera\":{\"target\":[0.1,0,0],\"position\":[0.1,0,6],\"fov_y\":14,"
-                            "\"aspect\":3,\"views\":9,\"cone\":30},"
-                            "\"meshes\":{"
-                            "\"on\":{\"shape\":\"sphere\",\"material\":\"red\",\"transform\":{"
-                            "\"scale\":0.08,\"translate\":[0.3,0,0]}},"
-                            "\"front\":{\"shape\":\"sphere\",\"material\":\"green\",\"transform\":{"
-                            "\"scale\":0.08,\"translate\":[0.3,0.3,1]}},"
-                            "\"behind\":{\"shape\":\"sphere\",\"material\":\"blue\",\"transform\":{"
-                            "\"scale\":0.08,\"translate\":[0.3,-0.3,-1.5]}}},"
-                            "\"materials\":{"
-                            "\"red\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[1,0,0]},"
-                            "\"green\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,1,0]},"
-                            "\"blue\":{\"type\":\"diffuse\",\"albedo\":0,\"emission\":[0,0,1]}}}";
 
 /* By the scene's own arc of cameras, or on a track, which is the upper row of a grid 2 rise high.
  */
@@ -32,7 +16,7 @@ static float *render(lf_render_settings *settings, double track, double rise, bo
     lf_scene *scene = NULL;
     lf_pool *pool = NULL;
     lf_renderer *renderer = NULL;
-    json_t *doc = json_loads(SCENE, 0, NULL);
+    json_t *doc = lf_test_scene_document("three-emissive-balls");
     float *out = lf_calloc((size_t)VIEWS * WIDTH * HEIGHT * 3, sizeof *out);
     assert_non_null(doc);
     assert_non_null(out);

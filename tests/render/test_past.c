@@ -3,6 +3,7 @@
 #include "tests/render/reconstruct_testing.h"
 
 #include "render/reconstruct/past.h"
+#include "tests/scene_file.h"
 
 enum { width = 48, height = 36, views = 9, row_values = 3 * width * views };
 
@@ -183,7 +184,7 @@ static void check_recalled(const lf_reconstruction *r, const lf_past_move *m, in
 static void what_is_recalled_is_what_was_known_of_the_place(void **state)
 {
     (void)state;
-    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(lf_test_scene_views("mixed", 9), width, height, NULL);
     reconstruct_visits(r, NULL, 2);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     make_linear(r->shown);
@@ -279,41 +280,24 @@ static void turn_around(const char *text, double out[2])
     lf_renderer_destroy(r);
 }
 
-/* Light that has come a long way through a medium. */
-#define FOG                                                                                        \
-    "{ " LF_TEST_CAMERA("9", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 6, 'g': "    \
-                                 "0.6, 'albedo': 0.98, 'transform': { 'scale': [1.2, 0.8, 1] } } " \
-                                 "}, 'lights': { 'sun': { 'type': 'distant', 'direction': [0.5, "  \
-                                 "-0.7, -0.5], 'irradiance': 5 } } }"
-
 /* Measured over five seeds: 0.69 to 0.77 and 0.30 to 0.57. What is left is B and q of one film
  * point, which no past can know. */
 static void a_picture_that_has_turned_begins_clean(void **state)
 {
     (void)state;
     double error[2];
-    turn_around(LF_TEST_MIXED("9", ""), error);
+    turn_around(lf_test_scene_views("mixed", 9), error);
     assert_true(error[0] < 0.85 * error[1]);
-    turn_around(FOG, error);
+    turn_around(lf_test_scene_text("thick-fog"), error);
     assert_true(error[0] < 0.75 * error[1]);
 }
 
 /* ------------------------------------------------------------------------------ a wrong past -- */
 
-/* The sun is elsewhere, the ball another colour, the fog in another place. */
-#define WRONG                                                                                      \
-    "{ " LF_TEST_CAMERA("9", "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, "         \
-                                 "'albedo': [0.3, 0.9, 0.2], 'transform': { 'scale': 0.9, "        \
-                                 "'translate': [0.2, 0.2, 0.8] } } }, 'meshes': { " LF_TEST_GROUND \
-                                 ", 'ball': { 'shape': 'sphere', 'material': 'glaze', "            \
-                                 "'transform': { 'scale': 0.6, 'translate': [-0.7, -0.3, 0.6] } "  \
-                                 "} }, 'materials': { 'clay': { 'albedo': [0.1, 0.2, 0.9] }, "     \
-                                 "'glaze': { 'albedo': [0.1, 0.8, 0.1] } }, 'lights': { 'sky': { " \
-                                 "'type': 'environment', 'radiance': 3 } } }"
-
 static lf_past *wrong_past(void)
 {
-    lf_renderer *r = reconstruct_renderer(WRONG, width, height, NULL);
+    lf_renderer *r =
+        reconstruct_renderer(lf_test_scene_text("mixed-otherwise"), width, height, NULL);
     reconstruct_visits(r, NULL, LOOKED);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     lf_past *past = lf_past_of(r->shown);
@@ -334,8 +318,8 @@ static void believe(lf_renderer *r, lf_past *past)
 static void a_wrong_past_is_outvoted(void **state)
 {
     (void)state;
-    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, NULL);
-    float *truth = reference(LF_TEST_MIXED("9", ""), 0.0);
+    lf_renderer *r = reconstruct_renderer(lf_test_scene_views("mixed", 9), width, height, NULL);
+    float *truth = reference(lf_test_scene_views("mixed", 9), 0.0);
     double error[2] = {0.0, 0.0};
     for (uint64_t k = 0; k < SEEDS; k++) {
         for (int without = 0; without < 2; without++) {
@@ -376,8 +360,8 @@ static lf_past *past_that_is_off(lf_renderer *r, float off)
 static void a_past_that_is_a_little_off_is_taken_in_part(void **state)
 {
     (void)state;
-    lf_renderer *r = reconstruct_renderer(FOG, width, height, NULL);
-    float *truth = reference(FOG, 0.0);
+    lf_renderer *r = reconstruct_renderer(lf_test_scene_text("thick-fog"), width, height, NULL);
+    float *truth = reference(lf_test_scene_text("thick-fog"), 0.0);
     double error[2] = {0.0, 0.0};
     for (uint64_t k = 0; k < SEEDS; k++) {
         for (int without = 0; without < 2; without++) {
@@ -399,7 +383,7 @@ static void nothing_of_it_is_left_in_the_complete_frame(void **state)
     (void)state;
     size_t n = (size_t)height * row_values;
     float *x[2] = {malloc(n * sizeof **x), malloc(n * sizeof **x)};
-    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(lf_test_scene_views("mixed", 9), width, height, NULL);
     for (int without = 0; without < 2; without++) {
         move(r, 0.0, lf_test_seed());
         believe(r, without ? NULL : wrong_past());
@@ -422,8 +406,8 @@ static void the_past_is_of_the_same_scene_and_outlives_what_was_cut_short(void *
 {
     (void)state;
     const lf_cancel cancel = 1;
-    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, NULL);
-    lf_scene *other = lf_test_scene(WRONG);
+    lf_renderer *r = reconstruct_renderer(lf_test_scene_views("mixed", 9), width, height, NULL);
+    lf_scene *other = lf_test_scene(lf_test_scene_text("mixed-otherwise"));
     assert_false(lf_renderer_follows(r));
     move(r, 1.0, 1);
     assert_false(lf_renderer_follows(r)); /* there was no fit */
@@ -458,10 +442,9 @@ static void the_past_is_of_the_same_scene_and_outlives_what_was_cut_short(void *
 /* A fog of so great a radius and such light, with a camera that stands still. */
 static lf_scene *fog_of(const char *fog)
 {
-    char text[1000];
-    snprintf(text, sizeof text,
-             "{ " LF_TEST_CAMERA("9", "") "'volumes': { 'fog': { 'shape': 'sphere', %s } } }", fog);
-    return lf_test_scene(text);
+    return lf_test_scene(lf_test_scene_patched(
+        "bare-camera", "{'camera': {'views': 9}, 'volumes': {'fog': {'shape': 'sphere', %s}}}",
+        fog));
 }
 
 /* What has moved is nearly what it was; another thing, or one made of something else, is not. */
@@ -505,7 +488,7 @@ static float *coarse_frame(int threads)
     lf_pool *pool = NULL;
     float *x = calloc((size_t)height * row_values, sizeof *x);
     lf_assert_ok(lf_pool_create(threads, &pool), NULL);
-    lf_renderer *r = reconstruct_renderer(LF_TEST_MIXED("9", ""), width, height, pool);
+    lf_renderer *r = reconstruct_renderer(lf_test_scene_views("mixed", 9), width, height, pool);
     reconstruct_visits(r, NULL, 3);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
     move(r, TURN, 7);

@@ -6,30 +6,12 @@
 #include "render/reconstruct/kernel.h"
 #include "render/reconstruct/shrink.h"
 #include "render/reconstruct/solve.h"
+#include "tests/scene_file.h"
 
 enum { width = 32, height = 24, views = 9, values = 3 * width * height * views, SEEDS = 4 };
 
 /* Fog and a ball on the ground under a sun and a sky, seen by nine views. */
-#define SCENE LF_TEST_MIXED("9", "")
-
-/* A rough metal all over the picture. */
-#define GLOSSY                                                                                     \
-    "{\"quiltd\": 1, \"camera\": {\"position\": [0,0,10], \"fov_y\": 14, \"aspect\": 1.3333333, "  \
-    "\"views\": 9, \"cone\": 10}, \"meshes\": {\"wall\": {\"shape\": \"quad\", \"material\": "     \
-    "\"metal\", \"transform\": {\"scale\": 20, \"rotate\": [90,0,0]}}}, \"materials\": "           \
-    "{\"metal\": "                                                                                 \
-    "{\"type\": \"conductor\", \"albedo\": 0.9, \"roughness\": 0.3}}, \"lights\": {\"sky\": "      \
-    "{\"type\": \"environment\", \"radiance\": 1}}}"
-
-static double rel_mse(const float *x, const float *truth)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < values; i++) {
-        double d = (double)x[i] - (double)truth[i];
-        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2);
-    }
-    return sum / values;
-}
+#define SCENE lf_test_scene_views("mixed", 9)
 
 static float *picture(void)
 {
@@ -135,15 +117,8 @@ static void thin_media_are_as_bright_as_they_are(void **state)
 static void depth_that_holds_nothing_costs_nothing(void **state)
 {
     (void)state;
-    lf_renderer *r = reconstruct_renderer(
-        "{\"quiltd\": 1, \"camera\": {\"position\": [0,0,10], \"fov_y\": 1, \"aspect\": 1.3, "
-        "\"views\": 9, \"cone\": 60}, \"lights\": {\"sky\": {\"type\": \"environment\", "
-        "\"radiance\": 1}}, \"meshes\": {\"wall\": {\"shape\": \"cube\", \"transform\": "
-        "{\"scale\": "
-        "[1000,1000,1], \"translate\": [0,0,-500]}}, \"near\": {\"shape\": \"cube\", "
-        "\"transform\": "
-        "{\"scale\": 0.002, \"translate\": [0,0,8.5]}}}}",
-        width, height, NULL);
+    lf_renderer *r =
+        reconstruct_renderer(lf_test_scene_text("cube-before-wall"), width, height, NULL);
     size_t places = 0;
     reconstruct_visits(r, NULL, 2);
     lf_assert_ok(lf_renderer_fit(r, NULL), NULL);
@@ -211,7 +186,11 @@ static void what_is_constant_stays(void **state)
 static void what_is_constant_by_either_weight_stays(void **state)
 {
     (void)state;
-    lf_renderer *r = reconstruct_renderer(GLOSSY, width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(
+        lf_test_scene_patched("metal-wall", "{'camera': {'aspect': 1.3333333}, "
+                                            "'materials': {'metal': {'type': 'conductor', "
+                                            "'roughness': 0.3}}}"),
+        width, height, NULL);
     for (int by = BY_W; by <= BY_SECOND; by++) {
         reconstruct_visits(r, NULL, 9);
         assert_non_null(lf_film_at(&r->film, 0, 0).w2);
@@ -442,13 +421,7 @@ static void a_bright_path_in_a_mirror_does_not_hide_its_own_error(void **state)
 static void a_white_furnace_stays_white(void **state)
 {
     (void)state;
-    lf_renderer *r = reconstruct_renderer(
-        "{ " LF_TEST_CAMERA("9",
-                            "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1, 'albedo': "
-                                "1, 'transform': { "
-                                "'scale': 0.7, 'translate': [0.5, 0, 0.5] } } }, "
-                                "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }",
-        width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(lf_test_scene_text("fog-under-sky"), width, height, NULL);
     float *x = picture();
     for (int n = 1; n <= 4; n++) {
         reconstruct_visits(r, NULL, n);
@@ -468,10 +441,9 @@ static void what_is_no_probability_is_no_dot(void **state)
 {
     (void)state;
     lf_renderer *r = reconstruct_renderer(
-        "{ " LF_TEST_CAMERA("9",
-                            "") "'volumes': { 'fog': { 'shape': 'sphere', 'density': 4, 'albedo': "
-                                "0.5 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': "
-                                "2 } } }",
+        lf_test_scene_patched("fog-under-sky",
+                              "{'volumes': {'fog': {'density': 4, 'albedo': 0.5, "
+                              "'transform': null}}, 'lights': {'sky': {'radiance': 2}}}"),
         width, height, NULL);
     reconstruct_visits(r, NULL, 4);
     assert_null(lf_film_known_at(&r->film, 0));
@@ -556,13 +528,13 @@ static lf_told tell(lf_renderer *r, const float *truth, int n)
         lf_test_reseed(r, lf_hash64(lf_test_seed(), (uint64_t)k));
         reconstruct_visits(r, NULL, n);
         lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
-        shown = rel_mse(x, truth);
+        shown = lf_test_rel_mse(x, truth, values);
         out.held += lf_renderer_shown_error(r, 0.05, &stated, NULL) >= shown;
         out.shown += shown / SEEDS;
         out.stated += stated / SEEDS;
         lf_assert_ok(lf_renderer_fill_holes(r, NULL, NULL), NULL);
         lf_assert_ok(lf_renderer_resolve(r, LF_ESTIMATOR_MWIS, x, NULL), NULL);
-        out.unfiltered += rel_mse(x, truth) / SEEDS;
+        out.unfiltered += lf_test_rel_mse(x, truth, values) / SEEDS;
     }
     print_message("%d visits: unfiltered %.2e, shown %.2e, stated %.2e, the bound holds in %d of "
                   "%d\n",
@@ -600,7 +572,9 @@ static void what_is_shown_of_a_track_is_nearer_to_the_truth(void **state)
 {
     (void)state;
     lf_renderer *r = reconstruct_renderer(
-        LF_TEST_MIXED("{ 'track': { 'count': 9, 'length': 5 } }", ""), width, height, NULL);
+        lf_test_scene_patched("mixed",
+                              "{'camera': {'views': {'track': {'count': 9, 'length': 5}}}}"),
+        width, height, NULL);
     float *truth = reference(r);
     lf_told t = tell(r, truth, 8);
     assert_true(7.5 * t.shown < t.unfiltered);

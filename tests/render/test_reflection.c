@@ -2,18 +2,11 @@
  * is not theirs to tell. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { SIDE = 8, VIEWS = 3, PIXELS = SIDE * SIDE * VIEWS };
 
-/* A ground below, of the material 'm', and a camera that looks down at its middle from aside, by 45
- * degrees: a mirror shows what is up there on the other side. Seen are some 0.07 to each side. */
-#define OBLIQUE(what, material, things, lights)                                                    \
-    "{ 'camera': { 'position': [0, 6, 6], 'target': [0, 0, 0], 'fov_y': 0.5, 'aspect': 1, "        \
-    "'views': 3, 'cone': 1 }, 'backdrop': [1, 2, 3], 'materials': { 'm': " material                \
-    ", 'shining': { 'albedo': 0, 'emission': [1, 2, 4] }, 'white': { 'albedo': 1 } }, 'meshes': "  \
-    "{ 'ground': { 'shape': 'quad', 'material': 'm', 'catcher': " what                             \
-    ", 'transform': { 'scale': 50 } } " things " }, 'lights': { " lights " } }"
 #define SHINING                                                                                    \
     ", 'lamp': { 'shape': 'cube', 'material': 'shining', 'transform': { 'translate': [0, 6, -6] "  \
     "} }"
@@ -24,14 +17,26 @@ enum { SIDE = 8, VIEWS = 3, PIXELS = SIDE * SIDE * VIEWS };
 #define PAPER "{ 'albedo': [0.8, 0.4, 0.2] }"
 #define GLAZE "{ 'type': 'plastic', 'albedo': 0, 'roughness': 0, 'ior': 1.5 }"
 
-/* From straight above, under a disk of radius 1 that lies 1 above the middle. */
-#define UNDER(what, material, disk, lights)                                                        \
-    "{ 'camera': { 'position': [0, 0.9, 0], 'target': [0, 0, 0], 'up': [0, 0, -1], 'fov_y': 0.5, " \
-    "'aspect': 1, 'views': 3, 'cone': 1 }, 'backdrop': 0, 'materials': { 'm': " material           \
-    ", 'shining': { 'albedo': 0, 'emission': [1, 2, 4] }, 'white': { 'albedo': 1 } }, 'meshes': "  \
-    "{ 'ground': { 'shape': 'quad', 'material': 'm', 'catcher': " what                             \
-    ", 'transform': { 'scale': 50 } }, 'disk': { 'shape': 'disk', " disk                           \
-    ", 'transform': { 'translate': [0, 1, 0] } } }, 'lights': { " lights " } }"
+/* The scene of this catcher ("true", "'reflection'") and its material, with more meshes (each
+ * behind a comma) and with lights. */
+static const char *oblique(const char *what, const char *material, const char *things,
+                           const char *lights)
+{
+    return lf_test_scene_patched(
+        "reflection-oblique",
+        "{'materials': {'m': %s}, 'meshes': {'ground': {'catcher': %s}%s}, 'lights': {%s}}",
+        material, what, things, lights);
+}
+
+/* The same, with members of the disk. */
+static const char *under(const char *what, const char *material, const char *disk,
+                         const char *lights)
+{
+    return lf_test_scene_patched("reflection-under-disk",
+                                 "{'materials': {'m': %s}, 'meshes': {'ground': {'catcher': %s}, "
+                                 "'disk': {%s}}, 'lights': {%s}}",
+                                 material, what, disk, lights);
+}
 
 typedef struct told {
     double least[3], most[3], mean[3];
@@ -98,18 +103,18 @@ static void a_mirror_sends_back_what_it_shows_by_fresnel(void **state)
                              4 * schlick(0.1, cosine)},
                  glaze[3] = {fresnel(cosine), 2 * fresnel(cosine), 4 * fresnel(cosine)};
     told t;
-    tell(OBLIQUE("'reflection'", MIRROR, SHINING, ""), 1, &t);
+    tell(oblique("'reflection'", MIRROR, SHINING, ""), 1, &t);
     assert_even(&t, metal, 0.002);
     assert_true(t.most[0] - t.least[0] < 1e-3); /* no noise at all */
-    tell(OBLIQUE("'reflection'", GLAZE, SHINING, ""), 1, &t);
+    tell(oblique("'reflection'", GLAZE, SHINING, ""), 1, &t);
     assert_even(&t, glaze, 0.03);
     for (int c = 0; c < 3; c++)
         lf_assert_close(t.mean[c], glaze[c], 0.003, 0);
-    tell(OBLIQUE("'reflection'", MIRROR, ASIDE, ""), 4, &t);
+    tell(oblique("'reflection'", MIRROR, ASIDE, ""), 4, &t);
     assert_nothing(&t);
-    tell(OBLIQUE("true", MIRROR, SHINING, ""), 1, &t); /* a negative control: of shadows alone */
+    tell(oblique("true", MIRROR, SHINING, ""), 1, &t); /* a negative control: of shadows alone */
     assert_nothing(&t);
-    tell(OBLIQUE("false", MIRROR, SHINING, ""), 1, &t);
+    tell(oblique("false", MIRROR, SHINING, ""), 1, &t);
     assert_nothing(&t);
 }
 
@@ -119,7 +124,7 @@ static void paper_sends_back_albedo_times_form_factor(void **state)
 {
     (void)state;
     told t;
-    tell(UNDER("'reflection'", PAPER, "'material': 'shining'", ""), 64, &t);
+    tell(under("'reflection'", PAPER, "'material': 'shining'", ""), 64, &t);
     lf_assert_close(t.mean[0], 0.8 * 0.5 * 1.0, 0.005, 0);
     lf_assert_close(t.mean[1], 0.4 * 0.5 * 2.0, 0.005, 0);
     lf_assert_close(t.mean[2], 0.2 * 0.5 * 4.0, 0.005, 0);
@@ -132,15 +137,14 @@ static void things_are_reflected_as_they_are_lit(void **state)
 {
     (void)state;
     for (int depth = 1; depth <= 2; depth++) {
-        char text[2048];
+        char lights[128];
         told t;
-        snprintf(text, sizeof text,
-                 UNDER("'reflection'", "{ 'type': 'conductor', 'albedo': 0.5, 'roughness': 0 }",
-                       "'material': 'white'",
-                       "'p': { 'type': 'point', 'position': [0, 0.5, 0] } }, 'render': { "
-                       "'max_depth': %d "),
+        snprintf(lights, sizeof lights,
+                 "'p': {'type': 'point', 'position': [0, 0.5, 0]}}, 'render': {'max_depth': %d",
                  depth);
-        tell(text, 16, &t);
+        tell(under("'reflection'", "{ 'type': 'conductor', 'albedo': 0.5, 'roughness': 0 }",
+                   "'material': 'white'", lights),
+             16, &t);
         for (int c = 0; c < 3; c++)
             lf_assert_close(t.mean[c], depth == 2 ? 0.5 * 4.0 / M_PI : 0.0, 0.001, 0);
     }
@@ -156,32 +160,27 @@ static void what_is_of_the_plate_is_not_reflected(void **state)
     static const char *const lights[] = {
         "'e': { 'type': 'environment', 'radiance': 1 }",
         "'s': { 'type': 'distant', 'direction': [0, -1, 1], 'angle': 5 }",
-        "'r': { 'type': 'rectangle', 'radiance': 1, 'position': [0, 6, -6], 'direction': [0, -1, "
-        "1], 'width': 4, 'height': 4 }",
-        "'b': { 'type': 'sphere', 'radiance': 1, 'position': [0, 6, -6], 'visible': false }, 'p': "
-        "{ 'type': 'point', 'position': [0, 3, 0] }",
+        "'r': { 'type': 'rectangle', 'radiance': 1, 'position': [0, 6, -6], "
+        "'direction': [0, -1, 1], 'width': 4, 'height': 4 }",
+        "'b': { 'type': 'sphere', 'radiance': 1, 'position': [0, 6, -6], 'visible': false }, "
+        "'p': { 'type': 'point', 'position': [0, 3, 0] }",
     };
     told t;
     for (int m = 0; m < 4; m++)
         for (int l = 0; l < 4; l++) {
-            char text[2048];
-            snprintf(text, sizeof text, OBLIQUE("'reflection'", "%s", "", "%s"), materials[m],
-                     lights[l]);
-            tell(text, 4, &t);
+            tell(oblique("'reflection'", materials[m], "", lights[l]), 4, &t);
             assert_nothing(&t);
         }
     for (int i = 0; i < 4; i++) {
-        char text[2048];
-        snprintf(text, sizeof text,
-                 UNDER("'reflection'", "%s", "'material': 'shining', 'catcher': %s", ""),
-                 i % 2 ? PAPER : MIRROR, i < 2 ? "'reflection'" : "true");
+        const char *disk = i < 2 ? "'material': 'shining', 'catcher': 'reflection'"
+                                 : "'material': 'shining', 'catcher': true";
         /* the camera sees the ground from between the two */
-        tell(text, 4, &t);
+        tell(under("'reflection'", i % 2 ? PAPER : MIRROR, disk, ""), 4, &t);
         assert_nothing(&t);
     }
-    tell(UNDER("'reflection'", MIRROR, "'material': 'shining'", ""), 4, &t); /* negative controls */
+    tell(under("'reflection'", MIRROR, "'material': 'shining'", ""), 4, &t); /* negative controls */
     lf_assert_close(t.mean[0], 0.9, 1e-4, 0);
-    tell(OBLIQUE("'reflection'", MIRROR,
+    tell(oblique("'reflection'", MIRROR,
                  ", 'card': { 'shape': 'cube', 'material': 'white', "
                  "'transform': { 'translate': [0, 6, -6] } }",
                  "'e': { 'type': 'environment', 'radiance': 1 }"),
@@ -195,14 +194,7 @@ static void media_dim_both_ways(void **state)
 {
     (void)state;
     told t;
-    tell("{ 'camera': { 'position': [0, 9, 0], 'target': [0, 0, 0], 'up': [0, 0, -1], 'fov_y': "
-         "0.5, 'aspect': 1, 'views': 3, 'cone': 1 }, 'meshes': { 'ground': { 'shape': 'quad', "
-         "'catcher': 'reflection', 'material': 'm', 'transform': { 'scale': 50 } }, 'lamp': { "
-         "'shape': 'quad', 'material': 'shining', 'transform': { 'scale': 20, 'translate': [0, 12, "
-         "0] } } }, 'materials': { 'm': { 'type': 'conductor', 'albedo': 0.5, 'roughness': 0 }, "
-         "'shining': { 'albedo': 0, 'emission': 3 } }, 'volumes': { 'fog': { 'shape': 'box', "
-         "'density': 0.25, 'albedo': 0, 'transform': { 'translate': [0, 2, 0] } } } }",
-         256, &t);
+    tell(lf_test_scene_text("reflection-in-fog"), 256, &t);
     lf_assert_close(t.mean[0], 0.5 * 3.0 * exp(-1.0), 0.01, 0);
 }
 
@@ -213,28 +205,28 @@ static void what_is_reflected_is_not_among_the_lights_of_shadows(void **state)
     (void)state;
 #define SUN_BEHIND "'s': { 'type': 'distant', 'irradiance': 1 }"
     told t;
-    tell(UNDER("'reflection'", PAPER, "'material': 'shining'", SUN_BEHIND), 4, &t);
+    tell(under("'reflection'", PAPER, "'material': 'shining'", SUN_BEHIND), 4, &t);
     lf_assert_close(t.shadow, 1.0, 1e-6, 0);
     /* of the lamp (mean of 1, 2, 4) pi / 2, in its light; of the sun 1, in the shade */
-    tell(UNDER("true", PAPER, "'material': 'shining'", SUN_BEHIND), 64, &t);
+    tell(under("true", PAPER, "'material': 'shining'", SUN_BEHIND), 64, &t);
     lf_assert_close(t.shadow, 1.0 / (1.0 + 7.0 / 3.0 * M_PI / 2), 0.01, 0);
-    tell(UNDER("'reflection'", PAPER, "'material': 'white'", SUN_BEHIND), 4, &t);
+    tell(under("'reflection'", PAPER, "'material': 'white'", SUN_BEHIND), 4, &t);
     lf_assert_close(t.shadow, 1.0, 1e-6, 0);
 }
 
 /* ----------------------------------------------------------------------- as an ordinary mesh -- */
 
-/* A lamp and a ball on a floor under a black sky: all light of the floor is the things'. */
-#define ON_IT(views, what, backdrop, material, more)                                               \
-    "{ 'camera': { 'position': [0, 5, 6], 'target': [0.1, 0.4, 0], 'fov_y': 22, 'aspect': 1, "     \
-    "'views': " #views ", 'cone': 40 }, " backdrop " 'meshes': { 'ground': { 'shape': 'quad', "    \
-    "'catcher': " what ", 'material': 'm', 'transform': { 'scale': 50 } }, 'lamp': { 'shape': "    \
-    "'sphere', 'material': 'shining', 'transform': { 'scale': 0.3, 'translate': [-0.8, 0.8, 0] } " \
-    "}, 'ball': { 'shape': 'cube', 'material': 'red', 'transform': { 'scale': 0.4, 'translate': "  \
-    "[0.5, 0.41, 0] } } }, 'materials': { 'm': " material                                          \
-    ", 'shining': { 'albedo': 0, 'emission': 3 }, 'red': { 'albedo': [0.9, 0.5, 0.2] } }, "        \
-    "'lights': { " more " } }"
-#define BLACK "'backdrop': 0,"
+/* The scene with this catcher, a backdrop (BLACK or NO_BACKDROP), its material and lights. */
+static const char *on_it(const char *what, const char *backdrop, const char *material,
+                         const char *lights)
+{
+    return lf_test_scene_patched(
+        "reflection-of-lamp-and-ball",
+        "{%s'meshes': {'ground': {'catcher': %s}}, 'materials': {'m': %s}, 'lights': {%s}}",
+        backdrop, what, material, lights);
+}
+#define BLACK ""
+#define NO_BACKDROP "'backdrop': null, "
 
 enum { REPLICATES = 32, ACROSS = 16 };
 
@@ -266,35 +258,27 @@ static void pictures_of(const char *text, uint64_t salt, lf_blocks *out)
 static void a_catcher_before_black_is_the_floor_itself(void **state)
 {
     (void)state;
-    static const char *const catchers[] = {
-        ON_IT(3, "'reflection'", BLACK, PAPER, ""),
-        ON_IT(3, "'reflection'", BLACK, "{ 'type': 'plastic', 'roughness': 0 }", ""),
-        ON_IT(3, "'reflection'", BLACK, "{ 'type': 'plastic', 'roughness': 0.15 }", ""),
-        ON_IT(3, "'reflection'", BLACK,
-              "{ 'type': 'principled', 'metallic': 0.5, 'roughness': 0.5, 'coat': 1 }", ""),
-    };
-    static const char *const floors[] = {
-        ON_IT(3, "false", "", PAPER, ""),
-        ON_IT(3, "false", "", "{ 'type': 'plastic', 'roughness': 0 }", ""),
-        ON_IT(3, "false", "", "{ 'type': 'plastic', 'roughness': 0.15 }", ""),
-        ON_IT(3, "false", "",
-              "{ 'type': 'principled', 'metallic': 0.5, 'roughness': 0.5, 'coat': 1 }", ""),
+    static const char *const materials[] = {
+        PAPER,
+        "{ 'type': 'plastic', 'roughness': 0 }",
+        "{ 'type': 'plastic', 'roughness': 0.15 }",
+        "{ 'type': 'principled', 'metallic': 0.5, 'roughness': 0.5, 'coat': 1 }",
     };
     for (int i = 0; i < 4; i++) {
         lf_blocks a, b, control;
         int where = 0;
-        pictures_of(catchers[i], 100 + (uint64_t)i, &a);
-        pictures_of(floors[i], 200 + (uint64_t)i, &b);
+        pictures_of(on_it("'reflection'", BLACK, materials[i], ""), 100 + (uint64_t)i, &a);
+        pictures_of(on_it("false", NO_BACKDROP, materials[i], ""), 200 + (uint64_t)i, &b);
         const double level = lf_sidak(LF_FALSE_ALARM, 4 * a.n), p = lf_blocks_welch(&a, &b, &where);
         if (!(p > level))
             fail_msg("floor %d, block %d differs, p %.2g", i, where, p);
         assert_true(lf_blocks_welch_injected(&a, &b, a.n - 1, 1.03) < level);
         if (i == 0) { /* of shadows alone; and one under a sky, whose light is the plate's */
-            pictures_of(ON_IT(3, "true", BLACK, PAPER, ""), 300, &control);
+            pictures_of(on_it("true", BLACK, PAPER, ""), 300, &control);
             assert_true(lf_blocks_welch(&control, &b, NULL) < level);
             lf_blocks_finish(&control);
             pictures_of(
-                ON_IT(3, "false", BLACK, PAPER, "'e': { 'type': 'environment', 'radiance': 0.1 }"),
+                on_it("false", BLACK, PAPER, "'e': { 'type': 'environment', 'radiance': 0.1 }"),
                 301, &control);
             assert_true(lf_blocks_welch(&a, &control, NULL) < level);
             lf_blocks_finish(&control);
@@ -307,22 +291,16 @@ static void a_catcher_before_black_is_the_floor_itself(void **state)
 /* A lamp that is mirrored aslant in nearly smooth glaze, from views that stand 17 degrees to each
  * side; itself it is out of the picture, which is of reflections alone: a mean of any view that is
  * 5 % off is rejected. */
-#define ASLANT(what, backdrop)                                                                     \
-    "{ 'camera': { 'position': [0, 2, 6], 'target': [0, 0, 0.5], 'fov_y': 12, 'aspect': 1, "       \
-    "'views': 3, 'cone': 50 }, " backdrop                                                          \
-    " 'meshes': { 'ground': { 'shape': 'quad', 'catcher': " what                                   \
-    ", 'material': 'm', 'transform': { 'scale': 50 } }, 'lamp': { 'shape': 'sphere', "             \
-    "'material': 'shining', 'transform': { 'scale': 0.5, 'translate': [0, 2, -5] } } }, "          \
-    "'materials': { 'm': { 'type': 'plastic', 'albedo': 0.1, 'roughness': 0.12, 'ior': 1.8 }, "    \
-    "'shining': { 'albedo': 0, 'emission': 3 } } }"
-
 static void outer_views_see_what_they_would_of_the_floor(void **state)
 {
     (void)state;
     lf_blocks a, b;
     int where = 0;
-    pictures_of(ASLANT("'reflection'", BLACK), 400, &a);
-    pictures_of(ASLANT("false", ""), 401, &b);
+    pictures_of(lf_test_scene_text("reflection-aslant"), 400, &a);
+    pictures_of(
+        lf_test_scene_patched("reflection-aslant",
+                              "{'backdrop': null, 'meshes': {'ground': {'catcher': false}}}"),
+        401, &b);
     const double level = lf_sidak(LF_FALSE_ALARM, a.n), p = lf_blocks_welch(&a, &b, &where);
     if (!(p > level))
         fail_msg("block %d differs, p %.2g", where, p);

@@ -5,8 +5,8 @@
 #include <malloc.h>
 
 #include "base/alloc.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { WIDTH = 40, HEIGHT = 24, VIEWS = 5, VALUES = VIEWS * WIDTH * HEIGHT * 3 };
 
@@ -31,7 +31,7 @@ static void assert_same_picture(const lf_renderer *a, const lf_renderer *b)
 
 static lf_renderer *mixed(lf_scene **out_scene)
 {
-    *out_scene = lf_test_scene(LF_TEST_MIXED("5", ""));
+    *out_scene = lf_test_scene(lf_test_scene_views("mixed", 5));
     return lf_test_renderer(*out_scene, "mvpt", WIDTH, HEIGHT, NULL);
 }
 
@@ -117,12 +117,7 @@ static void a_cancelled_pass_says_so(void **state)
 static void holes_are_filled_where_something_was_found(void **state)
 {
     (void)state;
-    lf_scene *scene =
-        lf_test_scene("{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': "
-                      "1.6667, 'cone': 35, 'views': 5 }, "
-                      "'volumes': { 'slab': { 'shape': 'box', 'density': 4, 'transform': { "
-                      "'scale': [0.8, 0.03, 0.5] } } }, "
-                      "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("slab-along-rows"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", WIDTH, HEIGHT, NULL);
     int64_t filled = 0;
     for (uint64_t seed = 0; seed < 100; seed++) {
@@ -168,7 +163,7 @@ static void filling_leaves_no_hole_beyond_its_reach(void **state)
     int farthest[3];
     for (int i = 0; i < 3; i++) {
         uint8_t flags[VIEWS * WIDTH * HEIGHT];
-        lf_scene *scene = lf_test_scene(LF_TEST_FOGS("5", ""));
+        lf_scene *scene = lf_test_scene(lf_test_scene_views("fogs", 5));
         lf_renderer *r = lf_test_renderer(scene, "vpt", WIDTH, HEIGHT, NULL);
         lf_assert_ok(lf_renderer_pass_filling(r, NULL, 1, reach[i], NULL, NULL, NULL), NULL);
         lf_free(resolved(r, LF_ESTIMATOR_MWIS, flags));
@@ -250,7 +245,7 @@ static void a_saved_picture_goes_on_as_if_nothing_had_happened(void **state)
 static void another_picture_or_half_a_file_is_refused(void **state)
 {
     (void)state;
-    lf_scene *scene, *other = lf_test_scene(LF_TEST_FOGS("5", ""));
+    lf_scene *scene, *other = lf_test_scene(lf_test_scene_views("fogs", 5));
     char *folder = lf_test_folder();
     lf_renderer *r = mixed(&scene),
                 *stranger = lf_test_renderer(other, "mvpt", WIDTH, HEIGHT, NULL);

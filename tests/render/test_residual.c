@@ -1,6 +1,7 @@
 /* What tiles of single views lack: a brightness that one view alone sees is in no feature, and yet
  * is shown; how far off it is falls as the noise does. */
 #include "tests/render/reconstruct_testing.h"
+#include "tests/scene_file.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,14 +12,6 @@
 enum { width = 32, height = 32, views = 9, SEEDS = 4, LEVELS = 3 };
 /* Of the last view: bright. */
 enum { from = 8, to = 16 };
-
-/* A rough metal all over the picture. */
-#define WALL                                                                                       \
-    "{\"quiltd\": 1, \"camera\": {\"position\": [0,0,10], \"fov_y\": 14, \"aspect\": 1, "          \
-    "\"views\": 9, \"cone\": 10}, \"meshes\": {\"wall\": {\"shape\": \"quad\", \"material\": "     \
-    "\"metal\", \"transform\": {\"scale\": 20, \"rotate\": [90,0,0]}}}, \"materials\": "           \
-    "{\"metal\": {\"albedo\": 0.9}}, \"lights\": {\"sky\": {\"type\": \"environment\", "           \
-    "\"radiance\": 1}}}"
 
 static bool is_bright(int row, int view, int column)
 {
@@ -74,7 +67,7 @@ static float *shown(lf_renderer *r)
 
 static lf_renderer *wall(void)
 {
-    lf_renderer *r = reconstruct_renderer(WALL, width, height, NULL);
+    lf_renderer *r = reconstruct_renderer(lf_test_scene_text("metal-wall"), width, height, NULL);
     reconstruct_visits(r, NULL, 4);
     return r;
 }

@@ -10,7 +10,7 @@
 #include "render/papers/reuse.h"
 #include "render/transport/lanes/depth.h"
 #include "tests/render/grids.h"
-#include "tests/stat/scenes.h"
+#include "tests/scene_file.h"
 
 enum { width = 24, height = 16, n_views = 2, tile = 8, tiles = n_views * 6 + 1, depth = 3 };
 
@@ -26,11 +26,9 @@ static lf_blocks native;
 static lf_scene *grid_in_fog(void)
 {
     return lf_test_grid_scene(
-        "{ " LF_TEST_CAMERA("2", ", 'lens_radius': 0.1, 'focus_distance': 4.8")
-            LF_TEST_VOLUMES(", 'fog': { 'shape': 'sphere', 'density': 0.4, 'albedo': [0.9, 0.8, "
-                            "0.7], 'g': 0.7, "
-                            "'transform': { 'scale': [1.2, 0.7, 0.8], 'translate': [0.5, 0, 0.4] } "
-                            "}") ", " LF_TEST_LIGHTS " }",
+        lf_test_scene_patched("grid-in-fog",
+                              "{'camera': {'views': 2, 'lens_radius': 0.1}, "
+                              "'lights': {'sun': {'irradiance': [3, 2.7, 2.2], 'angle': 8}}}"),
         lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
 }
 
@@ -316,15 +314,6 @@ static void pictures_do_not_depend_on_the_number_of_threads(void **state)
 
 enum { wide = 32, low = 4, edge = wide / 2, reach = 10, neighbours = 3 };
 
-/* A white box in the right half of the window, so deep and seen from so far away that its front is
- * equally far from columns that are neighbours (to 1/2000 of its depth) and its edge is the middle
- * of the picture at every depth; lit by a sun alone, one bounce. */
-static const char half_box[] =
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 1000], 'fov_y': 0.1, 'aspect': 8, 'cone': 1, "
-    "'views': 1 }, 'volumes': { 'fog': { 'shape': 'box', 'density': 0.025, 'albedo': 1, "
-    "'transform': { 'scale': [8, 3, 20], 'translate': [8, 0, 0] } } }, "
-    "'lights': { 'sun': { 'type': 'distant', 'direction': [0, 0, -1], 'irradiance': 3 } } }";
-
 /* What is left of a column of the box: E[(1 + s) / (1 + v)], v of 3 drawn columns being in the
  * picture and s of them in the box. */
 static double shortcut(int column)
@@ -347,7 +336,7 @@ static double shortcut(int column)
 
 static void box_columns(const char *reuse, const char *weights, uint64_t salt, lf_moments out[wide])
 {
-    lf_scene *scene = lf_test_scene(half_box);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("half-box"));
     lf_renderer *r = renderer_of(scene, "restir", wide, low, 1, reuse, weights, NULL);
     for (int k = 0; k < 2 * replicates(); k++) {
         lf_test_reseed(r, lf_hash64(lf_test_seed() + salt, (uint64_t)k));
@@ -427,7 +416,7 @@ static void what_it_does_not_know_is_refused(void **state)
     lf_assert_status(lf_renderer_restart(r, fog, &settings, &err), LF_E_ARG, &err);
     assert_string_equal(err.what, "reservoirs of 2 views of 4096x4096 pixels need more than 2 GiB; "
                                   "use --reuse spatial, which keeps none");
-    lf_scene *ball = lf_test_scene(LF_TEST_BENT("3", ""));
+    lf_scene *ball = lf_test_scene(lf_test_scene_views("bent", 3));
     lf_assert_status(lf_renderer_restart(r, ball, &settings, &err), LF_E_ARG, &err);
     assert_non_null(strstr(err.what, "restir does not support surfaces; the scene has some"));
     lf_scene_unref(ball);

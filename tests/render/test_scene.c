@@ -7,25 +7,8 @@
 #include "render/scene/geometry.h"
 #include "render/scene/scene.h"
 #include "render/transport/light/light_kind.h"
-
-static json_t *parse(const char *text)
-{
-    json_error_t problem;
-    json_t *doc = json_loads(text, JSON_REJECT_DUPLICATES, &problem);
-    if (!doc)
-        fail_msg("%s: %s", text, problem.text);
-    return doc;
-}
-
-static lf_scene *make_scene(const char *text, const char *folder, const lf_scene *previous)
-{
-    lf_scene *scene = NULL;
-    lf_error err;
-    json_t *doc = parse(text);
-    lf_assert_ok(lf_scene_from_json(doc, folder, "test", NULL, previous, &scene, &err), &err);
-    json_decref(doc);
-    return scene;
-}
+#include "tests/scene_file.h"
+#include "tests/stat/fixture.h"
 
 /* ----------------------------------------------------------------------------------- parsing -- */
 #define DEGREE (M_PI / 180.0)
@@ -33,7 +16,7 @@ static lf_scene *make_scene(const char *text, const char *folder, const lf_scene
 static void an_empty_scene_has_the_defaults_of_the_manual(void **state)
 {
     (void)state;
-    lf_scene *scene = make_scene("{}", ".", NULL);
+    lf_scene *scene = lf_test_scene("{}");
     const lf_camera *camera = lf_scene_camera(scene);
     assert_true(camera->position[2] == 5 && camera->up[1] == 1 && camera->target[0] == 0);
     lf_assert_close(camera->fov_y, 14 * DEGREE, 1e-15, 0);
@@ -53,14 +36,11 @@ static void an_empty_scene_has_the_defaults_of_the_manual(void **state)
 static void every_key_of_camera_film_and_render_arrives(void **state)
 {
     (void)state;
-    lf_scene *scene = make_scene(
-        "{\"quiltd\": 1, \"camera\": {\"target\": [1,2,3], \"position\": [4,6,3], \"up\": [0,0,1], "
-        "\"fov_y\": 30,"
-        "\"aspect\": 1.6, \"views\": 8, \"cone\": 53, \"placement\": \"inclusive\", "
-        "\"lens_radius\": 0.25,"
-        "\"focus_distance\": 7}, \"film\": {\"exposure\": -1.5, \"tonemap\": \"filmic\"},"
-        "\"render\": {\"max_depth\": 12}}",
-        ".", NULL);
+    lf_scene *scene = lf_test_scene(
+        "{'quiltd': 1, 'camera': {'target': [1,2,3], 'position': [4,6,3], 'up': [0,0,1], "
+        "'fov_y': 30, 'aspect': 1.6, 'views': 8, 'cone': 53, 'placement': 'inclusive', "
+        "'lens_radius': 0.25, 'focus_distance': 7}, 'film': {'exposure': -1.5, "
+        "'tonemap': 'filmic'}, 'render': {'max_depth': 12}}");
     const lf_camera *camera = lf_scene_camera(scene);
     assert_true(camera->target[2] == 3 && camera->position[1] == 6 && camera->up[2] == 1);
     lf_assert_close(camera->fov_y, 30 * DEGREE, 1e-15, 0);
@@ -77,17 +57,12 @@ static void every_key_of_camera_film_and_render_arrives(void **state)
 static void lights_and_materials_arrive_in_their_units(void **state)
 {
     (void)state;
-    lf_scene *scene =
-        make_scene("{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [1, 2, 3], "
-                   "\"intensity\": [4, 5, 6]},"
-                   "\"d\": {\"type\": \"distant\", \"direction\": [0, -3, 4], \"irradiance\": 7, "
-                   "\"angle\": 60},"
-                   "\"e\": {\"type\": \"environment\", \"radiance\": [0.1, 0.2, 0.3]}},"
-                   "\"materials\": {\"m\": {\"type\": \"plastic\", \"albedo\": [0.1, 0.2, 0.3], "
-                   "\"roughness\": 0.4, "
-                   "\"ior\": 1.7, \"emission\": 2}},"
-                   "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"m\"}}}",
-                   ".", NULL);
+    lf_scene *scene = lf_test_scene(
+        "{'lights': {'p': {'type': 'point', 'position': [1, 2, 3], 'intensity': [4, 5, 6]}, "
+        "'d': {'type': 'distant', 'direction': [0, -3, 4], 'irradiance': 7, 'angle': 60}, "
+        "'e': {'type': 'environment', 'radiance': [0.1, 0.2, 0.3]}}, "
+        "'materials': {'m': {'type': 'plastic', 'albedo': [0.1, 0.2, 0.3], 'roughness': 0.4, "
+        "'ior': 1.7, 'emission': 2}}, 'meshes': {'q': {'shape': 'quad', 'material': 'm'}}}");
     /* In the order of their types, the mesh's light behind them. */
     assert_int_equal(scene->n_lights, 4);
     const lf_light *e = &scene->lights[0], *d = &scene->lights[1], *p = &scene->lights[2],
@@ -112,11 +87,10 @@ static void metals_arrive_by_name_and_by_index(void **state)
 {
     (void)state;
     lf_scene *scene =
-        make_scene("{\"materials\": {\"a\": {\"type\": \"conductor\", \"metal\": \"gold\"}, "
-                   "\"b\": {\"type\": \"conductor\", \"eta\": [0.2, 0.4, 1.5], \"k\": 3}, "
-                   "\"c\": {\"type\": \"conductor\"}},"
-                   "\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"a\"}}}",
-                   ".", NULL);
+        lf_test_scene("{'materials': {'a': {'type': 'conductor', 'metal': 'gold'}, "
+                      "'b': {'type': 'conductor', 'eta': [0.2, 0.4, 1.5], 'k': 3}, "
+                      "'c': {'type': 'conductor'}}, 'meshes': {'q': {'shape': 'quad', "
+                      "'material': 'a'}}}");
     const lf_material *m = &scene->materials[scene->n_materials - 3];
     /* Johnson and Christy at 617 and 582 nm are 0.21 + 3.27i and 0.29 + 2.86i. */
     assert_true(m[0].eta.x > 0.21f && m[0].eta.x < 0.29f && m[0].k.x > 2.86f && m[0].k.x < 3.27f &&
@@ -131,12 +105,11 @@ static void only_materials_in_use_set_the_flags(void **state)
     (void)state;
     char text[512];
     for (int used = 0; used < 2; used++) {
-        snprintf(
-            text, sizeof text,
-            "{\"materials\": {\"a\": {}, \"mirror\": {\"type\": \"conductor\", \"roughness\": 0}},"
-            "\"meshes\": {\"q\": {\"shape\": \"cube\", \"material\": \"%s\"}}}",
-            used ? "mirror" : "a");
-        lf_scene *scene = make_scene(text, ".", NULL);
+        snprintf(text, sizeof text,
+                 "{'materials': {'a': {}, 'mirror': {'type': 'conductor', 'roughness': 0}}, "
+                 "'meshes': {'q': {'shape': 'cube', 'material': '%s'}}}",
+                 used ? "mirror" : "a");
+        lf_scene *scene = lf_test_scene(text);
         assert_int_equal(lf_has(scene, LF_TRAIT_MIRRORS), used);
         assert_int_equal(lf_has(scene, LF_TRAIT_VIEW_LOBES), used);
         assert_false(lf_has(scene, LF_TRAIT_EMISSION));
@@ -152,20 +125,17 @@ static void a_scene_is_unlit_until_anything_shines(void **state)
         bool unlit;
     } scenes[] = {
         {"{}", true},
-        {"{\"lights\": {\"e\": {\"type\": \"environment\", \"radiance\": 0}}}", true},
-        {"{\"meshes\": {\"q\": {\"shape\": \"quad\"}}}", true},
-        {"{\"lights\": {\"e\": {\"type\": \"environment\", \"radiance\": [0, 0, 0.1]}}}", false},
-        {"{\"lights\": {\"d\": {\"type\": \"distant\", \"direction\": [0, -1, 0], \"irradiance\": "
-         "1}}}",
-         false},
-        {"{\"lights\": {\"p\": {\"type\": \"point\", \"position\": [0, 1, 0], \"intensity\": 1}}}",
-         false},
-        {"{\"materials\": {\"m\": {\"emission\": 1}}, \"meshes\": {\"q\": {\"shape\": \"quad\", "
-         "\"material\": \"m\"}}}",
+        {"{'lights': {'e': {'type': 'environment', 'radiance': 0}}}", true},
+        {"{'meshes': {'q': {'shape': 'quad'}}}", true},
+        {"{'lights': {'e': {'type': 'environment', 'radiance': [0, 0, 0.1]}}}", false},
+        {"{'lights': {'d': {'type': 'distant', 'direction': [0, -1, 0], 'irradiance': 1}}}", false},
+        {"{'lights': {'p': {'type': 'point', 'position': [0, 1, 0], 'intensity': 1}}}", false},
+        {"{'materials': {'m': {'emission': 1}}, 'meshes': {'q': {'shape': 'quad', "
+         "'material': 'm'}}}",
          false},
     };
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
-        lf_scene *scene = make_scene(scenes[i].text, ".", NULL);
+        lf_scene *scene = lf_test_scene(scenes[i].text);
         const char *warning = lf_scene_warning(scene, 0);
         assert_true(scenes[i].unlit ? warning && strstr(warning, "the scene has no light")
                                     : !warning);
@@ -315,7 +285,7 @@ static void every_error_says_where_and_what(void **state)
 static void documents_in_memory_give_the_pointer_without_a_line(void **state)
 {
     (void)state;
-    json_t *doc = parse("{\"camera\": {\"views\": 0}}");
+    json_t *doc = lf_test_json("document", "{'camera': {'views': 0}}");
     lf_scene *scene = NULL;
     lf_error err = {0};
     lf_assert_status(lf_scene_from_json(doc, ".", "patch", NULL, NULL, &scene, &err), LF_E_FORMAT,
@@ -330,7 +300,7 @@ static void documents_in_memory_give_the_pointer_without_a_line(void **state)
 static void errors_may_go_unread(void **state)
 {
     (void)state;
-    json_t *doc = parse("{\"camera\": {\"views\": 0}}");
+    json_t *doc = lf_test_json("document", "{'camera': {'views': 0}}");
     lf_scene *scene = NULL;
     lf_assert_status(lf_scene_from_json(doc, ".", "patch", NULL, NULL, &scene, NULL), LF_E_FORMAT,
                      NULL);
@@ -406,14 +376,7 @@ static void make_sides(const char *folder)
                   "mtllib ../out/m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     lf_test_write(folder, "in/near.obj",
                   "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    lf_test_write(folder, "in/tri.gltf",
-                  "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"uri\":\"../out/"
-                  "tri.bin\",\"byteLength\":36}],\"bufferViews\":"
-                  "[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"
-                  "\"componentType\":5126,\"count\":3,\"type\":"
-                  "\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],\"meshes\":[{\"primitives\":[{"
-                  "\"attributes\":{\"POSITION\":0}}]}],"
-                  "\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0}");
+    lf_test_write(folder, "in/tri.gltf", lf_test_scene_text("gltf-buffer-outside"));
     const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     FILE *bin = fopen(lf_test_path(folder, "out/tri.bin"), "wb");
     assert_non_null(bin);

@@ -6,38 +6,12 @@
 #include "render/render.h"
 #include "render/scene/geometry.h"
 #include "render/scene/scene.h"
-
-static json_t *parse(const char *text)
-{
-    json_error_t problem;
-    json_t *doc = json_loads(text, JSON_REJECT_DUPLICATES, &problem);
-    if (!doc)
-        fail_msg("%s: %s", text, problem.text);
-    return doc;
-}
-
-static lf_scene *make_scene(const char *text, const char *folder, const lf_scene *previous)
-{
-    lf_scene *scene = NULL;
-    lf_error err;
-    json_t *doc = parse(text);
-    lf_assert_ok(lf_scene_from_json(doc, folder, "test", NULL, previous, &scene, &err), &err);
-    json_decref(doc);
-    return scene;
-}
+#include "tests/scene_file.h"
+#include "tests/stat/fixture.h"
 
 static const char *const CUBE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 /* ----------------------------------------------------------------------------------- sharing -- */
-
-static const char *const SHARED_SCENE =
-    "{\"volumes\": {\"v\": {\"file\": \"tiles.vdb\", \"scale\": 2}, \"w\": {\"file\": "
-    "\"tiles.vdb\", \"transform\": {\"scale\": "
-    "0.5}}},"
-    "\"meshes\": {\"m\": {\"file\": \"tri.obj\", \"material\": \"a\"}, \"q\": {\"shape\": "
-    "\"quad\", \"material\": \"b\"}},"
-    "\"materials\": {\"a\": {}, \"b\": {\"albedo\": 0.25}},"
-    "\"lights\": {\"sky\": {\"type\": \"environment\", \"file\": \"sky.hdr\"}}}";
 
 static void copy_file(const char *from, const char *folder, const char *name)
 {
@@ -67,7 +41,8 @@ static void make_shared_files(const char *folder)
 /* The scene after a merge patch. */
 static lf_scene *patched(const lf_scene *scene, const char *patch_text)
 {
-    json_t *patch = parse(patch_text), *doc = lf_json_merge_patch(lf_scene_json(scene), patch);
+    json_t *patch = lf_test_json("document", patch_text),
+           *doc = lf_json_merge_patch(lf_scene_json(scene), patch);
     lf_scene *out = NULL;
     lf_error err;
     assert_non_null(doc);
@@ -86,20 +61,20 @@ typedef struct sharing_case {
 static void what_a_patch_does_not_touch_is_shared(void **state)
 {
     static const sharing_case cases[] = {
-        {"{\"camera\": {\"position\": [3, 0, 9]}}", true, true, true},
-        {"{\"lights\": {\"sun\": {\"type\": \"distant\"}}}", true, true, true},
-        {"{\"materials\": {\"b\": {\"albedo\": 0.75}}}", true, true, true},
-        {"{\"materials\": {\"new\": {}}}", true, true, true},
-        {"{\"meshes\": {\"q\": {\"material\": \"a\"}}}", true, true, true},
-        {"{\"volumes\": {\"v\": {\"scale\": 9, \"albedo\": 0.5}}}", true, true, true},
-        {"{\"volumes\": {\"w\": null}}", true, true, true},
-        {"{\"meshes\": {\"q\": {\"transform\": {\"scale\": 2}}}}", false, true, true},
-        {"{\"meshes\": {\"m\": null}}", false, true, true},
-        {"{\"meshes\": {\"m\": {\"material\": null}}}", false, true, true},
-        {"{\"lights\": {\"sky\": {\"scale\": 3, \"rotate\": 90}}}", true, true, true},
+        {"{'camera': {'position': [3, 0, 9]}}", true, true, true},
+        {"{'lights': {'sun': {'type': 'distant'}}}", true, true, true},
+        {"{'materials': {'b': {'albedo': 0.75}}}", true, true, true},
+        {"{'materials': {'new': {}}}", true, true, true},
+        {"{'meshes': {'q': {'material': 'a'}}}", true, true, true},
+        {"{'volumes': {'v': {'scale': 9, 'albedo': 0.5}}}", true, true, true},
+        {"{'volumes': {'w': null}}", true, true, true},
+        {"{'meshes': {'q': {'transform': {'scale': 2}}}}", false, true, true},
+        {"{'meshes': {'m': null}}", false, true, true},
+        {"{'meshes': {'m': {'material': null}}}", false, true, true},
+        {"{'lights': {'sky': {'scale': 3, 'rotate': 90}}}", true, true, true},
     };
     make_shared_files(*state);
-    lf_scene *scene = make_scene(SHARED_SCENE, *state, NULL);
+    lf_scene *scene = lf_test_scene_in(*state, lf_test_scene_text("shared-files"), NULL);
     assert_ptr_equal(scene->volumes[0].grid, scene->volumes[1].grid); /* one file, read once */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         lf_scene *next = patched(scene, cases[i].patch);
@@ -117,8 +92,8 @@ static void what_a_patch_does_not_touch_is_shared(void **state)
 static void a_new_material_shows_although_the_geometry_is_shared(void **state)
 {
     make_shared_files(*state);
-    lf_scene *scene = make_scene(SHARED_SCENE, *state, NULL);
-    lf_scene *next = patched(scene, "{\"materials\": {\"b\": {\"albedo\": 0.75}}}");
+    lf_scene *scene = lf_test_scene_in(*state, lf_test_scene_text("shared-files"), NULL);
+    lf_scene *next = patched(scene, "{'materials': {'b': {'albedo': 0.75}}}");
     assert_true(scene->materials[scene->meshes[1].material].albedo.x == 0.25f);
     assert_true(next->materials[next->meshes[1].material].albedo.x == 0.75f);
     /* The old scene may go first. */
@@ -132,11 +107,11 @@ static void meshes_keep_their_materials_in_another_order(void **state)
 {
     (void)state;
     static const char *const orders[] = {
-        "{\"meshes\": {\"q\": {\"shape\": \"quad\", \"material\": \"a\"}, \"c\": {\"shape\": "
-        "\"cube\", \"material\": \"b\"}}, \"materials\": {\"a\": {}, \"b\": {\"albedo\": 0.25}}}",
-        "{\"meshes\": {\"c\": {\"shape\": \"cube\", \"material\": \"b\"}, \"q\": {\"shape\": "
-        "\"quad\", \"material\": \"a\"}}, \"materials\": {\"a\": {}, \"b\": {\"albedo\": 0.25}}}"};
-    lf_scene *scene = make_scene(orders[0], ".", NULL), *next = make_scene(orders[1], ".", scene);
+        "{'meshes': {'q': {'shape': 'quad', 'material': 'a'}, 'c': {'shape': 'cube', "
+        "'material': 'b'}}, 'materials': {'a': {}, 'b': {'albedo': 0.25}}}",
+        "{'meshes': {'c': {'shape': 'cube', 'material': 'b'}, 'q': {'shape': 'quad', "
+        "'material': 'a'}}, 'materials': {'a': {}, 'b': {'albedo': 0.25}}}"};
+    lf_scene *scene = lf_test_scene(orders[0]), *next = lf_test_scene_in(".", orders[1], scene);
     for (int i = 0; i < 2; i++) {
         const lf_mesh *mesh = &next->meshes[i];
         bool is_cube = mesh->n_triangles == 12;
@@ -149,7 +124,7 @@ static void meshes_keep_their_materials_in_another_order(void **state)
 static void files_that_changed_are_read_again(void **state)
 {
     make_shared_files(*state);
-    lf_scene *scene = make_scene(SHARED_SCENE, *state, NULL);
+    lf_scene *scene = lf_test_scene_in(*state, lf_test_scene_text("shared-files"), NULL);
     lf_test_write(*state, "tri.obj", "v 0 0 0\nv 5 0 0\nv 0 1 0\nf 1 2 3\n");
     copy_file(lf_test_built("testdata/names.vdb"), *state, "tiles.vdb");
     lf_scene *next = patched(scene, "{}");
@@ -164,7 +139,7 @@ static void files_that_changed_are_read_again(void **state)
 static void a_reference_keeps_a_scene_alive(void **state)
 {
     (void)state;
-    lf_scene *scene = make_scene("{\"meshes\": {\"q\": {\"shape\": \"sphere\"}}}", ".", NULL);
+    lf_scene *scene = lf_test_scene("{'meshes': {'q': {'shape': 'sphere'}}}");
     assert_ptr_equal(lf_scene_ref(scene), scene);
     lf_scene_unref(scene);
     assert_int_equal(scene->n_meshes, 1);
@@ -175,12 +150,12 @@ static void a_reference_keeps_a_scene_alive(void **state)
 static void scenes_may_lack_meshes_or_volumes_or_both(void **state)
 {
     (void)state;
-    lf_scene *volume = make_scene("{\"volumes\": {\"v\": {\"shape\": \"box\"}}}", ".", NULL);
+    lf_scene *volume = lf_test_scene("{'volumes': {'v': {'shape': 'box'}}}");
     assert_null(volume->embree);
     assert_null(volume->geometry);
-    lf_scene *mesh = make_scene("{\"meshes\": {\"q\": {\"shape\": \"cube\"}}}", ".", volume);
+    lf_scene *mesh = lf_test_scene_in(".", "{'meshes': {'q': {'shape': 'cube'}}}", volume);
     assert_non_null(mesh->embree);
-    lf_scene *none = make_scene("{}", ".", mesh);
+    lf_scene *none = lf_test_scene_in(".", "{}", mesh);
     assert_null(none->embree);
     lf_scene_unref(volume);
     lf_scene_unref(mesh);
@@ -194,23 +169,24 @@ static void merge_patches_do_what_rfc_7396_lists(void **state)
     (void)state;
     /* Appendix A of the RFC. */
     static const char *const cases[][3] = {
-        {"{\"a\":\"b\"}", "{\"a\":\"c\"}", "{\"a\":\"c\"}"},
-        {"{\"a\":\"b\"}", "{\"b\":\"c\"}", "{\"a\":\"b\",\"b\":\"c\"}"},
-        {"{\"a\":\"b\"}", "{\"a\":null}", "{}"},
-        {"{\"a\":\"b\",\"b\":\"c\"}", "{\"a\":null}", "{\"b\":\"c\"}"},
-        {"{\"a\":[\"b\"]}", "{\"a\":\"c\"}", "{\"a\":\"c\"}"},
-        {"{\"a\":\"c\"}", "{\"a\":[\"b\"]}", "{\"a\":[\"b\"]}"},
-        {"{\"a\":{\"b\":\"c\"}}", "{\"a\":{\"b\":\"d\",\"c\":null}}", "{\"a\":{\"b\":\"d\"}}"},
-        {"{\"a\":[{\"b\":\"c\"}]}", "{\"a\":[1]}", "{\"a\":[1]}"},
-        {"[\"a\",\"b\"]", "[\"c\",\"d\"]", "[\"c\",\"d\"]"},
-        {"{\"a\":\"b\"}", "[\"c\"]", "[\"c\"]"},
-        {"{\"e\":null}", "{\"a\":1}", "{\"e\":null,\"a\":1}"},
-        {"[1,2]", "{\"a\":\"b\",\"c\":null}", "{\"a\":\"b\"}"},
-        {"{}", "{\"a\":{\"bb\":{\"ccc\":null}}}", "{\"a\":{\"bb\":{}}}"},
+        {"{'a': 'b'}", "{'a': 'c'}", "{'a': 'c'}"},
+        {"{'a': 'b'}", "{'b': 'c'}", "{'a': 'b', 'b': 'c'}"},
+        {"{'a': 'b'}", "{'a': null}", "{}"},
+        {"{'a': 'b', 'b': 'c'}", "{'a': null}", "{'b': 'c'}"},
+        {"{'a': ['b']}", "{'a': 'c'}", "{'a': 'c'}"},
+        {"{'a': 'c'}", "{'a': ['b']}", "{'a': ['b']}"},
+        {"{'a': {'b': 'c'}}", "{'a': {'b': 'd', 'c': null}}", "{'a': {'b': 'd'}}"},
+        {"{'a': [{'b': 'c'}]}", "{'a': [1]}", "{'a': [1]}"},
+        {"['a', 'b']", "['c', 'd']", "['c', 'd']"},
+        {"{'a': 'b'}", "['c']", "['c']"},
+        {"{'e': null}", "{'a': 1}", "{'e': null, 'a': 1}"},
+        {"[1,2]", "{'a': 'b', 'c': null}", "{'a': 'b'}"},
+        {"{}", "{'a': {'bb': {'ccc': null}}}", "{'a': {'bb': {}}}"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        json_t *doc = parse(cases[i][0]), *patch = parse(cases[i][1]),
-               *expected = parse(cases[i][2]);
+        json_t *doc = lf_test_json("document", cases[i][0]),
+               *patch = lf_test_json("document", cases[i][1]),
+               *expected = lf_test_json("document", cases[i][2]);
         json_t *before = json_deep_copy(doc), *got = lf_json_merge_patch(doc, patch);
         if (!json_equal(got, expected))
             fail_msg("%s with %s", cases[i][0], cases[i][1]);

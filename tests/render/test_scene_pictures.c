@@ -7,6 +7,7 @@
 #include "render/scene/geometry.h"
 #include "render/transport/surface/surface.h"
 #include "tests/base/pictures.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 /* A quad seen from above, -z at the top, that fills three quarters of each side of the view. */
@@ -327,29 +328,19 @@ static void write_gltf(const char *folder, bool coloured)
                                     0,  1, 1, 1, 1, 0, 0, 0,                /* coordinates */
                                     1,  0, 0, 1, 0, 0, 1, 0, 0,  1,  0, 0}; /* colours */
     static const uint32_t corners[] = {0, 1, 2, 0, 2, 3};
-    char text[2048];
     FILE *file = fopen(lf_test_path(folder, "g.bin"), "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(numbers, sizeof numbers, 1, file), 1);
     assert_int_equal(fwrite(corners, sizeof corners, 1, file), 1);
     fclose(file);
-    snprintf(text, sizeof text,
-             "{'asset':{'version':'2.0'},'scenes':[{'nodes':[0]}],'scene':0,'nodes':[{'mesh':0}],"
-             "'buffers':[{'uri':'g.bin','byteLength':152}],'bufferViews':[{'buffer':0,"
-             "'byteLength':48},{'buffer':0,'byteOffset':48,'byteLength':32},{'buffer':0,"
-             "'byteOffset':80,'byteLength':48},{'buffer':0,'byteOffset':128,'byteLength':24}],"
-             "'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3','min':"
-             "[-1,0,-1],'max':[1,0,1]},{'bufferView':1,'componentType':5126,'count':4,'type':"
-             "'VEC2'},{'bufferView':2,'componentType':5126,'count':4,'type':'VEC3'},"
-             "{'bufferView':3,'componentType':5125,'count':6,'type':'SCALAR'}],'meshes':[{"
-             "'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':1%s},'indices':3,'material':"
-             "0}]}],'textures':[{'source':0}],'images':[{'uri':'c.png'}],'materials':[{'name':"
-             "'Skin','pbrMetallicRoughness':{'baseColorTexture':{'index':0},'metallicFactor':0,"
-             "'roughnessFactor':0.5}}]}",
-             coloured ? ",'COLOR_0':2" : "");
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-    lf_test_write(folder, "g.gltf", text);
+    lf_test_write(
+        folder, "g.gltf",
+        lf_test_scene_patched(
+            "gltf-square", "%s",
+            coloured
+                ? "{'meshes': [{'primitives': [{'attributes': {'POSITION': 0, 'TEXCOORD_0': 1, "
+                  "'COLOR_0': 2}, 'indices': 3, 'material': 0}]}]}"
+                : "{}"));
 }
 
 static void json_says_what_gltf_says(void **state)

@@ -4,8 +4,9 @@
 #include "tests/testing.h"
 
 #include "render/plane/section.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
+#include "tests/stat/uniform.h"
 
 enum { width = 40, height = 30 };
 
@@ -37,18 +38,12 @@ static void tear_down(bench *b)
     lf_scene_unref(b->scene);
 }
 
-static float uniform(bench *b)
-{
-    b->random = lf_hash64(b->random, 1);
-    return (float)(b->random >> 40) * 0x1p-24f;
-}
-
 /* A plane of the row; the section's is moved by so many rows. */
 static void cut(bench *b, int row, float moved)
 {
     const lf_rig *rig = &lf_test_rows(b->renderer)->rig;
-    const float lens[2] = {uniform(b), uniform(b)};
-    float v = (float)row + (1.0f - moved) * uniform(b);
+    const float lens[2] = {lf_test_uniform(&b->random), lf_test_uniform(&b->random)};
+    float v = (float)row + (1.0f - moved) * lf_test_uniform(&b->random);
     lf_row_plane other;
     lf_rig_row_plane(rig, v, lens, &b->plane);
     lf_rig_row_plane(rig, v + moved, lens, &other);
@@ -207,9 +202,9 @@ static tally compare(bench *b, float moved)
     for (int row = 0; row < height; row++) {
         cut(b, row, moved);
         for (int i = 0; i < 60; i++) {
-            int view = (int)(uniform(b) * (float)rig->n_views);
-            float lx = (2.0f * uniform(b) - 1.0f) * b->plane.lens_chord;
-            float xw = rig->x0 + uniform(b) * (float)width * rig->dx,
+            int view = (int)(lf_test_uniform(&b->random) * (float)rig->n_views);
+            float lx = (2.0f * lf_test_uniform(&b->random) - 1.0f) * b->plane.lens_chord;
+            float xw = rig->x0 + lf_test_uniform(&b->random) * (float)width * rig->dx,
                   slope = (xw - rig->b[view]) / rig->distance - lx / rig->focus;
             lf_vec3 eye = lf_rig_point(rig, rig->b[view] + lx, b->plane.ly, 0.0f);
             lf_vec3 w = lf_rig_direction(rig, slope, b->plane.my, 1.0f);
@@ -217,8 +212,10 @@ static tally compare(bench *b, float moved)
             bool found = lf_trace_surface(&b->tracer, eye, w, INFINITY, &hit);
             if (found)
                 ask(b, lx, hit.p, &hit, &t);
-            ask(b, lx, lf_madd(eye, uniform(b) * (found ? hit.t : 2.0f * rig->distance), w), NULL,
-                &t);
+            ask(b, lx,
+                lf_madd(eye, lf_test_uniform(&b->random) * (found ? hit.t : 2.0f * rig->distance),
+                        w),
+                NULL, &t);
         }
     }
     return t;
@@ -236,14 +233,6 @@ static void assert_as_rays(const char *text)
     tear_down(&b);
 }
 
-/* Triangles beside and behind the cameras, and some that reach from before to behind. */
-#define ROOM                                                                                       \
-    "'meshes': { 'room': { 'shape': 'sphere', 'transform': { 'scale': 9 } }, "                     \
-    "'floor': { 'shape': 'quad', 'transform': { 'scale': 30, 'translate': [0, -0.4, 0] } }, "      \
-    "'post': { 'shape': 'sphere', 'transform': { 'scale': [0.05, 3, 0.05], 'translate': [0.3, 0, " \
-    "4.2] } }, "                                                                                   \
-    "'ball': { 'shape': 'sphere', 'transform': { 'scale': 0.5, 'translate': [-0.4, 0.2, 1] } } }"
-
 /* Fans through points of the window: the rays of all views and columns find what Embree finds, but
  * at edges. */
 static void assert_fans(bench *b)
@@ -255,8 +244,8 @@ static void assert_fans(bench *b)
         int segment[LF_MAX_LANES];
         if (i % 40 == 0)
             cut(b, i / 40, 0.0f);
-        float lx = (2.0f * uniform(b) - 1.0f) * b->plane.lens_chord,
-              xw = rig->x0 + uniform(b) * (float)width * rig->dx;
+        float lx = (2.0f * lf_test_uniform(&b->random) - 1.0f) * b->plane.lens_chord,
+              xw = rig->x0 + lf_test_uniform(&b->random) * (float)width * rig->dx;
         for (int k = 0; k < lanes; k++)
             c[k] = rig->b[k] + lx;
         const lf_row_cut of = cut_of(b);
@@ -282,12 +271,14 @@ static void assert_fans(bench *b)
     assert_true(found > asked / 10);
 }
 
+#define THROUGH_LENSES "{'camera': {'views': 13, 'lens_radius': 0.15, 'focus_distance': 4}}"
+
 static void fans_meet_what_rays_meet(void **state)
 {
     (void)state;
-    static const char *const scenes[] = {
-        LF_TEST_LAMP("45", ""), LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"),
-        "{ " LF_TEST_CAMERA("45", "") ROOM " }"};
+    const char *const scenes[] = {lf_test_scene_views("lamp", 45),
+                                  lf_test_scene_patched("lamp", THROUGH_LENSES),
+                                  lf_test_scene_text("room")};
     for (int i = 0; i < 3; i++) {
         bench b;
         set_up(&b, scenes[i]);
@@ -300,41 +291,35 @@ static void fans_meet_what_rays_meet(void **state)
 static void surfaces_hide_as_rays_find(void **state)
 {
     (void)state;
-    assert_as_rays(LF_TEST_LAMP("45", ""));
-    assert_as_rays(LF_TEST_LAMP("7", ""));
+    assert_as_rays(lf_test_scene_views("lamp", 45));
+    assert_as_rays(lf_test_scene_views("lamp", 7));
 }
 
 static void lenses_move_the_cameras_of_a_row(void **state)
 {
     (void)state;
-    assert_as_rays(LF_TEST_LAMP("13", ", 'lens_radius': 0.15, 'focus_distance': 4"));
+    assert_as_rays(lf_test_scene_patched("lamp", THROUGH_LENSES));
 }
 
 static void rooms_surround_the_cameras(void **state)
 {
     (void)state;
-    assert_as_rays("{ " LF_TEST_CAMERA("45", "") ROOM " }");
-    assert_as_rays("{ 'quiltd': 1, 'camera': { 'position': [0, 0.2, 2], 'fov_y': 60, 'aspect': "
-                   "1.3333333333, 'cone': 60, 'views': 9 }, " ROOM " }");
+    assert_as_rays(lf_test_scene_text("room"));
+    assert_as_rays(lf_test_scene_patched(
+        "room", "{'camera': {'position': [0, 0.2, 2], 'fov_y': 60, 'cone': 60, 'views': 9}}"));
 }
 
 /* Two balls and a ground, everything by s about (x, 0, -x). */
 static void assert_scaled(double s, double x)
 {
-    char text[2048];
-    snprintf(
-        text, sizeof text,
-        "{ 'quiltd': 1, 'camera': { 'target': [%.17g, 0, %.17g], 'position': [%.17g, %.17g, "
-        "%.17g], 'up': [0, 1, 0], 'fov_y': 24, "
-        "'aspect': 1.3333333333, 'cone': 40, 'views': 45 }, 'meshes': { "
-        "'ground': { 'shape': 'quad', 'transform': { 'scale': %g, 'translate': [%.17g, %.17g, "
-        "%.17g] } }, "
-        "'a': { 'shape': 'sphere', 'transform': { 'scale': %g, 'translate': [%.17g, 0, %.17g] } }, "
-        "'b': { 'shape': 'sphere', 'transform': { 'scale': %g, 'translate': [%.17g, 0, %.17g] } } "
-        "} }",
+    assert_as_rays(lf_test_scene_patched(
+        "two-balls",
+        "{'camera': {'target': [%.17g, 0, %.17g], 'position': [%.17g, %.17g, %.17g]}, "
+        "'meshes': {'ground': {'transform': {'scale': %g, 'translate': [%.17g, %.17g, %.17g]}}, "
+        "'a': {'transform': {'scale': %g, 'translate': [%.17g, 0, %.17g]}}, "
+        "'b': {'transform': {'scale': %g, 'translate': [%.17g, 0, %.17g]}}}}",
         x, -x, x, 0.6 * s, 5 * s - x, 4 * s, x, -s, -x, 0.6 * s, x - 0.5 * s, 0.3 * s - x, 0.4 * s,
-        x + 0.6 * s, -0.4 * s - x);
-    assert_as_rays(text);
+        x + 0.6 * s, -0.4 * s - x));
 }
 
 static void scenes_far_away_tiny_and_huge(void **state)
@@ -351,18 +336,9 @@ static void a_small_box_on_a_large_ground(void **state)
     (void)state;
     static const char *const grounds[] = {"3000, 'rotate': [0, 20, 0]",
                                           "3000, 'rotate': [4, 20, -7]", "100000"};
-    for (int i = 0; i < 3; i++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{ 'quiltd': 1, 'camera': { 'position': [0, 0.3, 1], 'fov_y': 12, 'aspect': "
-                 "1.3333333333, 'cone': 40, 'views': 45 }, "
-                 "'meshes': { 'ground': { 'shape': 'quad', 'transform': { 'scale': %s } }, 'box': "
-                 "{ 'shape': 'cube', 'transform': { "
-                 "'scale': [0.06, 0.04, 0.06], 'rotate': [0, 31, 0], 'translate': [0.02, 0.03, 0] "
-                 "} } } }",
-                 grounds[i]);
-        assert_as_rays(text);
-    }
+    for (int i = 0; i < 3; i++)
+        assert_as_rays(lf_test_scene_patched(
+            "small-box", "{'meshes': {'ground': {'transform': {'scale': %s}}}}", grounds[i]));
 }
 
 /* A card between a point and the middle of the rig, both at known places: views b with |b (1 -
@@ -371,11 +347,7 @@ static void a_card_hides_the_views_behind_it(void **state)
 {
     (void)state;
     bench b;
-    set_up(&b, "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': "
-               "1.3333333333, 'cone': 40, 'views': 45 }, "
-               "'meshes': { 'card': { 'shape': 'quad', 'transform': { 'scale': 0.31, 'rotate': "
-               "[90, 0, 0], 'translate': [0, 0, 3] "
-               "} } } }");
+    set_up(&b, lf_test_scene_text("card-in-front"));
     const lf_rig *rig = &lf_test_rows(b.renderer)->rig;
     float c[LF_MAX_LANES], scale[LF_MAX_LANES];
     cut(&b, height / 2, 0.0f);
@@ -397,15 +369,16 @@ static void lists_of_rows_are_complete(void **state)
 {
     (void)state;
     bench b;
-    set_up(&b, LF_TEST_LAMP("5", ", 'lens_radius': 0.15, 'focus_distance': 4"));
+    set_up(&b,
+           lf_test_scene_patched("lamp", "{'camera': {'lens_radius': 0.15, 'focus_distance': 4}}"));
     const lf_row_triangles *rows = &lf_test_rows(b.renderer)->triangles;
     size_t found = 0;
     for (int row = 0; row < height; row++) {
         for (int i = 0; i < 200; i++) {
             cut(&b, row, 0.0f);
             const lf_rig *rig = &lf_test_rows(b.renderer)->rig;
-            float lx = (2.0f * uniform(&b) - 1.0f) * b.plane.lens_chord,
-                  xw = rig->x0 + uniform(&b) * (float)width * rig->dx;
+            float lx = (2.0f * lf_test_uniform(&b.random) - 1.0f) * b.plane.lens_chord,
+                  xw = rig->x0 + lf_test_uniform(&b.random) * (float)width * rig->dx;
             lf_vec3 eye = lf_rig_point(rig, lx + rig->b[2], b.plane.ly, 0.0f);
             lf_hit hit;
             if (!lf_trace_surface(
@@ -431,7 +404,7 @@ static void another_plane_is_noticed(void **state)
 {
     (void)state;
     bench b;
-    set_up(&b, LF_TEST_LAMP("45", ""));
+    set_up(&b, lf_test_scene_views("lamp", 45));
     b.strict = false;
     tally t = compare(&b, 0.5f);
     assert_true(t.wrong > 100);

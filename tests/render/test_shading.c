@@ -4,6 +4,7 @@
 
 #include "render/transport/path/path.h"
 #include "render/transport/surface/surface_lobes.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 static const float reflected = 0.25f, through = 0.6f;
@@ -22,16 +23,10 @@ static const lf_surface_kind thin = {.name = "pane", .deltas = thin_deltas};
 /* A pane at y = 0, and lamps above and below it of which the ceiling is twice as bright. */
 static lf_scene *make_thin(bool ceiling, bool floor)
 {
-    char text[1024];
-    snprintf(text, sizeof text,
-             "{ 'meshes': { 'pane': { 'shape': 'quad', 'material': 'pane', 'transform': { 'scale': "
-             "9 } }, 'ceiling': { 'shape': 'quad', 'material': 'bright', 'transform': { 'scale': "
-             "40, 'translate': [0, 3, 0] } }, 'floor': { 'shape': 'quad', 'material': 'dim', "
-             "'transform': { 'scale': 40, 'translate': [0, -3, 0] } } }, 'materials': { 'pane': { "
-             "'albedo': 0 }, 'bright': { 'albedo': 0, 'emission': %d }, 'dim': { 'albedo': 0, "
-             "'emission': %d } } }",
-             ceiling ? 2 : 0, floor ? 1 : 0);
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "sheet-between-lights",
+        "{'materials': {'bright': {'emission': %d}, 'dim': {'emission': %d}}}", ceiling ? 2 : 0,
+        floor ? 1 : 0));
     lf_material *m = &scene->materials[scene->meshes[0].material];
     m->kind = &thin;
     m->has_delta = true;

@@ -2,6 +2,7 @@
  * and by every way light is found, and what a lobe would send there is not lost. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 12, height = 9, n_views = 5, leaning = 50 /* degrees */ };
@@ -37,40 +38,26 @@ static int tear_down(void **state)
     return lf_test_finish(state);
 }
 
-/* A sheet that fills all views, and what shines on it. */
-static lf_renderer *make(const char *material, const char *meshes, const char *lights,
-                         const char *integrator)
+/* A sheet that fills all views, and the lights behind it or, if `sky`, an even sky of 1. */
+static lf_renderer *make(const char *material, bool sky, const char *integrator)
 {
-    char text[2048];
-    snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': "
-             "1.3333333333, 'views': 5, 'cone': 40 }, "
-             "'meshes': { 'sheet': { 'file': '%s/sheet.obj', 'material': 'm' }%s }, 'materials': { "
-             "'m': { %s }, 'lamp': { 'albedo': 0, "
-             "'emission': 3 } }, 'lights': { %s } }",
-             folder, meshes, material, lights);
-    lf_scene *scene = lf_test_scene(text);
+    static const char under_sky[] =
+        ", 'lamp': null}, 'lights': {'bulb': null, 'sun': null, 'disk': null, "
+        "'sky': {'type': 'environment', 'radiance': 1}";
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "lit-sheet", "{'materials': {'m': {%s}}, 'meshes': {'sheet': {'file': '%s/sheet.obj'}%s}}",
+        material, folder, sky ? under_sky : ""));
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     lf_scene_unref(scene);
     return r;
 }
 
-/* A lamp, a bulb, a sun and a sun with an angle, all behind the sheet. */
 static void nothing_leaks_through_a_sheet(void **state)
 {
     (void)state;
     for (int m = 0; m < N_MATERIALS; m++) {
         for (int i = 0; i < 2; i++) {
-            lf_renderer *r = make(materials[m],
-                                  ", 'lamp': { 'shape': 'quad', 'material': 'lamp', 'transform': { "
-                                  "'scale': 4, 'rotate': [90, 0, 0], "
-                                  "'translate': [0, 0, -2] } }",
-                                  "'bulb': { 'type': 'point', 'position': [1, 0, -1], 'intensity': "
-                                  "5 }, 'sun': { 'type': 'distant', "
-                                  "'direction': [-0.9, 0, 0.3], 'irradiance': 3 }, 'disk': { "
-                                  "'type': 'distant', 'direction': [-0.9, 0, "
-                                  "0.2], 'irradiance': 3, 'angle': 9 }",
-                                  integrators[i]);
+            lf_renderer *r = make(materials[m], false, integrators[i]);
             lf_test_cycles(r, 8);
             for (size_t e = 0; e < sizeof estimators / sizeof estimators[0]; e++) {
                 double *picture = lf_test_picture(r, estimators[e]);
@@ -110,9 +97,7 @@ static void a_sheet_under_a_sky_loses_nothing(void **state)
             truth[k] = known;
             cut[k] = known * 0.5 * (1.0 + cos(leaning * M_PI / 180.0));
         }
-        lf_renderer *r =
-            make(cases[i / 2].words, "", "'sky': { 'type': 'environment', 'radiance': 1 }",
-                 integrators[i % 2]);
+        lf_renderer *r = make(cases[i / 2].words, true, integrators[i % 2]);
         lf_blocks blocks;
         int where;
         lf_test_pictures(r, eight_cycles, LF_ESTIMATOR_MIS, 12, (uint64_t)i, width, &blocks);
@@ -128,27 +113,21 @@ static void a_sheet_under_a_sky_loses_nothing(void **state)
     }
 }
 
-/* An octahedron whose normals are smooth: they lean by up to 55 degrees. A place for the scene's
- * words about the material. */
-static char *gem_of(const char *material, char *text, size_t size)
+/* The octahedron of a material. */
+static const char *gem_of(const char *material)
 {
     lf_test_write(folder, "gem.obj",
                   "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
                   "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n");
-    snprintf(text, size,
-             "{ 'camera': { 'position': [0, 0.3, 6], 'fov_y': 8, 'aspect': 1.3333333333, 'views': "
-             "5, 'cone': 10 }, 'meshes': { 'gem': { 'file': '%s/gem.obj', 'normals': 'smooth', "
-             "'material': 'm' } }, 'materials': { 'm': { %s } }, 'lights': { 'sky': { 'type': "
-             "'environment', 'radiance': 1 } } }",
-             folder, material);
-    return text;
+    return lf_test_scene_patched(
+        "gem", "{'meshes': {'gem': {'file': '%s/gem.obj'}}, 'materials': {'m': {%s}}}", folder,
+        material);
 }
 
 static double brightness_of(const char *material, const char *integrator)
 {
-    char text[2048];
     lf_blocks blocks;
-    lf_scene *scene = lf_test_scene(gem_of(material, text, sizeof text));
+    lf_scene *scene = lf_test_scene(gem_of(material));
     lf_renderer *r = lf_test_renderer(scene, integrator, width, height, NULL);
     lf_scene_unref(scene);
     lf_test_pictures(r, eight_cycles, LF_ESTIMATOR_MIS, 6, 3, width, &blocks);
@@ -179,12 +158,11 @@ static void folded_lobes_weigh_what_is_expected(void **state)
     (void)state;
     static const char *const words[] = {
         "'type': 'plastic', 'albedo': 0.8, 'roughness': 0.5",
-        "'type': 'principled', 'albedo': 0.8, 'roughness': 0.4, 'coat': 1, 'coat_roughness': 0.3, "
-        "'subsurface': 0.7, 'subsurface_radius': 0.2"};
-    char text[2048];
+        "'type': 'principled', 'albedo': 0.8, 'roughness': 0.4, 'coat': 1, "
+        "'coat_roughness': 0.3, 'subsurface': 0.7, 'subsurface_radius': 0.2"};
     for (size_t i = 0; i < 2; i++)
-        lf_test_assert_weights(gem_of(words[i], text, sizeof text), width, height, eight_cycles, 40,
-                               4, lf_sidak(LF_FALSE_ALARM, 4 * 46));
+        lf_test_assert_weights(gem_of(words[i]), width, height, eight_cycles, 40, 4,
+                               lf_sidak(LF_FALSE_ALARM, 4 * 46));
 }
 
 /* A ball of 2 x 60 x 30 triangles whose faces share their vertices, with the axis along y. */
@@ -218,9 +196,9 @@ static void smooth_normals_of_a_ball_point_outwards(void **state)
     char text[512];
     write_ball("ball.ply");
     snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1, 'views': "
-             "1 }, 'meshes': { 'ball': { 'file': "
-             "'%s/ball.ply', 'normals': 'smooth' } } }",
+             "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1, "
+             "'views': 1 }, 'meshes': { 'ball': { 'file': '%s/ball.ply', "
+             "'normals': 'smooth' } } }",
              folder);
     lf_scene *scene = lf_test_scene(text);
     const lf_mesh *mesh = &scene->meshes[0];

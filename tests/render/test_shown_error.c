@@ -1,6 +1,7 @@
 /* What is stated of the shown picture's error before rare bright paths, which two halves meet in
  * one pixel by chance. Films are made of numbers with a known truth, in place of what was found. */
 #include "tests/render/reconstruct_testing.h"
+#include "tests/scene_file.h"
 
 #include <math.h>
 
@@ -8,14 +9,6 @@
 #include "render/transport/sampler.h"
 
 enum { width = 48, height = 48, views = 5, values = 3 * width * height * views, SEEDS = 96 };
-
-/* A rough metal all over the picture. */
-#define WALL                                                                                       \
-    "{\"quiltd\": 1, \"camera\": {\"position\": [0,0,10], \"fov_y\": 14, \"aspect\": 1, "          \
-    "\"views\": 5, \"cone\": 10}, \"meshes\": {\"wall\": {\"shape\": \"quad\", \"material\": "     \
-    "\"metal\", \"transform\": {\"scale\": 20, \"rotate\": [90,0,0]}}}, \"materials\": "           \
-    "{\"metal\": {\"albedo\": 0.9}}, \"lights\": {\"sky\": {\"type\": \"environment\", "           \
-    "\"radiance\": 1}}}"
 
 static float uniform(uint64_t salt, int row, int half, int column)
 {
@@ -64,16 +57,6 @@ static void make_film(lf_renderer *r, uint64_t salt, float *truth)
     }
 }
 
-static double rel_mse(const float *x, const float *truth)
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < values; i++) {
-        const double d = (double)x[i] - (double)truth[i];
-        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2) / values;
-    }
-    return sum;
-}
-
 /* Means over films, and how often the bound holds. */
 typedef struct lf_told {
     double shown, stated;
@@ -91,7 +74,7 @@ static lf_told tell(lf_renderer *r)
         make_film(r, k, truth);
         lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
         assert_true(r->shown->is_bright);
-        shown = rel_mse(x, truth);
+        shown = lf_test_rel_mse(x, truth, values);
         out.held += lf_renderer_shown_error(r, 0.05, &stated, NULL) >= shown;
         out.shown += shown / SEEDS;
         out.stated += stated / SEEDS;
@@ -108,7 +91,8 @@ static lf_told tell(lf_renderer *r)
 static void rare_bright_paths_are_stated(void **state)
 {
     (void)state;
-    lf_renderer *r = reconstruct_renderer(WALL, width, height, NULL);
+    lf_renderer *r =
+        reconstruct_renderer(lf_test_scene_views("metal-wall", 5), width, height, NULL);
     reconstruct_visits(r, NULL, 4);
     const lf_told t = tell(r);
     print_message("off by %.3g, stated %.2f of it; the bound holds in %d of %d\n", t.shown,

@@ -6,8 +6,8 @@
 #include <stdarg.h>
 
 #include "render/scene/geometry.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 /* ----------------------------------------------------------------------------------- an edge -- */
 
@@ -26,7 +26,6 @@ static const double half_window = 0.8816349035423249; /* DISTANCE tan(FOV / 2) *
 static void look_at_edge(double z, bool level, double from, double to, bool camera, bool fog,
                          unsigned faults, double *out)
 {
-    char text[1024];
     /* It opens in frame 5 and a half and closes in frame 6.75. */
     double speed = (to - from) / 1.25, at = from - 4.5 * speed;
     double first[2] = {0}, last[2] = {0}, eye[2][2] = {{0}, {0}};
@@ -37,21 +36,15 @@ static void look_at_edge(double z, bool level, double from, double to, bool came
         eye[1][level] = from - at - 10 * speed;
         first[level] = last[level] = from - 40;
     }
-    snprintf(text, sizeof text,
-             "{'frame': 5, 'camera': {'position': {'keys': [[1, [%.17g, %.17g, 5]], [11, [%.17g, "
-             "%.17g, 5]]]}, 'target': {'keys': [[1, [%.17g, %.17g, 0]], [11, [%.17g, %.17g, "
-             "0]]]}, 'fov_y': %g, 'aspect': 1, 'cone': %g, 'views': 3, 'shutter': 1.25, "
-             "'shutter_open': 0.5}, 'materials': {'black': {'albedo': 0}}, %s'translate': {'keys': "
-             "[[1, [%.17g, %.17g, %.17g]], [11, [%.17g, %.17g, "
-             "%.17g]]]}}}}, 'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
-             eye[0][0], eye[0][1], eye[1][0], eye[1][1], eye[0][0], eye[0][1], eye[1][0], eye[1][1],
-             FOV, CONE,
-             fog ? "'volumes': {'wall': {'shape': 'box', 'density': 1e6, 'albedo': 0, 'transform': "
-                   "{'scale': [40, 40, 1e-4], "
-                 : "'meshes': {'wall': {'shape': 'quad', 'material': 'black', 'transform': "
-                   "{'scale': 40, 'rotate': [90, 0, 0], ",
-             first[0], first[1], DISTANCE - z, last[0], last[1], DISTANCE - z);
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        fog ? "edge-of-fog" : "edge-of-wall",
+        "{'camera': {'position': {'keys': [[1, [%.17g, %.17g, 5]], [11, [%.17g, %.17g, 5]]]}, "
+        "'target': {'keys': [[1, [%.17g, %.17g, 0]], [11, [%.17g, %.17g, 0]]]}, 'fov_y': %g, "
+        "'cone': %g}, '%s': {'wall': {'transform': {'translate': {'keys': "
+        "[[1, [%.17g, %.17g, %.17g]], [11, [%.17g, %.17g, %.17g]]]}}}}}",
+        eye[0][0], eye[0][1], eye[1][0], eye[1][1], eye[0][0], eye[0][1], eye[1][0], eye[1][1], FOV,
+        CONE, fog ? "volumes" : "meshes", first[0], first[1], DISTANCE - z, last[0], last[1],
+        DISTANCE - z));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", side, side, NULL);
     r->faults = faults;
     lf_test_cycles(r, 192);
@@ -199,8 +192,9 @@ static void write_scene(writer *w, double time)
         "{'scale': 0.05, 'rotate': [0, 30, 0], ",
         vdb);
     put_moving(w, "translate", voxels[0], voxels[1], 3);
-    put(w, "}}}, 'meshes': {" LF_TEST_GROUND
-           ", 'disk': {'shape': 'disk', 'material': 'glaze', 'transform': {");
+    put(w, "}}}, 'meshes': {'ground': {'shape': 'quad', 'material': 'clay', "
+           "'transform': {'scale': 4, 'translate': [0, -1, 0]}}, 'disk': {'shape': 'disk', "
+           "'material': 'glaze', 'transform': {");
     put_moving(w, "scale", size[0], size[1], 3);
     put(w, ", ");
     put_moving(w, "translate", disk[0], disk[1], 3);
@@ -565,14 +559,7 @@ static void what_has_keys_and_stands_still_is_told(void **state)
 static void lamps_are_found_as_they_are_drawn(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{'camera': {'shutter': 1}, 'materials': {'glow': {'emission': 1}}, 'meshes': {'a': "
-        "{'shape': 'quad', 'material': 'glow', 'transform': {'scale': {'keys': [[1, [1, 1, 1]], "
-        "[2, [0.2, 1, 3]]]}, 'translate': {'keys': [[1, [0, 1, 0]], [2, [1, 2, 0]]]}}}, 'b': "
-        "{'shape': 'cube', 'material': 'glow', 'transform': {'scale': {'keys': [[1, [0.1, 1, 1]], "
-        "[2, [1, 1, 0.1]]]}, 'translate': [0, -3, 0]}}}, 'lights': {'ball': {'type': 'sphere', "
-        "'radius': {'keys': [[1, 1], [2, 0.3]]}, 'position': {'keys': [[1, [4, 0, 0]], [2, [3, 0, "
-        "1]]]}, 'radiance': 1}}}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("shrinking-lights"));
     const lf_vec3 p = {0.2f, 0.1f, 0.3f};
     lf_shutter_time shutter = {0};
     int drawn = 0;

@@ -9,8 +9,8 @@
 
 #include "render/plane/reach.h"
 #include "render/skip.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum {
     width = 32,
@@ -21,65 +21,36 @@ enum {
     replicates = 12
 };
 
-/* Little of the picture, under a sky that is the same everywhere: what most entries are about. */
-#define SMALL_CLOUD(more)                                                                          \
-    "{ " LF_TEST_CAMERA(                                                                           \
-        "5", more) "'volumes': { 'puff': { 'shape': 'sphere', 'density': 5, 'transform': { "       \
-                   "'scale': [0.5, 0.4, 0.6], 'translate': [0.5, 0.3, 0.4] } } "                   \
-                   "}, " LF_TEST_SHARP_LIGHTS " }"
-#define SMALL_BALL                                                                                 \
-    "{ " LF_TEST_CAMERA("5", "") "'meshes': { 'ball': { 'shape': 'sphere', 'material': 'clay', "   \
-                                 "'transform': { 'scale': 0.5, "                                   \
-                                 "'translate': [-0.6, -0.2, 0.5] } } }, 'materials': { 'clay': "   \
-                                 "{} }, " LF_TEST_SHARP_LIGHTS " }"
-#define INSIDE                                                                                     \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 1], 'fov_y': 24, 'aspect': 1.3333333333, "      \
-    "'cone': 40, 'views': 5 }, "                                                                   \
-    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.3, 'transform': { 'scale': 1.5 } } "    \
-    "}, " LF_TEST_SHARP_LIGHTS " }"
-
-/* What is seen is not what shines. */
-#define BACKDROP(what)                                                                             \
-    "{ " LF_TEST_CAMERA("5", "") "'meshes': { 'ball': { 'shape': 'sphere', 'transform': { "        \
-                                 "'scale': 0.5 } } }, 'backdrop': " what ", 'lights': { 'sky': "   \
-                                 "{ 'type': 'environment', 'radiance': 0.6 }, 'sun': { 'type': "   \
-                                 "'distant', 'angle': 20, 'visible': false } } }"
-
-/* Clouds of voxels, for which suffixes go side by side: all views are sent the same by one of them,
- * each what its lobe says by the other. The file's name is put in. */
-static char voxels[2][PATH_MAX + 512];
-
-static const char *const scenes[] = {
-    voxels[0],
-    voxels[1],
-    SMALL_CLOUD(""),
-    SMALL_CLOUD(", 'lens_radius': 0.2, 'focus_distance': 4.2"),
-    SMALL_BALL,
-    INSIDE,
-    LF_TEST_MIXED("5", ""),
-    LF_TEST_FOGS("5", ""),
-    LF_TEST_LAMP("5", ""),
-    BACKDROP("[0.3, 0.2, 0.1]"),
-    BACKDROP("{ 'top': 0.3, 'bottom': [0.1, 0.2, 0.5] }"),
+/* Two clouds of voxels, for which suffixes go side by side: all views are sent the same by one of
+ * them, each what its lobe says by the other. Then little of the image, which is what most entries
+ * are about; and scenes of other tests. */
+static const struct {
+    const char *name, *patch;
+} scenes[] = {
+    {"voxels", NULL}, /* g is 0 */
+    {"voxels", NULL}, /* g is 0.4 */
+    {"small-cloud", "{}"},
+    {"small-cloud", "{'camera': {'lens_radius': 0.2, 'focus_distance': 4.2}}"},
+    {"small-ball", "{}"},
+    {"inside-fog", "{}"},
+    {"mixed", "{}"},
+    {"fogs", "{}"},
+    {"lamp", "{}"},
+    {"ball-before-backdrop", "{}"},
+    {"ball-before-backdrop", "{'backdrop': {'top': 0.3, 'bottom': [0.1, 0.2, 0.5]}}"},
 };
 enum { n_scenes = sizeof scenes / sizeof *scenes };
 static const unsigned all = LF_SKIP_ALL;
 
-static int put_name_in(void **state)
+static lf_scene *make_scene(int s)
 {
     char path[PATH_MAX];
-    (void)state;
     assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), path));
-    for (int i = 0; i < 2; i++)
-        snprintf(
-            voxels[i], sizeof voxels[i],
-            "{ " LF_TEST_CAMERA(
-                "5",
-                "") "'volumes': { 'v': { 'file': '%s', 'scale': 10, "
-                    "'albedo': [0.9, 0.8, 0.7], 'g': %g, 'transform': { 'scale': 0.1, 'rotate': "
-                    "[-75, 0, 20], 'translate': [-0.9, 0.6, 0] } } }, " LF_TEST_SHARP_LIGHTS " }",
-            path, 0.4 * i);
-    return 0;
+    return lf_test_scene(scenes[s].patch
+                             ? lf_test_scene_patched(scenes[s].name, "%s", scenes[s].patch)
+                             : lf_test_scene_patched(scenes[s].name,
+                                                     "{'volumes': {'v': {'file': '%s', 'g': %g}}}",
+                                                     path, 0.4 * s));
 }
 
 static void leave_out(lf_renderer *r, unsigned skip, uint64_t seed)
@@ -105,7 +76,7 @@ static void every_bitwise_skip_leaves_every_bit(void **state)
     (void)state;
     static float with[3][values], without[3][values], other[3][values];
     for (int s = 0; s < n_scenes; s++) {
-        lf_scene *scene = lf_test_scene(scenes[s]);
+        lf_scene *scene = make_scene(s);
         lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
         render(r, all, 5, with);
         for (int i = 0; lf_skip_at(i); i++) {
@@ -164,7 +135,7 @@ static void every_other_skip_leaves_the_picture(void **state)
     for (; lf_skip_at(entries); entries++)
         continue;
     for (int s = 0; s < n_scenes; s++) {
-        lf_scene *scene = lf_test_scene(scenes[s]);
+        lf_scene *scene = make_scene(s);
         lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
         n += compare(r, s, lf_sidak(LF_FALSE_ALARM, n_scenes * entries * tiles));
         lf_renderer_destroy(r);
@@ -178,7 +149,7 @@ static void every_skip_is_found_in_some_scene_and_missed_in_another(void **state
     (void)state;
     unsigned found = 0, missed = LF_SKIP_BACKGROUND;
     for (int s = 0; s < n_scenes; s++) {
-        lf_scene *scene = lf_test_scene(scenes[s]);
+        lf_scene *scene = make_scene(s);
         found |= lf_skip_found(scene);
         missed |= ~lf_skip_found(scene);
         lf_scene_unref(scene);
@@ -223,11 +194,11 @@ static void little_of_the_picture_is_in_reach_of_little_and_all_from_inside(void
 {
     (void)state;
     const int pixels = n_views * width * height;
-    assert_true(count_reach(SMALL_CLOUD("")) * 3 < pixels);
-    assert_true(count_reach(SMALL_CLOUD("")) * 20 > pixels);
-    assert_true(count_reach(SMALL_BALL) * 3 < pixels);
-    assert_true(count_reach(SMALL_BALL) * 20 > pixels);
-    assert_int_equal(count_reach(INSIDE), pixels);
+    assert_true(count_reach(lf_test_scene_text("small-cloud")) * 3 < pixels);
+    assert_true(count_reach(lf_test_scene_text("small-cloud")) * 20 > pixels);
+    assert_true(count_reach(lf_test_scene_text("small-ball")) * 3 < pixels);
+    assert_true(count_reach(lf_test_scene_text("small-ball")) * 20 > pixels);
+    assert_int_equal(count_reach(lf_test_scene_text("inside-fog")), pixels);
 }
 
 static void bits_are_those_of_the_places_in_the_table(void **state)
@@ -250,5 +221,5 @@ int main(void)
         cmocka_unit_test(every_other_skip_leaves_the_picture),
         cmocka_unit_test(little_of_the_picture_is_in_reach_of_little_and_all_from_inside),
     };
-    return cmocka_run_group_tests(tests, put_name_in, lf_test_finish);
+    return cmocka_run_group_tests(tests, NULL, lf_test_finish);
 }

@@ -174,13 +174,8 @@ static void the_film_has_what_the_normal_tells(void **state)
 static double rel_mse(lf_renderer *r, const float *truth)
 {
     static float x[VALUES];
-    double sum = 0.0;
     lf_assert_ok(lf_renderer_show(r, x, NULL), NULL);
-    for (size_t i = 0; i < VALUES; i++) {
-        double d = (double)x[i] - (double)truth[i];
-        sum += d * d / ((double)truth[i] * (double)truth[i] + 1e-2);
-    }
-    return sum / VALUES;
+    return lf_test_rel_mse(x, truth, VALUES);
 }
 
 static void forget_light(lf_renderer *r)

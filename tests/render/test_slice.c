@@ -3,6 +3,7 @@
 #include "tests/testing.h"
 
 #include "base/alloc.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { SIDE = 12 };
@@ -34,13 +35,10 @@ static double mean_of(const char *text, int cycles, lf_render_stats *out_stats)
  * sun at cosine m0, seen at mv. */
 static void scatters_at_its_surface(const char *density, int thickness)
 {
-    char text[1024];
-    snprintf(text, sizeof text,
-             "{ " NARROW ", 'volumes': { 'slab': { 'shape': 'box', 'density': %s, 'albedo': 1, "
-             "'transform': { 'scale': [40, 4, %d] } } },"
-             " 'lights': { 'sun': { 'type': 'distant', 'direction': [0.98, 0, -0.199], "
-             "'irradiance': 10 } }, 'render': { 'max_depth': 1 } }",
-             density, thickness);
+    const char *text = lf_test_scene_patched(
+        "slab-under-low-sun",
+        "{'volumes': {'slab': {'density': %s, 'transform': {'scale': [40, 4, %d]}}}}", density,
+        thickness);
     lf_assert_close(mean_of(text, 400, NULL), 10.0 / (4.0 * 3.14159265358979) * 0.199 / 1.199, 0.01,
                     0.0);
 }
@@ -56,11 +54,7 @@ static void dense_media_scatter_at_their_surface(void **state)
 static void case_13_a_camera_inside_a_fog_sees_all_of_it(void **state)
 {
     (void)state;
-    double seen = mean_of("{ " NARROW ", 'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.05, "
-                          "'albedo': 0, 'transform': { 'scale': 50, "
-                          "'translate': [0, 0, 5] } } }, 'lights': { 'sky': { 'type': "
-                          "'environment', 'radiance': 1 } } }",
-                          64, NULL);
+    double seen = mean_of(lf_test_scene_text("inside-large-fog"), 64, NULL);
     lf_assert_close(seen, exp(-2.5), 2e-3, 0.0);
 }
 
@@ -144,14 +138,7 @@ static void case_12_a_big_plane_does_not_hide_itself(void **state)
 {
     (void)state;
     lf_render_stats stats;
-    (void)mean_of("{ 'camera': { 'position': [0, 0, 0.1], 'fov_y': 40, 'aspect': 1, 'cone': 30, "
-                  "'views': 5 }, 'meshes': { 'plane': "
-                  "{ 'shape': 'quad', "
-                  "'material': 'grey', 'transform': { 'scale': 100, 'rotate': [60, 30, 40] } } }, "
-                  "'materials': { 'grey': { "
-                  "'albedo': 0.5 } }, "
-                  "'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }",
-                  20, &stats);
+    (void)mean_of(lf_test_scene_text("big-plane"), 20, &stats);
     assert_true(stats.base_paths > 10000);
     assert_true((double)stats.base_hidden < 1e-4 * (double)stats.base_paths);
 }

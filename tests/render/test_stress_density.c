@@ -4,6 +4,7 @@
 #include "tests/testing.h"
 
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -150,13 +151,12 @@ static void case_02_grey_furnaces_are_darker_and_symmetric(void **state)
 
 /* ------------------------------------------------------------------------- optical thickness -- */
 
-/* A black slab, 1 thick, before a wall that glows. */
-#define BEFORE_A_WALL                                                                              \
-    "{" CAMERA "'volumes': { 'slab': { 'shape': 'box', 'density': %s, 'albedo': 0, 'transform': "  \
-    "{ 'scale': [40, 40, 0.5] } } }, "                                                             \
-    "'meshes': { 'wall': { 'shape': 'quad', 'material': 'lamp', 'transform': { 'scale': 40, "      \
-    "'rotate': [90, 0, 0], "                                                                       \
-    "'translate': [0, 0, -2] } } }, 'materials': { 'lamp': { 'albedo': 0, 'emission': 1 } } }"
+/* A black slab in front of a wall that emits. */
+static const char *before_a_wall(const char *density)
+{
+    return lf_test_scene_patched("slab-before-wall", "{'volumes': {'slab': {'density': %s}}}",
+                                 density);
+}
 
 static const char *const thickness[] = {"1e-6", "1e-3", "1", "50", "100", "1e3", "1e4"};
 enum { thicknesses = 7 };
@@ -189,9 +189,7 @@ static void case_04_slabs_of_a_millionth_to_ten_thousand_let_their_share_through
 {
     (void)state;
     for (int i = 0; i < thicknesses; i++) {
-        char text[1024];
-        snprintf(text, sizeof text, BEFORE_A_WALL, thickness[i]);
-        lf_scene *scene = lf_test_scene(text);
+        lf_scene *scene = lf_test_scene(before_a_wall(thickness[i]));
         lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
         cycles(r);
         assert_transmitted(r, atof(thickness[i]));
@@ -204,10 +202,8 @@ static void case_04_weights_are_n_q_at_any_thickness(void **state)
 {
     (void)state;
     for (int i = 0; i < thicknesses; i++) {
-        char text[1024];
-        snprintf(text, sizeof text, BEFORE_A_WALL, thickness[i]);
-        lf_test_assert_weights(text, width, height, atof(thickness[i]) < 1.0 ? forced : cycles, 16,
-                               4, LEVEL);
+        lf_test_assert_weights(before_a_wall(thickness[i]), width, height,
+                               atof(thickness[i]) < 1.0 ? forced : cycles, 16, 4, LEVEL);
     }
 }
 
@@ -216,10 +212,8 @@ static void case_04_weights_are_n_q_at_any_thickness(void **state)
 static void case_04_denormals_do_not_matter(void **state)
 {
     (void)state;
-    char text[1024];
     double *picture[2];
-    snprintf(text, sizeof text, BEFORE_A_WALL, "88");
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = lf_test_scene(before_a_wall("88"));
     for (int flush = 0; flush < 2; flush++) {
         unsigned mode = _mm_getcsr();
         lf_pool *pool = NULL;
@@ -246,13 +240,9 @@ static void case_04_weights_are_n_q_in_grids_of_any_density(void **state)
     (void)state;
     static const char *const scale[] = {"1e-5", "1", "1e3", "1e5"};
     for (int i = 0; i < 4; i++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{" CAMERA
-                 "'volumes': { 'cloud': { 'file': '%s', 'scale': %s, 'albedo': 0.5, 'g': 0.8, "
-                 "'transform': { 'rotate': [0, 30, 0] } } }, " WHITE_SKY
-                 ", 'render': { 'max_depth': 2 } }",
-                 lf_test_built("../scenes/cloud.vdb"), scale[i]);
+        const char *text = lf_test_scene_patched(
+            "dense-cloud", "{'volumes': {'cloud': {'file': '%s', 'scale': %s}}}",
+            lf_test_built("../scenes/cloud.vdb"), scale[i]);
         /* A visit of the densest cuts as many cells as 40 of the others: its rows are three times
          * as high. */
         lf_test_assert_weights(text, width, i == 3 ? 2 : 6, i == 0 ? forced : cycles, 8, 2, LEVEL);

@@ -4,8 +4,8 @@
  * of the list there. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 16, height = 12, views = 5, pixels = views * width * height };
 
@@ -74,9 +74,9 @@ static void invariant_1_weights_of_a_pivot_sum_to_one(void **state)
 {
     (void)state;
     double *d = malloc(pixels * sizeof *d), *q = malloc(pixels * sizeof *q), sum = 0.0;
-    lf_scene *scene = lf_test_scene(
-        "{ " LF_TEST_CAMERA("5", "") "'meshes': { 'card': { 'shape': 'quad', 'transform': { "
-                                     "'scale': 20, 'rotate': [70, 10, 20] } } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "bare-camera", "{'meshes': {'card': {'shape': 'quad', "
+                       "'transform': {'scale': 20, 'rotate': [70, 10, 20]}}}}"));
     lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
     lf_render_stats stats;
     cycles(r);
@@ -137,7 +137,7 @@ static double jacobian(const lf_rig *rig, int i, int j, const double at[3])
 static void invariant_3_maps_between_views_invert_and_their_jacobians_are_ratios_of_h(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene("{ " LF_TEST_CAMERA("5", "") "'render': {} }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("bare-camera"));
     lf_renderer *renderer = lf_test_renderer(scene, "mvpt", width, height, NULL);
     const lf_rig *rig = &lf_test_rows(renderer)->rig;
     for (int n = 0; n < 50; n++) {
@@ -168,67 +168,42 @@ static void invariant_3_maps_between_views_invert_and_their_jacobians_are_ratios
 static void case_07_a_plane_that_turns_its_back_inside_the_rig(void **state)
 {
     (void)state;
-    assert_weights("{ 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1.3333333333, "
-                   "'views': 5, 'cone': 30 }, "
-                   "'meshes': { 'wall': { 'shape': 'quad', 'material': 'clay', 'transform': { "
-                   "'scale': [1, 1, 2], 'rotate': [0, 0, 90] } }, "
-                   "'leaf': { 'shape': 'quad', 'material': 'clay', 'transform': { 'rotate': [0, 0, "
-                   "89.9], 'translate': [0.4, 0, 0.5] } } }, "
-                   "'materials': { 'clay': { 'type': 'plastic', 'albedo': 0.5, 'roughness': 0.4 } "
-                   "}, " LF_TEST_SHARP_LIGHTS " }");
+    assert_weights(lf_test_scene_text("wall-in-the-middle"));
 }
 
 /* A blade of fog, thin and deep, turned so that some views look along it and others across. */
 static void case_11_the_edge_of_a_slab_that_some_views_miss(void **state)
 {
     (void)state;
-    assert_weights(
-        "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1.3333333333, 'views': 5, "
-        "'cone': 30 }, "
-        "'volumes': { 'blade': { 'shape': 'box', 'density': 20, 'albedo': 0.8, 'g': 0.3, "
-        "'transform': { 'scale': [0.02, 2, 1], 'rotate': [0, 8, 0] } } }, " LF_TEST_SHARP_LIGHTS
-        " }");
+    assert_weights(lf_test_scene_text("fog-blade"));
 }
 
-/* Fog that lies on the ground and encloses the foot of a ball: pivots at any distance from
- * surfaces. `by` moves everything. */
-#define CONTACT                                                                                    \
-    "{ 'camera': { 'target': [%.9g, 0, 0], 'position': [%.9g, %.9g, %.9g], 'fov_y': 24, "          \
-    "'aspect': 1.3333333333, 'views': 5, "                                                         \
-    "'cone': 40 }, 'volumes': { 'fog': { 'shape': 'box', 'density': %.9g, 'albedo': 0.9, 'g': "    \
-    "0.4, 'transform': { "                                                                         \
-    "'scale': [%.9g, %.9g, %.9g], 'translate': [%.9g, %.9g, 0] } } }, "                            \
-    "'meshes': { 'ground': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': %.9g, "  \
-    "'translate': [%.9g, %.9g, 0] } "                                                              \
-    "}, "                                                                                          \
-    "'ball': { 'shape': 'sphere', 'material': 'clay', 'transform': { 'scale': %.9g, 'translate': " \
-    "[%.9g, %.9g, 0] } } }, "                                                                      \
-    "'materials': { 'clay': { 'albedo': 0.5 } }, " LF_TEST_SHARP_LIGHTS " }"
-
-/* The same scene s times as large, moved along x. */
-static void contact(double s, double by, char text[2048])
+/* fog-on-ground, s times as large and moved along x. */
+static const char *contact(double s, double by)
 {
-    snprintf(text, 2048, CONTACT, by, by, 0.6 * s, 5.0 * s, 2.0 / s, 0.9 * s, 0.4 * s, 0.6 * s,
-             by + 0.2 * s, -0.6 * s, 4.0 * s, by, -1.0 * s, 0.6 * s, by - 0.3 * s, -0.5 * s);
+    return lf_test_scene_patched(
+        "fog-on-ground",
+        "{'camera': {'target': [%.9g, 0, 0], 'position': [%.9g, %.9g, %.9g]}, "
+        "'volumes': {'fog': {'density': %.9g, 'transform': {'scale': [%.9g, %.9g, %.9g], "
+        "'translate': [%.9g, %.9g, 0]}}}, 'meshes': {'ground': {'transform': {'scale': %.9g, "
+        "'translate': [%.9g, %.9g, 0]}}, 'ball': {'transform': {'scale': %.9g, "
+        "'translate': [%.9g, %.9g, 0]}}}}",
+        by, by, 0.6 * s, 5.0 * s, 2.0 / s, 0.9 * s, 0.4 * s, 0.6 * s, by + 0.2 * s, -0.6 * s,
+        4.0 * s, by, -1.0 * s, 0.6 * s, by - 0.3 * s, -0.5 * s);
 }
 
 static void assert_same_at(double scale, double by)
 {
-    char text[2048];
     lf_blocks a, b;
-    contact(1.0, 0.0, text);
-    pictures(text, "mvpt", 24, 0, &a);
-    contact(scale, by, text);
-    pictures(text, "mvpt", 24, 700, &b);
+    pictures(contact(1.0, 0.0), "mvpt", 24, 0, &a);
+    pictures(contact(scale, by), "mvpt", 24, 700, &b);
     assert_same(&a, &b);
 }
 
 static void case_12_contact_and_scenes_far_from_the_origin(void **state)
 {
     (void)state;
-    char text[2048];
-    contact(1.0, 0.0, text);
-    assert_weights(text);
+    assert_weights(contact(1.0, 0.0));
     assert_same_at(1.0, 12345.678);
     assert_same_at(1.0, 1e6 + 0.3);
 }
@@ -251,33 +226,19 @@ static void case_16_whole_disparities_at_the_edges_of_the_frame(void **state)
     (void)state;
     /* Window 2 wide and 1.5 high at distance 5, 16 pixels: dx = 0.125. b = 5 tan(a): disparity of Z
      * = 10 is (b_k+1 - b_k) / 2, 2 pixels when the rig is 0.5 a step; cone 2 atan(1/5). */
-    static const char scene[] = "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 17.0615, 'aspect': "
-                                "1.3333333333, 'views': 2, "
-                                "'cone': 5.7248, 'placement': 'inclusive' }, 'meshes': { 'at': { "
-                                "'shape': 'quad', 'transform': { 'scale': "
-                                "[20, 1, 0.4], 'rotate': [90, 0, 0] } }, 'behind': { 'shape': "
-                                "'quad', 'transform': { 'scale': 40, 'rotate': "
-                                "[90, 0, 0], 'translate': [0, 0, -5] } } } }";
+    const char *scene = lf_test_scene_text("whole-disparities");
     lf_test_assert_weights(scene, width, height, cycles, 24, 1, LEVEL);
     lf_test_assert_weights(scene, width, height, live, 24, 1, LEVEL);
 }
 
 /* Outermost and middle views of a wide rig. */
-#define WIDE                                                                                       \
-    "{ 'camera': { 'position': [0, 0, 5], 'fov_y': 24, 'aspect': 1.3333333333, 'views': 5, "       \
-    "'cone': 60, 'placement': 'inclusive' "                                                        \
-    "}, "                                                                                          \
-    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.9, 'g': 0.5 } }, "         \
-    "'meshes': { " LF_TEST_GROUND " }, "                                                           \
-    "'materials': { 'clay': { 'albedo': 0.5 } }, " LF_TEST_SHARP_LIGHTS " }"
-
 static void case_17_a_rig_of_60_degrees(void **state)
 {
     (void)state;
     lf_blocks native, shared;
-    assert_weights(WIDE);
-    pictures(WIDE, "vpt", 32, 0, &native);
-    pictures(WIDE, "mvpt", 32, 700, &shared);
+    assert_weights(lf_test_scene_text("wide-rig"));
+    pictures(lf_test_scene_text("wide-rig"), "vpt", 32, 0, &native);
+    pictures(lf_test_scene_text("wide-rig"), "mvpt", 32, 700, &shared);
     assert_same(&native, &shared);
 }
 
@@ -308,16 +269,14 @@ static void case_18_lenses_from_nothing_to_large(void **state)
     double *pinhole, *none;
     static const char *const radii[] = {"1e-6", "0.02", "0.5"};
     for (int i = 0; i < 3; i++) {
-        char text[2048];
-        snprintf(text, sizeof text, LF_TEST_FOGS("5", ", 'lens_radius': %s, 'focus_distance': 4.5"),
-                 radii[i]);
-        assert_weights(text);
+        assert_weights(lf_test_scene_patched(
+            "fogs", "{'camera': {'lens_radius': %s, 'focus_distance': 4.5}}", radii[i]));
     }
     /* Radius 0 is a pinhole bit for bit, wherever its focus. */
     for (int i = 0; i < 2; i++) {
-        lf_scene *scene =
-            lf_test_scene(i ? LF_TEST_FOGS("5", ", 'lens_radius': 0, 'focus_distance': 3")
-                            : LF_TEST_FOGS("5", ""));
+        lf_scene *scene = lf_test_scene(
+            i ? lf_test_scene_patched("fogs", "{'camera': {'lens_radius': 0, 'focus_distance': 3}}")
+              : lf_test_scene_views("fogs", 5));
         lf_renderer *r = lf_test_renderer(scene, "mvpt", width, height, NULL);
         cycles(r);
         *(i ? &none : &pinhole) = lf_test_picture(r, LF_ESTIMATOR_CV);
@@ -331,28 +290,17 @@ static void case_18_lenses_from_nothing_to_large(void **state)
 
 /* ---------------------------------------------------------------------------------- symmetry -- */
 
-#define SIDED(s, t)                                                                                \
-    "{ " LF_TEST_CAMERA("5", "") "'volumes': { 'fog': { 'shape': 'box', 'density': 2.5, "          \
-                                 "'albedo': [0.95, 0.9, 0.8], 'g': 0.5, "                          \
-                                 "'transform': { 'scale': [0.7, 0.6, 0.5], 'rotate': [0, " s       \
-                                 "20, 0], 'translate': [" s                                        \
-                                 "0.4, 0, 0.8] } } }, 'meshes': { " LF_TEST_GROUND                 \
-                                 ", 'ball': { 'shape': 'sphere', 'material': 'glaze', "            \
-                                 "'transform': { 'scale': 0.6, 'translate': [" t                   \
-                                 "0.7, -0.3, 0.6] } } }, "                                         \
-                                 "'materials': { 'clay': { 'albedo': 0.5 }, 'glaze': { 'type': "   \
-                                 "'plastic', 'albedo': 0.6, "                                      \
-                                 "'roughness': 0.5 } }, 'lights': { 'sky': { 'type': "             \
-                                 "'environment', 'radiance': 0.5 }, "                              \
-                                 "'sun': { 'type': 'distant', 'direction': [" s                    \
-                                 "0.5, -0.7, -0.5], 'irradiance': 3, 'angle': 8 } } }"
+#define MIRRORED                                                                                   \
+    "{'volumes': {'fog': {'transform': {'rotate': [0, -20, 0], 'translate': [-0.4, 0, 0.8]}}}, "   \
+    "'meshes': {'ball': {'transform': {'translate': [0.7, -0.3, 0.6]}}}, "                         \
+    "'lights': {'sun': {'direction': [-0.5, -0.7, -0.5]}}}"
 
 static void case_24_a_mirrored_scene_gives_mirrored_views(void **state)
 {
     (void)state;
     lf_blocks a, b;
-    pictures(SIDED("", "-"), "mvpt", 32, 0, &a);
-    pictures(SIDED("-", ""), "mvpt", 32, 700, &b);
+    pictures(lf_test_scene_text("lopsided"), "mvpt", 32, 0, &a);
+    pictures(lf_test_scene_patched("lopsided", MIRRORED), "mvpt", 32, 700, &b);
     assert_true(lf_blocks_welch(&a, &b, NULL) < 1e-9); /* which they are not unmirrored */
     lf_blocks_mirror(&b);
     assert_same(&a, &b);

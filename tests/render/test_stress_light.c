@@ -3,8 +3,8 @@
  */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 16, height = 12, views = 5, pixels = views * width * height };
 
@@ -36,13 +36,6 @@ static void pictures(const char *text, const char *integrator, lf_estimator esti
 }
 
 /* ------------------------------------------------------------------------------------- lobes -- */
-
-#define FOG(g)                                                                                     \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, 'albedo': 0.9, 'g': " g   \
-    " } }, 'render': { 'max_depth': 16 }, "                                                        \
-    "'lights': { 'sky': { 'type': 'environment', 'radiance': [0.4, 0.5, 0.7] }, "                  \
-    "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [3, 2.7, 2.2], "    \
-    "'angle': 40 } } }"
 
 static int ascending(const void *a, const void *b)
 {
@@ -92,8 +85,8 @@ static void case_14_lobes_of_any_width(void **state)
     static const char *const all_g[] = {"0", "0.5", "-0.5", "0.98", "-0.98", "0.999", "-0.999"};
     for (int i = 0; i < 7; i++) {
         enum { replicates = 32 };
-        char text[1024];
-        snprintf(text, sizeof text, FOG("%s"), all_g[i]);
+        const char *text = lf_test_scene_patched("fog-under-wide-sun",
+                                                 "{'volumes': {'fog': {'g': %s}}}", all_g[i]);
         lf_blocks native, unbiased;
         pictures(text, "vpt", LF_ESTIMATOR_MIS, replicates, 0, 4, &native);
         pictures(text, "mvpt", LF_ESTIMATOR_CV, replicates, 700, 4, &unbiased);
@@ -115,17 +108,9 @@ static void case_14_lobes_of_any_width(void **state)
 static void case_15_mirrors_share_nothing(void **state)
 {
     (void)state;
-    static const char scene_text[] =
-        "{" CAMERA "'meshes': { 'ball': { 'shape': 'sphere', 'material': 'mirror' }, 'lamp': { "
-        "'shape': 'quad', 'material': 'lamp', "
-        "'transform': { 'scale': 2, 'rotate': [0, 0, 180], 'translate': [0, 3, 3] } } }, "
-        "'materials': { 'mirror': { 'type': "
-        "'conductor', "
-        "'albedo': [0.9, 0.8, 0.7], 'roughness': 0 }, 'lamp': { 'albedo': 0, 'emission': 2 } }, "
-        "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.3 } } }";
     static const char *const integrators[] = {"vpt", "mvpt"};
     double *picture[2], *d = malloc(pixels * sizeof *d), *q = malloc(pixels * sizeof *q);
-    lf_scene *scene = lf_test_scene(scene_text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("mirror-and-lamp"));
     for (int i = 0; i < 2; i++) {
         lf_renderer *r = lf_test_renderer(scene, integrators[i], width, height, NULL);
         r->visit_passes = lf_renderer_settings(r)->camera.n_views;
@@ -148,18 +133,19 @@ static void case_15_mirrors_share_nothing(void **state)
 
 /* Extinction has no colour here, albedos have: red light in a coloured scene is what it is in one
  * that is grey as red is. The picture is half of the red channel then. */
-#define RED_LIGHT(fog, ground)                                                                     \
-    "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2, 'albedo': " fog             \
-    ", 'g': 0.4 } }, 'meshes': { " LF_TEST_GROUND " }, 'materials': { 'clay': { 'albedo': " ground \
-    " } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': [1, 0, 0] }, "                  \
-    "'sun': { 'type': 'distant', 'direction': [0.5, -0.7, -0.5], 'irradiance': [3, 0, 0] } } }"
+static const char *red_light(const char *fog, const char *ground)
+{
+    return lf_test_scene_patched(
+        "red-light", "{'volumes': {'fog': {'albedo': %s}}, 'materials': {'clay': {'albedo': %s}}}",
+        fog, ground);
+}
 
 static void case_22_channels_do_not_mix(void **state)
 {
     (void)state;
-    static const char *const coloured[] = {RED_LIGHT("[1, 0.5, 0.2]", "[0.1, 0.5, 0.9]"),
-                                           RED_LIGHT("[0.2, 1, 0.5]", "[0.9, 0.1, 0.5]")};
-    static const char *const grey[] = {RED_LIGHT("1", "0.1"), RED_LIGHT("0.2", "0.9")};
+    const char *const coloured[] = {red_light("[1, 0.5, 0.2]", "[0.1, 0.5, 0.9]"),
+                                    red_light("[0.2, 1, 0.5]", "[0.9, 0.1, 0.5]")};
+    const char *const grey[] = {red_light("1", "0.1"), red_light("0.2", "0.9")};
     for (int i = 0; i < 2; i++) {
         lf_blocks a, b;
         pictures(coloured[i], "mvpt", LF_ESTIMATOR_CV, 24, 0, 4, &a);
@@ -205,27 +191,20 @@ static void case_23_scenes_with_nothing_to_meet_show_their_background(void **sta
     assert_flat("{" CAMERA "'volumes': { 'none': { 'shape': 'box', 'density': 0 } }, "
                 "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
                 0.7);
-    assert_flat(
-        "{" CAMERA "'volumes': { 'small': { 'shape': 'sphere', 'density': 1, 'transform': { "
-        "'scale': 1e-9, 'translate': "
-        "[0, 40, 0] } } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
-        0.7);
+    assert_flat("{" CAMERA "'volumes': { 'small': { 'shape': 'sphere', 'density': 1, "
+                "'transform': { 'scale': 1e-9, 'translate': [0, 40, 0] } } }, "
+                "'lights': { 'sky': { 'type': 'environment', 'radiance': 0.7 } } }",
+                0.7);
 }
 
 /* Lights of no power: black, not NaN, whatever there is to be lit. */
 static void case_23_black_lights_light_nothing(void **state)
 {
     (void)state;
-    static const char scene_text[] =
-        "{" CAMERA "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2, 'g': 0.5 } }, 'meshes': "
-        "{ " LF_TEST_GROUND
-        " }, 'materials': { 'clay': { 'albedo': 0.5 } }, 'lights': { 'sky': { 'type': "
-        "'environment', 'radiance': 0 }, 'sun': { "
-        "'type': "
-        "'distant', 'irradiance': 0, 'angle': 3 }, 'lamp': { 'type': 'point', 'intensity': 0 } } }";
     for (int i = 0; i < 2; i++) {
         lf_blocks blocks;
-        pictures(scene_text, i ? "mvpt" : "vpt", LF_ESTIMATOR_MWIS, 2, 0, 1, &blocks);
+        pictures(lf_test_scene_text("black-lights"), i ? "mvpt" : "vpt", LF_ESTIMATOR_MWIS, 2, 0, 1,
+                 &blocks);
         for (int j = 0; j < blocks.n; j++)
             assert_true(blocks.moments[j].mean == 0.0);
         lf_blocks_finish(&blocks);

@@ -4,9 +4,9 @@
 #include "tests/testing.h"
 
 #include "render/transport/path/subsurface.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 #include "tests/stat/h_function.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 8, blocks_of_all = n_views * 12 + 1 };
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 2 * blocks_of_all)
@@ -88,15 +88,9 @@ static void white_bodies_are_not_seen_under_an_even_sky(void **state)
         "'coat_roughness': 0.3",
         "'subsurface_radius': 0.3, 'roughness': 0, 'metallic': 0.3, 'sheen': 0.4"};
     for (size_t i = 0; i < sizeof more / sizeof *more; i++) {
-        char text[1024];
-        snprintf(text, sizeof text,
-                 "{ 'meshes': { 'ball': { 'shape': 'sphere', 'material': 'flesh' }, 'stone': { "
-                 "'shape': 'cube', 'material': 'stone', 'transform': { 'scale': 0.3 } } }, "
-                 "'materials': { 'stone': { %s }, 'flesh': { 'type': 'principled', "
-                 "'albedo': 1, 'subsurface': %s, %s } }, " SKY " }",
-                 i % 2 ? "'albedo': 0, 'emission': 1" : "'albedo': 1", i == 1 ? "0.6" : "1",
-                 more[i]);
-        lf_scene *scene = lf_test_scene(text);
+        lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+            "white-bodies", "{'materials': {'stone': {%s}, 'flesh': {'subsurface': %s, %s}}}",
+            i % 2 ? "'albedo': 0, 'emission': 1" : "'albedo': 1", i == 1 ? "0.6" : "1", more[i]));
         lf_moments m[4];
         radiance(scene, lf_v3(0.2f, 0.3f, 4.0f), lf_v3(0.0f, 0.0f, -1.0f), 8000, 2 + i, m);
         for (int c = 0; c < 4; c++)
@@ -179,13 +173,7 @@ static void a_cube_is_what_a_plain_walk_finds(void **state)
     static const double albedo[3] = {0.9, 0.6, 0.95}, radius[3] = {1, 0.4, 0.2}, g = 0.4;
     /* radiosity of suns along -x and -z, of 1 and 2, and -y 0.5: over pi */
     const double light[6] = {0, 0, 0, 1 / M_PI, 0.5 / M_PI, 2 / M_PI};
-    lf_scene *scene = lf_test_scene(
-        "{ 'meshes': { 'cube': { 'shape': 'cube', 'material': 'flesh' } }, 'materials': { 'flesh': "
-        "{ 'type': 'principled', 'specular': 0, 'subsurface': 1, 'albedo': [0.9, 0.6, 0.95], 'g': "
-        "0.4, 'subsurface_radius': [1, 0.4, 0.2] } }, 'lights': { 'x': { 'type': 'distant', "
-        "'direction': [-1, 0, 0], 'irradiance': 1 }, 'y': { 'type': 'distant', 'direction': [0, "
-        "-1, 0], 'irradiance': 0.5 }, 'z': { 'type': 'distant', 'direction': [0, 0, -1], "
-        "'irradiance': 2 } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("subsurface-cube-in-suns"));
     lf_moments m[4];
     radiance(scene, lf_v3(0.3f, -0.2f, 4.0f), lf_v3(0.0f, 0.0f, -1.0f), N, 9, m);
     walker k = {.state = lf_test_seed() | 1};
@@ -217,23 +205,19 @@ static void pictures(const char *text, const char *integrator, uint64_t seed, lf
     lf_test_pictures_of(lf_test_scene(text), integrator, width, height, schedule, seed, tile, out);
 }
 
-#define SCENE(material, more)                                                                      \
-    "{ " LF_TEST_CAMERA("3", "") "'meshes': { " LF_TEST_GROUND                                     \
-                                 ", 'cube': { 'shape': 'cube', 'material': 'flesh', "              \
-                                 "'transform': { 'scale': 0.6, 'rotate': [0, 30, 0] } }" more      \
-                                 " }, 'materials': { 'clay': { 'albedo': [0.5, 0.45, 0.4] }, "     \
-                                 "'lamp': { 'albedo': 0, 'emission': 5 }, "                        \
-                                 "'flesh': { 'type': 'principled', " material                      \
-                                 " } }, " LF_TEST_SHARP_LIGHTS " }"
-#define SKIN "'albedo': [0.9, 0.6, 0.4], 'roughness': 0.5"
+/* The cube, with more words about its material. */
+static const char *cube_of(const char *more)
+{
+    return lf_test_scene_patched("subsurface-cube", "{'materials': {'flesh': {%s}}}", more);
+}
 
 static void short_ways_are_a_diffuse_surface(void **state)
 {
     (void)state;
     lf_blocks near, diffuse, far;
-    pictures(SCENE(SKIN ", 'subsurface': 1, 'subsurface_radius': 0.002", ""), "mvpt", 1, &near);
-    pictures(SCENE(SKIN, ""), "mvpt", 2, &diffuse);
-    pictures(SCENE(SKIN ", 'subsurface': 1, 'subsurface_radius': 0.2", ""), "mvpt", 3, &far);
+    pictures(cube_of("'subsurface': 1, 'subsurface_radius': 0.002"), "mvpt", 1, &near);
+    pictures(lf_test_scene_text("subsurface-cube"), "mvpt", 2, &diffuse);
+    pictures(cube_of("'subsurface': 1, 'subsurface_radius': 0.2"), "mvpt", 3, &far);
     const lf_moments *a = &near.moments[near.n - 1], *b = &diffuse.moments[diffuse.n - 1];
     print_message("%.5f +- %.5f, diffuse %.5f +- %.5f\n", a->mean, lf_moments_error(a), b->mean,
                   lf_moments_error(b));
@@ -248,23 +232,14 @@ static void short_ways_are_a_diffuse_surface(void **state)
     lf_blocks_finish(&far);
 }
 
-/* A card and a lamp inside, fog about it, lobes that depend on the view. */
-#define BODY                                                                                       \
-    SCENE(SKIN ", 'subsurface': 0.8, 'subsurface_radius': [0.6, 0.3, 0.15]",                       \
-          ", 'card': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 0.4, "         \
-          "'translate': [0, -0.3, 0] } }, 'lamp': { 'shape': 'quad', 'material': 'lamp', "         \
-          "'transform': { 'scale': 0.2, 'translate': [0, 0.2, 0] } } }, 'volumes': { 'fog': { "    \
-          "'shape': 'sphere', 'density': 0.4, 'albedo': [0.95, 0.9, 0.8], 'transform': { "         \
-          "'scale': 1.2, 'translate': [0.3, 0, 0.4] } }")
-
 static void views_share_what_walks_in_subsurface(void **state)
 {
     (void)state;
     lf_blocks one, all, wrong;
     int where = 0;
-    pictures(BODY, "vpt", 11, &one);
-    pictures(BODY, "mvpt", 12, &all);
-    pictures(SCENE(SKIN ", 'subsurface': 0.8, 'subsurface_radius': 0.3", ""), "mvpt", 13, &wrong);
+    pictures(lf_test_scene_text("subsurface-body"), "vpt", 11, &one);
+    pictures(lf_test_scene_text("subsurface-body"), "mvpt", 12, &all);
+    pictures(cube_of("'subsurface': 0.8, 'subsurface_radius': 0.3"), "mvpt", 13, &wrong);
     double p = lf_blocks_welch(&one, &all, &where);
     const lf_moments *a = &one.moments[where], *b = &all.moments[where];
     print_message("block %d: %.5f +- %.5f, shared %.5f +- %.5f, p %.2g\n", where, a->mean,
@@ -274,7 +249,8 @@ static void views_share_what_walks_in_subsurface(void **state)
     lf_blocks_finish(&one);
     lf_blocks_finish(&all);
     lf_blocks_finish(&wrong);
-    lf_test_assert_weights(BODY, width, height, schedule, 8, tile, LEVEL);
+    lf_test_assert_weights(lf_test_scene_text("subsurface-body"), width, height, schedule, 8, tile,
+                           LEVEL);
 }
 
 /* ---------------------------------------------------------------------------------- warnings -- */

@@ -85,9 +85,9 @@ static void turns_are_libm_s_within_rounding(void **state)
     for (int i = 0; i < 1 << 18; i++) {
         lanes x, y;
         for (int k = 0; k < 4; k++) {
-            float small = powf(10.0f, -8.0f * uniform(&seed) * (float)(k & 1));
-            x[k] = (uniform(&seed) - 0.5f) * small;
-            y[k] = uniform(&seed);
+            float small = powf(10.0f, -8.0f * lf_test_uniform(&seed) * (float)(k & 1));
+            x[k] = (lf_test_uniform(&seed) - 0.5f) * small;
+            y[k] = lf_test_uniform(&seed);
         }
         lanes turn = turn_of(y, x);
         for (int k = 0; k < 4; k++)
@@ -102,7 +102,7 @@ static void turns_are_libm_s_within_rounding(void **state)
 /* Directions all around, and along the axes. */
 static lf_vec3 some_way(int i, uint64_t *seed)
 {
-    const float u[2] = {uniform(seed), uniform(seed)};
+    const float u[2] = {lf_test_uniform(seed), lf_test_uniform(seed)};
     lf_vec3 w = lf_phase_sample(0.0f, lf_v3(0.0f, 0.0f, 1.0f), u);
     if (i < 6)
         w = lf_v3(0.0f, 0.0f, 0.0f);
@@ -151,8 +151,8 @@ static void directions_are_drawn_as_one_by_one(void **state)
             lanes u[LF_GROUPS], v[LF_GROUPS], w[LF_GROUPS][3];
             for (int g = 0; g < LF_GROUPS; g++)
                 for (int k = 0; k < LF_WIDTH; k++) {
-                    u[g][k] = i == 0 ? 0.0f : i == 1 ? 1.0f - 0x1p-24f : uniform(&seed);
-                    v[g][k] = i == 0 ? 0.0f : i == 1 ? 1.0f - 0x1p-24f : uniform(&seed);
+                    u[g][k] = i == 0 ? 0.0f : i == 1 ? 1.0f - 0x1p-24f : lf_test_uniform(&seed);
+                    v[g][k] = i == 0 ? 0.0f : i == 1 ? 1.0f - 0x1p-24f : lf_test_uniform(&seed);
                 }
             const int g = i % LF_GROUPS, k = i / LF_GROUPS % LF_WIDTH;
             const float of[2] = {u[g][k], v[g][k]};
@@ -186,7 +186,7 @@ static void disks_are_drawn_and_seen_as_one_by_one(void **state)
         enum { n = 20000 };
         assert_true(r.lanes.has == LF_LANE_DISK);
         for (int i = 0; i < n; i++) {
-            const float u[2] = {uniform(&seed), uniform(&seed)};
+            const float u[2] = {lf_test_uniform(&seed), lf_test_uniform(&seed)};
             lanes w[3];
             lf_light_sample one;
             draw_from_disk(&r.lanes, all(u[0]), all(u[1]), w);
@@ -196,8 +196,9 @@ static void disks_are_drawn_and_seen_as_one_by_one(void **state)
             lf_assert_close((double)w[2][1], (double)one.wi.z, 0, 5e-7);
             lf_vec3 way = one.wi;
             if (i % 2)
-                way = lf_normalize(lf_v3(way.x + cases[s].reach * (uniform(&seed) - 0.5f),
-                                         way.y + cases[s].reach * (uniform(&seed) - 0.5f), way.z));
+                way = lf_normalize(lf_v3(way.x + cases[s].reach * (lf_test_uniform(&seed) - 0.5f),
+                                         way.y + cases[s].reach * (lf_test_uniform(&seed) - 0.5f),
+                                         way.z));
             const lanes along[3] = {all(way.x), all(way.y), all(way.z)};
             float pdf, own = disk_along(&r.lanes, along)[2];
             lf_vec3 truth = lf_light_escape(r.scene, way, &pdf);

@@ -5,6 +5,7 @@
  * piece of the grid; tests/render/test_brute_force.c holds a picture to what shares no code.
  * Negative controls: what is added to each mean is rejected, and a scene without its roof. */
 #include "tests/render/suffixes.h"
+#include "tests/scene_file.h"
 
 #define WHITE "'sky': { 'type': 'environment', 'radiance': 1 }"
 /* Floors and roofs of one material each, by their names. */
@@ -33,8 +34,8 @@ static void bits_are_the_same_for_every_instruction_set_and_batch(void **state)
                                 25.0f),
                      LF_LANE_SURFACES);
     assert_same_bits(make_scene(AMONG("'albedo': [0.9, 0.7, 0.4], 'g': 0",
-                                      SKY ", 'sun': { 'type': 'distant', 'direction': "
-                                          "[0.5, -0.7, -0.5], 'angle': 8 }",
+                                      SKY ", 'sun': { 'type': 'distant', "
+                                          "'direction': [0.5, -0.7, -0.5], 'angle': 8 }",
                                       BALL ", " GROUND PLAIN),
                                 25.0f),
                      LF_LANE_DISK | LF_LANE_SURFACES);
@@ -53,10 +54,11 @@ static void fill(rig *r, int most, lf_suffix_batch *batch)
     uint64_t state = lf_hash64(lf_test_seed(), 9);
     lf_suffix_batch_init(batch, &r->lanes, best(), 3);
     for (int i = 0; i < 300; i++) {
-        const lf_batch_pivot pivot = {
-            .p = lf_v3(uniform(&state) - 0.5f, uniform(&state) - 0.5f, uniform(&state) - 0.5f),
-            .w = lf_v3(0.0f, 0.0f, -1.0f),
-            .rng = lf_hash64(7, (uint64_t)i)};
+        const lf_batch_pivot pivot = {.p = lf_v3(lf_test_uniform(&state) - 0.5f,
+                                                 lf_test_uniform(&state) - 0.5f,
+                                                 lf_test_uniform(&state) - 0.5f),
+                                      .w = lf_v3(0.0f, 0.0f, -1.0f),
+                                      .rng = lf_hash64(7, (uint64_t)i)};
         lf_sampler sampler;
         lf_sampler_init(&sampler, LF_SAMPLER_OWEN, pivot.rng, 0);
         assert_int_equal(lf_suffix_batch_add(batch, r->scene, &pivot, &sampler), i);
@@ -93,12 +95,7 @@ static void films_are_the_same_for_any_number_of_threads(void **state)
     enum { views = 2, width = 4000, height = 33 };
     static float seen[3][views * height * width * 3];
     static const int threads[] = {1, 2, 7};
-    lf_scene *scene =
-        make_scene("{ 'quiltd': 1, 'camera': { 'position': [0, -0.2, 9], 'target': [0, -0.2, 0], "
-                   "'views': 2, 'fov_y': 0.1 }, 'volumes': "
-                   "{ 'v': { 'shape': 'box', 'density': 1, 'albedo': 0.99 } }, 'meshes': { " BALL
-                   " }, 'lights': { " SKY ", " SUN " } }",
-                   6.0f);
+    lf_scene *scene = make_scene(lf_test_scene_text("wide-rows"), 6.0f);
     for (int i = 0; i < 3; i++) {
         lf_pool *pool = NULL;
         lf_assert_ok(lf_pool_create(threads[i], &pool), NULL);
@@ -265,11 +262,10 @@ static void the_mean_among_surfaces_is_that_of_single_paths(void **state)
         {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0.3", SKY ", " SUN,
                MADE OF("'type': 'principled', 'transmission': 1, 'roughness': 0.4, 'albedo': 1")),
          2.0f, 1024, 60, 0.02},
-        {AMONG(
-             "'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN,
-             "'posts': { 'shape': 'cube', 'instances': [ { 'scale': 0.3, 'translate': [-0.8, 0, 0]"
-             " }, { 'scale': [0.2, 0.6, 0.3], 'rotate': [0, 30, 10], 'translate': [0.6, 0, 0] } ]"
-             " }"),
+        {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN,
+               "'posts': { 'shape': 'cube', 'instances': [ { 'scale': 0.3, "
+               "'translate': [-0.8, 0, 0] }, { 'scale': [0.2, 0.6, 0.3], 'rotate': [0, 30, 10], "
+               "'translate': [0.6, 0, 0] } ] }"),
          4.0f, 1024, 60, 0.02},
         {AMONG("'albedo': [0.9, 0.8, 0.6], 'g': 0", SKY ", " SUN, BALL ", " GROUND PLAIN), 4.0f, 3,
          60, 0.01},

@@ -2,6 +2,7 @@
  * lights. Replicates are seeds; that 0.5 % would be seen is asserted beside every mean. */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { side = 24, n_views = 2, replicates = 8 };
@@ -22,16 +23,10 @@ static double radius_of(double angle)
 /* A sun of irradiance 2 travelling along direction, and what else there is. */
 static lf_scene *scene_of(const char *meshes, double angle, const double direction[3])
 {
-    char text[1024];
-    snprintf(text, sizeof text,
-             "{'quiltd': 1, 'camera': {'position': [2.4, 3, 3.2], 'fov_y': 20, 'aspect': 1, "
-             "'views': 2, 'cone': 0}, 'lights': {'sun': "
-             "{'type': 'distant', 'direction': [%.17g, %.17g, %.17g], 'irradiance': 2, 'angle': "
-             "%.17g}}, 'meshes': {%s}, "
-             "'materials': {'mirror': {'type': 'conductor', 'albedo': 1, 'roughness': 0}, 'grey': "
-             "{'albedo': 0.5}}}",
-             direction[0], direction[1], direction[2], angle, meshes);
-    return lf_test_scene(text);
+    return lf_test_scene(lf_test_scene_patched(
+        "sun-and-materials",
+        "{'lights': {'sun': {'direction': [%.17g, %.17g, %.17g], 'angle': %.17g}}, 'meshes': {%s}}",
+        direction[0], direction[1], direction[2], angle, meshes));
 }
 
 /* The mean over pictures that span 2 tan(half) of the camera's plane, divided by what it should be.
@@ -96,8 +91,8 @@ static void a_mirror_shows_a_sun_at_its_size(void **state)
     for (int i = 0; i < 3; i++)
         direction[i] = towards[i] - 2.0 * along * normal[i];
     /* The middle of one triangle: the normals of two differ by 1e-7. */
-    const char *mirror = "'m': {'shape': 'quad', 'material': 'mirror', 'transform': {'rotate': "
-                         "[30, 0, 20], 'translate': [0.4, 0.1, 0]}}";
+    const char *mirror = "'m': {'shape': 'quad', 'material': 'mirror', "
+                         "'transform': {'rotate': [30, 0, 20], 'translate': [0.4, 0.1, 0]}}";
     for (int i = 0; i < n_degrees; i++) {
         double radius = radius_of(degrees[i]);
         assert_mean(scene_of(mirror, degrees[i], direction), 1.6 * radius, integrators[1 - i % 2],

@@ -6,7 +6,7 @@
 #include "render/transport/path/sunlight.h"
 #include "render/transport/path/track.h"
 #include "tests/render/grids.h"
-#include "tests/stat/scenes.h"
+#include "tests/scene_file.h"
 
 #define HEAD "{'quiltd': 1, 'camera': {'position': [0, 1, 9], 'fov_y': 20, 'aspect': 1}, "
 #define GROUND "'ground': {'shape': 'quad', 'material': 'm', 'transform': {'scale': 4}}"
@@ -147,11 +147,7 @@ static void half_shadow_of_an_edge_is_a_part_of_the_disk(void **state)
 static void media_take_away_what_lies_between(void **state)
 {
     (void)state;
-    static const char text[] =
-        HEAD "'volumes': {'box': {'shape': 'box', 'density': 0.7, 'transform': {'scale': [0.5, "
-             "0.3, 1], 'translate': [0, 1, 0]}}, 'ball': {'shape': 'sphere', 'density': 2, "
-             "'transform': {'scale': 0.4, 'translate': [2, 1, 0]}}}, 'meshes': {" GROUND
-             "}, " SUN("[0.6, -0.8, 0]");
+    const char *text = lf_test_scene_text("shapes-in-sun");
     bench b;
     set_up(&b, text, 256);
     /* through lid and floor of the box, whose sides are 1 and 0.6 */
@@ -254,7 +250,7 @@ static void look_ups_find_what_rays_find(void **state)
 {
     (void)state;
     bench b;
-    set_up(&b, LF_TEST_MIXED("8", ""), 0);
+    set_up(&b, lf_test_scene_views("mixed", 8), 0);
     double off = off_rays(&b, 0), moved = off_rays(&b, 0.05);
     print_message("beside rays: %.4f; moved by 0.05: %.4f\n", off, moved);
     assert_true(off < 0.03 && moved > 0.1);
@@ -265,8 +261,8 @@ static void threads_do_not_change_a_bit(void **state)
 {
     (void)state;
     bench one, three;
-    light(&one, lf_test_scene(LF_TEST_MIXED("8", "")), 300, 1);
-    light(&three, lf_test_scene(LF_TEST_MIXED("8", "")), 300, 3);
+    light(&one, lf_test_scene(lf_test_scene_views("mixed", 8)), 300, 1);
+    light(&three, lf_test_scene(lf_test_scene_views("mixed", 8)), 300, 3);
     uint64_t random = lf_test_seed();
     for (int i = 0; i < 20000; i++) {
         double p[3];
@@ -311,7 +307,7 @@ static void features_of_pictures_are_what_rays_find(void **state)
 {
     (void)state;
     enum { VIEWS = 8, WIDTH = 40, HEIGHT = 30, VISITS = 32 };
-    lf_scene *scene = lf_test_scene(LF_TEST_MIXED("8", ""));
+    lf_scene *scene = lf_test_scene(lf_test_scene_views("mixed", 8));
     lf_render_settings settings = {.skip = LF_SKIP_ALL,
                                    .camera = *lf_scene_camera(scene),
                                    .width = WIDTH,
@@ -430,11 +426,7 @@ static void skies_are_not_taken_over(void **state)
 static void lights_add_up(void **state)
 {
     (void)state;
-    static const char text[] =
-        HEAD "'meshes': {" GROUND "}, 'materials': {'m': {'albedo': [0.5, 0.4, 0.3]}}, 'lights': "
-             "{'a': {'type': 'distant', 'irradiance': [1, 2, 3], 'direction': [0.6, -0.8, 0]}, "
-             "'b': {'type': 'distant', 'irradiance': 4, 'direction': [0, -1, 0], 'angle': 1}, "
-             "'under': {'type': 'distant', 'irradiance': 9, 'direction': [0, 1, 0]}}}";
+    const char *text = lf_test_scene_text("three-suns");
     bench b;
     set_up(&b, text, 64);
     lf_hit hit = {.ng = lf_v3(0, 1, 0), .ns = lf_v3(0, 1, 0)};

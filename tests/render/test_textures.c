@@ -5,6 +5,7 @@
 #include "base/image.h"
 #include "render/transport/surface/surface.h"
 #include "render/transport/surface/surface_texture.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { SIDE = 16 };
@@ -284,13 +285,6 @@ static void edges_repeat_mirror_and_stay(void **state)
 
 enum { WIDTH = 24, HEIGHT = 20, VIEWS = 3, BLOCK = 8 };
 
-/* Under an even sky of 1 a convex matt thing has the colour of its picture. */
-#define POSTER                                                                                     \
-    "{ 'camera': { 'position': [0, 0, 4], 'views': 3, 'cone': 20, 'fov_y': 24, 'aspect': 1.2 }, "  \
-    "'meshes': { 'poster': { 'shape': 'quad', 'material': 'paper', 'transform': { 'rotate': [90, " \
-    "0, 0] } } }, 'materials': { 'paper': { 'albedo': 1 } }, 'lights': { 'sky': { 'type': "        \
-    "'environment', 'radiance': 1 } } }"
-
 /* Colour of the poster at a window point, by the means of the tests' pictures; the sky beside it.
  */
 static double seen_at(const lf_renderer *r, int view, double x, double y)
@@ -332,7 +326,7 @@ static void a_poster_under_an_even_sky_shows_its_picture(void **state)
     (void)state;
     static const char *const integrators[] = {"vpt", "mvpt"};
     for (int i = 0; i < 2; i++) {
-        lf_scene *scene = lf_test_scene(POSTER);
+        lf_scene *scene = lf_test_scene(lf_test_scene_text("poster"));
         clothe(scene, 0, LF_COVER_OPAQUE, &plain);
         lf_renderer *r = lf_test_renderer(scene, integrators[i], WIDTH, HEIGHT, NULL);
         double *truth = poster_truth(r);
@@ -368,12 +362,7 @@ static void sheets_let_through_the_product_of_what_they_lack(void **state)
     (void)state;
     static const char *const integrators[] = {"vpt", "mvpt"};
     for (int i = 0; i < 2; i++) {
-        lf_scene *scene = lf_test_scene(
-            "{ 'camera': { 'position': [0, 0, 4], 'views': 3, 'cone': 20 }, 'meshes': { 'a': { "
-            "'shape': 'quad', 'material': 'a', 'transform': { 'rotate': [90, 20, 0], 'scale': 9 } "
-            "}, 'b': { 'shape': 'quad', 'material': 'b', 'transform': { 'rotate': [80, 0, 0], "
-            "'scale': 9, 'translate': [0, 0, -3] } } }, 'materials': { 'a': { 'albedo': 0 }, 'b': "
-            "{ 'albedo': 0 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }");
+        lf_scene *scene = lf_test_scene(lf_test_scene_text("two-sheets"));
         for (int m = 0; m < 2; m++) {
             scene->materials[m].cover = LF_COVER_BLEND;
             scene->materials[m].alpha = m == 0 ? 0.5f : 0.25f;
@@ -391,19 +380,6 @@ static void sheets_let_through_the_product_of_what_they_lack(void **state)
     }
 }
 
-#define CURTAIN                                                                                    \
-    "{ 'camera': { 'position': [0, 0, 4], 'views': 3, 'cone': 20, 'fov_y': 24, 'aspect': 1.2%s "   \
-    "}, "                                                                                          \
-    "'meshes': { 'curtain': { 'shape': 'quad', 'material': 'cloth', 'transform': { 'rotate': "     \
-    "[80, "                                                                                        \
-    "10, 0] } }, 'wall': { 'shape': 'quad', 'material': 'wall', 'transform': { 'rotate': [90, 0, " \
-    "0], 'scale': 3, 'translate': [0, 0, -1] } }, 'ball': { 'shape': 'sphere', 'material': "       \
-    "'glaze', 'transform': { 'scale': 0.4, 'translate': [0.3, 0, -0.5] } } }, 'materials': { "     \
-    "'cloth': { 'type': '%s', 'albedo': 0.8, %s }, 'wall': { 'albedo': 0.6 }, 'glaze': { 'type': " \
-    "'plastic', 'albedo': [0.7, 0.3, 0.2] } }, 'lights': { 'sky': { 'type': 'environment', "       \
-    "'radiance': 0.3 }, 'lamp': { 'type': 'point', 'position': [1, 2, 2.5], 'intensity': 6 } }%s " \
-    "}"
-
 typedef struct curtain {
     const char *camera, *type, *more, *media;
     lf_cover cover;
@@ -411,22 +387,21 @@ typedef struct curtain {
 
 static const curtain curtains[] = {
     {"", "diffuse", "'emission': 0", "", LF_COVER_BLEND},
-    {", 'lens_radius': 0.1, 'focus_distance': 4.2", "principled",
+    {"'lens_radius': 0.1, 'focus_distance': 4.2", "principled",
      "'roughness': 0.4, 'metallic': 0.5, 'emission': [0.2, 0.1, 0]", "", LF_COVER_BLEND},
     {"", "principled", "'roughness': 0.2, 'coat': 1", "", LF_COVER_MASK},
     {"", "diffuse", "'emission': 0",
-     ", 'volumes': { 'fog': { 'shape': 'box', 'density': 0.5, 'g': 0.3, 'transform': { 'scale': "
-     "1.5 "
-     "} } }",
+     ", 'volumes': { 'fog': { 'shape': 'box', 'density': 0.5, 'g': 0.3, "
+     "'transform': { 'scale': 1.5 } } }",
      LF_COVER_BLEND},
     {"", "principled", "'roughness': 0, 'transmission': 0.5, 'glass': 'sheet'", "", LF_COVER_BLEND},
 };
 
 static lf_scene *hang(const curtain *c)
 {
-    char text[4096];
-    snprintf(text, sizeof text, CURTAIN, c->camera, c->type, c->more, c->media);
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "curtain", "{'camera': {%s}, 'materials': {'cloth': {'type': '%s', %s}}%s}", c->camera,
+        c->type, c->more, c->media));
     clothe(scene, 0, c->cover, &plain);
     lf_material_prepare(&scene->materials[scene->meshes[0].material]);
     scene->traits |= scene->materials[scene->meshes[0].material].has_delta ? LF_TRAIT_MIRRORS : 0;

@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "render/import/scene/mesh_import.h"
 #include "tests/base/pictures.h"
+#include "tests/scene_file.h"
 
 #define SQUARE "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
 #define FACE "usemtl x\nf 1/1 2/2 3/3 4/4\n"
@@ -352,20 +353,12 @@ static void a_bump_map_that_holds_normals_is_one(void **state)
 static void a_gltf_file_does_without_pictures_that_are_not_to_be_had(void **state)
 {
     static const char *const names[] = {"../n.png", "gone.png"};
-    static const char format[] =
-        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
-        "\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0"
-        "}]}],\"materials\":[{\"name\":\"x\",\"pbrMetallicRoughness\":{\"baseColorTexture\":{"
-        "\"index\":0}}}],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"%s\"}],\"buffers\":[{"
-        "\"byteLength\":36,\"uri\":\"data:;base64,"
-        "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}],"
-        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"accessors\":[{\"bufferView\":0,"
-        "\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}]}";
     for (int i = 0; i < 2; i++) {
-        char text[2048], words[64];
-        snprintf(text, sizeof text, format, names[i]);
+        char words[64];
         snprintf(words, sizeof words, "texture \"%s\" is missing or may not be read; ", names[i]);
-        lf_test_write(*state, "x.gltf", text);
+        lf_test_write(*state, "x.gltf",
+                      lf_test_scene_patched("gltf-textured-triangle", "{'images': [{'uri': '%s'}]}",
+                                            names[i]));
         lf_mesh_data data = import_named(*state, "x.gltf", LF_NORMALS_FILE);
         assert_int_equal(data.n_triangles, 1);
         assert_true(!data.textures && data.n_pictures == 0);

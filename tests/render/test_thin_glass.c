@@ -4,8 +4,8 @@
 #include "tests/testing.h"
 
 #include "render/transport/surface/surface.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 32, height = 24, n_views = 3, tile = 8, blocks_of_all = n_views * 12 + 1 };
 
@@ -13,39 +13,12 @@ enum { width = 32, height = 24, n_views = 3, tile = 8, blocks_of_all = n_views *
 #define LEVEL lf_sidak(LF_FALSE_ALARM, 2 * 5 * blocks_of_all)
 #define CERTAIN 1e-9
 
-/* A pane that leans before a ball that is looked at through it in part, and one behind. */
-#define WINDOW(views, camera, media)                                                               \
-    "{ " LF_TEST_CAMERA(views,                                                                     \
-                        camera) "'meshes': { " LF_TEST_GROUND ", 'ball': { 'shape': "              \
-                                "'sphere', 'material': 'glaze', 'transform': { 'scale': "          \
-                                "0.5, 'translate': [0.3, -0.3, 0.2] "                              \
-                                "} }, 'front': { 'shape': 'quad', 'material': 'pane', "            \
-                                "'transform': { 'scale': 0.7, 'rotate': "                          \
-                                "[70, 30, 0], 'translate': [0, 0, 1.2] } }, 'side': { "            \
-                                "'shape': 'quad', 'material': 'grey', "                            \
-                                "'transform': { 'scale': 0.8, 'rotate': [0, 0, 60], "              \
-                                "'translate': [-0.6, -0.2, 0.5] } }, "                             \
-                                "'card': { 'shape': 'quad', 'material': 'card', "                  \
-                                "'transform': { 'scale': 1.5, 'rotate': [90, "                     \
-                                "0, 0], 'translate': [0, 0.3, -2] } } }, 'materials': { "          \
-                                "'clay': { 'albedo': [0.5, 0.45, 0.4] "                            \
-                                "}, 'glaze': { 'type': 'plastic', 'roughness': 0.5, "              \
-                                "'albedo': [0.6, 0.3, 0.2] }, 'pane': { "                          \
-                                "'type': 'principled', 'roughness': 0, 'albedo': 1, "              \
-                                "'transmission': 1, 'glass': 'sheet' }, "                          \
-                                "'grey': { 'type': 'principled', 'roughness': 0, 'albedo': "       \
-                                "0.6, 'transmission': 1, 'glass': "                                \
-                                "'sheet', 'coat': 0.5, 'specular': 0.7 }, 'card': { "              \
-                                "'albedo': 0.2, 'emission': [1, 1.2, 1.4] "                        \
-                                "} }, 'lights': { 'sky': { 'type': 'environment', "                \
-                                "'radiance': [0.4, 0.5, 0.7] } }" media " }"
-
+/* Patches of sheet-of-glass. */
 static const char *const windows[] = {
-    WINDOW("{ 'track': { 'count': 3, 'length': 1.5 } }",
-           ", 'lens_radius': 0.1, 'focus_distance': 4.2", ""),
-    WINDOW("3", "",
-           ", 'volumes': { 'fog': { 'shape': 'box', 'density': 0.5, 'g': 0.3, 'transform': { "
-           "'scale': 1.4 } } }")};
+    "{'camera': {'views': {'track': {'count': 3, 'length': 1.5}}, 'lens_radius': 0.1, "
+    "'focus_distance': 4.2}}",
+    "{'volumes': {'fog': {'shape': 'box', 'density': 0.5, 'g': 0.3, "
+    "'transform': {'scale': 1.4}}}}"};
 
 static void as_other_surfaces(lf_scene *scene)
 {
@@ -57,6 +30,11 @@ static void as_other_surfaces(lf_scene *scene)
 static void schedule(lf_renderer *r)
 {
     lf_test_passes(r, 5 * n_views);
+}
+
+static const char *window(int i)
+{
+    return lf_test_scene_patched("sheet-of-glass", "%s", windows[i]);
 }
 
 static void pictures(const char *text, bool thin_glass, lf_estimator estimator, uint64_t seed,
@@ -79,10 +57,10 @@ static void panes_are_what_delta_lobes_would_be(void **state)
     for (int i = 0; i < 2; i++) {
         lf_blocks truth;
         int where = 0;
-        pictures(windows[i], false, LF_ESTIMATOR_MIS, 1000, &truth);
+        pictures(window(i), false, LF_ESTIMATOR_MIS, 1000, &truth);
         for (int a = 0; a < 3; a++) {
             lf_blocks mine;
-            pictures(windows[i], true, answers[a], 2000, &mine);
+            pictures(window(i), true, answers[a], 2000, &mine);
             double p = lf_blocks_welch(&mine, &truth, &where);
             if (!(p > LEVEL))
                 fail_msg("window %d, answer %d, block %d: %.5g +- %.2g, alone %.5g +- %.2g, p %.2g",
@@ -100,7 +78,7 @@ static void panes_weigh_as_everything_that_is_met(void **state)
 {
     (void)state;
     for (int i = 0; i < 2; i++)
-        lf_test_assert_weights(windows[i], width, height, schedule, 16, tile, LEVEL);
+        lf_test_assert_weights(window(i), width, height, schedule, 16, tile, LEVEL);
 }
 
 static double fresnel(double cosine)
@@ -118,20 +96,9 @@ static void a_stack_of_panes_lets_through_what_it_must(void **state)
     (void)state;
     static const char *const integrators[] = {"vpt", "mvpt"};
     for (int c = 0; c < 4; c++) {
-        char text[2048];
         int n = 1 + c / 2;
-        snprintf(text, sizeof text,
-                 "{ 'camera': { 'position': [0, 0, 4], 'views': 3, 'cone': 50, 'fov_y': 40, "
-                 "'aspect': 1.2 }, 'meshes': { 'a': { 'shape': 'quad', 'material': 'pane', "
-                 "'transform': { 'rotate': [90, 0, 0], 'scale': 900 } }, %s 'wall': { 'shape': "
-                 "'quad', 'material': 'wall', 'transform': { 'rotate': [90, 0, 0], 'scale': 900, "
-                 "'translate': [0, 0, -3] } } }, 'materials': { 'pane': { 'type': 'principled', "
-                 "'roughness': 0, 'albedo': 1, 'transmission': 1, 'glass': 'sheet' }, 'wall': { "
-                 "'albedo': 0, 'emission': 1 } } }",
-                 n > 1 ? "'b': { 'shape': 'quad', 'material': 'pane', 'transform': { 'rotate': "
-                         "[90, 0, 0], 'scale': 900, 'translate': [0, 0, -1] } },"
-                       : "");
-        lf_scene *scene = lf_test_scene(text);
+        lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+            "stacked-sheets", "%s", n > 1 ? "{}" : "{'meshes': {'b': null}}"));
         lf_renderer *r = lf_test_renderer(scene, integrators[c % 2], 12, 10, NULL);
         lf_test_cycles(r, 64);
         double *picture = lf_test_picture(r, LF_ESTIMATOR_MWIS), worst = 0.0, sum = 0.0, all = 0.0;
@@ -158,13 +125,7 @@ static void a_stack_of_panes_lets_through_what_it_must(void **state)
 static void the_sun_shines_through_windows(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{ 'meshes': { 'floor': { 'shape': 'quad', 'material': 'clay', 'transform': { 'scale': 9 "
-        "} }, 'pane': { 'shape': 'quad', 'material': 'pane', 'transform': { 'scale': 90, "
-        "'translate': [0, 1, 0] } } }, 'materials': { 'clay': { 'albedo': 1 }, 'pane': { 'type': "
-        "'principled', 'roughness': 0, 'albedo': 0.9, 'transmission': 1, 'glass': 'sheet' } }, "
-        "'lights': { 'sun': { 'type': 'distant', 'direction': [0.6, -0.8, 0], 'irradiance': 1 } } "
-        "}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("sheet-over-floor"));
     lf_tracer tracer = {.scene = scene, .rng = 7};
     float passed =
         lf_trace_passed(&tracer, lf_v3(0.0f, 0.5f, 0.0f), lf_v3(-0.6f, 0.8f, 0.0f), INFINITY);

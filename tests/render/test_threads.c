@@ -3,18 +3,10 @@
 #include "tests/testing.h"
 
 #include "render/papers/papers.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
-#include "tests/stat/scenes.h"
 
 enum { width = 32, height = 24, n_views = 7, pixels = n_views * width * height };
-
-/* Cameras in a ring, whose paths leave their rows. */
-#define AROUND                                                                                     \
-    "{ 'camera': { 'target': [0, 0, 0], 'position': [0, 1, 5], 'fov_y': 30, 'aspect': 1.3333333, " \
-    "'views': { 'circle': { 'count': 7 } } }, "                                                    \
-    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 1.5, 'albedo': [0.9, 0.8, 0.7], "         \
-    "'g': 0.4 } }, 'meshes': { " LF_TEST_GROUND                                                    \
-    " }, 'materials': { 'clay': { 'albedo': 0.5 } }, " LF_TEST_SHARP_LIGHTS " }"
 
 /* A mixture of what a live view and an offline job do; resolved by all answers, into out
  * [3][pixels][3]. */
@@ -51,7 +43,7 @@ enum { fewest_threads = 3, most_threads = 4 };
 enum { fewest_threads = 1, most_threads = 4 };
 #endif
 
-static void assert_threads(const char *text, const char *integrator, lf_sampler_kind sampler)
+static void assert_threads_of(const char *text, const char *integrator, lf_sampler_kind sampler)
 {
     size_t size = 9 * pixels * sizeof(float);
     float *fewest = malloc(size), *many = malloc(size);
@@ -67,25 +59,32 @@ static void assert_threads(const char *text, const char *integrator, lf_sampler_
     free(many);
 }
 
+#define THROUGH_LENSES "{'camera': {'views': 7, 'lens_radius': 0.1}}"
+
+static void assert_threads(const char *scene, const char *integrator)
+{
+    assert_threads_of(lf_test_scene_views(scene, n_views), integrator, LF_SAMPLER_OWEN);
+}
+
 static void invariant_5_pictures_do_not_depend_on_the_number_of_threads(void **state)
 {
     (void)state;
-    assert_threads(LF_TEST_MIXED("7", ", 'lens_radius': 0.1"), "mvpt", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_MIXED("7", ""), "mvpt", LF_SAMPLER_INDEPENDENT);
-    assert_threads(LF_TEST_MIXED("7", ""), "vpt", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_FOGS("7", ""), "mvpt", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_FIRES("7", ""), "mvpt", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_LAMP("7", ""), "mvpt", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_LAMP("7", ""), "amvpt", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_MIXED("7", ""), "amvpt", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_FOGS("7", ", 'lens_radius': 0.1"), "mvpt2022", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_MIXED("7", ""), "mvpt2022", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_LAMP("7", ""), "mismvpt", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_MIXED("7", ""), "amvpt2022", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_GLOSSY("7", ""), "amv2019", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_FOGS("7", ""), "restir", LF_SAMPLER_OWEN);
-    assert_threads(LF_TEST_FOGS("7", ""), "mvrestir", LF_SAMPLER_OWEN);
-    assert_threads(AROUND, "mvpt", LF_SAMPLER_OWEN);
+    assert_threads_of(lf_test_scene_patched("mixed", THROUGH_LENSES), "mvpt", LF_SAMPLER_OWEN);
+    assert_threads_of(lf_test_scene_views("mixed", 7), "mvpt", LF_SAMPLER_INDEPENDENT);
+    assert_threads("mixed", "vpt");
+    assert_threads("fogs", "mvpt");
+    assert_threads("fires", "mvpt");
+    assert_threads("lamp", "mvpt");
+    assert_threads("lamp", "amvpt");
+    assert_threads("mixed", "amvpt");
+    assert_threads_of(lf_test_scene_patched("fogs", THROUGH_LENSES), "mvpt2022", LF_SAMPLER_OWEN);
+    assert_threads("mixed", "mvpt2022");
+    assert_threads("lamp", "mismvpt");
+    assert_threads("mixed", "amvpt2022");
+    assert_threads("glossy", "amv2019");
+    assert_threads("fogs", "restir");
+    assert_threads("fogs", "mvrestir");
+    assert_threads_of(lf_test_scene_text("ring"), "mvpt", LF_SAMPLER_OWEN);
 }
 
 int main(void)

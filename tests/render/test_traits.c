@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "render/papers/papers.h"
 #include "render/transport/lanes/lane_scene.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum {
@@ -58,29 +59,6 @@ enum {
 #define QUADS(of, more) \
     GROUND ", 'a': { 'shape': 'quad', 'material': '" of "', 'transform': { 'rotate': [180, " \
     "0, 0], 'scale': 0.6, 'translate': [0, 0.9, 0] } }" more
-#define MATERIALS \
-    "'clay': { 'albedo': [0.5, 0.45, 0.4] }, 'white': { 'albedo': 0.9 }, 'shining': { " \
-    "'albedo': 0.5, 'emission': 1 }, " \
-    "'lamp': { 'albedo': 0, 'emission': 3 }, 'bright': { 'albedo': 0, 'emission': 6 }, " \
-    "'mirror': { 'type': 'conductor', 'albedo': 0.9, 'roughness': 0 }, 'glaze': { 'type': " \
-    "'plastic', 'albedo': 0.2, 'roughness': 0.2 }, " \
-    "'half': { 'albedo': 0.1, 'alpha': 0.5 }, 'whole': { 'albedo': 0.1 }, " \
-    "'sheet': { 'type': 'principled', 'roughness': 0, 'albedo': 0.4, 'transmission': 1, " \
-    "'glass': 'sheet' }, " \
-    "'tinted': { 'type': 'principled', 'roughness': 0, 'albedo': [0.9, 0.3, 0.1], " \
-    "'transmission': 1, 'glass': 'sheet' }, 'frosted': { 'type': 'principled', 'roughness': " \
-    "0.5, 'albedo': 0.8, 'transmission': 1, 'glass': 'sheet' }, 'metal': { 'type': 'principled', " \
-    "'metallic': 1, 'albedo': 0.8, 'roughness': 0.5 }, 'brushed': { 'type': 'principled', " \
-    "'metallic': 1, 'albedo': 0.8, 'roughness': 0.5, 'anisotropy': 1 }, " \
-    "'rough': { 'type': 'principled', 'roughness': 0.4, 'albedo': 1, 'transmission': 1 }, " \
-    "'clear': { 'type': 'principled', 'roughness': 0, 'albedo': 1, 'transmission': 1 }, " \
-    "'dark': { 'type': 'principled', 'roughness': 0, 'albedo': 1, 'transmission': 1, " \
-    "'absorption': 2 }, " \
-    "'water': { 'type': 'principled', 'roughness': 0, 'albedo': 0.4, 'transmission': 1, " \
-    "'ior': 2.2 }, " \
-    "'skin': { 'type': 'principled', 'roughness': 0.5, 'albedo': 0.9, 'subsurface': 1, " \
-    "'subsurface_radius': 0.4 }, " \
-    "'stone': { 'type': 'principled', 'roughness': 0.5, 'albedo': 0.9 }"
 
 /* @m: a box, or where lanes are to serve it a grid of a box */
 #define FOG(words) "'fog': { @m, 'albedo': 0.8" words " }"
@@ -208,8 +186,8 @@ static void expand(char mark, bool grid, char *out, size_t size)
     assert_non_null(realpath(lf_test_built("testdata/colours.vdb"), file));
     if (mark == 'm' && grid)
         snprintf(out, size,
-                 "'file': '%s', 'scale': 1.5, 'transform': { 'scale': 0.18, 'translate': [-0.63, "
-                 "-0.63, -0.63] }",
+                 "'file': '%s', 'scale': 1.5, 'transform': { 'scale': 0.18, "
+                 "'translate': [-0.63, -0.63, -0.63] }",
                  file);
     else if (mark == 'm')
         snprintf(out, size, "'shape': 'box', 'density': 1.5, 'transform': { 'scale': 0.7 }");
@@ -245,25 +223,20 @@ typedef struct setting {
     bool listed, grid; /* its cameras, its medium */
 } setting;
 
-static void say(const parts *p, setting in, char *out, size_t size)
+static const char *text_of(const parts *p, setting in)
 {
-    char text[8192];
-    snprintf(text, sizeof text,
-             "{ 'quiltd': 1, 'render': { 'max_depth': 12 }, 'camera': { 'position': [0, 0.6, 5], "
-             "'aspect': 1.3333333333, %s%s%s }, 'volumes': { %s }, 'meshes': { %s }, 'materials': "
-             "{ %s }, "
-             "'lights': { %s }%s }",
-             p->camera && strstr(p->camera, "fov_y") ? "" : "'fov_y': 24, ",
+    char patch[8192], filled[16384];
+    snprintf(patch, sizeof patch,
+             "{ 'camera': { %s%s }, 'volumes': { %s }, 'meshes': { %s }, 'lights': { %s }%s }",
              in.listed ? LIST : TRACK, given(p->camera, ""), given(p->volumes, ""),
-             given(p->meshes, ""), MATERIALS, given(p->lights, SKY), given(p->more, ""));
-    fill(text, in.grid, out, size);
+             given(p->meshes, ""), given(p->lights, SKY), given(p->more, ""));
+    fill(patch, in.grid, filled, sizeof filled);
+    return lf_test_scene_patched("traits", "%s", filled);
 }
 
 static lf_scene *scene_of(const parts *p, setting in)
 {
-    char text[16384];
-    say(p, in, text, sizeof text);
-    return lf_test_scene_in(folder_of, text, NULL);
+    return lf_test_scene_in(folder_of, text_of(p, in), NULL);
 }
 
 /* ---------------------------------------------------------------------------------- pictures -- */
@@ -369,9 +342,7 @@ static bool is_list(int row)
 
 static void assert_not_read(const parts *p, setting in, const char *pointer)
 {
-    char text[16384];
-    say(p, in, text, sizeof text);
-    lf_test_assert_refused(folder_of, text, pointer, "");
+    lf_test_assert_refused(folder_of, text_of(p, in), pointer, "");
 }
 
 /* What each integrator has rendered. */

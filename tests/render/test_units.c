@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "render/import/scene/mesh_import.h"
 #include "render/transport/path/path.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { WIDTH = 12, HEIGHT = 10, VIEWS = 3, VALUES = 3 * VIEWS * WIDTH * HEIGHT };
@@ -75,29 +76,6 @@ static void a_grid_in_centimetres_is_one_scaled_by_a_hundredth(void **state)
     assert_memory_not_equal(said, wrong, sizeof said);
 }
 
-/* All lengths a thousand times larger, extinction per unit of length as much smaller; what is said
- * in watts, in radiance and in irradiance is the same. */
-#define IN_METRES(units)                                                                           \
-    "{ " units                                                                                     \
-    " 'camera': { 'position': [0, 1, 5], 'target': [0, 0.3, 0], 'fov_y': 30, 'views': 3 }, "       \
-    "'meshes': { 'ground': { 'shape': 'quad', 'transform': { 'scale': 3 } } }, "                   \
-    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 2, 'transform': { 'scale': 0.4, "         \
-    "'translate': [0, 0.5, 0] } } }, "                                                             \
-    "'lights': { 'p': { 'type': 'point', 'position': [1, 1, 0], 'intensity': 2 }, "                \
-    "'s': { 'type': 'spot', 'position': [-1, 2, 0], 'intensity': 3 }, "                            \
-    "'r': { 'type': 'rectangle', 'position': [0, 2, -1], 'width': 0.5, 'power': 9 }, "             \
-    "'e': { 'type': 'environment', 'radiance': 0.05 } } }"
-#define IN_MILLIMETRES(units)                                                                      \
-    "{ " units                                                                                     \
-    " 'camera': { 'position': [0, 1000, 5000], 'target': [0, 300, 0], 'fov_y': 30, 'views': 3 "    \
-    "}, 'meshes': { 'ground': { 'shape': 'quad', 'transform': { 'scale': 3000 } } }, "             \
-    "'volumes': { 'fog': { 'shape': 'sphere', 'density': 0.002, 'transform': { 'scale': 400, "     \
-    "'translate': [0, 500, 0] } } }, "                                                             \
-    "'lights': { 'p': { 'type': 'point', 'position': [1000, 1000, 0], 'intensity': 2 }, "          \
-    "'s': { 'type': 'spot', 'position': [-1000, 2000, 0], 'intensity': 3 }, "                      \
-    "'r': { 'type': 'rectangle', 'position': [0, 2000, -1000], 'width': 500, 'height': 1000, "     \
-    "'power': 9 }, 'e': { 'type': 'environment', 'radiance': 0.05 } } }"
-
 static void mean_of(const char *text, double out[3])
 {
     static float picture[VALUES];
@@ -111,13 +89,14 @@ static void a_scene_in_millimetres_is_that_in_metres(void **state)
 {
     (void)state;
     double metres[3], millimetres[3], wrong[3], plain[3];
-    mean_of(IN_METRES("'units': 'm',"), metres);
-    mean_of(IN_METRES(""), plain);
+    mean_of(lf_test_scene_text("in-metres"), metres);
+    mean_of(lf_test_scene_patched("in-metres", "{'units': null}"), plain);
     assert_memory_equal(metres, plain, sizeof plain);
-    mean_of(IN_MILLIMETRES("'units': 'mm',"), millimetres);
+    mean_of(lf_test_scene_text("in-millimetres"), millimetres);
     for (int i = 0; i < 3; i++)
         lf_assert_close(millimetres[i], metres[i], 2e-3, 0);
-    mean_of(IN_MILLIMETRES(""), wrong); /* lamps a thousand times farther away */
+    mean_of(lf_test_scene_patched("in-millimetres", "{'units': null}"),
+            wrong); /* lamps a thousand times farther away */
     assert_true(wrong[0] < 0.5 * metres[0]);
 }
 

@@ -4,21 +4,14 @@
 
 #include "render/transport/light/light.h"
 #include "render/transport/sampler.h"
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
-/* A triangle about the axis, its three vertices of these colours, then positions. */
-#define FILE_OF(colours)                                                                           \
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"       \
-    "\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},"    \
-    "\"material\":0}]}],\"materials\":[{\"extensions\":{\"KHR_materials_unlit\":{}}}],"            \
-    "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:;base64,"                                      \
-    "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA\"},{\"byteLength\":12,\"uri\":\"data:;"      \
-    "base64," colours "\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":1,"      \
-    "\"byteLength\":12}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,"     \
-    "\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5121,\"normalized\":true,\"count\":3," \
-    "\"type\":\"VEC4\"}]}"
-#define GREEN "AP8A/wD/AP8A/wD/"
-#define RAINBOW "/wAA/wD/AP8AAP//"
+/* Of three vertices: gltf-unlit-triangle has another colour at each. */
+#define ALL_GREEN                                                                                  \
+    "{'buffers': [{'byteLength': 36, 'uri': "                                                      \
+    "'data:;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA'}, "                           \
+    "{'byteLength': 12, 'uri': 'data:;base64,AP8A/wD/AP8A/wD/'}]}"
 
 static double channel(lf_vec3 v, int k)
 {
@@ -30,8 +23,8 @@ static lf_scene *load(const char *folder, const char *text, const char *more)
     char scene[1024];
     lf_test_write(folder, "a.gltf", text);
     snprintf(scene, sizeof scene,
-             "{'camera': {'position': [0, -0.2, 4], 'target': [0, -0.2, 0], 'views': 3, 'cone': "
-             "10, 'fov_y': 4, 'aspect': 1}, 'meshes': {'m': {'file': 'a.gltf'}%s}",
+             "{'camera': {'position': [0, -0.2, 4], 'target': [0, -0.2, 0], 'views': 3, "
+             "'cone': 10, 'fov_y': 4, 'aspect': 1}, 'meshes': {'m': {'file': 'a.gltf'}%s}",
              more);
     return lf_test_scene_in(folder, scene, NULL);
 }
@@ -44,7 +37,8 @@ static void it_is_seen_as_it_is_in_any_light(void **state)
         "}, 'lights': {'sky': {'type': 'environment', 'radiance': [3, 2, 1]}}"};
     enum { SIDE = 8, VIEWS = 3 };
     for (size_t i = 0; i < 2 * sizeof lights / sizeof *lights; i++) {
-        lf_scene *scene = load(*state, FILE_OF(GREEN), lights[i / 2]);
+        lf_scene *scene =
+            load(*state, lf_test_scene_patched("gltf-unlit-triangle", ALL_GREEN), lights[i / 2]);
         assert_int_equal(scene->warnings.n, 0);
         lf_renderer *r = lf_test_renderer(scene, i % 2 ? "mvpt" : "vpt", SIDE, SIDE, NULL);
         lf_test_cycles(r, 2);
@@ -81,7 +75,7 @@ static void it_shines_by_the_colours_of_its_vertices(void **state)
 {
     enum { N = 200000 };
     const lf_vec3 p = lf_v3(-0.6f, -0.7f, 0.3f);
-    lf_scene *scene = load(*state, FILE_OF(RAINBOW), "}");
+    lf_scene *scene = load(*state, lf_test_scene_text("gltf-unlit-triangle"), "}");
     assert_int_equal(scene->n_lights, 1);
     const lf_light *light = &scene->lights[0];
     for (int i = 0; i < 3; i++) /* the mean of the three */

@@ -6,7 +6,7 @@
 #include "render/papers/papers.h"
 #include "render/papers/vertex_reuse.h"
 #include "tests/render/grids.h"
-#include "tests/stat/scenes.h"
+#include "tests/scene_file.h"
 
 /* Two pixels and a path of the first. */
 typedef struct pair {
@@ -19,18 +19,13 @@ typedef struct pair {
 /* Rough voxels in a fog that scatters forwards, lit by a sky, a sun, and a lamp within. */
 static lf_scene *make_scene(void)
 {
-    return lf_test_grid_scene("{ " LF_TEST_CAMERA("2", "") LF_TEST_VOLUMES(
-                                  ", 'fog': { 'shape': 'sphere', 'density': 0.4, 'albedo': [0.9, "
-                                  "0.8, 0.7], 'g': 0.7, "
-                                  "'transform': { 'scale': [1.2, 0.7, 0.8], 'translate': [0.5, 0, "
-                                  "0.4] } }") ", "
-                                              "'lights': { 'sky': { 'type': 'environment', "
-                                              "'radiance': [0.4, 0.5, 0.7] }, "
-                                              "'sun': { 'type': 'distant', 'direction': [0.5, "
-                                              "-0.7, -0.5], 'irradiance': [3, 2.7, 2.2] "
-                                              "}, 'lamp': { 'type': 'point', 'position': [0.3, "
-                                              "0.9, 0.2], 'intensity': [2, 3, 4] } } }",
-                              lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
+    return lf_test_grid_scene(
+        lf_test_scene_patched("grid-in-fog",
+                              "{'camera': {'views': 2, 'lens_radius': null, "
+                              "'focus_distance': null}, 'lights': {'sun': {'irradiance': [3, 2.7, "
+                              "2.2]}, 'lamp': {'type': 'point', 'position': [0.3, 0.9, 0.2], "
+                              "'intensity': [2, 3, 4]}}}"),
+        lf_test_grid(lf_test_rough, 9, 8, 7), 0.25, 0.4, 2.0f, false);
 }
 
 static void begin(pair *p, const lf_scene *scene, lf_pool *pool)
@@ -227,16 +222,6 @@ static void a_path_goes_to_a_neighbour_with_its_jacobian(void **state)
 
 enum { width = 32, height = 16, n_views = 4, tile = 16, tiles = n_views * 2 + 1 };
 
-static const char *const furnaces[] = {
-    "{ " LF_TEST_CAMERA("4",
-                        "") "'volumes': { 'fog': { 'shape': 'box', 'density': 0.625, 'albedo': "
-                            "1 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 "
-                            "} } }",
-    "{ " LF_TEST_CAMERA("4",
-                        "") "'volumes': { 'fog': { 'shape': 'box', 'density': 0.625, 'albedo': "
-                            "1, 'g': 0.7 } }, 'lights': { 'sky': { 'type': 'environment', "
-                            "'radiance': 1 } } }"};
-
 /* The whole is 1 to 1e-5, of which 1e-7 are paths with more than 16 vertices: the cells are those
  * of the box, so that each walk brings what it should, and what one pixel of a block has too much
  * the others lack. Tiles are 1 in the mean; 1 % is seen in half of them. */
@@ -275,18 +260,20 @@ static void a_furnace_is_white(const char *text, const char *integrator, uint64_
     lf_scene_unref(scene);
 }
 
+#define FORWARDS "{'volumes': {'fog': {'g': 0.7}}}"
+
 static void furnaces_are_white_by_blocks_of_columns(void **state)
 {
     (void)state;
-    a_furnace_is_white(furnaces[0], "restir", 40);
-    a_furnace_is_white(furnaces[1], "restir", 41);
+    a_furnace_is_white(lf_test_scene_text("fog-furnace"), "restir", 40);
+    a_furnace_is_white(lf_test_scene_patched("fog-furnace", FORWARDS), "restir", 41);
 }
 
 static void furnaces_are_white_by_blocks_of_views(void **state)
 {
     (void)state;
-    a_furnace_is_white(furnaces[0], "mvrestir", 42);
-    a_furnace_is_white(furnaces[1], "mvrestir", 43);
+    a_furnace_is_white(lf_test_scene_text("fog-furnace"), "mvrestir", 42);
+    a_furnace_is_white(lf_test_scene_patched("fog-furnace", FORWARDS), "mvrestir", 43);
 }
 
 int main(void)

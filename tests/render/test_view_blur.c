@@ -3,6 +3,7 @@
  * test_brute_force, test_agreement.) */
 #include "tests/testing.h"
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 enum { width = 24, height = 8 };
@@ -55,14 +56,10 @@ static double worst_difference(double z, double blur, double expected_blur)
 {
     const double edge = 0.1;
     double out[3 * width], worst = 0;
-    char text[512];
-    /* black, from far left to the edge */
-    snprintf(
-        text, sizeof text,
-        "{'camera': {'position': [0, 0, 5], 'fov_y': %g, 'aspect': 1, 'cone': %g, 'views': 3, "
-        "'view_blur': %g}, 'materials': {'black': {'albedo': 0}}, 'meshes': {'wall': {'shape': "
-        "'quad', 'material': 'black', 'transform': {'scale': 40, 'rotate': [90, 0, 0], "
-        "'translate': [%.17g, 0, %.17g]}}}, " SKY "}",
+    const char *text = lf_test_scene_patched(
+        "wall-to-edge",
+        "{'camera': {'fov_y': %g, 'cone': %g, 'view_blur': %g}, "
+        "'meshes': {'wall': {'transform': {'translate': [%.17g, 0, %.17g]}}}}",
         FOV, CONE, blur, edge - 40, DISTANCE - z);
     columns_of(text, 3, 256, out);
     for (int i = 0; i < 3 * width; i++) {
@@ -102,16 +99,12 @@ static double worst_of_rows(double z, double blur, double expected_blur, int row
 {
     const double edge = 0.1, step = DISTANCE * tan(CONE / 3 * M_PI / 180);
     double worst = 0;
-    char text[512];
-    snprintf(
-        text, sizeof text,
-        "{'camera': {'position': [0, 0, 5], 'fov_y': %g, 'aspect': 1, 'view_blur': %g, 'views': "
-        "{'grid': {'columns': 2, 'rows': 3, 'width': 1, 'height': %.17g}}}, "
-        "'materials': {'black': {'albedo': 0}}, 'meshes': {'wall': {'shape': 'quad', 'material': "
-        "'black', 'transform': {'scale': 40, 'rotate': [90, 0, 0], 'translate': [0, %.17g, "
-        "%.17g]}}}, " SKY "}",
-        FOV, blur, 2 * step, edge - 40, DISTANCE - z);
-    lf_scene *scene = lf_test_scene(text);
+    lf_scene *scene = lf_test_scene(lf_test_scene_patched(
+        "wall-to-edge",
+        "{'camera': {'fov_y': %g, 'cone': null, 'view_blur': %g, "
+        "'views': {'grid': {'columns': 2, 'rows': 3, 'width': 1, 'height': %.17g}}}, "
+        "'meshes': {'wall': {'transform': {'translate': [0, %.17g, %.17g]}}}}",
+        FOV, blur, 2 * step, edge - 40, DISTANCE - z));
     lf_render_settings settings = {.camera = lf_camera_row(lf_scene_camera(scene), row),
                                    .width = 4,
                                    .height = width,
@@ -176,13 +169,7 @@ static void cells_of_own_windows_are_means_of_their_cameras(void **state)
 {
     (void)state;
     enum { each = 9 };
-    lf_scene *scene = lf_test_scene(
-        "{'camera': {'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1, 'views': {'grid': "
-        "{'columns': 2, 'rows': 3, 'width': 0.001, 'height': 1.6, 'window': 'own'}}}, "
-        "'volumes': {'fog': {'shape': 'sphere', 'density': 1, 'albedo': 0.5, 'transform': "
-        "{'scale': 0.4, 'translate': [0, 0.3, 1]}}}, 'materials': {'grey': {'albedo': 0.3}}, "
-        "'meshes': {'bar': {'shape': 'quad', 'material': 'grey', 'transform': {'scale': [3, 1, "
-        "0.2], 'rotate': [90, 0, 0], 'translate': [0, -0.2, -1]}}}, " SKY "}");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("own-windows"));
     for (int i = 0; i < 2; i++) {
         const char *integrator = i ? "vpt" : "mvpt";
         double cell[width], mean[width] = {0}, one[width], worst = 0, contrast = 0;
@@ -208,27 +195,25 @@ static void cells_of_own_windows_are_means_of_their_cameras(void **state)
 
 /* -------------------------------------------------------------------------- pinholes between -- */
 
+static const char *wide_voxels(int n_views, double blur, const char *vdb)
+{
+    return lf_test_scene_patched(
+        "wide-voxels",
+        "{'camera': {'views': %d, 'view_blur': %g}, 'volumes': {'v': {'file': '%s'}}}", n_views,
+        blur, vdb);
+}
+
 /* Voxels far wider than the window behind it, and panes before them. Of three views the middle one,
  * or all, against the mean of so many of 45 pinhole views of the same rig, about each. */
 static void assert_pinholes(double blur, int n_compared)
 {
     enum { each = 15 };
-    static const char scene[] =
-        "{'camera': {'position': [0, 0, 5], 'fov_y': 20, 'aspect': 1, 'cone': 24, 'views': %d, "
-        "'view_blur': %g}, 'volumes': {'v': {'file': '%s', 'grid': 'half', 'scale': 0.6, 'albedo': "
-        "0, 'transform': {'scale': [0.7, 0.1, 0.1], 'translate': [-5, -1.5, -4]}}}, 'materials': "
-        "{'black': {'albedo': 0}}, 'meshes': {'near': {'shape': 'quad', 'material': 'black', "
-        "'transform': {'scale': [0.1, 1, 3], 'rotate': [90, 0, 0], 'translate': [-0.2, 0, 1.5]}}, "
-        "'far': {'shape': 'quad', 'material': 'black', 'transform': {'scale': [0.2, 1, 3], "
-        "'rotate': [90, 0, 0], 'translate': [0.5, 0, -1.5]}}}, " SKY "}";
     double lines[3 * width], points[3 * each * width], worst = 0, contrast = 0;
-    char vdb[PATH_MAX], text[PATH_MAX + 64 + sizeof scene];
+    char vdb[PATH_MAX];
     const int n = (int)(each * blur);
     assert_non_null(realpath(lf_test_built("testdata/patterns.vdb"), vdb));
-    snprintf(text, sizeof text, scene, 3, blur, vdb);
-    columns_of(text, 3, 240, lines);
-    snprintf(text, sizeof text, scene, 3 * each, 0.0, vdb);
-    columns_of(text, 3 * each, 16, points);
+    columns_of(wide_voxels(3, blur, vdb), 3, 240, lines);
+    columns_of(wide_voxels(3 * each, 0.0, vdb), 3 * each, 16, points);
     for (int i = 0; i < n_compared * width; i++) {
         int view = n_compared == 1 ? 1 : i / width, first = view * each + each / 2 - n / 2;
         double mean = 0, is = lines[view * width + i % width],

@@ -8,6 +8,7 @@
 
 #include "render/transport/light/volume_emission.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
 
 enum { width = 32, height = 24, n_views = 5, block = 8 };
 
@@ -174,9 +175,8 @@ static void a_slab_that_reaches_into_smoke_is_its_closed_form(void **state)
     assert_known(
         "{" CAMERA("") ", 'volumes': {" SLAB(
             "1.5", "0",
-            "") ", 'smoke': { 'shape': 'box', "
-                "'density': 1, 'albedo': 0, 'transform': { 'scale': [60, 60, 0.375], 'translate': "
-                "[0, 0, 0.375] } } } }",
+            "") ", 'smoke': { 'shape': 'box', 'density': 1, 'albedo': 0, "
+                "'transform': { 'scale': [60, 60, 0.375], 'translate': [0, 0, 0.375] } } } }",
         slab_behind_smoke, 5, 32, 1e-4);
 }
 
@@ -192,10 +192,9 @@ static void a_surface_hides_what_is_behind_it(void **state)
     (void)state;
     assert_known(
         "{" CAMERA("") ", 'volumes': {" SLAB(
-            "1.5", "0",
-            "") "}, 'meshes': { 'wall': { "
-                "'shape': 'quad', 'material': 'black', 'transform': { 'scale': 60, 'rotate': [90, "
-                "0, 0] } } }, 'materials': { 'black': { 'albedo': 0 } } }",
+            "1.5", "0", "") "}, 'meshes': { 'wall': { 'shape': 'quad', 'material': 'black', "
+                            "'transform': { 'scale': 60, 'rotate': [90, 0, 0] } } }, "
+                            "'materials': { 'black': { 'albedo': 0 } } }",
         half_a_slab, 5, 4, 1e-4);
 }
 
@@ -208,20 +207,15 @@ static double one(double x0, double mx, double my)
     return 1.0;
 }
 
-#define FURNACE(lens, g)                                                                           \
-    "{" CAMERA(                                                                                    \
-        lens) ", 'volumes': { 'fog': { 'shape': 'sphere', 'density': 3, 'albedo': 0.6, "           \
-              "'g': " g                                                                            \
-              ", 'emission': 1.2 } }, 'meshes': { 'ground': { 'shape': 'quad', 'material': "       \
-              "'white', 'transform': { 'scale': 3, 'translate': [0, -0.7, 0] } } }, 'materials': " \
-              "{ 'white': "                                                                        \
-              "{ 'albedo': 1 } }, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 } } }"
+#define THROUGH_LENSES                                                                             \
+    "{'camera': {'lens_radius': 0.2, 'focus_distance': 4.5}, 'volumes': {'fog': {'g': 0.6}}}"
 
 static void emission_makes_up_for_absorption_in_a_furnace(void **state)
 {
     (void)state;
-    assert_scene(lf_test_scene(FURNACE("", "0")), one, 15, 32, 1e-4, 1);
-    assert_scene(lf_test_scene(FURNACE(LENS, "0.6")), one, 15, 32, 1e-4, 1);
+    assert_scene(lf_test_scene(lf_test_scene_text("emissive-furnace")), one, 15, 32, 1e-4, 1);
+    assert_scene(lf_test_scene(lf_test_scene_patched("emissive-furnace", THROUGH_LENSES)), one, 15,
+                 32, 1e-4, 1);
 }
 
 /* A wall of albedo 1/2 behind a slab that is 1 thick: it receives pi (1 - 2 E3(1)). */
@@ -235,20 +229,18 @@ static double wall(double x0, double mx, double my)
 #define WALL(z, scale)                                                                             \
     "'meshes': { 'wall': { 'shape': 'quad', 'transform': { 'scale': " scale ", 'rotate': [90, 0, " \
     "0], 'translate': [0, 0, " z "] } } }"
-#define WIDE "'transform': { 'scale': [6e3, 6e3, 0.5] } }"
 
 static void a_wall_is_lit_by_what_emits_before_it(void **state)
 {
     (void)state;
-    assert_known("{" CAMERA("") ", 'volumes': { 'slab': { 'shape': 'box', 'density': 1, 'albedo': "
-                                "0, 'emission': 1, " WIDE "}, " WALL("-1", "60") " }",
-                 wall, 15, 48, 1e-3);
+    assert_known(lf_test_scene_text("emissive-slab-before-wall"), wall, 15, 48, 1e-3);
     /* another medium's density, its own is 0 */
-    assert_known("{" CAMERA("") ", 'volumes': { 'flame': { 'shape': 'box', 'density': 0, "
-                                "'emission': 1, " WIDE
-                                ", 'smoke': { 'shape': 'box', 'density': 1, 'albedo': 0, " WIDE
-                                "}, " WALL("-1", "60") " }",
-                 wall, 15, 48, 1e-3);
+    assert_known(
+        lf_test_scene_patched(
+            "emissive-slab-before-wall",
+            "{'volumes': {'slab': {'density': 0, 'albedo': null}, 'smoke': {'shape': 'box', "
+            "'density': 1, 'albedo': 0, 'transform': {'scale': [6000, 6000, 0.5]}}}}"),
+        wall, 15, 48, 1e-3);
 }
 
 /* A ball of radius 1/2 in vacuum, 1 before a wall of albedo 1/2, seen beside the ball: irradiance
@@ -329,11 +321,7 @@ static double half_in_vacuum(double x0, double mx, double my)
 static void a_surface_hides_what_of_a_grid_is_behind_it(void **state)
 {
     (void)state;
-    lf_scene *scene = lf_test_scene(
-        "{" CAMERA("") ", 'volumes': { 'w': { 'shape': 'box', 'density': 0, 'emission': 1 } }, "
-                       "'meshes': { 'wall': { 'shape': 'quad', 'material': 'black', 'transform': { "
-                       "'scale': 60, 'rotate': [90, 0, 0] } } }, 'materials': { 'black': { "
-                       "'albedo': 0 } } }");
+    lf_scene *scene = lf_test_scene(lf_test_scene_text("wall-in-emissive-box"));
     kindle(scene, lf_test_grid(lf_test_full, 40, 32, 8), 0.125, 0.0, false, lf_v3(2.0f, 2.0f, 2.0f),
            0.0);
     assert_scene(scene, half_in_vacuum, 5, 32, 1e-3, 0);
@@ -461,22 +449,15 @@ static double ball_behind_a_pane(double x0, double mx, double my)
     return 0.9 * (1.0 - 2.0 * f / (1.0 + f)) * (d > 0.0 ? 2.0 * sqrt(d / a) : 0.0);
 }
 
-#define PANE_BEFORE_A_BALL                                                                         \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 2.4, 'aspect': 1.3333333333, "     \
-    "'views': 5, 'cone': 4 }, 'volumes': { 'ball': { 'shape': 'sphere', 'density': 0, "            \
-    "'emission': 1, 'transform': { 'scale': 0.4, 'translate': [0, 0, -4] } } }, 'meshes': { "      \
-    "'pane': { 'shape': 'quad', 'material': 'pane', 'transform': { 'scale': 9, 'rotate': [%g, 0, " \
-    "0] } } }, 'materials': { 'pane': { 'type': 'principled', 'roughness': 0, 'albedo': 0.9, "     \
-    "'transmission': 1, 'glass': 'sheet' } } }"
-
 static void a_pane_dims_what_shines_behind_it_at_every_angle(void **state)
 {
     (void)state;
     static const double tilts[] = {0.0, 30.0, 60.0, 75.0};
     for (int i = 0; i < 4; i++) {
-        char text[2048];
         tilt = tilts[i];
-        snprintf(text, sizeof text, PANE_BEFORE_A_BALL, 90.0 + tilt);
+        const char *text = lf_test_scene_patched(
+            "ball-behind-sheet", "{'meshes': {'pane': {'transform': {'rotate': [%g, 0, 0]}}}}",
+            90.0 + tilt);
         assert_known(text, ball_behind_a_pane, 5, 8, 1e-3);
     }
 }
@@ -505,13 +486,6 @@ static void coarse_frames_are_dimmed_too(void **state)
 
 /* ---------------------------------------------------------------------------------- in glass -- */
 
-/* Glass of index 1 does not bend light: what fills it is all that it is. */
-#define GLASS(words)                                                                               \
-    "{ 'quiltd': 1, 'camera': { 'position': [0, 0, 5], 'fov_y': 5, 'aspect': 1.3333333333, "       \
-    "'views': 5, 'cone': 0 }, 'meshes': { 'cube': { 'shape': 'cube', 'material': 'glass' } }, "    \
-    "'materials': { 'glass': { 'type': 'principled', 'transmission': 1, 'roughness': 0, "          \
-    "'albedo': 1, 'ior': 1, 'specular': 0, " words
-
 /* The cube is 2 wide, what shines in it 1 thick, in its middle. */
 static double shine_in_absorbing_glass(double x0, double mx, double my)
 {
@@ -523,9 +497,7 @@ static double shine_in_absorbing_glass(double x0, double mx, double my)
 static void glass_dims_what_shines_within_by_its_own_way(void **state)
 {
     (void)state;
-    static const char text[] = GLASS("'absorption': 1.5 } }, 'volumes': { 'slab': { 'shape': "
-                                     "'box', 'density': 0, 'emission': 2, 'transform': { "
-                                     "'scale': [0.9, 0.9, 0.5] } } } }");
+    const char *text = lf_test_scene_text("emissive-slab-in-glass");
     assert_known(text, shine_in_absorbing_glass, 5, 4, 1e-4);
     lf_scene *scene = lf_test_scene(text);
     kindle(scene, lf_test_grid(lf_test_full, 12, 12, 8), 0.125, 0.0, true, lf_v3(2.0f, 2.0f, 2.0f),
@@ -537,15 +509,12 @@ static void glass_dims_what_shines_within_by_its_own_way(void **state)
 static void what_glass_absorbs_is_made_up_for_in_a_furnace(void **state)
 {
     (void)state;
-    static const char *const texts[] = {
-        GLASS("'absorption': [0.5, 2, 8] } }, 'lights': { 'sky': { 'type': 'environment', "
-              "'radiance': 1 } }, 'volumes': { 'all': { 'shape': 'box', 'density': 0, 'emission': "
-              "[0.5, 2, 8] } } }"),
-        GLASS("'absorption': [0.5, 2, 8], 'scattering': [4, 1, 2] } }, 'lights': { 'sky': { "
-              "'type': 'environment', 'radiance': 1 } }, 'volumes': { 'all': { 'shape': 'box', "
-              "'density': 0, 'emission': [0.5, 2, 8] } } }")};
+    static const char *const patches[] = {"{}",
+                                          "{'materials': {'glass': {'scattering': [4, 1, 2]}}}"};
     for (int i = 0; i < 2; i++)
-        assert_scene(lf_test_scene(texts[i]), one, 15, 16, 1e-3, 1);
+        assert_scene(
+            lf_test_scene(lf_test_scene_patched("emissive-glass-furnace", "%s", patches[i])), one,
+            15, 16, 1e-3, 1);
 }
 
 /* -------------------------------------------------------------------------------- black body -- */

@@ -4,14 +4,10 @@
 #include "render/plane/voxels.h"
 #include "render/transport/sampler.h"
 #include "tests/render/grids.h"
+#include "tests/scene_file.h"
+#include "tests/stat/uniform.h"
 
 enum { NX = 21, NY = 13, NZ = 17, SIDE = 12 };
-
-static float uniform(uint64_t *state)
-{
-    *state = lf_hash64(*state, 1);
-    return (float)(*state >> 40) * 0x1p-24f;
-}
 
 /* Empty bricks, and rough voxels in the others. */
 static float patchy(int x, int y, int z)
@@ -24,15 +20,15 @@ static float patchy(int x, int y, int z)
 static void draw_ray(lf_voxels *voxels, float *x0, float *slope, uint64_t *seed)
 {
     const float size[3] = {NX, NY, NZ};
-    float away = uniform(seed) < 0.25f ? 0.0f : 40.0f;
-    int along = (int)(8.0f * uniform(seed)); /* this axis, if there is one */
-    *x0 = 20.0f * uniform(seed) - 10.0f;
-    *slope = 2.0f * uniform(seed) - 1.0f;
+    float away = lf_test_uniform(seed) < 0.25f ? 0.0f : 40.0f;
+    int along = (int)(8.0f * lf_test_uniform(seed)); /* this axis, if there is one */
+    *x0 = 20.0f * lf_test_uniform(seed) - 10.0f;
+    *slope = 2.0f * lf_test_uniform(seed) - 1.0f;
     for (int i = 0; i < 3; i++) {
         bool level = along < 3 && i != along;
-        float point = (1.4f * uniform(seed) - 0.2f) * size[i] - 0.5f,
-              d = level ? 0.0f : 2.0f * uniform(seed) - 1.0f;
-        voxels->across[i] = level ? 0.0f : 2.0f * uniform(seed) - 1.0f;
+        float point = (1.4f * lf_test_uniform(seed) - 0.2f) * size[i] - 0.5f,
+              d = level ? 0.0f : 2.0f * lf_test_uniform(seed) - 1.0f;
+        voxels->across[i] = level ? 0.0f : 2.0f * lf_test_uniform(seed) - 1.0f;
         voxels->depth[i] = d - *slope * voxels->across[i];
         voxels->origin[i] = point - away * d - *x0 * voxels->across[i];
     }
@@ -86,7 +82,7 @@ static void depths_and_collisions_are_those_of_a_walk_from_face_to_face(void **s
     uint64_t seed = 5;
     int met = 0, collided = 0, there = 0;
     for (int n = 0; n < RAYS; n++) {
-        float x0, slope, z, end = n % 3 == 0 ? INFINITY : 60.0f * uniform(&seed),
+        float x0, slope, z, end = n % 3 == 0 ? INFINITY : 60.0f * lf_test_uniform(&seed),
                             lanes[4][LF_LANES] = {{0}};
         draw_ray(&voxels, &x0, &slope, &seed);
         double truth = brute_depth(&voxels, x0, slope, (double)end), close = 2e-4 * (1.0 + truth);
@@ -94,7 +90,7 @@ static void depths_and_collisions_are_those_of_a_walk_from_face_to_face(void **s
         met += truth > 0.1;
         lf_assert_close((double)depth, truth, 0.0, close);
         assert_true(z == end);
-        float stop = 1.3f * uniform(&seed) * depth,
+        float stop = 1.3f * lf_test_uniform(&seed) * depth,
               reached = lf_voxels_march(&voxels, x0, slope, end, stop, &z);
         assert_true(reached <= stop);
         if (reached == stop && z < end) {
@@ -145,9 +141,8 @@ static lf_scene *constant_scene(bool box, float albedo, const char *lights)
     const double voxel = 0.02, tilt = 0.5;
     char text[1024], shape[256];
     snprintf(shape, sizeof shape,
-             "'volumes': { 'v': { 'shape': 'box', 'density': 6, 'albedo': %.9f, 'transform': { "
-             "'rotate': [0, %.9f, 0], "
-             "'scale': [%.9f, %.9f, %.9f] } } }",
+             "'volumes': { 'v': { 'shape': 'box', 'density': 6, 'albedo': %.9f, "
+             "'transform': { 'rotate': [0, %.9f, 0], 'scale': [%.9f, %.9f, %.9f] } } }",
              (double)albedo, tilt * 180.0 / M_PI, NX * voxel / 2.0, NY * voxel / 2.0,
              NZ * voxel / 2.0);
     snprintf(text, sizeof text,
@@ -193,17 +188,11 @@ enum { REPLICATES = 24, BLOCK = 4, BLOCKS = 5 * 9 + 1 };
 /* Rough voxels in a thin fog with a lens before them; or the cameras inside. */
 static lf_scene *rough_scene(bool inside)
 {
-    char text[1024];
-    snprintf(text, sizeof text,
-             "{ 'camera': { 'position': [0, 0, %s], 'fov_y': %s, 'aspect': 1, 'cone': 40, 'views': "
-             "5%s }, "
-             "%s, 'lights': { 'sky': { 'type': 'environment', 'radiance': 1 }, 'sun': { 'type': "
-             "'distant', 'direction': [0.6, "
-             "-0.74, -0.3], 'irradiance': 4 } } }",
-             inside ? "0.1" : "5", inside ? "60" : "4",
-             inside ? "" : ", 'lens_radius': 0.1, 'focus_distance': 4.9",
-             LF_TEST_VOLUMES(", 'w': { 'shape': 'sphere', 'density': 2, 'albedo': [0.9, 0.5, 0.2], "
-                             "'g': 0.4, 'transform': { 'scale': 0.1 } }"));
+    const char *text = lf_test_scene_patched(
+        "rough-voxels", "%s",
+        inside ? "{'camera': {'position': [0, 0, 0.1], 'fov_y': 60, 'lens_radius': null, "
+                 "'focus_distance': null}}"
+               : "{}");
     lf_scene *scene =
         lf_test_grid_scene(text, lf_test_grid(lf_test_rough, 14, 14, 14), 0.02, 0.5, 100.0f, true);
     scene->volumes[0].albedo = lf_v3(0.9f, 0.8f, 0.5f);

@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "tests/scene_file.h"
 #include "tests/stat/fixture.h"
 
 /* A lit scene with one mesh, of a file unless shape says otherwise; ' stands for ". */
@@ -63,49 +64,36 @@ static void lines_are_kept_once_escaped_and_counted_beyond_their_limit(void **st
 static void write_gltf(const char *folder, const char *material, const char *more)
 {
     const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-    char text[4096];
     FILE *file = fopen(lf_test_path(folder, "tri.bin"), "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(corners, sizeof corners, 1, file), 1);
     fclose(file);
-    snprintf(text, sizeof text,
-             "{'asset':{'version':'2.0'},'scene':0,'scenes':[{'nodes':[0]}],'nodes':[{'mesh':0,'"
-             "children':[1,2]},{'camera':0},"
-             "{'extensions':{'KHR_lights_punctual':{'light':0}}}],'buffers':[{'uri':'tri.bin','"
-             "byteLength':36}],"
-             "'bufferViews':[{'buffer':0,'byteLength':36}],'accessors':[{'bufferView':0,'"
-             "componentType':5126,'count':3,'type':'VEC3',"
-             "'min':[0,0,0],'max':[1,1,0]}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'"
-             "material':0}]}],"
-             "'textures':[{'source':0}],'images':[{'uri':'gone.png'}],'materials':[%s],%s}",
-             material, more);
-    for (char *c = text; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-    lf_test_write(folder, "a.gltf", text);
+    lf_test_write(folder, "a.gltf",
+                  lf_test_scene_patched("gltf-triangle-with-camera-and-light",
+                                        "{'materials': [%s], %s}", material, more));
 }
 
 #define NOTHING "'cameras':[],'extensions':{}"
 #define EXTENSIONS                                                                                 \
-    "'extensionsUsed':['KHR_lights_punctual','KHR_materials_transmission','KHR_materials_"         \
-    "clearcoat','KHR_materials_sheen',"                                                            \
-    "'KHR_materials_volume','KHR_materials_unlit'],'cameras':[{'type':'perspective','perspective'" \
-    ":{'yfov':1,'znear':0.1}}],"                                                                   \
-    "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point','intensity':3}]}}"
+    "'extensionsUsed': ['KHR_lights_punctual', 'KHR_materials_transmission', "                     \
+    "'KHR_materials_clearcoat', 'KHR_materials_sheen', 'KHR_materials_volume', "                   \
+    "'KHR_materials_unlit'], 'cameras': [{'type': 'perspective', 'perspective': {'yfov': 1, "      \
+    "'znear': 0.1}}], "                                                                            \
+    "'extensions': {'KHR_lights_punctual': {'lights': [{'type': 'point', 'intensity': 3}]}}"
 
 static void what_a_gltf_material_loses_is_said(void **state)
 {
-    write_gltf(
-        *state,
-        "{'name':'wo\\nod','alphaMode':'BLEND','pbrMetallicRoughness':{'baseColorTexture':{'"
-        "index':0},'metallicFactor':0.4},"
-        "'emissiveTexture':{'index':0},'emissiveFactor':[1,1,1],'extensions':{'KHR_"
-        "materials_transmission':{'"
-        "transmissionFactor':0.9},"
-        "'KHR_materials_clearcoat':{'clearcoatFactor':1},'KHR_materials_sheen':{'"
-        "sheenColorFactor':[1,0,0]},"
-        "'KHR_materials_volume':{'thicknessFactor':1,'thicknessTexture':{'index':0}},"
-        "'KHR_materials_iridescence':{'iridescenceFactor':1}},'occlusionTexture':{'index':0}}",
-        EXTENSIONS);
+    write_gltf(*state,
+               "{'name': 'wo\\nod', 'alphaMode': 'BLEND', 'pbrMetallicRoughness': "
+               "{'baseColorTexture': {'index': 0}, 'metallicFactor': 0.4}, 'emissiveTexture': "
+               "{'index': 0}, 'emissiveFactor': [1, 1, 1], 'extensions': {"
+               "'KHR_materials_transmission': {'transmissionFactor': 0.9}, "
+               "'KHR_materials_clearcoat': {'clearcoatFactor': 1}, "
+               "'KHR_materials_sheen': {'sheenColorFactor': [1, 0, 0]}, "
+               "'KHR_materials_volume': {'thicknessFactor': 1, 'thicknessTexture': {'index': 0}}, "
+               "'KHR_materials_iridescence': {'iridescenceFactor': 1}}, "
+               "'occlusionTexture': {'index': 0}}",
+               EXTENSIONS);
     lf_scene *scene = scene_of(*state, "'m': {'file': 'a.gltf'}", NULL);
     static const char *const words[] = {
         "the emission texture is not supported",
@@ -134,8 +122,8 @@ static void a_file_that_is_shown_whole_says_nothing(void **state)
         *state, "m.obj",
         "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
     lf_scene *scene = scene_of(*state,
-                               "'m': {'file': 'm.obj'}, 'c': {'shape': 'cube'}, 's': {'shape': "
-                               "'sphere', 'material': 'lamp'}",
+                               "'m': {'file': 'm.obj'}, 'c': {'shape': 'cube'}, "
+                               "'s': {'shape': 'sphere', 'material': 'lamp'}",
                                NULL);
     assert_lines(scene, NULL, 0);
     lf_scene_unref(scene);
@@ -214,13 +202,12 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
     lf_test_write(
         *state, "d.obj",
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -0.0\nv 1 0 0\nf 1 2 3\nf 3 2 1\nf 3 4 5\nf 1 2 3\n");
-    lf_scene *scene = scene_of(
-        *state,
-        "'one': {'shape': 'quad'}, 'two': {'shape': 'quad', 'material': 'lamp', 'transform': "
-        "{'rotate': "
-        "[0, 180, 0]}}, 'three': {'shape': 'quad', 'transform': {'translate': [0, 1e-6, 0]}}, "
-        "'own': {'file': 'd.obj'}",
-        NULL);
+    lf_scene *scene =
+        scene_of(*state,
+                 "'one': {'shape': 'quad'}, 'two': {'shape': 'quad', 'material': 'lamp', "
+                 "'transform': {'rotate': [0, 180, 0]}}, 'three': {'shape': 'quad', "
+                 "'transform': {'translate': [0, 1e-6, 0]}}, 'own': {'file': 'd.obj'}",
+                 NULL);
     static const char *const words[] = {
         "test.json: mesh \"two\": 2 of its triangles", "because \"one\" has the same",
         "mesh \"own\": 3 of its triangles are left out because \"own\" has the same"};
@@ -231,16 +218,9 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
     assert_int_equal(scene->meshes[3].n_triangles, 1);
     assert_false(lf_has(scene, LF_TRAIT_EMISSION));
     /* What is shared with the scene before is said again. */
-    lf_scene *next = scene_of(*state,
-                              "'one': {'shape': 'quad', 'material': 'lamp'}, 'two': {'shape': "
-                              "'quad', 'transform': {'rotate': "
-                              "[0, 180, 0]}}",
-                              NULL);
-    lf_scene *after = scene_of(*state,
-                               "'one': {'shape': 'quad', 'material': 'lamp'}, 'two': {'shape': "
-                               "'quad', 'transform': {'rotate': "
-                               "[0, 180, 0]}}",
-                               next);
+    static const char again[] = "'one': {'shape': 'quad', 'material': 'lamp'}, "
+                                "'two': {'shape': 'quad', 'transform': {'rotate': [0, 180, 0]}}";
+    lf_scene *next = scene_of(*state, again, NULL), *after = scene_of(*state, again, next);
     assert_ptr_equal(after->geometry, next->geometry);
     assert_true(says(next, words[1]) && says(after, words[1]) && lf_has(after, LF_TRAIT_EMISSION));
     lf_scene_unref(after);
@@ -250,21 +230,19 @@ static void faces_in_one_place_are_said_and_one_of_them_stays(void **state)
 
 static void what_a_material_has_no_use_for_is_said(void **state)
 {
-    lf_scene *scene =
-        lf_test_scene_in(*state,
-                         "{'materials': {'clay': {'roughness': 0.2}, 'gold': {'type': 'conductor', "
-                         "'metal': 'gold', 'roughness': 0.2, 'ior': 1.3}, "
-                         "'glaze': {'type': 'plastic', 'roughness': 0.2, 'ior': 1.3}, "
-                         "'wax': {'type': 'plastic', 'subsurface': 1}}, 'lights': "
-                         "{'sky': {'type': 'environment', 'radiance': 1}}}",
-                         NULL);
+    lf_scene *scene = lf_test_scene_in(
+        *state,
+        "{'materials': {'clay': {'roughness': 0.2}, 'gold': {'type': 'conductor', "
+        "'metal': 'gold', 'roughness': 0.2, 'ior': 1.3}, 'glaze': {'type': 'plastic', "
+        "'roughness': 0.2, 'ior': 1.3}, 'wax': {'type': 'plastic', 'subsurface': 1}}, "
+        "'lights': {'sky': {'type': 'environment', 'radiance': 1}}}",
+        NULL);
     static const char *const words[] = {
         "test.json: material \"clay\": roughness has no effect because diffuse surfaces do not use "
         "it",
         "test.json: material \"gold\": ior has no effect because metals use eta and k",
         "test.json: material \"wax\": subsurface has no effect because plastic surfaces do not use "
-        "it; "
-        "it needs type \"principled\"",
+        "it; it needs type \"principled\"",
         "test.json: materials \"clay\", \"gold\", \"glaze\", \"wax\" are not used by any mesh"};
     assert_lines(scene, words, 4);
     lf_scene_unref(scene);
@@ -288,13 +266,13 @@ static void lamps_in_the_plane_of_other_faces_are_said(void **state)
         {"3", "1", true}, {"3000", "1", true}, {"3", "0.999", false}, {"3000", "0.99", false}};
     for (int i = 0; i < 4; i++) {
         char meshes[512];
-        snprintf(meshes, sizeof meshes,
-                 "'ceiling': {'shape': 'quad', 'transform': {'scale': %s, 'translate': [0, 1, "
-                 "0]}}, 'ball': {'shape': 'sphere', "
-                 "'material': 'lamp', 'transform': {'scale': 0.1}}, 'panel': {'shape': 'quad', "
-                 "'material': 'lamp', 'transform': "
-                 "{'scale': 0.5, 'translate': [0.1, %s, 0]}}",
-                 cases[i].ceiling, cases[i].height);
+        snprintf(
+            meshes, sizeof meshes,
+            "'ceiling': {'shape': 'quad', 'transform': {'scale': %s, 'translate': [0, 1, 0]}}, "
+            "'ball': {'shape': 'sphere', 'material': 'lamp', 'transform': {'scale': 0.1}}, "
+            "'panel': {'shape': 'quad', 'material': 'lamp', 'transform': {'scale': 0.5, "
+            "'translate': [0.1, %s, 0]}}",
+            cases[i].ceiling, cases[i].height);
         assert_overlap(*state, meshes,
                        cases[i].overlaps
                            ? "emissive mesh \"panel\" coincides with faces of \"ceiling\""
@@ -305,17 +283,16 @@ static void lamps_in_the_plane_of_other_faces_are_said(void **state)
 static void two_lamps_in_one_place_are_said_in_one_line(void **state)
 {
     assert_overlap(*state,
-                   "'wide': {'shape': 'quad', 'material': 'lamp', 'transform': "
-                   "{'scale': 2}}, 'narrow': {'shape': 'quad', "
-                   "'material': 'lamp'}",
+                   "'wide': {'shape': 'quad', 'material': 'lamp', 'transform': {'scale': 2}}, "
+                   "'narrow': {'shape': 'quad', 'material': 'lamp'}",
                    "emissive mesh \"wide\" coincides with faces of \"narrow\"");
 }
 
 static void a_lamp_that_stands_on_the_ground_by_its_edge_is_no_overlap(void **state)
 {
     assert_overlap(*state,
-                   "'ground': {'shape': 'quad', 'transform': {'scale': 5}}, 'screen': "
-                   "{'shape': 'quad', 'material': 'lamp', "
+                   "'ground': {'shape': 'quad', 'transform': {'scale': 5}}, "
+                   "'screen': {'shape': 'quad', 'material': 'lamp', "
                    "'transform': {'rotate': [90, 0, 0], 'translate': [0, 1, 0]}}",
                    NULL);
 }
@@ -327,8 +304,8 @@ static void grids_that_nothing_is_made_of_are_said(void **state)
     static const char *const volumes[] = {
         "'v': {'file': 'names.vdb'}",
         "'v': {'file': 'names.vdb'}, 'w': {'file': 'names.vdb', 'grid': 'density[2]'}",
-        "'a': {'file': 'names.vdb', 'grid': 'density[0]'}, 'b': {'file': 'names.vdb', 'grid': "
-        "'density[1]'}, 'c': {'file': 'names.vdb', 'grid': 'density[2]'}"};
+        "'a': {'file': 'names.vdb', 'grid': 'density[0]'}, 'b': {'file': 'names.vdb', "
+        "'grid': 'density[1]'}, 'c': {'file': 'names.vdb', 'grid': 'density[2]'}"};
     static const char *const words[] = {"names.vdb: unused grids: density[1], density[2]",
                                         "names.vdb: unused grids: density[1]"};
     char folder[PATH_MAX];
@@ -353,8 +330,8 @@ static void assert_walled(const char *folder, const char *at, const char *meshes
     char text[2048];
     const bool walls = strstr(meshes, "'material': 'wall'");
     snprintf(text, sizeof text,
-             "{'camera': {'position': %s, 'target': [0, 0, 0.1], 'views': 2, 'cone': 4}, 'meshes': "
-             "{%s}, 'materials': {%s%s%s%s}, 'lights': {'l': {%s}}}",
+             "{'camera': {'position': %s, 'target': [0, 0, 0.1], 'views': 2, 'cone': 4}, "
+             "'meshes': {%s}, 'materials': {%s%s%s%s}, 'lights': {'l': {%s}}}",
              at, meshes, walls ? "'wall': {" : "", material, walls ? "}" : "",
              strstr(meshes, "'lamp'") ? ", 'lamp': {'emission': 3}" : "", light);
     lf_scene *scene = lf_test_scene_in(folder, text, NULL);
@@ -391,8 +368,8 @@ static void a_camera_that_no_light_gets_to_is_said(void **state)
         /* a thing in a room that is dark, and a lamp before its walls */
         {IN, CUBE ", 'ball': {'shape': 'sphere', 'transform': {'scale': 0.3}}", "", SKY, true},
         {IN,
-         CUBE ", 'a': {'shape': 'quad', 'material': 'lamp', 'transform': {'translate': "
-              "[0, 5, 0]}}",
+         CUBE ", 'a': {'shape': 'quad', 'material': 'lamp', "
+              "'transform': {'translate': [0, 5, 0]}}",
          "", SKY, true},
         /* in the open, also in the ball's box */
         {"[0, 0, 9]", CUBE, "", SKY, false},

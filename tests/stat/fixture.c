@@ -1,5 +1,7 @@
 #include "tests/stat/fixture.h"
 
+#include "tests/scene_file.h"
+
 static lf_pool *own_pool;
 
 lf_scene *lf_test_scene(const char *text)
@@ -7,25 +9,11 @@ lf_scene *lf_test_scene(const char *text)
     return lf_test_scene_in(".", text, NULL);
 }
 
-/* Of text in which ' stands for ". */
-static json_t *document(const char *text)
-{
-    char *copy = strdup(text);
-    json_error_t err;
-    for (char *c = copy; *c; c++)
-        *c = *c == '\'' ? '"' : *c;
-    json_t *doc = json_loads(copy, 0, &err);
-    free(copy);
-    if (!doc)
-        fail_msg("line %d: %s", err.line, err.text);
-    return doc;
-}
-
 lf_scene *lf_test_scene_in(const char *folder, const char *text, const lf_scene *previous)
 {
     lf_scene *scene = NULL;
     lf_error err = {0};
-    json_t *doc = document(text);
+    json_t *doc = lf_test_json("test.json", text);
     if (lf_scene_from_json(doc, folder, "test.json", NULL, previous, &scene, &err) != LF_OK)
         fail_msg("%s: %s", err.pointer, err.what);
     json_decref(doc);
@@ -37,7 +25,7 @@ void lf_test_assert_refused(const char *folder, const char *text, const char *po
 {
     lf_scene *scene = NULL;
     lf_error err = {0};
-    json_t *doc = document(text);
+    json_t *doc = lf_test_json("test", text);
     lf_assert_status(lf_scene_from_json(doc, folder, "test", NULL, NULL, &scene, &err), LF_E_FORMAT,
                      &err);
     json_decref(doc);
@@ -126,6 +114,16 @@ double *lf_test_picture(const lf_renderer *renderer, lf_estimator estimator)
             0.5 * (double)rgb[3 * i] + 0.3 * (double)rgb[3 * i + 1] + 0.2 * (double)rgb[3 * i + 2];
     free(rgb);
     return out;
+}
+
+double lf_test_rel_mse(const float *values, const float *truth, size_t n)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double t = (double)truth[i], d = (double)values[i] - t;
+        sum += d * d / (t * t + 1e-2);
+    }
+    return sum / (double)n;
 }
 
 void lf_blocks_init(lf_blocks *b, int n_views, int width, int height, int block)

@@ -10,7 +10,8 @@
 #include "render/rows/rows.h"
 #include "tests/stat/stat.h"
 
-/* A scene from text in which ' stands for "; fails the test when it cannot be loaded. */
+/* A scene from text, as of tests/scene_file.h, in which ' stands for "; fails the test when it
+ * cannot be loaded. */
 lf_scene *lf_test_scene(const char *text);
 /* The same, called "test.json" in warnings, with files in `folder` and what can be shared with a
  * scene before it (may be NULL). */
@@ -55,6 +56,9 @@ double *lf_test_picture_by(lf_scene *scene, int width, int height, int threads);
 
 /* A whole cycle of passes n times: n native samples a view pixel. */
 void lf_test_cycles(lf_renderer *renderer, int n);
+
+/* The relative mean square error of n values: of d^2/(truth^2 + 0.01). */
+double lf_test_rel_mse(const float *values, const float *truth, size_t n);
 
 /* Means over blocks of block x block pixels (the last ones smaller) of each view, over replicates.
  */

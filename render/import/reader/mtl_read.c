@@ -114,7 +114,7 @@ static bool take_opacity(const char *at, bool reversed, mtl *m)
     return true;
 }
 
-/* Full transmission is written by programs without a word for opaque. */
+/* Full transmission is written by programs that cannot express opaque. */
 static bool take_filter(const char *at, mtl *m)
 {
     lf_vec3 c = lf_v3(1, 1, 1);

@@ -36,7 +36,7 @@ static lf_status bad_line(const obj *o, const char *what, lf_error *err)
     return lf_error_set(err, LF_E_FORMAT, LF_HERE, "line %lld: %s", (long long)o->in.line, what);
 }
 
-/* Error for a line with a word that is not a number. */
+/* Error for a line in which a word is not a number. */
 static lf_status bad_number(const obj *o, const char *at, const char *expected, lf_error *err)
 {
     size_t n;

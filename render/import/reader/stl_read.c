@@ -1,4 +1,5 @@
-/* STL, text and binary. Its facet normals are those of the triangles, or wrong: they are not read.
+/* STL, text and binary. Its facet normals equal the triangles' own, or are wrong: they are not
+ * read.
  */
 #include <string.h>
 

@@ -30,11 +30,11 @@ typedef struct vertex_key {
 #define PLAIN_SIZE 40
 #define UV_SIZE offsetof(vertex_key, colour)
 
-/* The vertices so far. Those of the current part are in the table, at their hash or after it. */
+/* The vertices so far. Vertices of the current part are in the table, at their hash or after it. */
 typedef struct welding {
     const lf_soup *soup;
     const lf_mesh_data *mesh; /* its materials are set */
-    bool normals;             /* normals are required: the file's, or those of faces */
+    bool normals;             /* normals are required: the file's, or face normals */
     bool faces;               /* the faces' */
     bool uvs, colours;
     bool wants_uvs;          /* of every triangle, for materials of the scene's own */
@@ -276,8 +276,8 @@ static lf_status fill_looks(const welding *w, lf_mesh_data *out, lf_error *err)
     return LF_OK;
 }
 
-/* Texture coordinates of these files point up, those of the scene's materials down, as in glTF; the
- * mapping of the file's own images does not change. */
+/* Texture coordinates of these files point up, coordinates for the scene's materials down, as in
+ * glTF; the mapping of the file's own images does not change. */
 static void turn_uvs(lf_mesh_data *out)
 {
     for (size_t v = 0; v < (size_t)out->n_vertices; v++)

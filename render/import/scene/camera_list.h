@@ -5,7 +5,7 @@
 #include "render/import/scene/scene_parse.h"
 
 /* Each function reads one form of "views", node, into out->views, and their number into
- * out->camera. Default values are those of out->camera, which must have been read. Errors go
+ * out->camera. Default values come from out->camera, which must have been read. Errors go
  * through reader.
  *
  *   list    [{"position": …, "target": …, "up": …, "fov_y": …}, …]; all except position default to

@@ -49,15 +49,23 @@ static const char *up_at(int index)
 const lf_param lf_alone_params[] = {
     {.name = "yaw", .option = "yaw", .argument = "DEGREES", .place = offsetof(lf_alone, yaw),
      .has = offsetof(lf_alone, has_yaw), .low = -360, .high = 360, .unit = "degrees",
-     .help = "file without a scene: camera angle to the right of its front (22)"},
+     .help = "file without a scene: how far the eye is to the right of the front (22)",
+     .about = "file without a scene: how far the eye is to the right of the front (as on the "
+              "command line, else 22)"},
     {.name = "pitch", .option = "pitch", .argument = "DEGREES", .place = offsetof(lf_alone, pitch),
      .has = offsetof(lf_alone, has_pitch), .low = -89, .high = 89, .unit = "degrees",
-     .help = "file without a scene: camera angle above it (13)"},
+     .help = "file without a scene: how far the eye is above the front (13)",
+     .about = "file without a scene: how far the eye is above the front (as on the command "
+              "line, else 13)"},
     {.name = "up", .option = "up", .argument = "file|y|z", .place = offsetof(lf_alone, up),
      .type = LF_PARAM_WORD, .word_at = up_at,
-     .help = "up axis of a file without a scene; file: z for STL, else y"},
+     .help = "without a scene: up axis; file: z in STL, else y",
+     .about = "file without a scene: its up axis; file: z in STL files, else y"},
     {.name = "bare", .option = "bare", .place = offsetof(lf_alone, bare), .type = LF_PARAM_SWITCH,
-     .help = "show a file without a scene on a dark backdrop, without ground and studio"},
+     .help = "without a scene: dark backdrop, no ground, no studio; of volumes the density grid "
+             "alone",
+     .about = "file without a scene: dark backdrop, no ground, no studio; of a volume the "
+              "density grid alone"},
     {0},
 };
 /* clang-format on */

@@ -17,8 +17,8 @@ int lf_alone_frame(const char *path);
  * memory. */
 json_t *lf_alone_document(const char *path, int frame, const lf_alone *how, const char *grids);
 
-/* The path of the file; for a sequence that of the frame. The caller frees it (lf_free); NULL = out
- * of memory. */
+/* The path of the file; for a sequence the path at the frame. The caller frees it (lf_free); NULL =
+ * out of memory. */
 char *lf_alone_file(const char *path, int frame);
 
 /* Adds a camera that has the whole file in its views, lights and a backdrop, and for a volume a

@@ -72,7 +72,7 @@ lf_status lf_instances_check(const lf_mesh_data *data, const char *where, lf_err
 
 /* ----------------------------------------------------------------------------------- placing -- */
 
-/* Appends n instances after those of the mesh's file, grouped by part. */
+/* Appends n instances after the instances of the mesh's file, grouped by part. */
 static lf_status put(lf_mesh_data *data, const lf_affine *place, size_t n, const char *where,
                      lf_error *err)
 {

@@ -215,7 +215,7 @@ static bool number(parts *all)
     return fine;
 }
 
-/* The solid's number of a part: that of the part it is joined to, recursively. */
+/* The number of a part's solid: the number of the part that it is joined to, recursively. */
 static int16_t number_of(const parts *all, const part *p)
 {
     while (p->joined >= 0 && !p->is_open)

@@ -81,7 +81,7 @@ typedef struct lf_pictures_desc {
     lf_picture_desc slot[LF_OWN_SLOTS][2];
 } lf_pictures_desc;
 
-/* Vertex data that the scene's own materials need, in addition to those of the mesh's file. */
+/* Vertex data that the scene's own materials need, in addition to the data for the mesh's file. */
 typedef struct lf_mesh_wants {
     bool uvs, tangents;
 } lf_mesh_wants;

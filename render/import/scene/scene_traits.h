@@ -11,7 +11,7 @@ static inline bool lf_volume_is_there(const lf_volume *volume)
 }
 
 /* Adds the traits of its meshes, used materials and volumes to scene->traits. lf_lights_commit adds
- * the traits of its lights, lf_nest_glass that of nested glass. */
+ * the traits of its lights, lf_nest_glass the trait of nested glass. */
 void lf_scene_find_traits(lf_scene *scene);
 
 #endif

@@ -33,7 +33,7 @@ LF_INLINE lanes along_axis(const lf_lane_scene *scene, int axis, const lanes w[3
     return row[0] * w[0] + row[1] * w[1] + row[2] * w[2];
 }
 
-/* Multiplies the transmittance of shadow rays through media by that of surfaces. */
+/* Multiplies the transmittance of shadow rays through media by the transmittance of surfaces. */
 LF_INLINE void pass_surfaces(const lf_lane_scene *scene, lf_lane_memory *memory, unsigned has)
 {
     const int words = (int)(sizeof *memory->shadow_ray / sizeof(float));

@@ -1,5 +1,5 @@
 /* Volume emission along a ray; private to render/. Line emission: radiance per scene unit,
- * independent of extinction. A field of temperatures emits as a black body. Its colour is that of
+ * independent of extinction. A field of temperatures emits as a black body. Its colour is from
  * Planck's spectrum (observer.h), scaled to luminance 1. Its brightness is proportional to T^4
  * (Stefan and Boltzmann), 1 at LF_EMISSION_KELVIN. The fact that the eye sees only a part of this,
  * and a smaller part for colder bodies, is ignored: otherwise a fire would show only its hottest

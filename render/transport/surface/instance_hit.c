@@ -33,7 +33,7 @@ static corners corners_of(const lf_affine *map, const lf_mesh *mesh, uint32_t tr
     return out;
 }
 
-/* A corner's normal transformed by a map: unit, like that of a copy. */
+/* A corner's normal transformed by a map: unit, like the normal of a copy. */
 static lf_vec3 mapped_normal(double to[3][3], const lf_mesh *mesh, uint32_t vertex)
 {
     const float *n = mesh->normals + 3 * (size_t)vertex;

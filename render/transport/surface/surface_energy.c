@@ -180,8 +180,8 @@ float lf_loss_smooth(float ior, float alpha, float *out_scale)
 
 /* --------------------------------------------------------------------------------- the table -- */
 
-/* Nodes: roughness from that of LF_ALPHA_MIN to 1 in uniform steps; first metal, then index 1 to 3,
- * and above uniform steps of its logarithm. */
+/* Nodes: roughness from the value for LF_ALPHA_MIN to 1 in uniform steps; first metal, then index 1
+ * to 3, and above uniform steps of its logarithm. */
 enum { ROUGH_NODES = 33, INDEX_NODES = 21, HIGH_STEPS = 64, FIRST_HIGH = 1 + INDEX_NODES };
 enum { ROWS = FIRST_HIGH + HIGH_STEPS + 1 };
 #define LEAST_ROUGHNESS 0.0316228f

@@ -5,8 +5,8 @@
 
 #include "render/transport/surface/surface_glass.h"
 
-/* Steps in roughness from that of LF_ALPHA_MIN to 1, increasing; uniform steps in the index from 1
- * to 3, and in the cube root of the cosine, which resolves grazing angles. */
+/* Steps in roughness from the value for LF_ALPHA_MIN to 1, increasing; uniform steps in the index
+ * from 1 to 3, and in the cube root of the cosine, which resolves grazing angles. */
 enum { ROUGH_NODES = 24, INDEX_NODES = 21 };
 #define LEAST_ROUGHNESS 0.0316228f
 

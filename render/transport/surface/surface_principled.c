@@ -20,10 +20,10 @@
  * agree if albedo is 0 or 1.
  *
  * Anisotropy (KHR_materials_anisotropy) gives the lobe of metal and dielectric two alphas
- * (surface_anisotropy.h). E is then that of the isotropic lobe with the root of their mean square.
- * So a white metal returns 1 within 0.02 at alphas of 0.3 and 0.1, 0.04 at 0.5 and 0.25, 0.1 at 1
- * and 0.1, where it is 1.07 from above. Transmission through rough glass is a lobe as well,
- * surface_glass.c. */
+ * (surface_anisotropy.h). E is then the albedo of the isotropic lobe with the root of their mean
+ * square. So a white metal returns 1 within 0.02 at alphas of 0.3 and 0.1, 0.04 at 0.5 and 0.25,
+ * 0.1 at 1 and 0.1, where it is 1.07 from above. Transmission through rough glass is a lobe as
+ * well, surface_glass.c. */
 #include <string.h>
 
 #include "render/scene/vec_double.h"

@@ -184,7 +184,7 @@ static bool tangents_of(const place *at, const lf_hit *hit, lf_vec3 n, lf_vec3 *
 }
 
 /* Two alphas and a direction for the lobe (glTF's KHR_materials_anisotropy); the roughness becomes
- * that of the isotropic lobe with the same albedo. */
+ * the roughness of the isotropic lobe with the same albedo. */
 static void anisotropic(const place *at, float width, lf_hit *hit)
 {
     lf_material *m = &hit->own;
