@@ -20,6 +20,7 @@ static void to_local(const lf_volume *volume, lf_vec3 o, lf_vec3 w, double end, 
     r->to = end;
 }
 
+/* Clips the ray to the grid's box in voxels; false: the ray misses it. */
 static bool clip(const lf_grid *grid, local_ray *r)
 {
     for (int i = 0; i < 3; i++) {
@@ -61,6 +62,7 @@ static void steps_begin(steps *s, const local_ray *r, double from, double end, d
     step_on(s);
 }
 
+/* Goes on to the next plane, or to the end; false: the step before was the last. */
 static bool steps_next(steps *s)
 {
     if (s->to >= s->end)

@@ -278,6 +278,8 @@ static void to_local(const lf_volume *volume, lf_vec3 o, lf_vec3 w, float t_max,
     r->t1 = t_max;
 }
 
+/* Clips the ray to the shape, or to the grid's box in voxels: interpolation reaches one voxel
+ * beyond the centres of the outermost ones. false: the ray misses it. */
 static bool clip_volume(const lf_volume *volume, lf_local_ray *r)
 {
     if (volume->kind != LF_VOLUME_GRID) {
