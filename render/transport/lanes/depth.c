@@ -127,6 +127,7 @@ static bool is_empty(const lf_grid *grid, const local_ray *r, double t)
     return grid->index[lf_grid_brick(grid, b[0], b[1], b[2])] == 0;
 }
 
+/* The integral over a grid, brick by brick, without the empty ones. */
 static double through_grid(lf_tracer *tracer, const lf_volume *volume, local_ray *r)
 {
     steps s;

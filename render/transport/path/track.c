@@ -372,6 +372,7 @@ static inline float inside(const lf_walk *k, const lf_local_ray *r, float t, int
     return lf_min(lf_max(x, 0.0f), (float)LF_BRICK);
 }
 
+/* The grid's value at t, which lies in the present brick, without sigma_scale. */
 static float look_up(const lf_walk *k, const lf_local_ray *r, float t)
 {
     const lf_grid *grid = k->grid;
