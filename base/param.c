@@ -4,9 +4,9 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "base/former.h"
 #include "base/number.h"
 #include "base/parse.h"
 
@@ -680,7 +680,7 @@ static bool describe_schema(const lf_param *row, json_t *schema)
     return (!text || json_object_set_new(schema, "description", json_string(text)) == 0) &&
            (!is_mixed(row) || json_object_set_new(schema, "words", words_json(row)) == 0) &&
            (!row->unit || json_object_set_new(schema, "unit", json_string(row->unit)) == 0) &&
-           (!row->former || json_object_set_new(schema, "deprecated", json_true()) == 0) &&
+           (!row->former || lf_former_mark(schema, row->former)) &&
            (!initial || json_object_set_new(schema, "default", initial) == 0);
 }
 

@@ -54,10 +54,10 @@ typedef struct lf_param {
      * NULL after the last. NULL: none. */
     const char *(*refused_at)(int index);
     const char *refusal;
-    lf_param_type type;
     /* The name that replaced this row's name and option (former.h); NULL: they are current. The row
      * is read like any other, but --help and completions leave it out. */
     const char *former;
+    lf_param_type type;
     bool required; /* by lf_param_missing and lf_param_check */
     size_t place;  /* offset in the struct */
     size_t has; /* for the first row of an option: offset of a bool that is set when it was given;

@@ -89,8 +89,10 @@ LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder,
                                           const lf_roots *roots, const lf_scene *previous,
                                           lf_scene **out_scene, lf_error *err);
 
-/* JSON Merge Patch (RFC 7396) of doc. Returns a new reference; NULL: out of memory. The result
- * shares values with doc and patch: nobody may change them from now on. */
+/* JSON Merge Patch (RFC 7396) of a scene's document. Former names of keys in the patch count as
+ * their current names (docs/reference/scene-format.md, "The file"). Returns a new reference; NULL:
+ * out of memory. The result shares values with doc and patch: nobody may change them from now on.
+ */
 json_t *lf_json_merge_patch(const json_t *doc, const json_t *patch);
 /* lf_json_merge_patch in place, for an object that the caller owns. Members that have other owners
  * are copied before they change. The result shares values with patch. false: out of memory, the

@@ -1,6 +1,6 @@
 # What tests of a folder share, a library each.
 test_libraries := stat optics kms spoiled pictures faulty meshes scene_files tables
-# What a room's tests link: its own library and base; the tests of other folders link everything.
+# What a module's tests link: its own library and base; the tests of other folders link everything.
 test_libs_base := pictures base
 test_libs_quilt := optics pictures quilt base
 test_libs_device := kms model device base

@@ -289,7 +289,7 @@ def knows(program, option):
         commands = re.findall(r"^  ([a-z]+)  ", help_of(program) or "", re.M)
         return any(re.search(re.escape(option) + r"(?![\w-])", help_of(program, c) or "") for c in commands)
     # An old name is known but is not in --help, which ends the program before it starts.
-    return "unknown option" not in (answer := help_of(program, option + "=") or "") and "could mean" not in answer
+    return "unknown option" not in (answer := help_of(program, option + "=") or "") and "is ambiguous" not in answer
 
 
 FOREIGN = "systemctl|journalctl|apt-get|adduser|ffmpeg|usbip|modprobe"

@@ -96,7 +96,7 @@ bench:
 END
     cat "$1/tests/layers" 2> /dev/null # a tree's own rows: that of breaches has some
 }
-# The headers that other modules may include, and what looks behind the exported.
+# The headers that other modules may include, and the files that may include private ones.
 exported='render/render\.h|quilt/quilt\.h|device/device\.h|device/sim/optics\.h|device/hid/(hid|buttons)\.h|device/find/(find|edid)\.h|device/usb/(gud|usb|gud_host)\.h|device/model/[a-z_]*\.h|render/rows/rows\.h|render/papers/papers\.h|daemon/(output/(options|content|render_job|completion)|engine/loader)\.h'
 private_allowed='bench/micro[.]c render/(renderer|transport/lanes/suffix_batch)[.]h'
 modules='base|render|quilt|device|daemon|bench|scenes|tests'
@@ -200,12 +200,12 @@ numbers_by_the_library() {
     grep_code "$1" '\b(strto(d|f|ld|l|ul|ll|ull|imax|umax)|ato[ifl]|f?s?scanf)\(' |
         grep -vE '^(tests|scenes)/|^base/(number|image_hdr)\.c:|^device/(model/vhci|sim/sim_unplug|drm/kms)\.c:'
 }
-# CI's lists name programs, and tests of programs, that are there.
 scenes_of_no_test() { # tests load scenes by name
     (cd "$1" && find tests/scenes -name '*.json' -printf '%f\n' 2> /dev/null | while read -r scene; do
         grep -qrF --include='*.[ch]' "\"${scene%.json}\"" tests || echo "tests/scenes/$scene is loaded by no test"
     done)
 }
+# CI's lists name programs, and tests of programs, that are there.
 listed_tests_are_there() {
     local list lists=()
     for list in statistics threads longest; do

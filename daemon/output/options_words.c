@@ -7,6 +7,7 @@
 
 #include "base/former.h"
 #include "base/nearest.h"
+#include "base/version.h"
 #include "daemon/output/completion.h"
 
 #define MAX_OPTIONS 96
@@ -83,8 +84,9 @@ static lf_status unknown(const struct option *table, const char *where, lf_error
     const char *names[MAX_OPTIONS + 1], *meant = NULL;
     char word[128] = "";
     int n = 0;
-    for (; table->name; table++)
-        names[n++] = table->name;
+    for (int i = 0; table[i].name; i++) /* not former names, whose code another one has first */
+        if (strcmp(table[i].name, name_of_code(table, table[i].val)) == 0)
+            names[n++] = table[i].name;
     names[n] = NULL;
     if (strncmp(where, "--", 2) == 0)
         snprintf(word, sizeof word, "%.*s", (int)strcspn(where + 2, "="), where + 2);
@@ -99,7 +101,7 @@ static void log_former(const char *former, const char *name)
     char old[64], now[64];
     snprintf(old, sizeof old, "--%s", former);
     snprintf(now, sizeof now, "--%s", name);
-    lf_former_used(old, now);
+    (void)lf_former_used(LF_VERSION, NULL, old, now);
 }
 
 /* getopt_long without its own messages; *out_code is -1 after the last option. */
@@ -110,8 +112,9 @@ static lf_status read_next(int argc, char *const argv[], const char *letters,
     opterr = 0;
     int at = -1, code = getopt_long(argc, argv, letters, table, &at);
     if (code != '?' && code != ':') {
-        if (at >= 0 && code < CODE_HELP && strcmp(table[at].name, name_of_code(table, code)) != 0)
-            log_former(table[at].name, name_of_code(table, code));
+        const char *given = at >= 0 && code < CODE_HELP ? table[at].name : NULL;
+        if (given && strcmp(given, name_of_code(table, code)) != 0)
+            log_former(given, name_of_code(table, code));
         *out_code = code;
         return LF_OK;
     }

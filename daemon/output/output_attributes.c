@@ -79,16 +79,17 @@ json_t *lf_output_settings(const char *scene, const lf_render_settings *settings
     /* as text: JSON readers round integers beyond 2^53 */
     snprintf(seed, sizeof seed, "%llu", (unsigned long long)settings->seed);
     json_t *made = json_pack(
-        "{s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:s, "
+        "{s:s, s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:i, s:i, s:i, s:i, s:i, s:f, s:f, s:f, s:s, "
         "s:[f,f,f], "
         "s:[f,f,f], s:[f,f,f], "
         "s:f, s:f, s:f, s:s}",
         "scene", scene, "integrator", settings->integrator ? settings->integrator : "mvpt",
-        "estimator", lf_estimator_name(estimator), "reconstruct", reconstructed ? "on" : "off",
-        "sampler", lf_sampler_name(settings->sampler), "seed", seed, "passes", real_or_null(passes),
-        "views", lf_camera_views(camera), "width", settings->width, "height", settings->height,
-        "columns", layout ? layout->columns : 0, "rows", layout ? layout->rows : 0, "aspect",
-        camera->aspect, "fov_y", degrees(camera->fov_y), "cone", degrees(camera->cone), "placement",
+        "estimator", lf_estimator_name(estimator), "denoise", reconstructed ? "on" : "off",
+        "reconstruct", reconstructed ? "on" : "off", "sampler", lf_sampler_name(settings->sampler),
+        "seed", seed, "passes", real_or_null(passes), "views", lf_camera_views(camera), "width",
+        settings->width, "height", settings->height, "columns", layout ? layout->columns : 0,
+        "rows", layout ? layout->rows : 0, "aspect", camera->aspect, "fov_y",
+        degrees(camera->fov_y), "cone", degrees(camera->cone), "placement",
         camera->inclusive ? "inclusive" : "centred", "target", camera->target[0], camera->target[1],
         camera->target[2], "position", camera->position[0], camera->position[1],
         camera->position[2], "up", camera->up[0], camera->up[1], camera->up[2], "lens_radius",

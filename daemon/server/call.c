@@ -6,6 +6,7 @@
 #include "base/alloc.h"
 #include "base/former.h"
 #include "base/frame_name.h"
+#include "base/version.h"
 #include "daemon/server/server_internal.h"
 
 /* ----------------------------------------------------------------------------------- answers -- */
@@ -79,22 +80,21 @@ lf_deferred *lf_defer(lf_call *call)
 
 /* ------------------------------------------------------------------------------ former names -- */
 
-/* {former, name} */
-static const char *const former_params[][2] = {
-    {"reconstruct", "denoise"}, {"near_is", "depth_inversion"}, {"rate", "fps"}};
-
-lf_status lf_check_former(const json_t *params, const char *method, lf_error *err)
+lf_status lf_check_former(const json_t *schema, json_t *params, const char *method, lf_error *err)
 {
-    char pointer[32];
-    for (size_t i = 0; i < sizeof former_params / sizeof former_params[0]; i++) {
-        const char *former = former_params[i][0], *name = former_params[i][1];
-        if (!json_object_get(params, former))
-            continue;
-        snprintf(pointer, sizeof pointer, "/%s", former);
-        if (json_object_get(params, name))
+    const json_t *properties = json_object_get(schema, "properties");
+    const char *key;
+    json_t *value;
+    json_object_foreach(params, key, value)
+    {
+        const char *name = lf_former_name_of(json_object_get(properties, key));
+        char pointer[64];
+        snprintf(pointer, sizeof pointer, "/%s", key);
+        if (name && json_object_get(params, name))
             return lf_error_set_at(err, LF_E_ARG, method, 0, pointer,
                                    "is the former name of %s; give only one of them", name);
-        lf_former_used(former, name);
+        if (name)
+            (void)lf_former_used(LF_VERSION, method, key, name);
     }
     return LF_OK;
 }

@@ -47,9 +47,9 @@ static void do_request(lf_server *server, lf_client *client, const lf_rpc_reques
     }
     const lf_method *method = lf_method_at(index);
     lf_error err;
-    if (lf_schema_check(lf_method_schema(index), request->params, method->name, &err) != LF_OK) {
-        lf_fail(&call, &err, false);
-    } else if (lf_check_former(request->params, method->name, &err) != LF_OK) {
+    const json_t *schema = lf_method_schema(index);
+    if (lf_schema_check(schema, request->params, method->name, &err) != LF_OK ||
+        lf_check_former(schema, request->params, method->name, &err) != LF_OK) {
         lf_fail(&call, &err, false);
     } else if (lf_server_is_stopping(server)) {
         (void)lf_error_set(&err, LF_E_BUSY, method->name, "the daemon is shutting down");

@@ -228,7 +228,8 @@ void lf_fail(lf_call *call, const lf_error *err, bool scene);
 lf_deferred *lf_defer(lf_call *call);
 /* Logs former names of parameters (base/former.h). LF_E_ARG: a former name stands next to the
  * current one. */
-LF_NODISCARD lf_status lf_check_former(const json_t *params, const char *method, lf_error *err);
+LF_NODISCARD lf_status lf_check_former(const json_t *schema, json_t *params, const char *method,
+                                       lf_error *err);
 /* The value of a parameter under its current or its former name, borrowed; NULL: under neither. */
 const json_t *lf_param_or_former(const json_t *params, const char *name, const char *former);
 /* Resolves a client's path parameter. It must be inside the roots (LF_E_PATH, whether or not it

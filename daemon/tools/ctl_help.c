@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/former.h"
 #define WIDTH 100
 #define COLUMN 26 /* column at which descriptions start */
 
@@ -153,6 +154,8 @@ static void print_parameters(const json_t *schema)
     json_object_foreach(json_object_get(schema, "properties"), key, property)
     {
         char value[512], name[600], text[1024];
+        if (lf_former_name_of(property))
+            continue;
         const bool is_json = strcmp(text_of(property, "type"), "object") == 0;
         name_value(property, value, sizeof value);
         snprintf(name, sizeof name, "%s%s=%s", key, is_json ? ":" : "", value);
@@ -204,6 +207,8 @@ void lf_ctl_print_methods(const json_t *hello)
                             property)
         {
             char value[512], range[128];
+            if (lf_former_name_of(property))
+                continue;
             name_value(property, value, sizeof value);
             name_range(property, range, sizeof range);
             printf("    %s=%s%s%s\n", key, value, range[0] != '\0' ? "  " : "", range);

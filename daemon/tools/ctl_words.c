@@ -1,6 +1,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/former.h"
 #include "daemon/server/methods.h"
 #include "daemon/tools/ctl.h"
 
@@ -65,7 +66,7 @@ bool lf_ctl_follower_at(int operand, int index, char *word, size_t size)
         return true;
     json_object_foreach(properties, key, property)
     {
-        if (take_key(key, property, &index, word, size))
+        if (!lf_former_name_of(property) && take_key(key, property, &index, word, size))
             return true;
     }
     return false;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/former.h"
 #include "base/nearest.h"
 #include "base/number.h"
 
@@ -152,7 +153,8 @@ static void list_keys(json_t *properties, char *out, size_t size)
     json_object_foreach(properties, key, value)
     {
         size_t used = strlen(out);
-        snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "", key);
+        if (!lf_former_name_of(value))
+            snprintf(out + used, size - used, "%s%s", used > 0 ? ", " : "", key);
     }
 }
 
@@ -163,7 +165,7 @@ const char *lf_nearest_key(const char *word, json_t *object)
     int n = 0;
     json_object_foreach(object, key, value)
     {
-        if (n < MAX_KEYS)
+        if (n < MAX_KEYS && !lf_former_name_of(value))
             names[n++] = key;
     }
     return lf_nearest_name(word, names);

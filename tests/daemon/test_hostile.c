@@ -71,7 +71,7 @@ static void note(outcome *to, json_t *answer, double seconds)
         to->shown++;
     else if (!message || !message[0])
         fail_msg("an error without a word: %s", json_dumps(answer, 0));
-    else if (strstr(message, "the file reader was ended"))
+    else if (strstr(message, "the file reader "))
         to->ended++;
     else if (strstr(message, "--import-time"))
         to->late++;

@@ -223,8 +223,6 @@ static void every_kind_of_output_stands_in_the_manuals_and_the_schema(void **sta
     }
     assert_string_equal(json_string_value(json_array_get(names, (size_t)n)), "state");
     assert_int_equal(json_array_size(names), n + 1);
-    assert_null(strstr(kinds, "\n| `film` |"));
-    assert_false(is_listed(ctl, ".B export\n.BR ", "film"));
     lf_free(page);
     lf_free(ctl);
 }

@@ -76,6 +76,7 @@ static void both_names_at_once_are_refused(void **state)
     lf_error err;
     assert_int_equal(load("{\"fps\": 24, \"rate\": 12}", &scene, &err), LF_E_FORMAT);
     assert_string_equal(err.pointer, "/rate");
+    assert_string_equal(err.what, "is the former name of fps; give only one of them");
 }
 
 static void patches_with_a_former_name_change_the_current_key(void **state)
@@ -86,6 +87,19 @@ static void patches_with_a_former_name_change_the_current_key(void **state)
     assert_true(json_equal(merged, wanted));
     assert_true(lf_json_merge_into(doc, patch));
     assert_true(json_equal(doc, wanted));
+    json_decref(merged);
+    json_decref(wanted);
+    json_decref(patch);
+    json_decref(doc);
+}
+
+/* A former client gets the current name, sets its own, and sends the whole document back. */
+static void in_a_patch_the_former_name_replaces_the_current_one(void **state)
+{
+    (void)state;
+    json_t *doc = parse("{\"fps\": 24}"), *patch = parse("{\"fps\": 24, \"rate\": 12}"),
+           *wanted = parse("{\"fps\": 12}"), *merged = lf_json_merge_patch(doc, patch);
+    assert_true(json_equal(merged, wanted));
     json_decref(merged);
     json_decref(wanted);
     json_decref(patch);
@@ -110,6 +124,7 @@ int main(void)
         cmocka_unit_test(a_scene_with_a_former_name_is_the_same_scene),
         cmocka_unit_test(both_names_at_once_are_refused),
         cmocka_unit_test(patches_with_a_former_name_change_the_current_key),
+        cmocka_unit_test(in_a_patch_the_former_name_replaces_the_current_one),
         cmocka_unit_test_setup_teardown(errors_of_a_former_name_have_its_line, lf_test_folder_setup,
                                         lf_test_folder_teardown),
     };

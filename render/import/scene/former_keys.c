@@ -17,9 +17,21 @@ const char *lf_former_key(const char *key)
     return NULL;
 }
 
-static bool has_former(const json_t *object, int name)
+const char *lf_former_key_now(const char *key)
 {
-    return json_object_get(object, names[name][0]) && !json_object_get(object, names[name][1]);
+    for (int i = 0; i < N_NAMES; i++)
+        if (strcmp(names[i][0], key) == 0)
+            return names[i][1];
+    return NULL;
+}
+
+/* What to do with a former name next to the current one: leave both, or replace the current. */
+typedef enum action { RENAME, REPLACE } action;
+
+static bool has_former(const json_t *object, int name, action what)
+{
+    return json_object_get(object, names[name][0]) &&
+           (what == REPLACE || !json_object_get(object, names[name][1]));
 }
 
 static bool rename_key(json_t *object, int name)
@@ -28,37 +40,50 @@ static bool rename_key(json_t *object, int name)
            json_object_del(object, names[name][0]) == 0;
 }
 
-/* Renames the keys (copy), or tells whether there are any (!copy). false: out of memory. */
-static bool visit(json_t *doc, bool copy, bool *found)
+static bool is_found(const json_t *doc, action what)
 {
     const char *key;
     json_t *volume;
-    bool done = true;
-    if (has_former(doc, FPS)) {
-        *found = true;
-        done = !copy || rename_key(doc, FPS);
+    bool found = has_former(doc, FPS, what);
+    json_object_foreach(json_object_get(doc, "volumes"), key, volume)
+    {
+        found = found || has_former(json_object_get(volume, "emission"), TEMPERATURE_SCALE, what);
     }
+    return found;
+}
+
+/* false: out of memory. */
+static bool rename_all(json_t *doc, action what)
+{
+    const char *key;
+    json_t *volume;
+    bool done = !has_former(doc, FPS, what) || rename_key(doc, FPS);
     json_object_foreach(json_object_get(doc, "volumes"), key, volume)
     {
         json_t *emission = json_object_get(volume, "emission");
-        if (!has_former(emission, TEMPERATURE_SCALE))
-            continue;
-        *found = true;
-        done = done && (!copy || rename_key(emission, TEMPERATURE_SCALE));
+        done = done && (!has_former(emission, TEMPERATURE_SCALE, what) ||
+                        rename_key(emission, TEMPERATURE_SCALE));
     }
     return done;
 }
 
-json_t *lf_former_keys_renamed(const json_t *doc)
+static json_t *renamed(const json_t *doc, action what)
 {
-    json_t *borrowed = (json_t *)(uintptr_t)doc;
-    bool found = false;
-    (void)visit(borrowed, false, &found);
-    if (!found)
-        return json_incref(borrowed);
+    if (!is_found(doc, what))
+        return json_incref((json_t *)(uintptr_t)doc);
     json_t *copy = json_deep_copy(doc);
-    if (copy && visit(copy, true, &found))
+    if (copy && rename_all(copy, what))
         return copy;
     json_decref(copy);
     return NULL;
+}
+
+json_t *lf_former_keys_renamed(const json_t *doc)
+{
+    return renamed(doc, RENAME);
+}
+
+json_t *lf_former_patch_renamed(const json_t *patch)
+{
+    return renamed(patch, REPLACE);
 }

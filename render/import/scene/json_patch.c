@@ -51,7 +51,7 @@ static bool merge_members(json_t *target, const json_t *patch)
 
 bool lf_json_merge_into(json_t *target, const json_t *patch)
 {
-    json_t *current = lf_former_keys_renamed(patch);
+    json_t *current = lf_former_patch_renamed(patch);
     bool done = current && merge_members(target, current);
     json_decref(current);
     return done;

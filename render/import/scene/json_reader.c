@@ -6,6 +6,7 @@
 
 #include "base/nearest.h"
 #include "base/sandbox/import.h"
+#include "render/import/scene/former_keys.h"
 
 lf_node lf_node_child(const lf_node *parent, const char *key)
 {
@@ -166,10 +167,12 @@ bool lf_read_object(lf_reader *reader, const lf_node *node, const char *const ke
         if (is_among(key, keys))
             continue;
         lf_node child = lf_node_child(node, key);
-        const char *meant = lf_nearest_name(key, keys);
+        const char *now = lf_former_key_now(key), *meant = lf_nearest_name(key, keys);
         char list[400];
         lf_join_names(keys, list, sizeof list);
-        if (meant)
+        if (now && is_among(now, keys))
+            lf_read_fail(reader, &child, "is the former name of %s; give only one of them", now);
+        else if (meant)
             lf_read_fail(reader, &child, "unknown key \"%s\"; did you mean \"%s\"?", key, meant);
         else
             lf_read_fail(reader, &child, "unknown key \"%s\"; expected one of %s", key, list);

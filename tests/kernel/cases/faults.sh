@@ -28,7 +28,7 @@ for options in "--stall-every 7" "--fail-every 9" "--hang-every 15" "--bytes-per
     sim_stop
 done
 for lie in wrong-magic no-formats mode-0x0 tiny-buffer; do
-    with --lie "$lie"
+    with --fault "$lie"
     fact "a display that lies with $lie is refused" refused
     sim_stop
 done

@@ -82,7 +82,7 @@ shows_frame() {
     timeout 120 quiltctl wait for=complete > wait.log 2>&1 || cat wait.log
     quiltctl render.set paused=true > paused.log 2>&1 || cat paused.log
     within 60 rests || echo "it never rests"
-    timeout 60 quiltctl export panel frame.png reconstruct=on > export.log 2>&1 || cat export.log
+    timeout 60 quiltctl export panel frame.png denoise=on > export.log 2>&1 || cat export.log
     sim_tell picture
     "$panel" same frame.png shown.png
     sim_tell counters
