@@ -193,7 +193,7 @@ static const field fields[] = {
     {"frame.get", "bytes", "integer", "bytes", "size of the written file"},
     {"export", "job", "integer", COUNT,
      "job number of the export; a notification reports its end"},
-    {"export", "file", "string", NULL, "file to be written"},
+    {"export", "file", "string", NULL, "file to be written; with fds the name of the call"},
     {"job.cancel", NULL, NULL, NULL, NULL},
     {"device.list", "devices", "[@device]", NULL, "devices that can be opened"},
     {"device.list", "present", "@device", NULL, "device that is open"},
