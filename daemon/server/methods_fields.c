@@ -221,6 +221,11 @@ static const field fields[] = {
     {"@tiles", "tileX", "integer", "tiles", "columns of the quilt"},
     {"@tiles", "tileY", "integer", "tiles", "rows of the quilt"},
     {"button", "action", "string", NULL, "action of the button, as in --buttons"},
+    {"log.tail", "lines", "[@line]", NULL, "lines of the log, oldest first"},
+    {"@line", "number", "integer", COUNT, "number of the line since the daemon started"},
+    {"@line", "time", "number", "seconds", "time of the line since 1970 (UTC)"},
+    {"@line", "level", "string", NULL, "error, warning, info or debug"},
+    {"@line", "text", "string", NULL, "text of the line, at most 1023 bytes"},
     {"subscribe", "events", "[string]", NULL, "events that this client now receives"},
     {"shutdown", NULL, NULL, NULL, NULL},
 
@@ -239,6 +244,7 @@ static const field fields[] = {
     {"!scene.load", "job", "integer", COUNT, "job number of the load, for job.cancel"},
     {"!export", "", "@job", NULL, ""},
     {"!export", "error", "@error", NULL, "why it failed; absent if it did not"},
+    {"!log", "", "@line", NULL, ""},
     {"!button", "button", "string", NULL, "square, left, right or circle"},
     {"!button", "action", "string", NULL, "action of the button, as in --buttons"},
 };
@@ -251,6 +257,7 @@ static const lf_notification events[] = {
     {"scene.load", "scene", "progress of reading a scene file, sent twice per second"},
     {"export", "export", "progress and end of an export; the client that started it always "
                          "receives it"},
+    {"log", "log", "the daemon has logged a line"},
     {"button", "button", "a button on the panel was pressed"},
 };
 /* clang-format on */

@@ -59,6 +59,7 @@ static void destroy(lf_server *server)
     lf_free(server->export_root);
     if (server->engine_fd >= 0)
         close(server->engine_fd);
+    lf_server_end_log(server);
 }
 
 /* -------------------------------------------------------------------------- putting together -- */
@@ -173,6 +174,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     status = status == LF_OK ? lf_server_make_play(server) : status;
     status = status == LF_OK ? lf_server_make_jobs(server) : status;
     status = status == LF_OK ? lf_server_make_previews(server) : status;
+    status = status == LF_OK ? lf_server_make_log(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
     status = status == LF_OK ? lf_server_make_card(server) : status;
     status = status == LF_OK ? lf_server_make_presses(server) : status;
@@ -261,8 +263,11 @@ int lf_server_run(const lf_server_config *config)
     lf_server *server = lf_calloc(1, sizeof *server);
     if (!server)
         return LF_EXIT_FAILED;
-    *server = (lf_server){
-        .config = *config, .engine_fd = -1, .listener.lock_fd = -1, .inbox.event_fd = -1};
+    *server = (lf_server){.config = *config,
+                          .engine_fd = -1,
+                          .life.log.fd = -1,
+                          .listener.lock_fd = -1,
+                          .inbox.event_fd = -1};
     server->options = config->options;
     server->response = config->response;
     server->life.started = lf_time_now();
