@@ -1,11 +1,13 @@
 #include "base/log.h"
 
+#include <pthread.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/types.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/escape.h"
@@ -17,6 +19,15 @@ static struct {
     lf_log_level level;
     bool journal; /* stderr is the journal: lines carry their level */
 } log_state = {.program = "quiltd", .level = LF_LOG_INFO};
+
+/* The last lines; line n is at n % LF_LOG_KEPT. */
+static struct {
+    pthread_mutex_t lock;
+    lf_log_line line[LF_LOG_KEPT];
+    int64_t last;
+    void (*told)(void *context);
+    void *context;
+} kept = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 /* systemd.exec(5): $JOURNAL_STREAM is "DEVICE:INODE" of the stream that stdout or stderr was
  * connected to */
@@ -46,6 +57,47 @@ static void write_line(const char *line, size_t n)
     (void)written;
 }
 
+static void keep(lf_log_level level, const char *text)
+{
+    struct timespec now = {0};
+    pthread_mutex_lock(&kept.lock);
+    clock_gettime(CLOCK_REALTIME, &now);
+    lf_log_line *line = &kept.line[++kept.last % LF_LOG_KEPT];
+    line->number = kept.last;
+    line->time = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    line->level = level;
+    lf_escape(line->text, sizeof line->text, text);
+    if (kept.told)
+        kept.told(kept.context);
+    pthread_mutex_unlock(&kept.lock);
+}
+
+int64_t lf_log_last(void)
+{
+    pthread_mutex_lock(&kept.lock);
+    int64_t last = kept.last;
+    pthread_mutex_unlock(&kept.lock);
+    return last;
+}
+
+bool lf_log_line_at(int64_t number, lf_log_line *out)
+{
+    pthread_mutex_lock(&kept.lock);
+    bool found = number >= 1 && number <= kept.last && number > kept.last - LF_LOG_KEPT;
+    if (found)
+        *out = kept.line[number % LF_LOG_KEPT];
+    pthread_mutex_unlock(&kept.lock);
+    return found;
+}
+
+void lf_log_tell(void (*told)(void *context), void *context)
+{
+    pthread_mutex_lock(&kept.lock);
+    kept.told = told;
+    kept.context = context;
+    pthread_mutex_unlock(&kept.lock);
+}
+
 void lf_log(lf_log_level level, const char *fmt, ...)
 {
     if (level > log_state.level)
@@ -62,6 +114,7 @@ void lf_log(lf_log_level level, const char *fmt, ...)
     used += lf_escape(line + used, sizeof line - used - 1, text);
     line[used++] = '\n';
     write_line(line, used);
+    keep(level, text);
 }
 
 void lf_log_error(const lf_error *err)

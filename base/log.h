@@ -5,6 +5,9 @@
 #ifndef LF_BASE_LOG_H
 #define LF_BASE_LOG_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "base/status.h"
 
 typedef enum lf_log_level {
@@ -23,5 +26,23 @@ void lf_log(lf_log_level level, const char *fmt, ...) LF_PRINTF(2, 3);
 
 /* Logs an error as one line at LF_LOG_ERROR. */
 void lf_log_error(const lf_error *err);
+
+/* The last lines stay in memory, numbered from 1. */
+#define LF_LOG_KEPT 200
+#define LF_LOG_KEPT_TEXT 1024
+typedef struct lf_log_line {
+    int64_t number;
+    double time; /* seconds since 1970, UTC */
+    lf_log_level level;
+    char text[LF_LOG_KEPT_TEXT]; /* escaped, without the program's name; cut if it is longer */
+} lf_log_line;
+
+/* Number of the last line; 0: none. */
+int64_t lf_log_last(void);
+/* Copies the line with this number. False: it is no longer kept, or not there yet. */
+bool lf_log_line_at(int64_t number, lf_log_line *out);
+/* From now on calls told after every line, on the thread that logs, under the log's lock: it must
+ * neither log nor block. NULL: nobody is told; told is not running any more when this returns. */
+void lf_log_tell(void (*told)(void *context), void *context);
 
 #endif

@@ -180,6 +180,17 @@ static const field fields[] = {
     {"wait", "level", "string", NULL, "coarse, complete or converged"},
     {"render.set", "generation", "integer", COUNT,
      "generation of the image; a new one if the image restarts"},
+    {"frame.get", "generation", "integer", COUNT, "number of the scene and camera state"},
+    {"frame.get", "level", "string", NULL, "none, coarse, complete or converged"},
+    {"frame.get", "passes", "number", "passes", "passes in the image"},
+    {"frame.get", "image", "string", NULL, "denoised or unfiltered"},
+    {"frame.get", "format", "string", NULL, "jpeg or raw"},
+    {"frame.get", "columns", "integer", "tiles", "columns of the quilt"},
+    {"frame.get", "rows", "integer", "tiles", "rows of the quilt"},
+    {"frame.get", "views", "integer", COUNT, "number of views"},
+    {"frame.get", "width", "integer", "pixels", "width of one view"},
+    {"frame.get", "height", "integer", "pixels", "height of one view"},
+    {"frame.get", "bytes", "integer", "bytes", "size of the written file"},
     {"export", "job", "integer", COUNT,
      "job number of the export; a notification reports its end"},
     {"export", "file", "string", NULL, "file to be written; with fds the name of the call"},
@@ -210,6 +221,11 @@ static const field fields[] = {
     {"@tiles", "tileX", "integer", "tiles", "columns of the quilt"},
     {"@tiles", "tileY", "integer", "tiles", "rows of the quilt"},
     {"button", "action", "string", NULL, "action of the button, as in --buttons"},
+    {"log.tail", "lines", "[@line]", NULL, "lines of the log, oldest first"},
+    {"@line", "number", "integer", COUNT, "number of the line since the daemon started"},
+    {"@line", "time", "number", "seconds", "time of the line since 1970 (UTC)"},
+    {"@line", "level", "string", NULL, "error, warning, info or debug"},
+    {"@line", "text", "string", NULL, "text of the line, at most 1023 bytes"},
     {"subscribe", "events", "[string]", NULL, "events that this client now receives"},
     {"shutdown", NULL, NULL, NULL, NULL},
 
@@ -228,6 +244,7 @@ static const field fields[] = {
     {"!scene.load", "job", "integer", COUNT, "job number of the load, for job.cancel"},
     {"!export", "", "@job", NULL, ""},
     {"!export", "error", "@error", NULL, "why it failed; absent if it did not"},
+    {"!log", "", "@line", NULL, ""},
     {"!button", "button", "string", NULL, "square, left, right or circle"},
     {"!button", "action", "string", NULL, "action of the button, as in --buttons"},
 };
@@ -240,6 +257,7 @@ static const lf_notification events[] = {
     {"scene.load", "scene", "progress of reading a scene file, sent twice per second"},
     {"export", "export", "progress and end of an export; the client that started it always "
                          "receives it"},
+    {"log", "log", "the daemon has logged a line"},
     {"button", "button", "a button on the panel was pressed"},
 };
 /* clang-format on */

@@ -208,8 +208,8 @@ void lf_method_wait(lf_call *call)
 
 void lf_method_subscribe(lf_call *call)
 {
-    static const char *const names[] = {"frame", "converged", "device",
-                                        "scene", "export",    "button"};
+    static const char *const names[] = {"frame",  "converged", "device", "scene",
+                                        "export", "button",    "log"};
     unsigned flags = 0;
     size_t i;
     json_t *event;

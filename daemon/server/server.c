@@ -48,6 +48,7 @@ static void destroy(lf_server *server)
     lf_waits_destroy(server->waits);
     lf_play_destroy(server->play);
     lf_jobs_destroy(server->jobs);
+    lf_previews_destroy(server->previews);
     lf_saver_destroy(server->saver);
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
@@ -58,6 +59,7 @@ static void destroy(lf_server *server)
     lf_free(server->export_root);
     if (server->engine_fd >= 0)
         close(server->engine_fd);
+    lf_server_end_log(server);
 }
 
 /* -------------------------------------------------------------------------- putting together -- */
@@ -171,6 +173,8 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_play(server) : status;
     status = status == LF_OK ? lf_server_make_jobs(server) : status;
+    status = status == LF_OK ? lf_server_make_previews(server) : status;
+    status = status == LF_OK ? lf_server_make_log(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
     status = status == LF_OK ? lf_server_make_card(server) : status;
     status = status == LF_OK ? lf_server_make_presses(server) : status;
@@ -189,6 +193,7 @@ static void on_client_gone(void *context, uint64_t client)
     if (server->life.phase == LF_PHASE_LEAVING)
         return;
     lf_jobs_end_of(server->jobs, client);
+    lf_previews_end_of(server->previews, client);
     /* Requests of clients that have left are executed, but only if few wait: nobody can fill the
      * queue by connecting and leaving. */
     if (lf_clients_left_much(server->clients))
@@ -258,8 +263,11 @@ int lf_server_run(const lf_server_config *config)
     lf_server *server = lf_calloc(1, sizeof *server);
     if (!server)
         return LF_EXIT_FAILED;
-    *server = (lf_server){
-        .config = *config, .engine_fd = -1, .listener.lock_fd = -1, .inbox.event_fd = -1};
+    *server = (lf_server){.config = *config,
+                          .engine_fd = -1,
+                          .life.log.fd = -1,
+                          .listener.lock_fd = -1,
+                          .inbox.event_fd = -1};
     server->options = config->options;
     server->response = config->response;
     server->life.started = lf_time_now();

@@ -9,9 +9,11 @@
  *   server_buttons.c  actions of its buttons.
  *   server_engine.c   results of the engine and the loader.
  *   server_status.c   the daemon's state in words.
+ *   server_log.c      the last lines of the log, and new ones as notifications.
  *   server_signals.c  signals, timers.
  *   server_parts.c    playback, saving, watching, waits, loading (daemon/parts).
  *   server_export.c   exports (daemon/parts/jobs.h): parameters and notifications.
+ *   server_preview.c  frame.get (daemon/parts/previews.h).
  *   call.c            answers of methods, paths of clients.
  *   methods*.c        the table of methods, and parsing their lines.
  *
@@ -26,6 +28,7 @@
 #include "daemon/parts/parser.h"
 #include "daemon/parts/play.h"
 #include "daemon/parts/presses.h"
+#include "daemon/parts/previews.h"
 #include "daemon/parts/releaser.h"
 #include "daemon/parts/saver.h"
 #include "daemon/parts/waits.h"
@@ -63,6 +66,12 @@ typedef struct lf_card {
     bool waits;               /* waiting for a picture */
 } lf_card;
 
+/* The log's lines on their way to subscribers: server_log.c. */
+typedef struct lf_log_watch {
+    int fd;       /* wakes the event thread when a line was logged; -1: none */
+    int64_t sent; /* number of the last line that was sent */
+} lf_log_watch;
+
 /* The daemon from its start to its end: server.c. */
 typedef struct lf_life {
     lf_life_phase phase;
@@ -72,6 +81,7 @@ typedef struct lf_life {
     bool ready_sent; /* systemd was notified */
     int reloads;     /* reloads by systemd that have not ended */
     lf_card card;
+    lf_log_watch log;
     lf_load_words words; /* parameters of the shown file, for reading it again */
     lf_task *held;       /* loads that arrived before the scene of the command line */
     /* CPU seconds of the longest turn of the event loop (turns.h) */
@@ -107,6 +117,7 @@ struct lf_server {
     lf_shown shown;        /* the frame on the panel */
     lf_waits *waits;
     lf_jobs *jobs;
+    lf_previews *previews;
     int64_t n_jobs; /* numbers used so far for exports and loads */
 };
 
@@ -209,6 +220,22 @@ LF_NODISCARD lf_status lf_server_make_jobs(lf_server *server);
 void lf_server_export(lf_call *call);
 /* The jobs, as in `status`. */
 json_t *lf_server_jobs_json(const lf_server *server);
+
+/* -------------------------------------------------------------------------- server_preview.c -- */
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_previews(lf_server *server);
+/* Starts writing the shown image; the call is answered when it is written. */
+void lf_server_preview(lf_call *call);
+
+/* ------------------------------------------------------------------------------ server_log.c -- */
+
+/* Watches the log for subscribers. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_log(lf_server *server);
+/* The log is not watched any more. */
+void lf_server_end_log(lf_server *server);
+/* log.tail; answers the call. */
+void lf_server_log_tail(lf_call *call);
 
 /* --------------------------------------------------------------------------------- methods.c -- */
 

@@ -12,6 +12,7 @@ enum {
     LF_EVENT_SCENE = 8,
     LF_EVENT_EXPORT = 16,
     LF_EVENT_BUTTON = 32,
+    LF_EVENT_LOG = 64,
 };
 
 /* Sends a notification to the clients subscribed to `event`. Takes ownership of params. clients

@@ -125,6 +125,67 @@ static void lines_of_several_threads_stay_whole(void **state)
     assert_int_equal(n, 800);
 }
 
+static void the_last_lines_are_kept_with_their_numbers(void **state)
+{
+    (void)state;
+    lf_log_line line;
+    lf_log_init("q", LF_LOG_INFO);
+    const int64_t before = lf_log_last();
+    lf_log(LF_LOG_DEBUG, "held back");
+    assert_int_equal(lf_log_last(), before);
+    for (int i = 1; i <= LF_LOG_KEPT + 5; i++)
+        lf_log(i % 2 ? LF_LOG_INFO : LF_LOG_WARNING, "line\n%d", i);
+    const int64_t last = lf_log_last();
+    assert_int_equal(last, before + LF_LOG_KEPT + 5);
+    for (int64_t n = last - LF_LOG_KEPT + 1; n <= last; n++) {
+        char text[32];
+        snprintf(text, sizeof text, "line\\n%d", (int)(n - before));
+        assert_true(lf_log_line_at(n, &line));
+        assert_int_equal(line.number, n);
+        assert_int_equal(line.level, (n - before) % 2 ? LF_LOG_INFO : LF_LOG_WARNING);
+        assert_string_equal(line.text, text);
+        assert_true(line.time > 1e9);
+    }
+    assert_false(lf_log_line_at(last - LF_LOG_KEPT, &line));
+    assert_false(lf_log_line_at(last + 1, &line));
+    assert_false(lf_log_line_at(0, &line));
+}
+
+static void a_long_line_is_kept_up_to_a_whole_character(void **state)
+{
+    (void)state;
+    char text[2 * LF_LOG_KEPT_TEXT + 1] = "x";
+    lf_log_line line;
+    for (size_t i = 1; i + 2 < sizeof text; i += 2)
+        memcpy(text + i, "\xc3\xa9", 3);
+    lf_log(LF_LOG_INFO, "%s", text);
+    assert_true(lf_log_line_at(lf_log_last(), &line));
+    assert_int_equal(strlen(line.text), LF_LOG_KEPT_TEXT - 1);
+    assert_memory_equal(line.text, text, LF_LOG_KEPT_TEXT - 1);
+    lf_log(LF_LOG_INFO, "%s", text + 1); /* the last character would not be whole */
+    assert_true(lf_log_line_at(lf_log_last(), &line));
+    assert_int_equal(strlen(line.text), LF_LOG_KEPT_TEXT - 2);
+}
+
+static void count(void *context)
+{
+    ++*(int *)context;
+}
+
+static void every_line_is_told_until_nobody_listens(void **state)
+{
+    (void)state;
+    int n = 0;
+    lf_log_tell(count, &n);
+    lf_log(LF_LOG_INFO, "one");
+    lf_log(LF_LOG_ERROR, "two");
+    lf_log(LF_LOG_DEBUG, "held back");
+    assert_int_equal(n, 2);
+    lf_log_tell(NULL, NULL);
+    lf_log(LF_LOG_INFO, "three");
+    assert_int_equal(n, 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -136,6 +197,11 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_line_stays_one_line, redirect, restore),
         cmocka_unit_test_setup_teardown(an_error_is_one_line_with_all_its_parts, redirect, restore),
         cmocka_unit_test_setup_teardown(lines_of_several_threads_stay_whole, redirect, restore),
+        cmocka_unit_test_setup_teardown(the_last_lines_are_kept_with_their_numbers, redirect,
+                                        restore),
+        cmocka_unit_test_setup_teardown(a_long_line_is_kept_up_to_a_whole_character, redirect,
+                                        restore),
+        cmocka_unit_test_setup_teardown(every_line_is_told_until_nobody_listens, redirect, restore),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
