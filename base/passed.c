@@ -301,7 +301,7 @@ lf_status lf_passed_open_array(lf_passed *passed, const char *name, int64_t out_
     const int i = strchr(name, '/') ? -1 : find_name(passed, name);
     if (i < 0)
         return lf_error_set(
-            err, LF_E_FORMAT, name,
+            err, LF_E_IO, name,
             "no array of this name was passed; pass it in \"arrays\" of scene.load");
     const passed_file *file = passed->file[i];
     atomic_store(&passed->opened[i], true);

@@ -63,8 +63,8 @@ LF_NODISCARD lf_status lf_passed_open(lf_passed *passed, const char *path, int *
                                       lf_error *err);
 
 /* Takes the array of this name: its voxels along x, y and z, and a descriptor of its file, which
- * the caller owns (O_CLOEXEC) and must not read at its own offset, which is shared. LF_E_FORMAT: no
- * such array was passed (passed may be NULL); LF_E_IO. */
+ * the caller owns (O_CLOEXEC). Its offset is shared, so it must not be read there. LF_E_IO, also if
+ * no such array was passed (passed may be NULL). */
 LF_NODISCARD lf_status lf_passed_open_array(lf_passed *passed, const char *name,
                                             int64_t out_size[3], int *out_fd, lf_error *err);
 

@@ -194,8 +194,8 @@ static void an_array_is_found_by_its_name_and_not_as_a_file(void **state)
     close(opened);
     assert_false(lf_passed_has(older, "smoke"));
     assert_string_equal(lf_passed_at(older, 0), "smoke");
-    lf_assert_status(lf_passed_open_array(older, "fog", found, &opened, &err), LF_E_FORMAT, &err);
-    lf_assert_status(lf_passed_open_array(NULL, "smoke", found, &opened, &err), LF_E_FORMAT, &err);
+    lf_assert_status(lf_passed_open_array(older, "fog", found, &opened, &err), LF_E_IO, &err);
+    lf_assert_status(lf_passed_open_array(NULL, "smoke", found, &opened, &err), LF_E_IO, &err);
     fd = memory_file(4, MFD_ALLOW_SEALING, ALL_SEALS);
     lf_assert_ok(lf_passed_add_array(newer, "smoke", other, fd, &err), &err);
     lf_assert_ok(lf_passed_join(older, newer, &both, &err), &err);

@@ -119,10 +119,10 @@ static bool is_type(const json_t *node, const char *type)
 static const char *named_type(const char *ref)
 {
     static const char *const names[][2] = {
-        {"unit_colour", "colour"}, {"radiance", "colour"},    {"mean_free_path", "colour"},
-        {"point", "point"},        {"plain_point", "point"},  {"transform", "transform"},
-        {"picture", "texture"},    {"normal_map", "texture"}, {"glowing_picture", "texture"},
-        {"view_camera", "camera"}};
+        {"unit_colour", "colour"},      {"radiance", "colour"},   {"mean_free_path", "colour"},
+        {"spacing", "number or point"}, {"point", "point"},       {"plain_point", "point"},
+        {"transform", "transform"},     {"picture", "texture"},   {"normal_map", "texture"},
+        {"glowing_picture", "texture"}, {"view_camera", "camera"}};
     for (size_t i = 0; ref && i < sizeof names / sizeof *names; i++)
         if (strcmp(names[i][0], ref) == 0)
             return names[i][1];
