@@ -42,6 +42,14 @@ typedef struct lf_load_words {
     lf_alone alone;
 } lf_load_words;
 
+/* What a client sent with its call. */
+typedef struct lf_load_sent {
+    lf_passed *passed; /* files and arrays; NULL: none */
+    /* FILE: the scene itself, as a document or in an open file; NULL and -1: it is in a file */
+    json_t *document;
+    int fd;
+} lf_load_sent;
+
 typedef struct lf_load {
     lf_task task; /* posted when done; the poster sets `done` */
     lf_load_job job;
@@ -49,16 +57,12 @@ typedef struct lf_load {
     /* FILE: steps from `file` in its folder (lf_folder_neighbour); 0 = the file itself */
     int step;
     char *file; /* FILE: absolute; replaced by the result of step. For a sent scene its name */
-    /* FILE: a scene that a client sent instead of a file, as a document or in an open file; NULL
-     * and -1: a file */
-    json_t *document;
-    int document_fd;
     /* FILE: the file that the options were given for, borrowed. If the name of another quilt holds
      * a layout, that layout overrides the options. */
     const char *meant;
     lf_load_words words;     /* FILE */
     json_t *patch;           /* PATCH */
-    lf_passed *passed;       /* FILE, PATCH: files and arrays passed by the client; NULL = none */
+    lf_load_sent sent;       /* FILE, PATCH */
     double yaw, pitch, zoom; /* ORBIT: yaw right and pitch up in degrees, zoom as a factor */
     char *name;              /* FIT: the object that is to fill the window; NULL = all */
     double fill, steps;      /* FIT: as in lf_camera_fit */

@@ -150,9 +150,9 @@ static lf_status take_passed(lf_call *call, lf_load *load, lf_error *err)
     descriptors d;
     lf_status status = take_descriptors(call, &d, err);
     if (status == LF_OK)
-        status = add_passed(call, &d, &load->passed, err);
+        status = add_passed(call, &d, &load->sent.passed, err);
     if (status == LF_OK && d.scene) {
-        load->document_fd = d.fd[0];
+        load->sent.fd = d.fd[0];
         d.fd[0] = -1;
     }
     close_descriptors(&d);
@@ -175,7 +175,7 @@ static lf_status take_scene(const lf_call *call, lf_load *load, lf_error *err)
     if (status != LF_OK)
         return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/name",
                                "control characters are not allowed");
-    load->document = json_incref(json_object_get(call->params, "scene"));
+    load->sent.document = json_incref(json_object_get(call->params, "scene"));
     load->file = lf_strdup(name ? name : "scene");
     return load->file ? LF_OK : lf_error_set(err, LF_E_NOMEM, call->method, "out of memory");
 }
@@ -276,7 +276,7 @@ static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
         status = take_tiles(call, load, err);
     if (status == LF_OK)
         status = json_object_get(call->params, "file")
-                     ? find_file(call, load->passed, &load->file, err)
+                     ? find_file(call, load->sent.passed, &load->file, err)
                      : take_scene(call, load, err);
     return status == LF_OK ? refuse_words(call, load, err) : status;
 }

@@ -57,7 +57,8 @@ static const lf_method methods[] = {
          KEY("scene", "\"type\":\"object\",\"additionalProperties\":true",
              "scene document, instead of file; its paths are absolute") ","
          KEY("scene_fd", BOOLEAN("false"),
-             "the scene document comes as the first descriptor, instead of file; at most 16 MiB") ","
+             "the scene document comes as the first descriptor, instead of file; at most 16 "
+             "MiB") ","
          KEY("name", STRING,
              "name of scene or scene_fd in messages, at most 128 bytes without / (scene)") ","
          KEY("arrays", "\"type\":\"object\",\"additionalProperties\":true",

@@ -226,8 +226,8 @@ void lf_server_reload(lf_server *server)
     lf_load *load = file ? lf_load_create(LF_LOAD_FILE) : NULL;
     if (load) {
         load->file = lf_strdup(file);
-        load->passed = lf_passed_ref(server->content ? server->content->passed : NULL);
-        load->document = server->content ? json_incref(server->content->sent) : NULL;
+        load->sent.passed = lf_passed_ref(server->content ? server->content->passed : NULL);
+        load->sent.document = server->content ? json_incref(server->content->sent) : NULL;
         load->words = server->life.words;
     }
     if (!load || !load->file) {

@@ -115,7 +115,7 @@ static const json_t *volume_of(const json_t *answer)
     return json_object_get(json_object_get(scene, "volumes"), "cloud");
 }
 
-/* ------------------------------------------------------------------------------- documents -- */
+/* --------------------------------------------------------------------------------- documents -- */
 
 static void a_scene_is_shown_by_value_and_loaded_again(void **state)
 {
@@ -215,7 +215,7 @@ static void a_long_document_comes_by_a_descriptor(void **state)
     end(&s);
 }
 
-/* ---------------------------------------------------------------------------------- arrays -- */
+/* ------------------------------------------------------------------------------------ arrays -- */
 
 static void an_array_is_shown_patched_and_loaded_again(void **state)
 {
@@ -286,6 +286,23 @@ static void wrong_arrays_leave_the_scene(void **state)
     end(&s);
 }
 
+/* Lines of more than 16 KiB are parsed on another thread. */
+static void a_long_line_keeps_its_descriptors(void **state)
+{
+    (void)state;
+    sender s;
+    char comment[60001];
+    memset(comment, 'x', sizeof comment - 1);
+    comment[sizeof comment - 1] = '\0';
+    begin(&s);
+    json_t *params = smoke();
+    json_object_set_new(json_object_get(params, "scene"), "comment", json_string(comment));
+    int fd = smoke_file(1.0f, ALL_SEALS);
+    assert_code(&s, "scene.load", params, &fd, 1, 0, "");
+    assert_string_equal(live_status_text(&s.c, "scene"), "scene");
+    end(&s);
+}
+
 /* The document first, then files, then arrays. */
 static void descriptors_come_in_the_order_of_the_manual(void **state)
 {
@@ -320,6 +337,7 @@ int main(void)
         cmocka_unit_test(a_long_document_comes_by_a_descriptor),
         cmocka_unit_test(an_array_is_shown_patched_and_loaded_again),
         cmocka_unit_test(wrong_arrays_leave_the_scene),
+        cmocka_unit_test(a_long_line_keeps_its_descriptors),
         cmocka_unit_test(descriptors_come_in_the_order_of_the_manual),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -157,8 +157,7 @@ static void a_bright_corner_lies_at_large_x_small_y_large_z(void **state)
     lf_passed_unref(passed);
 }
 
-/* ----------------------------------------------------------------------------- the same voxels --
- */
+/* ------------------------------------------------------------------------------- same voxels -- */
 
 /* As in scenes/make_test_vdb.cc, whose grid has x -5 to 20, y 3 to 30 and z -9 to 8. */
 static float pattern(int i, int j, int k)
@@ -248,7 +247,7 @@ static void every_voxel_keeps_its_value(void **state)
     }
 }
 
-/* ---------------------------------------------------------------------------------- sharing -- */
+/* ----------------------------------------------------------------------------------- sharing -- */
 
 static void a_changed_scene_keeps_the_array_and_takes_another_one(void **state)
 {
@@ -318,7 +317,7 @@ static void a_film_is_a_picture_of_the_values_and_the_shape(void **state)
     lf_passed_unref(passed);
 }
 
-/* -------------------------------------------------------------------------------- bad input -- */
+/* --------------------------------------------------------------------------------- bad input -- */
 
 static void assert_refused(lf_passed *passed, const char *volume, const char *pointer,
                            const char *words)
