@@ -109,6 +109,13 @@ static int smoke_file(float value, int seals)
     return memory_file(values, sizeof values, seals);
 }
 
+/* A coordinate of the corner of the scene's box. */
+static double largest(const json_t *answer, size_t axis)
+{
+    const json_t *bounds = json_object_get(json_object_get(answer, "result"), "bounds");
+    return json_number_value(json_array_get(json_object_get(bounds, "max"), axis));
+}
+
 static const json_t *volume_of(const json_t *answer)
 {
     const json_t *scene = json_object_get(json_object_get(answer, "result"), "scene");
@@ -227,6 +234,10 @@ static void an_array_is_shown_patched_and_loaded_again(void **state)
     json_t *patch = json_pack("{s:{s:{s:{s:f}}}}", "patch", "volumes", "cloud", "scale", 2.0);
     assert_code(&s, "scene.patch", patch, NULL, 0, 0, "");
     json_t *answer = live_call(&s.c, "scene.get", NULL);
+    /* half of the array, and the filter beyond the last voxel */
+    lf_assert_close(largest(answer, 0), 0.1 * (0.5 + 1), 1e-5, 0);
+    lf_assert_close(largest(answer, 1), 0.1 * (1.0 + 1), 1e-5, 0);
+    lf_assert_close(largest(answer, 2), 0.1 * (1.5 + 1), 1e-5, 0);
     assert_string_equal(json_string_value(json_object_get(volume_of(answer), "array")), "smoke");
     assert_true(json_number_value(json_object_get(volume_of(answer), "scale")) == 2.0);
     json_decref(answer);

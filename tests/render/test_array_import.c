@@ -268,6 +268,14 @@ static void a_changed_scene_keeps_the_array_and_takes_another_one(void **state)
     assert_true(lf_scene_bounds(patched, NULL, bounds));
     lf_assert_close(bounds[1][0], 3 * (0.5 + 1.0), 1e-5, 0);
     lf_assert_close(bounds[1][2], 3 * (1.5 + 1.0), 1e-5, 0);
+    /* spacing comes before the transform: a quarter turn swaps x and y of the box */
+    lf_scene *turned =
+        loaded(passed, first,
+               "'array': 'smoke', 'spacing': [1, 2, 3], 'transform': {'rotate': [0, 0, 90]}");
+    assert_true(lf_scene_bounds(turned, NULL, bounds));
+    lf_assert_close(bounds[1][0], 2 * (1.0 + 1.0), 1e-5, 0);
+    lf_assert_close(bounds[1][1], 1 * (0.5 + 1.0), 1e-5, 0);
+    lf_scene_unref(turned);
     lf_scene_unref(first);
     lf_scene_unref(patched);
     lf_scene_unref(rounded);
