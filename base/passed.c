@@ -24,6 +24,7 @@ typedef struct passed_file {
     pthread_mutex_t lock; /* protects copy */
     int copy;             /* a copy in memory; -1: none */
     uint64_t copied;      /* size of the copy */
+    int64_t size[3];      /* voxels of an array along x, y, z; 0: a file */
 } passed_file;
 
 struct lf_passed {
@@ -81,16 +82,20 @@ bool lf_passed_name(const char *path, char *out)
     return true;
 }
 
-/* -1: not found. */
-static int find(const lf_passed *passed, const char *path)
+/* name: normalised, or an array's. -1: not found. */
+static int find_name(const lf_passed *passed, const char *name)
 {
-    char name[PATH_MAX];
-    if (!passed || passed->n == 0 || !lf_passed_name(path, name))
-        return -1;
-    for (int i = 0; i < passed->n; i++)
+    for (int i = 0; passed && i < passed->n; i++)
         if (strcmp(passed->file[i]->path, name) == 0)
             return i;
     return -1;
+}
+
+/* -1: not found. Never an array, because these names are absolute. */
+static int find(const lf_passed *passed, const char *path)
+{
+    char name[PATH_MAX];
+    return passed && passed->n > 0 && lf_passed_name(path, name) ? find_name(passed, name) : -1;
 }
 
 bool lf_passed_has(const lf_passed *passed, const char *path)
@@ -168,12 +173,8 @@ static lf_status check_path(const lf_passed *passed, const char *path, lf_error 
     if (lf_frame_name_varies(path))
         return lf_error_set(err, LF_E_ARG, path,
                             "a name with a frame number cannot be passed; pass one file");
-    if (find(passed, path) >= 0)
-        return lf_error_set(err, LF_E_ARG, path, "the file was passed twice");
-    if (passed->n == LF_MAX_PASSED)
-        return lf_error_set(err, LF_E_ARG, path, "more than %d files were passed; pass fewer",
-                            LF_MAX_PASSED);
-    return LF_OK;
+    return find(passed, path) < 0 ? LF_OK
+                                  : lf_error_set(err, LF_E_ARG, path, "the file was passed twice");
 }
 
 /* Checks a passed descriptor. O_PATH grants no read access: reopening would use the daemon's
@@ -191,34 +192,128 @@ static lf_status check_descriptor(const char *path, int fd, lf_error *err)
     return LF_OK;
 }
 
-lf_status lf_passed_add(lf_passed *passed, const char *path, int fd, lf_error *err)
+/* Adds what was checked, under a name that is new; on LF_OK takes fd. */
+static lf_status add(lf_passed *passed, const char *name, int fd, passed_file **out, lf_error *err)
 {
-    lf_status status = check_path(passed, path, err);
-    if (status == LF_OK)
-        status = check_descriptor(path, fd, err);
-    if (status != LF_OK)
-        return status;
+    if (passed->n == LF_MAX_PASSED)
+        return lf_error_set(err, LF_E_ARG, name, "more than %d files were passed; pass fewer",
+                            LF_MAX_PASSED);
     if (atomic_fetch_add(&n_held, 1) >= LF_MAX_PASSED_ALL) {
         atomic_fetch_sub(&n_held, 1);
-        return lf_error_set(err, LF_E_BUSY, path,
+        return lf_error_set(err, LF_E_BUSY, name,
                             "quiltd already holds %d passed files; try again later",
                             LF_MAX_PASSED_ALL);
     }
     passed_file *file = lf_calloc(1, sizeof *file);
-    char *copy = lf_strdup(path);
+    char *copy = lf_strdup(name);
     if (!file || !copy) {
         atomic_fetch_sub(&n_held, 1);
         lf_free(file);
         lf_free(copy);
-        return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+        return lf_error_set(err, LF_E_NOMEM, name, "out of memory");
     }
     *file = (passed_file){.fd = fd, .path = copy, .copy = -1};
     atomic_init(&file->references, 1);
     pthread_mutex_init(&file->lock, NULL);
     atomic_init(&passed->opened[passed->n], false);
     passed->file[passed->n++] = file;
+    *out = file;
     return LF_OK;
 }
+
+lf_status lf_passed_add(lf_passed *passed, const char *path, int fd, lf_error *err)
+{
+    passed_file *file;
+    lf_status status = check_path(passed, path, err);
+    if (status == LF_OK)
+        status = check_descriptor(path, fd, err);
+    return status == LF_OK ? add(passed, path, fd, &file, err) : status;
+}
+
+/* ------------------------------------------------------------------------------------ arrays -- */
+
+static lf_status check_array_name(const lf_passed *passed, const char *name, lf_error *err)
+{
+    const size_t n = strlen(name);
+    if (n < 1 || n > LF_MAX_ARRAY_NAME || strchr(name, '/'))
+        return lf_error_set(err, LF_E_ARG, name,
+                            "an array needs a name of 1 to %d bytes without \"/\"",
+                            LF_MAX_ARRAY_NAME);
+    return find_name(passed, name) < 0
+               ? LF_OK
+               : lf_error_set(err, LF_E_ARG, name, "the array was passed twice");
+}
+
+/* Bytes of float32 values; 0: more than a file can have, or no values. */
+static uint64_t bytes_of(const int64_t size[3])
+{
+    uint64_t n = sizeof(float);
+    for (int i = 0; i < 3; i++) {
+        if (size[i] < 1 || (uint64_t)size[i] > (uint64_t)INT64_MAX / n)
+            return 0;
+        n *= (uint64_t)size[i];
+    }
+    return n;
+}
+
+/* The seals make the size that was checked the size that is read, and keep the client from changing
+ * values that were checked. */
+static lf_status check_array_file(const char *name, const int64_t size[3], int fd, lf_error *err)
+{
+    const int needed = F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW, seals = fcntl(fd, F_GET_SEALS),
+              flags = fcntl(fd, F_GETFL);
+    struct stat st;
+    if (seals < 0 || (seals & needed) != needed || fstat(fd, &st) != 0)
+        return lf_error_set(err, LF_E_ARG, name,
+                            "its descriptor must be a memory file (memfd_create) with the seals "
+                            "F_SEAL_WRITE, F_SEAL_SHRINK and F_SEAL_GROW");
+    if (flags < 0 || (flags & O_ACCMODE) == O_WRONLY)
+        return lf_error_set(err, LF_E_ARG, name, "its descriptor must be open for reading");
+    if (bytes_of(size) == 0)
+        return lf_error_set(err, LF_E_ARG, name,
+                            "its shape has a length below 1, or more values than a file can hold");
+    if ((uint64_t)st.st_size != bytes_of(size))
+        return lf_error_set(err, LF_E_ARG, name,
+                            "its file has %jd bytes; float32 values of shape [%jd, %jd, %jd] have "
+                            "%ju",
+                            (intmax_t)st.st_size, (intmax_t)size[2], (intmax_t)size[1],
+                            (intmax_t)size[0], (uintmax_t)bytes_of(size));
+    return LF_OK;
+}
+
+lf_status lf_passed_add_array(lf_passed *passed, const char *name, const int64_t size[3], int fd,
+                              lf_error *err)
+{
+    passed_file *file;
+    lf_status status = check_array_name(passed, name, err);
+    if (status == LF_OK)
+        status = check_array_file(name, size, fd, err);
+    if (status == LF_OK)
+        status = add(passed, name, fd, &file, err);
+    if (status == LF_OK)
+        memcpy(file->size, size, sizeof file->size);
+    return status;
+}
+
+lf_status lf_passed_open_array(lf_passed *passed, const char *name, int64_t out_size[3],
+                               int *out_fd, lf_error *err)
+{
+    const int i = strchr(name, '/') ? -1 : find_name(passed, name);
+    if (i < 0)
+        return lf_error_set(
+            err, LF_E_IO, name,
+            "no array of this name was passed; pass it in \"arrays\" of scene.load");
+    const passed_file *file = passed->file[i];
+    atomic_store(&passed->opened[i], true);
+    const int fd = fcntl(file->fd, F_DUPFD_CLOEXEC, 0);
+    if (fd < 0)
+        return lf_error_set(err, LF_E_IO, name, "cannot open: %s", lf_errno_text(errno));
+    memcpy(out_size, file->size, sizeof file->size);
+    *out_fd = fd;
+    return LF_OK;
+}
+
+/* ------------------------------------------------------------------------------------- joins -- */
 
 /* Counts the files of older to keep: those not named by newer; `opened`: only those that were
  * opened. */
@@ -226,7 +321,8 @@ static int count(const lf_passed *older, const lf_passed *newer, bool opened)
 {
     int n = 0;
     for (int i = 0; older && i < older->n; i++)
-        n += (!opened || atomic_load(&older->opened[i])) && find(newer, older->file[i]->path) < 0;
+        n += (!opened || atomic_load(&older->opened[i])) &&
+             find_name(newer, older->file[i]->path) < 0;
     return n;
 }
 
@@ -246,7 +342,8 @@ lf_status lf_passed_join(const lf_passed *older, const lf_passed *newer, lf_pass
     for (int i = 0; i < n; i++)
         share(joined, newer->file[i]);
     for (int i = 0; older && i < older->n; i++)
-        if ((!crowded || atomic_load(&older->opened[i])) && find(newer, older->file[i]->path) < 0)
+        if ((!crowded || atomic_load(&older->opened[i])) &&
+            find_name(newer, older->file[i]->path) < 0)
             share(joined, older->file[i]);
     *out = joined;
     return LF_OK;
@@ -257,7 +354,7 @@ void lf_passed_drop_unopened(lf_passed *passed, const lf_passed *newer)
     int kept = 0;
     for (int i = 0; i < passed->n; i++) {
         const bool opened = atomic_load(&passed->opened[i]);
-        if (!opened && find(newer, passed->file[i]->path) >= 0) {
+        if (!opened && find_name(newer, passed->file[i]->path) >= 0) {
             file_unref(passed->file[i]);
             continue;
         }

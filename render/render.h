@@ -82,12 +82,19 @@ LF_NODISCARD lf_status lf_scene_load_patched(const char *path, const lf_alone *a
                                              lf_error *err);
 
 /* lf_scene_load for a document in memory. Relative paths, also of includes, are relative to folder.
+ * An empty folder is none: relative paths are then errors.
  * Errors use `where` as the document's name. The scene keeps a reference to doc and shares its
  * values: nobody may change them from now on. LF_E_NOMEM also if the document (with its includes
  * and patches) has more than 16 MiB in its shortest form. */
 LF_NODISCARD lf_status lf_scene_from_json(const json_t *doc, const char *folder, const char *where,
                                           const lf_roots *roots, const lf_scene *previous,
                                           lf_scene **out_scene, lf_error *err);
+
+/* Parses the document in an open regular file, from its start, for lf_scene_from_json. The caller
+ * owns a reference to *out_doc. Errors name `where`: LF_E_NOMEM (also more than 16 MiB), LF_E_IO,
+ * LF_E_FORMAT with the line. May wait for a file system. */
+LF_NODISCARD lf_status lf_scene_document_read(int fd, const char *where, json_t **out_doc,
+                                              lf_error *err);
 
 /* JSON Merge Patch (RFC 7396) of a scene's document. Former names of keys in the patch count as
  * their current names (docs/reference/scene-format.md, "The file"). Returns a new reference; NULL:

@@ -36,4 +36,4 @@ $(BUILDROOT)/scenes/%.json: $(SRCDIR)/scenes/%.json
 $(O)/testdata/patterns.vdb: $(BUILDROOT)/tools/make_test_vdb
 	@rm -rf $(@D).new && mkdir -p $(@D).new
 	$(call say,GEN)$< $(@D).new && rm -rf $(@D) && mv $(@D).new $(@D) && touch $@
-$(addprefix $(O)/tests/render/,test_vdb_import test_volume_formats_warnings test_import test_mutated_files test_scene test_film_identity test_warnings test_emission_load test_brute_force test_half_space test_frame_file test_units test_shutter test_flow test_albedo_grid test_file_alone test_slice test_skip test_view_blur test_grid_sum test_grid_short) $(O)/tests/daemon/test_frames $(O)/tests/daemon/test_quiltbench: | $(O)/testdata/patterns.vdb
+$(addprefix $(O)/tests/render/,test_vdb_import test_volume_formats_warnings test_import test_mutated_files test_scene test_film_identity test_warnings test_emission_load test_brute_force test_half_space test_frame_file test_units test_shutter test_flow test_albedo_grid test_file_alone test_slice test_skip test_view_blur test_grid_sum test_grid_short test_array_import) $(O)/tests/daemon/test_frames $(O)/tests/daemon/test_quiltbench: | $(O)/testdata/patterns.vdb

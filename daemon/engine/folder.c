@@ -61,6 +61,9 @@ lf_status lf_folder_neighbour(const char *file, int step, const lf_roots *roots,
 {
     const char *slash = strrchr(file, '/');
     const char *name = slash ? slash + 1 : file;
+    if (!slash)
+        return lf_error_set(err, LF_E_ARG, file,
+                            "the scene was sent without a file, so no file is next to it");
     char *folder = lf_path_folder(file);
     if (!folder)
         return lf_error_set(err, LF_E_NOMEM, file, "out of memory");

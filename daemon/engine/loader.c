@@ -4,6 +4,7 @@
 #include <stdatomic.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
 #include "base/log.h"
@@ -43,8 +44,14 @@ lf_load *lf_load_create(lf_load_kind kind)
     if (load) {
         load->kind = kind;
         load->zoom = 1;
+        load->sent.fd = -1;
     }
     return load;
+}
+
+bool lf_load_is_sent(const lf_load *load)
+{
+    return load->sent.document || load->sent.fd >= 0;
 }
 
 void lf_load_destroy(lf_load *load)
@@ -54,7 +61,10 @@ void lf_load_destroy(lf_load *load)
     lf_free(load->file);
     lf_free(load->name);
     json_decref(load->patch);
-    lf_passed_unref(load->passed);
+    json_decref(load->sent.document);
+    if (load->sent.fd >= 0)
+        close(load->sent.fd);
+    lf_passed_unref(load->sent.passed);
     lf_content_unref(load->content);
     lf_free(load);
 }
@@ -158,6 +168,29 @@ static lf_status load_file(const lf_loader *loader, const lf_roots *roots, lf_lo
     return status == LF_OK ? stage_of_scene(load, scene, load->file, out, &load->err) : status;
 }
 
+/* Loads a scene that a client sent. The content keeps the document, so that it can be loaded
+ * again. */
+static lf_status load_sent(const lf_loader *loader, const lf_roots *roots, lf_load *load,
+                           lf_content **out)
+{
+    json_t *doc = json_incref(load->sent.document);
+    lf_scene *scene = NULL;
+    lf_status status =
+        doc ? LF_OK : lf_scene_document_read(load->sent.fd, load->file, &doc, &load->err);
+    if (status == LF_OK)
+        status =
+            lf_scene_from_json(doc, "", load->file, roots,
+                               loader->content ? loader->content->scene : NULL, &scene, &load->err);
+    if (status == LF_OK) {
+        lf_log_warnings(scene, NULL);
+        status = stage_of_scene(load, scene, load->file, out, &load->err);
+    }
+    if (status == LF_OK)
+        (*out)->sent = json_incref(doc);
+    json_decref(doc);
+    return status;
+}
+
 /* Loads doc (ownership taken; NULL: out of memory) instead of the current scene. */
 static lf_status load_document(const lf_loader *loader, const lf_roots *roots, lf_load *load,
                                json_t *doc, lf_content **out)
@@ -213,7 +246,8 @@ static lf_status make_content(const lf_loader *loader, const lf_roots *roots, lf
                               lf_content **out)
 {
     if (load->kind == LF_LOAD_FILE)
-        return load_file(loader, roots, load, out);
+        return lf_load_is_sent(load) ? load_sent(loader, roots, load, out)
+                                     : load_file(loader, roots, load, out);
     const lf_content *now = loader->content;
     if (load->kind == LF_LOAD_APPLY) {
         if (!now || !now->scene)
@@ -254,9 +288,9 @@ static lf_status gather_passed(const lf_loader *loader, lf_load *load, lf_passed
     lf_passed *all = anew ? NULL : lf_passed_ref(loader->content->passed);
     for (const lf_load *next = load; next; next = next_of(next)) {
         lf_passed *joined = NULL;
-        if (!next->passed)
+        if (!next->sent.passed)
             continue;
-        lf_status status = lf_passed_join(all, next->passed, &joined, &load->err);
+        lf_status status = lf_passed_join(all, next->sent.passed, &joined, &load->err);
         lf_passed_unref(all);
         if (status != LF_OK)
             return status;
@@ -271,11 +305,14 @@ static void keep_passed(const lf_loader *loader, const lf_load *load, lf_passed 
                         lf_content *content)
 {
     const lf_content *now = loader->content;
-    content->is_passed = load->kind == LF_LOAD_FILE ? lf_passed_has(load->passed, content->file)
-                                                    : now && now->is_passed;
+    content->is_passed = load->kind == LF_LOAD_FILE
+                             ? !content->sent && lf_passed_has(load->sent.passed, content->file)
+                             : now && now->is_passed;
+    if (load->kind != LF_LOAD_FILE && now)
+        content->sent = json_incref(now->sent);
     for (const lf_load *next = load; next; next = next_of(next))
-        if (next->passed)
-            lf_passed_drop_unopened(passed, next->passed);
+        if (next->sent.passed)
+            lf_passed_drop_unopened(passed, next->sent.passed);
     content->passed = lf_passed_ref(passed);
 }
 
@@ -374,8 +411,9 @@ static bool are_one(const lf_task *task, const lf_task *next)
     if (a->kind != b->kind)
         return false;
     if (a->kind == LF_LOAD_FILE)
-        return !a->deferred && !b->deferred && !a->browsed && !b->browsed && !a->reset &&
-               !b->reset && strcmp(a->file, b->file) == 0;
+        return !a->deferred && !b->deferred && a->sent.document == b->sent.document &&
+               !a->browsed && !b->browsed && !a->reset && !b->reset &&
+               strcmp(a->file, b->file) == 0;
     return a->kind == LF_LOAD_PATCH || a->kind == LF_LOAD_ORBIT;
 }
 

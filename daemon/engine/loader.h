@@ -18,7 +18,7 @@
 #include "daemon/threads/inbox.h"
 
 typedef enum lf_load_kind {
-    LF_LOAD_FILE,  /* a scene file or a quilt picture */
+    LF_LOAD_FILE,  /* a scene file, a scene that a client sent, or a quilt picture */
     LF_LOAD_PATCH, /* a merge patch on the scene shown */
     LF_LOAD_ORBIT, /* an orbit of its camera around its target */
     LF_LOAD_FIT,   /* a move of its camera so that its objects fill the window */
@@ -42,19 +42,27 @@ typedef struct lf_load_words {
     lf_alone alone;
 } lf_load_words;
 
+/* What a client sent with its call. */
+typedef struct lf_load_sent {
+    lf_passed *passed; /* files and arrays; NULL: none */
+    /* FILE: the scene itself, as a document or in an open file; NULL and -1: it is in a file */
+    json_t *document;
+    int fd;
+} lf_load_sent;
+
 typedef struct lf_load {
     lf_task task; /* posted when done; the poster sets `done` */
     lf_load_job job;
     lf_load_kind kind;
     /* FILE: steps from `file` in its folder (lf_folder_neighbour); 0 = the file itself */
     int step;
-    char *file; /* FILE: absolute; replaced by the result of step */
+    char *file; /* FILE: absolute; replaced by the result of step. For a sent scene its name */
     /* FILE: the file that the options were given for, borrowed. If the name of another quilt holds
      * a layout, that layout overrides the options. */
     const char *meant;
     lf_load_words words;     /* FILE */
     json_t *patch;           /* PATCH */
-    lf_passed *passed;       /* FILE, PATCH: files passed by the client; NULL = none */
+    lf_load_sent sent;       /* FILE, PATCH */
     double yaw, pitch, zoom; /* ORBIT: yaw right and pitch up in degrees, zoom as a factor */
     char *name;              /* FIT: the object that is to fill the window; NULL = all */
     double fill, steps;      /* FIT: as in lf_camera_fit */
@@ -86,6 +94,8 @@ void lf_loader_destroy(lf_loader *loader);
 
 /* A zeroed load; NULL = out of memory. */
 lf_load *lf_load_create(lf_load_kind kind);
+/* True if the load brings its scene instead of naming a file. */
+bool lf_load_is_sent(const lf_load *load);
 void lf_load_destroy(lf_load *load);
 /* Takes ownership of the load until it is posted back. */
 void lf_loader_queue(lf_loader *loader, lf_load *load);

@@ -177,6 +177,7 @@ void lf_content_unref(lf_content *content)
     else
         lf_quilt_finish(&content->quilt);
     lf_passed_unref(content->passed);
+    json_decref(content->sent);
     lf_free(content->file);
     free(content->document);
     lf_free(content);

@@ -11,8 +11,10 @@ typedef struct lf_content {
     lf_scene *scene;             /* NULL: a quilt picture */
     lf_quilt_file quilt;         /* when scene is NULL */
     char *file;                  /* absolute path of its source file; patches do not change it */
+    json_t *sent;                /* the document that a client sent; NULL: it is in file, which is
+                                  * only a name otherwise */
     bool is_passed;              /* file was passed by a client; only its name is known */
-    lf_passed *passed;           /* files passed by clients; NULL: none */
+    lf_passed *passed;           /* files and arrays passed by clients; NULL: none */
     lf_render_settings settings; /* scene only; integrator points to a static name */
     lf_layout layout;
     lf_film_settings film;

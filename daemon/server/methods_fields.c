@@ -33,7 +33,7 @@ static const field fields[] = {
      "why the scene could not be loaded; absent if it was loaded"},
     {"status", "scene", "string|null", NULL, "file on display"},
     {"status", "passed", "[string]", NULL,
-     "files of the scene that clients passed as descriptors"},
+     "files and arrays of the scene that clients passed as descriptors"},
     {"status", "is_quilt", "boolean", NULL,
      "true: a finished image is on display, not a rendering"},
     {"status", "views", "integer", COUNT, "number of views"},

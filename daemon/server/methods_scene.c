@@ -19,45 +19,180 @@ void lf_method_queue(lf_call *call, lf_load *load)
     lf_server_load(call->server, load, deferred);
 }
 
-/* Takes the call's descriptors under the names in `files`: no descriptor is left over, and if one
- * is refused all are closed. */
-static lf_status take_descriptors(lf_call *call, const json_t *names, lf_passed *passed,
-                                  lf_error *err)
+/* ------------------------------------------------------------------------------- descriptors -- */
+
+/* The descriptors of a call, in their order: a scene, files, arrays. */
+typedef struct descriptors {
+    bool scene;
+    const json_t *files, *arrays; /* NULL: none */
+    int n;
+    int fd[LF_MAX_CLIENT_FDS]; /* owned; -1: handed on */
+} descriptors;
+
+/* Takes what the call's parameters announce. */
+static lf_status take_descriptors(const lf_call *call, descriptors *out, lf_error *err)
 {
-    int fds[LF_MAX_PASSED];
-    const int n = (int)json_array_size(names);
-    if (lf_client_count_fds(call->client) != n || !lf_client_take_fds(call->client, fds, n))
-        return lf_error_set_at(
-            err, LF_E_ARG, call->method, 0, "/files",
-            "names %d files, but %d descriptors came with the call; pass one descriptor per file",
-            n, lf_client_count_fds(call->client));
+    *out = (descriptors){.scene = json_is_true(json_object_get(call->params, "scene_fd")),
+                         .files = json_object_get(call->params, "files"),
+                         .arrays = json_object_get(call->params, "arrays")};
+    const int n_files = (int)json_array_size(out->files),
+              n_arrays = (int)json_object_size(out->arrays), n = out->scene + n_files + n_arrays,
+              given = lf_client_count_fds(call->client);
+    if (!out->scene && !out->files && !out->arrays)
+        return LF_OK;
+    if (given == n && n <= LF_MAX_CLIENT_FDS && lf_client_take_fds(call->client, out->fd, n)) {
+        out->n = n;
+        return LF_OK;
+    }
+    if (out->scene || out->arrays)
+        return lf_error_set_at(err, LF_E_ARG, call->method, 0,
+                               out->arrays ? "/arrays" : "/scene_fd",
+                               "the call names %d descriptors (%d scene, %d files, %d arrays), but "
+                               "%d came with it",
+                               n, out->scene, n_files, n_arrays, given);
+    return lf_error_set_at(
+        err, LF_E_ARG, call->method, 0, "/files",
+        "names %d files, but %d descriptors came with the call; pass one descriptor per file", n,
+        given);
+}
+
+static void close_descriptors(descriptors *d)
+{
+    for (int i = 0; i < d->n; i++)
+        if (d->fd[i] >= 0)
+            close(d->fd[i]);
+}
+
+static lf_status add_files(descriptors *d, lf_passed *passed, lf_error *err)
+{
+    int *fd = d->fd + d->scene;
     lf_status status = LF_OK;
-    for (int i = 0; i < n; i++) {
-        const char *name = json_string_value(json_array_get(names, (size_t)i));
+    for (size_t i = 0; i < json_array_size(d->files) && status == LF_OK; i++) {
+        status = lf_passed_add(passed, json_string_value(json_array_get(d->files, i)), fd[i], err);
         if (status == LF_OK)
-            status = lf_passed_add(passed, name, fds[i], err);
-        if (status != LF_OK)
-            close(fds[i]);
+            fd[i] = -1;
     }
     return status;
 }
 
-/* The files passed by the client; *out NULL: none. */
-static lf_status take_passed(lf_call *call, lf_passed **out, lf_error *err)
+/* "shape": [nz, ny, nx], the slowest first. */
+static lf_status read_size(const json_t *array, const char *name, int64_t out[3], lf_error *err)
 {
-    const json_t *names = json_object_get(call->params, "files");
+    const json_t *shape = json_object_get(array, "shape");
+    const char *type = json_string_value(json_object_get(array, "type"));
+    bool good = json_array_size(shape) == 3;
+    for (size_t i = 0; i < 3 && good; i++) {
+        good = json_is_integer(json_array_get(shape, i));
+        out[2 - i] = json_integer_value(json_array_get(shape, i));
+    }
+    if (!good)
+        return lf_error_set(err, LF_E_ARG, name, "\"shape\" of an array must be [nz, ny, nx]");
+    if (!type || strcmp(type, "float32") != 0)
+        return lf_error_set(err, LF_E_ARG, name, "\"type\" of an array must be \"float32\"");
+    return json_object_size(array) == 2
+               ? LF_OK
+               : lf_error_set(err, LF_E_ARG, name, "an array has only \"shape\" and \"type\"");
+}
+
+static lf_status add_arrays(descriptors *d, lf_passed *passed, lf_error *err)
+{
+    int *fd = d->fd + d->scene + json_array_size(d->files);
+    lf_status status = LF_OK;
+    const char *name;
+    json_t *array;
+    json_object_foreach((json_t *)(uintptr_t)d->arrays, name, array)
+    {
+        int64_t size[3];
+        status = read_size(array, name, size, err);
+        if (status == LF_OK)
+            status = lf_passed_add_array(passed, name, size, *fd, err);
+        if (status != LF_OK)
+            break;
+        *fd++ = -1;
+    }
+    return status;
+}
+
+/* Errors about arrays name the method, as errors about other parameters do. */
+static lf_status name_array(const lf_call *call, lf_status status, lf_error *err)
+{
+    lf_error inner;
+    if (status == LF_OK)
+        return LF_OK;
+    inner = *err;
+    return lf_error_set_at(err, status, call->method, 0, "/arrays", "%s: %s", inner.where,
+                           inner.what);
+}
+
+/* Files and arrays of the client; *out NULL: none. Descriptors that are not handed on stay d's. */
+static lf_status add_passed(const lf_call *call, descriptors *d, lf_passed **out, lf_error *err)
+{
     *out = NULL;
-    if (!names)
+    if (!d->files && !d->arrays)
         return LF_OK;
     lf_passed *passed = lf_passed_create();
-    lf_status status = passed ? take_descriptors(call, names, passed, err)
-                              : lf_error_set(err, LF_E_NOMEM, call->method, "out of memory");
-    lf_client_drop_fds(call->client);
+    if (!passed)
+        return lf_error_set(err, LF_E_NOMEM, call->method, "out of memory");
+    lf_status status = add_files(d, passed, err);
+    if (status == LF_OK)
+        status = name_array(call, add_arrays(d, passed, err), err);
     if (status == LF_OK)
         *out = passed;
     else
         lf_passed_unref(passed);
     return status;
+}
+
+/* Hands the call's descriptors to the load. No descriptor is left over, and if one is refused all
+ * are closed. */
+static lf_status take_passed(lf_call *call, lf_load *load, lf_error *err)
+{
+    descriptors d;
+    lf_status status = take_descriptors(call, &d, err);
+    if (status == LF_OK)
+        status = add_passed(call, &d, &load->sent.passed, err);
+    if (status == LF_OK && d.scene) {
+        load->sent.fd = d.fd[0];
+        d.fd[0] = -1;
+    }
+    close_descriptors(&d);
+    if (d.scene || d.files || d.arrays)
+        lf_client_drop_fds(call->client);
+    return status;
+}
+
+/* -------------------------------------------------------------------------------- scene.load -- */
+
+/* A scene that is sent needs no file, only a name for messages. It is no path, so that nothing
+ * opens it. */
+static lf_status take_scene(const lf_call *call, lf_load *load, lf_error *err)
+{
+    const char *name = json_string_value(json_object_get(call->params, "name"));
+    if (name && (name[0] == '\0' || strlen(name) > LF_MAX_ARRAY_NAME || strchr(name, '/')))
+        return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/name",
+                               "expected a name of 1 to %d bytes without \"/\"", LF_MAX_ARRAY_NAME);
+    lf_status status = name ? lf_check_name(name, err) : LF_OK;
+    if (status != LF_OK)
+        return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/name",
+                               "control characters are not allowed");
+    load->sent.document = json_incref(json_object_get(call->params, "scene"));
+    load->file = lf_strdup(name ? name : "scene");
+    return load->file ? LF_OK : lf_error_set(err, LF_E_NOMEM, call->method, "out of memory");
+}
+
+/* The scene is named, or sent in one of two ways. */
+static lf_status check_source(const lf_call *call, lf_error *err)
+{
+    const bool file = json_object_get(call->params, "file"),
+               fd = json_is_true(json_object_get(call->params, "scene_fd"));
+    const int n = file + fd + !!json_object_get(call->params, "scene");
+    if (n != 1)
+        return lf_error_set(err, LF_E_ARG, call->method, "%s: \"file\", \"scene\" or \"scene_fd\"",
+                            n == 0 ? "one is missing" : "only one is allowed");
+    if (file && json_object_get(call->params, "name"))
+        return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/name",
+                               "applies only to a scene that is sent; a file has its own name");
+    return LF_OK;
 }
 
 /* The file to show: inside the readable folders, otherwise a passed file. */
@@ -79,6 +214,8 @@ static lf_status take_tiles(const lf_call *call, lf_load *load, lf_error *err)
     lf_error wrong;
     if (!text)
         return LF_OK;
+    if (!json_object_get(call->params, "file"))
+        return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/quilt", "applies only to images");
     if (lf_param_from_text(lf_param_find(lf_option_params, "quilt"), text, &options, &wrong) !=
         LF_OK)
         return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/quilt", "%s", wrong.what);
@@ -107,13 +244,14 @@ static lf_status take_alone(const lf_call *call, lf_load *load, lf_error *err)
     return lf_param_from_json(lf_alone_params, call->params, &load->words.alone, "scene.load", err);
 }
 
-/* A scene file defines its own look, so these options are errors. */
-static lf_status refuse_words(const lf_call *call, const char *file, lf_error *err)
+/* A scene defines its own look, so these options are errors. */
+static lf_status refuse_words(const lf_call *call, const lf_load *load, lf_error *err)
 {
     static const char *const words[] = {"yaw",   "pitch",          "up",           "bare",
                                         "photo", "photo_position", "photo_rotate", "aspect"};
     char pointer[32];
-    for (size_t i = 0; lf_path_has_ending(file, ".json") && i < sizeof words / sizeof *words; i++) {
+    const bool is_scene = lf_load_is_sent(load) || lf_path_has_ending(load->file, ".json");
+    for (size_t i = 0; is_scene && i < sizeof words / sizeof *words; i++) {
         if (!json_object_get(call->params, words[i]))
             continue;
         snprintf(pointer, sizeof pointer, "/%s", words[i]);
@@ -124,10 +262,12 @@ static lf_status refuse_words(const lf_call *call, const char *file, lf_error *e
     return LF_OK;
 }
 
-/* The parameters of a call that loads a file. */
+/* The parameters of a call that loads a file or a scene. */
 static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
 {
-    lf_status status = take_passed(call, &load->passed, err);
+    lf_status status = check_source(call, err);
+    if (status == LF_OK)
+        status = take_passed(call, load, err);
     if (status == LF_OK)
         status = take_photo(call, load, err);
     if (status == LF_OK)
@@ -135,8 +275,10 @@ static lf_status take_load(lf_call *call, lf_load *load, lf_error *err)
     if (status == LF_OK)
         status = take_tiles(call, load, err);
     if (status == LF_OK)
-        status = find_file(call, load->passed, &load->file, err);
-    return status == LF_OK ? refuse_words(call, load->file, err) : status;
+        status = json_object_get(call->params, "file")
+                     ? find_file(call, load->sent.passed, &load->file, err)
+                     : take_scene(call, load, err);
+    return status == LF_OK ? refuse_words(call, load, err) : status;
 }
 
 void lf_method_scene_load(lf_call *call)
@@ -188,7 +330,7 @@ void lf_method_scene_patch(lf_call *call)
 {
     lf_error err;
     lf_load *load = lf_load_create(LF_LOAD_PATCH);
-    if (load && take_passed(call, &load->passed, &err) != LF_OK) {
+    if (load && take_passed(call, load, &err) != LF_OK) {
         lf_load_destroy(load);
         lf_fail(call, &err, false);
         return;

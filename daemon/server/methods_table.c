@@ -50,10 +50,20 @@ static const lf_method methods[] = {
     {"status", "return the state of the daemon", "status", OBJECT(""), lf_method_status},
     {"scene.load", "show a scene file, a model, a volume or a quilt image",
      "scene.load file=/home/me/helmet.glb",
-     OBJECT_WITH("\"file\"",
+     OBJECT(
          KEY("file", STRING,
              "path of a scene, model, volume, quilt image or folder of views; quiltctl makes it "
              "absolute") ","
+         KEY("scene", "\"type\":\"object\",\"additionalProperties\":true",
+             "scene document, instead of file; its paths are absolute") ","
+         KEY("scene_fd", BOOLEAN("false"),
+             "the scene document comes as the first descriptor, instead of file; at most 16 "
+             "MiB") ","
+         KEY("name", STRING,
+             "name of scene or scene_fd in messages, at most 128 bytes without / (scene)") ","
+         KEY("arrays", "\"type\":\"object\",\"additionalProperties\":true",
+             "arrays of the scene by name, each {shape, type}; their descriptors follow those of "
+             "files") ","
          KEY("quilt", STRING, "tiles COLUMNSxROWS of an image whose name has no _qs suffix") ","
          FILES),
      lf_method_scene_load},

@@ -226,7 +226,8 @@ void lf_server_reload(lf_server *server)
     lf_load *load = file ? lf_load_create(LF_LOAD_FILE) : NULL;
     if (load) {
         load->file = lf_strdup(file);
-        load->passed = lf_passed_ref(server->content ? server->content->passed : NULL);
+        load->sent.passed = lf_passed_ref(server->content ? server->content->passed : NULL);
+        load->sent.document = server->content ? json_incref(server->content->sent) : NULL;
         load->words = server->life.words;
     }
     if (!load || !load->file) {
@@ -238,7 +239,8 @@ void lf_server_reload(lf_server *server)
     lf_server_load(server, load, NULL);
 }
 
-/* Files on disk under the names of passed files are not those files, so they are not watched. */
+/* Files on disk under the names of passed files are not those files, so they are not watched. A
+ * scene that was sent has only files that it includes. */
 void lf_server_watch(lf_server *server)
 {
     const lf_content *content = server->content;
@@ -252,7 +254,7 @@ void lf_server_watch(lf_server *server)
         n_included++;
     const char **files = lf_calloc((size_t)n_included + 1, sizeof *files);
     bool is_passed = content && content->is_passed;
-    if (files && !is_passed)
+    if (files && !is_passed && !(content && content->sent))
         files[n++] = file;
     for (int i = 0; files && !is_passed && i < n_included; i++)
         if (!lf_passed_has(content->passed, lf_scene_included(scene, i)))

@@ -46,6 +46,14 @@ void lf_grid_finish(lf_grid *grid);
 LF_NODISCARD lf_status lf_grid_put(lf_grid *grid, size_t n, const uint32_t *places,
                                    const float *values, bool is_signed, lf_error *err);
 
+/* Makes a grid of dense values[z][y][x], finished; the value of voxel (x, y, z) is at [z][y][x].
+ * local_to_file as in lf_grid_create. Bricks without a value above 0 are left out. Polls stopped()
+ * (may be NULL) and then fails with LF_E_CANCELLED, err unset. LF_E_FORMAT: the first value that is
+ * negative or not finite, by its index; otherwise the errors of lf_grid_create. */
+LF_NODISCARD lf_status lf_grid_from_array(const int64_t size[3], const double local_to_file[12],
+                                          const float *values, bool (*stopped)(void),
+                                          lf_grid **out_grid, lf_error *err);
+
 /* Stores a finished grid's values in 16 bits from now on. Values that are exact in 16 bits, as in
  * files of halves, do not change. If some value is not exact, the grid stays as it is unless
  * `rounds` is true; then each value becomes the nearest 16-bit value. The error is within 2^-11 of

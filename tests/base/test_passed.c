@@ -2,6 +2,7 @@
 #include "tests/testing.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
 
@@ -165,6 +166,96 @@ static void roots_give_passed_files_where_they_have_none(void **state)
     lf_test_folder_remove(folder);
 }
 
+static int memory_file(size_t bytes, unsigned flags, int seals)
+{
+    int fd = memfd_create("array", MFD_CLOEXEC | flags);
+    assert_true(fd >= 0);
+    assert_int_equal(ftruncate(fd, (off_t)bytes), 0);
+    if (seals)
+        assert_int_equal(fcntl(fd, F_ADD_SEALS, seals), 0);
+    return fd;
+}
+
+#define ALL_SEALS (F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW)
+
+/* Also of two lists the newer, and one that nobody opened goes. */
+static void an_array_is_found_by_its_name_and_not_as_a_file(void **state)
+{
+    (void)state;
+    static const int64_t size[3] = {2, 3, 4}, other[3] = {1, 1, 1};
+    lf_passed *older = lf_passed_create(), *newer = lf_passed_create(), *both = NULL;
+    int64_t found[3];
+    int fd = memory_file(96, MFD_ALLOW_SEALING, ALL_SEALS), opened = -1;
+    lf_error err;
+    lf_assert_ok(lf_passed_add_array(older, "smoke", size, fd, &err), &err);
+    lf_assert_ok(lf_passed_open_array(older, "smoke", found, &opened, &err), &err);
+    assert_memory_equal(found, size, sizeof size);
+    assert_int_not_equal(opened, fd);
+    close(opened);
+    assert_false(lf_passed_has(older, "smoke"));
+    assert_string_equal(lf_passed_at(older, 0), "smoke");
+    lf_assert_status(lf_passed_open_array(older, "fog", found, &opened, &err), LF_E_IO, &err);
+    lf_assert_status(lf_passed_open_array(NULL, "smoke", found, &opened, &err), LF_E_IO, &err);
+    fd = memory_file(4, MFD_ALLOW_SEALING, ALL_SEALS);
+    lf_assert_ok(lf_passed_add_array(newer, "smoke", other, fd, &err), &err);
+    lf_assert_ok(lf_passed_join(older, newer, &both, &err), &err);
+    lf_assert_ok(lf_passed_open_array(both, "smoke", found, &opened, &err), &err);
+    assert_memory_equal(found, other, sizeof other);
+    close(opened);
+    assert_null(lf_passed_at(both, 1));
+    lf_passed_unref(older);
+    lf_passed_unref(newer);
+    lf_passed_unref(both);
+    assert_int_equal(fcntl(fd, F_GETFD), -1);
+}
+
+static void other_arrays_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        int64_t size[3];
+        size_t bytes;
+        int seals;
+        const char *words;
+    } bad[] = {
+        {"a", {2, 3, 4}, 96, 0, "F_SEAL_WRITE"},
+        {"a", {2, 3, 4}, 96, F_SEAL_SHRINK | F_SEAL_GROW, "F_SEAL_WRITE"},
+        {"a", {2, 3, 4}, 96, F_SEAL_WRITE | F_SEAL_GROW, "F_SEAL_SHRINK"},
+        {"a", {2, 3, 4}, 96, F_SEAL_WRITE | F_SEAL_SHRINK, "F_SEAL_GROW"},
+        {"a", {2, 3, 4}, 95, ALL_SEALS, "its file has 95 bytes"},
+        {"a", {2, 3, 4}, 100, ALL_SEALS, "of shape [4, 3, 2] have 96"},
+        {"a", {2, 0, 4}, 0, ALL_SEALS, "a length below 1"},
+        {"a", {-2, -3, 4}, 96, ALL_SEALS, "a length below 1"},
+        {"a", {INT64_C(1) << 31, INT64_C(1) << 31, 1 << 2}, 96, ALL_SEALS, "a length below 1"},
+        {"a/b", {2, 3, 4}, 96, ALL_SEALS, "without \"/\""},
+        {"", {2, 3, 4}, 96, ALL_SEALS, "1 to 128 bytes"},
+    };
+    lf_passed *passed = lf_passed_create();
+    lf_error err;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        int fd = memory_file(bad[i].bytes, MFD_ALLOW_SEALING, bad[i].seals);
+        lf_assert_status(lf_passed_add_array(passed, bad[i].name, bad[i].size, fd, &err), LF_E_ARG,
+                         &err);
+        if (!strstr(err.what, bad[i].words))
+            fail_msg("%zu: %s", i, err.what);
+        close(fd); /* it stayed the caller's */
+    }
+    /* a file of a file system has no seals */
+    int fd = open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
+    lf_assert_status(lf_passed_add_array(passed, "a", (int64_t[]){1, 1, 1}, fd, &err), LF_E_ARG,
+                     &err);
+    close(fd);
+    assert_null(lf_passed_at(passed, 0));
+    fd = memory_file(4, MFD_ALLOW_SEALING, ALL_SEALS);
+    lf_assert_ok(lf_passed_add_array(passed, "a", (int64_t[]){1, 1, 1}, fd, &err), &err);
+    fd = memory_file(4, MFD_ALLOW_SEALING, ALL_SEALS);
+    lf_assert_status(lf_passed_add_array(passed, "a", (int64_t[]){1, 1, 1}, fd, &err), LF_E_ARG,
+                     &err);
+    close(fd);
+    lf_passed_unref(passed);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -173,6 +264,8 @@ int main(void)
         cmocka_unit_test(a_list_holds_64_and_the_process_256),
         cmocka_unit_test(what_may_not_be_opened_again_is_copied),
         cmocka_unit_test(roots_give_passed_files_where_they_have_none),
+        cmocka_unit_test(an_array_is_found_by_its_name_and_not_as_a_file),
+        cmocka_unit_test(other_arrays_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -119,10 +119,10 @@ static bool is_type(const json_t *node, const char *type)
 static const char *named_type(const char *ref)
 {
     static const char *const names[][2] = {
-        {"unit_colour", "colour"}, {"radiance", "colour"},    {"mean_free_path", "colour"},
-        {"point", "point"},        {"plain_point", "point"},  {"transform", "transform"},
-        {"picture", "texture"},    {"normal_map", "texture"}, {"glowing_picture", "texture"},
-        {"view_camera", "camera"}};
+        {"unit_colour", "colour"},      {"radiance", "colour"},   {"mean_free_path", "colour"},
+        {"spacing", "number or point"}, {"point", "point"},       {"plain_point", "point"},
+        {"transform", "transform"},     {"picture", "texture"},   {"normal_map", "texture"},
+        {"glowing_picture", "texture"}, {"view_camera", "camera"}};
     for (size_t i = 0; ref && i < sizeof names / sizeof *names; i++)
         if (strcmp(names[i][0], ref) == 0)
             return names[i][1];
@@ -500,26 +500,59 @@ static void print_lights(const lf_table_source *source, const json_t *variants, 
     json_decref(done);
 }
 
-/* Keys of two variants, each called by the first key that it needs; those that both have alike
- * once. */
-static void print_both(const lf_table_source *source, const json_t *variants, bool tell, FILE *out)
+/* The first key that a variant needs. */
+static const char *name_of(const json_t *variant)
+{
+    return json_string_value(json_array_get(json_object_get(variant, "required"), 0));
+}
+
+static bool has_same(const json_t *variant, const char *key, const json_t *node)
+{
+    return json_equal(json_object_get(json_object_get(variant, "properties"), key), node);
+}
+
+/* Which variants have a key as variant `first` has it: "file, array", or "all". */
+static void print_owners(const json_t *variants, size_t first, const char *key, const json_t *node,
+                         FILE *out)
+{
+    size_t i, n = 0;
+    json_t *variant;
+    json_array_foreach(variants, i, variant)
+    {
+        n += has_same(variant, key, node);
+    }
+    if (n == json_array_size(variants)) {
+        fputs("all | ", out);
+        return;
+    }
+    json_array_foreach(variants, i, variant)
+    {
+        if (i >= first && has_same(variant, key, node))
+            fprintf(out, "%s%s", i > first ? ", " : "", name_of(variant));
+    }
+    fputs(" | ", out);
+}
+
+/* Keys of several variants, each called by the first key that it needs; those that are alike in
+ * several once. */
+static void print_variants(const lf_table_source *source, const json_t *variants, bool tell,
+                           FILE *out)
 {
     size_t i;
     json_t *variant, *node;
     const char *key;
     json_array_foreach(variants, i, variant)
     {
-        const char *first =
-            json_string_value(json_array_get(json_object_get(variant, "required"), 0));
-        const json_t *other = json_object_get(json_array_get(variants, 1 - i), "properties");
         json_object_foreach(json_object_get(variant, "properties"), key, node)
         {
-            const bool same = json_equal(json_object_get(other, key), node);
-            if (same && i > 0)
+            bool before = false;
+            for (size_t k = 0; k < i; k++)
+                before = before || has_same(json_array_get(variants, k), key, node);
+            if (before)
                 continue;
             fprintf(out, "| `%s` | ", key);
             if (tell)
-                fprintf(out, "%s | ", same ? "both" : first);
+                print_owners(variants, i, key, node, out);
             print_cells(source, node, NULL, tell && is_required(variant, key) ? "required" : "",
                         out);
         }
@@ -567,7 +600,7 @@ bool lf_table_scene(const lf_table_source *source, const char *name, FILE *out)
     else if (strcmp(name, "material") == 0)
         print_materials(source, node, out);
     else if (json_is_array(node))
-        print_both(source, node, of, out);
+        print_variants(source, node, of, out);
     else
         print_object(source, &scene_tables[i], node, out);
     return true;

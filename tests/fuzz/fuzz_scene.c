@@ -34,7 +34,7 @@ static void check_counts(const lf_scene_desc *desc)
 static void understand(json_t *doc, const char *text, size_t size)
 {
     lf_error err = {0};
-    lf_reader reader = {"fuzz", text, size, LF_OK, &err, NULL, 0};
+    lf_reader reader = {"fuzz", text, size, LF_OK, &err, NULL, 0, false};
     lf_scene_desc desc = {0};
     const lf_node root = {NULL, NULL, 0, doc};
     lf_scene_parse(&reader, &root, &desc);

@@ -25,7 +25,7 @@ static double number_at(const char *keys, double frame)
 {
     char text[512];
     lf_error err = {0};
-    lf_reader reader = {"test", NULL, 0, LF_OK, &err, NULL, 0};
+    lf_reader reader = {"test", NULL, 0, LF_OK, &err, NULL, 0, false};
     bool keyed;
     snprintf(text, sizeof text, "{'frame': %g, 'camera': {'fov_y': {%s}}}", frame, keys);
     lf_node root = {NULL, NULL, 0, document(text)};

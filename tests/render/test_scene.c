@@ -181,7 +181,7 @@ static const bad bad_scenes[] = {
     {"{\"render\": {\"max_depth\": 0}}", 1, "/render/max_depth", "out of range"},
     {"{\"volumes\": []}", 1, "/volumes", "expected an object whose keys are names"},
     {"{\"volumes\": {\"a/b~\": {}}}", 1, "/volumes/a~1b~0",
-     "one is missing: \"file\" or \"shape\""},
+     "one is missing: \"file\", \"array\" or \"shape\""},
     {"{\"volumes\": {\"\": {\"shape\": \"box\"}}}", 1, "/volumes/",
      "expected a name of 1 to 128 bytes"},
     {"{\"volumes\": {\"v\": {\"shape\": \"box\",\n\"file\": \"a.vdb\"}}}", 1, "/volumes/v",

@@ -208,6 +208,10 @@ static const char *const good[] = {
     "{'volumes': {'v': {'file': 'a.vdb', 'grid': 'd', 'scale': 0, 'interpolation': 'nearest', "
     "'g': -0.999}}}",
     "{'volumes': {'v': {'file': 'a.VDB'}}}",
+    "{'volumes': {'v': {'array': 'a'}}}",
+    "{'volumes': {'v': {'array': 'a', 'spacing': [1, 0.5, 1e9], 'scale': 2, 'sigma_t': 1, "
+    "'precision': 'half', 'interpolation': 'nearest', 'droplets': 9, 'transform': {'scale': 2}}}}",
+    "{'volumes': {'v': {'array': 'a', 'spacing': {'keys': [[1, 1], [9, 2]]}, 'albedo': 0.5}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {}}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'grid': 'heat', 'scale': 1e9, "
     "'colour': [1, 0.5, 0], 'kelvin': 1000000}}}}",
@@ -306,6 +310,15 @@ static const char *const wrong[] = {
     "{'volumes': {'v': 1}}",
     "{'volumes': {'': {'shape': 'box'}}}",
     "{'volumes': {'v': {}}}",
+    "{'volumes': {'v': {'array': 'a', 'shape': 'box'}}}",
+    "{'volumes': {'v': {'array': ''}}}",
+    "{'volumes': {'v': {'array': 1}}}",
+    "{'volumes': {'v': {'array': 'a', 'spacing': 0}}}",
+    "{'volumes': {'v': {'array': 'a', 'spacing': [1, 1]}}}",
+    "{'volumes': {'v': {'array': 'a', 'emission': {}}}}",
+    "{'volumes': {'v': {'array': 'a', 'grid': 'density'}}}",
+    "{'volumes': {'v': {'array': 'a', 'albedo': {'grid': 'Cd'}}}}",
+    "{'volumes': {'v': {'shape': 'box', 'spacing': 1}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'shape': 'box'}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'density': 1}}}",
     "{'volumes': {'v': {'file': 'a.txt'}}}",

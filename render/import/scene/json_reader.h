@@ -26,6 +26,7 @@ typedef struct lf_reader {
      * that holds the value, or the longest part of its path. */
     const lf_json_source *sources;
     int n_sources;
+    bool has_no_folder; /* relative file names are refused */
 } lf_reader;
 
 /* A value and its path. Lives on the caller's stack; parents must outlive children. */

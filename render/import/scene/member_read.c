@@ -62,6 +62,12 @@ bool lf_is_file_of(const char *file, const char *const endings[])
     return is;
 }
 
+void lf_read_relative(lf_reader *reader, const lf_node *node, const char *file)
+{
+    lf_read_fail(reader, node,
+                 "%s: the scene was sent without a file, so its paths must be absolute", file);
+}
+
 const char *lf_read_file(lf_reader *reader, const lf_node *node, const char *key,
                          const char *const endings[])
 {
@@ -69,9 +75,13 @@ const char *lf_read_file(lf_reader *reader, const lf_node *node, const char *key
     char list[128];
     if (!file)
         return NULL;
+    lf_node at = lf_node_child(node, key);
+    if (reader->has_no_folder && file[0] != '/') {
+        lf_read_relative(reader, &at, file);
+        return NULL;
+    }
     if (lf_is_file_of(file, endings))
         return file;
-    lf_node at = lf_node_child(node, key);
     join_endings(endings, list, sizeof list);
     lf_read_fail(reader, &at, "%s: unknown kind of file; expected %s", file, list);
     return NULL;

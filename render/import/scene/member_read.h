@@ -30,8 +30,11 @@ bool lf_read_either(lf_reader *reader, const lf_node *node, const char *a, const
 
 /* Whether a file name ends in a dot and one of endings (ended by NULL), ignoring case. */
 bool lf_is_file_of(const char *file, const char *const endings[]);
-/* The value of key if it is the name of such a file; NULL = absent or wrong. */
+/* The value of key if it is the name of such a file; NULL = absent or wrong. A relative name is
+ * wrong if the reader has no folder. */
 const char *lf_read_file(lf_reader *reader, const lf_node *node, const char *key,
                          const char *const endings[]);
+/* Reports that this name is relative although the document has no folder. */
+void lf_read_relative(lf_reader *reader, const lf_node *node, const char *file);
 
 #endif

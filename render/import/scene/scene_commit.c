@@ -93,6 +93,18 @@ static void load_grid(commit *c, const lf_volume_desc *desc, const char *name, c
     lf_free(path);
 }
 
+/* Loads the array of a volume. */
+static void load_array(commit *c, const lf_volume_desc *desc, lf_volume *out)
+{
+    lf_error err = {0};
+    if (lf_volume_array_load(&c->grids, desc, out, &err) != LF_OK)
+        fail_at(c, "volumes", desc->name, "array", &err);
+    else if (out->grid->n_bricks == 0)
+        lf_warnings_add(&c->scene->warnings, c->scene->file.where,
+                        "array \"%s\" has no value above 0: the volume \"%s\" is left out",
+                        desc->array, desc->name);
+}
+
 /* Advected values lie between voxels and are interpolated once more. The loss of the density's
  * contrast makes images brighter: white noise by 0.09 % if it is 0.1 mean free paths per voxel, by
  * 1 % at 0.4 and 3 % at 1.6 (docs/developer/estimators/motion.md, "Velocities"). */
@@ -202,7 +214,9 @@ static void load_volumes(commit *c)
         if (desc->droplets > 0.0)
             lf_phase_droplets(desc->droplets, volume);
         volume->albedo = lf_to_vec3(desc->albedo);
-        if (desc->kind == LF_VOLUME_GRID)
+        if (desc->array)
+            load_array(c, desc, volume);
+        else if (desc->kind == LF_VOLUME_GRID)
             load_grid(c, desc, desc->grid, "is left out", "file", volume);
         if (volume->grid && c->reader->status == LF_OK)
             load_albedo(c, desc, volume);

@@ -24,7 +24,7 @@ static void check_file(lf_reader *reader, const lf_node *volumes, const lf_volum
 
 lf_status lf_scene_check_frame(const lf_scene *scene, int frame, lf_error *err)
 {
-    lf_reader reader = {scene->file.where, NULL, 0, LF_OK, err, NULL, 0};
+    lf_reader reader = {scene->file.where, NULL, 0, LF_OK, err, NULL, 0, false};
     lf_node root = {NULL, NULL, 0, scene->json};
     lf_scene_desc desc = {0};
     bool keyed;

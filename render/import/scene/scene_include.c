@@ -1,14 +1,20 @@
 #include "render/import/scene/scene_include.h"
 #include "render/import/scene/former_keys.h"
 
+#include <errno.h>
 #include <stdint.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/alloc.h"
+#include "base/errno_text.h"
 #include "base/file.h"
 #include "base/image_io.h"
 #include "base/text.h"
 #include "render/import/scene/file_alone.h"
+#include "render/import/scene/member_read.h"
+#include "render/render.h"
 #include "render/scene/scene.h"
 
 #define MAX_PATH 4095
@@ -35,27 +41,73 @@ static lf_status refuse_text(const char *path, const char *text, const json_erro
                            problem->text, problem->column);
 }
 
+/* Parses the text of *size bytes, which may become shorter. */
+static lf_status parse_text(const char *path, char *text, size_t *size, json_t **out_doc,
+                            lf_error *err)
+{
+    json_error_t problem;
+    lf_status status = lf_text_take(text, size, path, err);
+    if (status != LF_OK)
+        return status;
+    json_t *doc = json_loadb(text, *size, JSON_REJECT_DUPLICATES, &problem);
+    if (!doc)
+        return refuse_text(path, text, &problem, err);
+    *out_doc = lf_former_keys_renamed(doc);
+    json_decref(doc);
+    return *out_doc ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+}
+
 lf_status lf_scene_text_read(const char *path, const lf_roots *roots, lf_scene_text *out,
                              lf_error *err)
 {
     size_t size = 0;
-    json_error_t problem;
+    json_t *doc = NULL;
     *out = (lf_scene_text){.path = lf_strdup(path)};
     if (!out->path)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     lf_status status = lf_file_read(path, roots, LF_SCENE_MAX_BYTES, &out->text, &size, err);
-    if (status != LF_OK)
-        return status;
-    status = lf_text_take(out->text, &size, path, err);
-    if (status != LF_OK)
-        return status;
-    out->source = (lf_json_source){out->path, out->text, size, NULL};
-    json_t *doc = json_loadb(out->source.text, out->source.size, JSON_REJECT_DUPLICATES, &problem);
-    if (!doc)
-        return refuse_text(path, out->source.text, &problem, err);
-    out->source.doc = lf_former_keys_renamed(doc);
-    json_decref(doc);
-    return out->source.doc ? LF_OK : lf_error_set(err, LF_E_NOMEM, path, "out of memory");
+    if (status == LF_OK)
+        status = parse_text(path, out->text, &size, &doc, err);
+    out->source = (lf_json_source){out->path, out->text, size, doc};
+    return status;
+}
+
+/* Up to n bytes from the start of the file; its offset, which others may share, does not move. */
+static lf_status read_from_start(int fd, const char *where, char *out, size_t n, size_t *out_n,
+                                 lf_error *err)
+{
+    size_t done = 0;
+    while (done < n) {
+        const ssize_t got = pread(fd, out + done, n - done, (off_t)done);
+        if (got < 0 && errno != EINTR)
+            return lf_error_set(err, LF_E_IO, where, "cannot read: %s", lf_errno_text(errno));
+        if (got == 0)
+            break;
+        done += got > 0 ? (size_t)got : 0;
+    }
+    *out_n = done;
+    return LF_OK;
+}
+
+lf_status lf_scene_document_read(int fd, const char *where, json_t **out_doc, lf_error *err)
+{
+    struct stat st;
+    size_t size = 0;
+    if (fstat(fd, &st) != 0 || !S_ISREG(st.st_mode))
+        return lf_error_set(err, LF_E_FORMAT, where,
+                            "the descriptor of a scene must be a regular file or a memory file");
+    if ((uint64_t)st.st_size > LF_SCENE_MAX_BYTES)
+        return lf_error_set(err, LF_E_NOMEM, where,
+                            "the scene's document has %.1f MiB; at most %d MiB are allowed",
+                            (double)st.st_size / (1 << 20), (int)(LF_SCENE_MAX_BYTES >> 20));
+    char *text = lf_calloc((size_t)st.st_size + 1, 1);
+    if (!text)
+        return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
+    lf_status status = read_from_start(fd, where, text, (size_t)st.st_size, &size, err);
+    if (status == LF_OK)
+        status = parse_text(where, text, &size, out_doc, err);
+    lf_free(text);
+    return status;
 }
 
 void lf_scene_text_finish(lf_scene_text *text)
@@ -205,6 +257,10 @@ static void include_name(const including *all, lf_reader *reader, const lf_node 
         lf_read_fail(reader, at, "expected the name of a scene file");
         return;
     }
+    if (!all->folder[0] && !from && name[0] != '/') {
+        lf_read_relative(reader, at, name);
+        return;
+    }
     char *relative = beside(from, name),
          *path = relative ? lf_path_join(all->folder, relative) : NULL;
     if (path)
@@ -219,7 +275,8 @@ static void include_name(const including *all, lf_reader *reader, const lf_node 
 static void include_all(const including *all, const lf_json_source *source, const char *from,
                         const chain *above)
 {
-    lf_reader reader = {source->where, source->text, source->size, LF_OK, all->first->err, NULL, 0};
+    lf_reader reader = {source->where, source->text, source->size, LF_OK, all->first->err, NULL, 0,
+                        false};
     const lf_node root = {NULL, NULL, 0, source->doc}, node = lf_node_child(&root, "include");
     if (json_is_array(node.value)) {
         for (size_t i = json_array_size(node.value); i-- > 0 && reader.status == LF_OK;) {

@@ -102,12 +102,13 @@ static lf_status refuse_size(const lf_reader *reader, size_t bytes)
 static lf_status build_once(const lf_json_source *source, const char *folder, const lf_roots *roots,
                             const lf_scene *previous, lf_scene **out_scene, lf_error *err)
 {
-    lf_reader reader = {source->where, source->text, source->size, LF_OK, err, NULL, 0};
+    lf_reader reader = {source->where, source->text, source->size, LF_OK, err, NULL, 0, false};
     lf_scene_desc desc = {0};
     lf_shutter shutter = {0};
     lf_roots extended;
     lf_includes *includes = lf_calloc(1, sizeof *includes);
     lf_scene *scene = NULL;
+    reader.has_no_folder = folder[0] == '\0';
     reader.status = extend_roots(roots, folder, &extended, err);
     if (reader.status == LF_OK && includes)
         lf_scene_include(&reader, source->doc, folder, &extended, includes);
@@ -171,7 +172,7 @@ static lf_status build_from(const lf_scene *base, json_t *patch, const lf_roots 
 static lf_status build(const lf_json_source *source, const char *folder, const lf_roots *roots,
                        const lf_scene *previous, lf_scene **out_scene, lf_error *err)
 {
-    lf_reader reader = {source->where, source->text, source->size, LF_OK, err, NULL, 0};
+    lf_reader reader = {source->where, source->text, source->size, LF_OK, err, NULL, 0, false};
     lf_scene *first = NULL;
     lf_status status = build_once(source, folder, roots, previous, &first, err);
     if (status == LF_OK && !lf_scene_is_unplaced(first)) {

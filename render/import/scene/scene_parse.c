@@ -166,7 +166,7 @@ static bool parse_albedo_grids(lf_reader *reader, const lf_node *node, lf_volume
 {
     static const char *const keys[] = {"grid", "red", "green", "blue", NULL};
     lf_node albedo = lf_node_child(node, "albedo");
-    if (volume->kind != LF_VOLUME_GRID || !json_is_object(albedo.value))
+    if (!volume->file || !json_is_object(albedo.value))
         return false;
     if (!lf_read_object(reader, &albedo, keys))
         return true;
@@ -253,6 +253,16 @@ static void parse_grid_names(lf_reader *reader, const lf_node *node, lf_volume_d
     }
 }
 
+/* What the values of a grid mean. */
+static void parse_values(lf_reader *reader, const lf_node *node, lf_volume_desc *volume)
+{
+    static const char *const filters[] = {"linear", "nearest", NULL};
+    static const char *const precisions[] = {"exact", "half", NULL};
+    volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
+    volume->half = lf_read_choice(reader, node, "precision", precisions, 0) == 1;
+    volume->scale = lf_read_number(reader, node, "scale", 1, 0, 1e9);
+}
+
 static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_volume_desc *volume)
 {
     static const char *const keys[] = {
@@ -260,18 +270,29 @@ static void parse_grid(lf_reader *reader, const lf_node *node, int frame, lf_vol
         "albedo",    "g",        "units",        "interpolation", "emission",
         "transform", "second_g", "second_share", "droplets",      "precision",
         "velocity",  NULL};
-    static const char *const filters[] = {"linear", "nearest", NULL};
-    static const char *const precisions[] = {"exact", "half", NULL};
     lf_read_object(reader, node, keys);
     volume->kind = LF_VOLUME_GRID;
     const char *file = lf_read_file(reader, node, "file", lf_volume_endings);
     volume->file = file ? lf_frame_file(reader, node, file, frame, &volume->frame) : NULL;
     parse_grid_names(reader, node, volume);
-    volume->nearest = lf_read_choice(reader, node, "interpolation", filters, 0) == 1;
-    volume->half = lf_read_choice(reader, node, "precision", precisions, 0) == 1;
-    volume->scale = lf_read_number(reader, node, "scale", 1, 0, 1e9);
+    parse_values(reader, node, volume);
     parse_emissive(reader, node, volume);
     parse_velocity(reader, node, &volume->velocity);
+}
+
+/* A volume from memory. Its transform begins with the size of a voxel. */
+static void parse_array(lf_reader *reader, const lf_node *node, lf_volume_desc *volume,
+                        double spacing[3])
+{
+    static const char *const keys[] = {
+        "array",        "spacing",  "scale",     "sigma_t",   "albedo",        "g", "second_g",
+        "second_share", "droplets", "precision", "transform", "interpolation", NULL};
+    const double least = 1e-9, most = 1e9;
+    lf_read_object(reader, node, keys);
+    volume->kind = LF_VOLUME_GRID;
+    volume->array = lf_read_string(reader, node, "array", NULL, LF_MAX_ARRAY_NAME);
+    lf_read_colour(reader, node, "spacing", spacing, least, most);
+    parse_values(reader, node, volume);
 }
 
 /* Refuses keys that need a file, for a volume without one. */
@@ -340,18 +361,32 @@ static void parse_phase(lf_reader *reader, const lf_node *node, lf_volume_desc *
     }
 }
 
+/* A volume is of a file, an array or a shape. */
+static void check_source(lf_reader *reader, const lf_node *node)
+{
+    const int n = !!lf_node_child(node, "file").value + !!lf_node_child(node, "array").value +
+                  !!lf_node_child(node, "shape").value;
+    if (reader->status == LF_OK && n != 1)
+        lf_read_fail(reader, node, "%s: \"file\", \"array\" or \"shape\"",
+                     n == 0 ? "one is missing" : "only one is allowed");
+}
+
 static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *desc, int index)
 {
     static const char *const keys[] = {
-        "file",     "sequence",     "grid",     "scale",     "albedo", "g",        "interpolation",
-        "shape",    "transform",    "density",  "emission",  "units",  "velocity", "sigma_t",
-        "second_g", "second_share", "droplets", "precision", NULL};
+        "file",     "sequence",     "grid",     "scale",     "albedo",  "g",        "interpolation",
+        "shape",    "transform",    "density",  "emission",  "units",   "velocity", "sigma_t",
+        "second_g", "second_share", "droplets", "precision", "spacing", "array",    NULL};
+    double spacing[3] = {1, 1, 1};
     lf_volume_desc *volume = &desc->volumes[index];
     *volume = (lf_volume_desc){.name = node->key, .albedo = {1, 1, 1}, .colour = {1, 1, 1}};
     if (!lf_read_object(reader, node, keys))
         return;
-    if (lf_read_either(reader, node, "file", "shape"))
+    check_source(reader, node);
+    if (lf_node_child(node, "file").value)
         parse_grid(reader, node, desc->frame, volume);
+    else if (lf_node_child(node, "array").value)
+        parse_array(reader, node, volume, spacing);
     else
         parse_shape(reader, node, volume);
     lf_read_colour(reader, node, "sigma_t", volume->colour, 0, 1e9);
@@ -359,6 +394,8 @@ static void parse_volume(lf_reader *reader, const lf_node *node, lf_scene_desc *
         lf_read_colour(reader, node, "albedo", volume->albedo, 0, 1);
     parse_phase(reader, node, volume);
     volume->transform = parse_instances(reader, node, desc->unit_mm);
+    for (int i = 0; i < 9; i++)
+        volume->transform.m[i / 3][i % 3] *= spacing[i % 3];
 }
 
 /* ------------------------------------------------------------------------------------ meshes -- */

@@ -35,7 +35,8 @@ typedef struct lf_volume_desc {
     lf_volume_kind kind;
     /* Only for LF_VOLUME_GRID, like the next: the grids that are added, separated by newlines. */
     char grid[LF_MAX_SUMMED * LF_GRID_NAME_BYTES];
-    char *file; /* at the frame; released by lf_scene_desc_finish */
+    char *file; /* at the frame; released by lf_scene_desc_finish; NULL: a shape or an array */
+    const char *array; /* passed in memory; NULL: none */
     lf_frame_of frame;
     bool absent; /* there is no file for the frame: the volume is empty */
     bool nearest;

@@ -49,6 +49,12 @@ static bool put_volume(json_t *doc, const lf_scene_desc *scene, const lf_volume 
     json_object_del(said, "sequence");
     if (!put_flow(said, scene, desc))
         return false;
+    if (desc->array && volume->grid) {
+        const int *size = volume->grid->size;
+        json_object_del(said, "array");
+        if (json_object_set_new(said, "size", json_pack("[i, i, i]", size[0], size[1], size[2])))
+            return false;
+    }
     return !volume->grid ||
            json_object_set_new(said, "file", json_string(volume->grid->digest.text)) == 0;
 }

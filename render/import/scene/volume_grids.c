@@ -5,16 +5,19 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "render/import/scene/array_import.h"
 #include "render/import/scene/file_identity.h"
 #include "render/import/scene/vdb_import.h"
 #include "render/scene/grid.h"
 #include "render/scene/grid_flow.h"
 
-/* An open file, and the requested grids. */
+/* An open file and the requested grids, or an open array. */
 typedef struct request {
     int fd;
-    bool rounds;
-    const char *path, *names;
+    bool rounds, is_array;
+    int64_t size[3];  /* of the array */
+    const char *path, /* or the array's name */
+        *names;       /* "" for an array */
 } request;
 
 static lf_status no_memory(const request *r, lf_error *err)
@@ -53,13 +56,22 @@ static const lf_volume *find(const lf_grid_source *source, const char *key, bool
 
 /* ------------------------------------------------------------------------ without velocities -- */
 
-static lf_status import_grid(const request *r, const char *key, lf_grid **out, lf_error *err)
+static lf_status import_file(const request *r, lf_grid **out, lf_error *err)
 {
     lf_digest digest;
-    lf_grid *grid = NULL;
     lf_status status = lf_file_digest(r->fd, r->path, &digest, err);
     if (status == LF_OK)
-        status = lf_vdb_import_sum(r->fd, r->path, r->names, &grid, err);
+        status = lf_vdb_import_sum(r->fd, r->path, r->names, out, err);
+    if (status == LF_OK)
+        (*out)->digest = digest;
+    return status;
+}
+
+static lf_status import_grid(const request *r, const char *key, lf_grid **out, lf_error *err)
+{
+    lf_grid *grid = NULL;
+    lf_status status = r->is_array ? lf_array_import(r->fd, r->path, r->size, &grid, err)
+                                   : import_file(r, &grid, err);
     if (status != LF_OK)
         return status;
     lf_grid_shorten(grid, r->rounds);
@@ -67,7 +79,6 @@ static lf_status import_grid(const request *r, const char *key, lf_grid **out, l
         lf_grid_unref(grid);
         return no_memory(r, err);
     }
-    grid->digest = digest;
     *out = grid;
     return LF_OK;
 }
@@ -75,8 +86,11 @@ static lf_status import_grid(const request *r, const char *key, lf_grid **out, l
 static lf_status share_or_import(const lf_grid_source *source, const request *r, lf_grid **out,
                                  lf_error *err)
 {
-    char what[LF_MAX_SUMMED * LF_GRID_NAME_BYTES + 8];
+    char what[LF_MAX_SUMMED * LF_GRID_NAME_BYTES + 96];
     snprintf(what, sizeof what, "%s%s", r->rounds ? "half:" : "", r->names);
+    if (r->is_array)
+        snprintf(what, sizeof what, "%sarray %lldx%lldx%lld", r->rounds ? "half:" : "",
+                 (long long)r->size[0], (long long)r->size[1], (long long)r->size[2]);
     char *key = lf_file_key(r->fd, r->path, what);
     if (!key)
         return no_memory(r, err);
@@ -250,6 +264,20 @@ lf_status lf_volume_grid_load(lf_grid_source *source, const lf_volume_desc *volu
     status = lf_volume_flows(source->desc, volume)
                  ? share_or_let_flow(source, volume, &r, out, out_key, err)
                  : share_or_import(source, &r, &out->grid, err);
+    close(r.fd);
+    return status;
+}
+
+lf_status lf_volume_array_load(lf_grid_source *source, const lf_volume_desc *volume, lf_volume *out,
+                               lf_error *err)
+{
+    request r = {
+        .fd = -1, .rounds = volume->half, .is_array = true, .path = volume->array, .names = ""};
+    lf_passed *passed = source->roots ? source->roots->passed : NULL;
+    lf_status status = lf_passed_open_array(passed, volume->array, r.size, &r.fd, err);
+    if (status != LF_OK)
+        return status;
+    status = share_or_import(source, &r, &out->grid, err);
     close(r.fd);
     return status;
 }

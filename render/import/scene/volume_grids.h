@@ -27,6 +27,10 @@ LF_NODISCARD lf_status lf_volume_grid_load(lf_grid_source *source, const lf_volu
                                            const char *path, const char *names, lf_volume *out,
                                            const char **out_key, lf_error *err);
 
+/* Loads the array of a volume: sets out->grid. */
+LF_NODISCARD lf_status lf_volume_array_load(lf_grid_source *source, const lf_volume_desc *volume,
+                                            lf_volume *out, lf_error *err);
+
 /* The largest value of its grid at any time; 0 without a grid. */
 float lf_volume_largest(const lf_volume *volume);
 
