@@ -78,15 +78,6 @@ def sealed(*parts: Union[bytes, memoryview, "array.array[Any]"]) -> int:
     return descriptor
 
 
-def read_only(data: bytes) -> int:
-    """A memory file with this content that is open for reading only, as quiltd wants passed files."""
-    descriptor = sealed(data)
-    try:
-        return os.open(f"/proc/self/fd/{descriptor}", os.O_RDONLY | os.O_CLOEXEC)
-    finally:
-        os.close(descriptor)
-
-
 def empty_files(count: int) -> List[int]:
     """Memory files for quiltd to write to."""
     files: List[int] = []

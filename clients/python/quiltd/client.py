@@ -35,13 +35,14 @@ class Scene(Group):
         if not isinstance(scene, dict):
             path = os.path.abspath(os.fspath(scene)) + ("/" if os.fspath(scene).endswith("/") else "")
             return self._client._load({"file": path, **parameters}, [path, *names])
+        if not self._client.takes("scene.load", "scene"):
+            raise NotSupported("scene: scene.load of this quiltd takes no documents; save it and load it by scene(path)")
         text = encode(scene)
-        if self._client.takes("scene.load", "scene") and len(text) < LONGEST_LINE // 2:
+        if len(text) < LONGEST_LINE // 2:
             return self._client._load({"scene": scene, **parameters}, names)
-        document = arrays.read_only(text.encode())
-        try:  # a passed file of this name, which need not be there
-            path = os.path.join(os.getcwd(), "scene-of-python.json")
-            return self._client._load({"file": path, **parameters}, names, {path: document})
+        document = arrays.sealed(text.encode())
+        try:
+            return self._client._load({"scene_fd": True, **parameters}, names, [document])
         finally:
             os.close(document)
 
@@ -179,10 +180,12 @@ class Quiltd:
     def preview(self, width: Optional[int] = 210, views: Optional[int] = None, quality: Optional[int] = None) -> Preview:
         """The image that is shown now as the bytes of a JPEG quilt, with `info` about its tiles.
 
-        width: of a view in pixels; None: as rendered. views: how many, evenly spaced; None: all.
+        width: of a view in pixels, at most as rendered; None: as rendered. views: how many, evenly spaced; None: all.
         """
         if not self.takes("frame.get"):
             raise NotSupported('this quiltd has no method frame.get; export("quilt", file="quilt.jpg") gives a whole quilt')
+        if width is not None:
+            width = min(width, self.call("status").get("view_width", width))
         params = {"format": "jpeg", "width": width, "views": views, "quality": quality}
         (file,) = arrays.empty_files(1)
         try:
@@ -238,20 +241,18 @@ class Quiltd:
         except QuiltdError:  # it ended meanwhile
             pass
 
-    def _load(self, params: Dict[str, Any], names: List[str], opened: Optional[Dict[str, int]] = None) -> Dict[str, Any]:
-        """scene.load; of these files it passes those that quiltd may not open itself, and those that are open."""
-        passed = dict(opened or {})
-        mine: List[int] = []
+    def _load(self, params: Dict[str, Any], names: List[str], documents: Sequence[int] = ()) -> Dict[str, Any]:
+        """scene.load; of these files it passes those that quiltd may not open itself."""
+        passed: Dict[str, int] = {}
         try:
             for name in names:
                 if name not in passed and os.path.isfile(name) and not self._may_read(name):
-                    mine.append(os.open(name, os.O_RDONLY | os.O_CLOEXEC))
-                    passed[name] = mine[-1]
+                    passed[name] = os.open(name, os.O_RDONLY | os.O_CLOEXEC)
             if passed:
                 params = {**params, "files": list(passed)}
-            return self.call("scene.load", params, list(passed.values()))
+            return self.call("scene.load", params, [*documents, *passed.values()])
         finally:
-            arrays.close_all(mine)
+            arrays.close_all(list(passed.values()))
 
     def _may_read(self, name: str) -> bool:
         return any(name.startswith(folder.rstrip("/") + "/") for folder in self.info["folders"])

@@ -148,12 +148,14 @@ class Shown(FakeCase):
         self.q.scene(document)
         self.assertEqual(self.sent("scene.load"), [{"scene": document}])
 
-    def test_a_long_document_goes_as_a_passed_file(self):
+    def test_a_long_document_goes_by_descriptor(self):
         document = {"quiltd": 1, "comment": "x" * (1 << 20)}
-        self.q.scene(document)
-        (params,) = self.sent("scene.load")
-        self.assertEqual(params["files"], [params["file"]])
-        self.assertEqual(json.loads(self.bytes[0]), document)
+        with tempfile.NamedTemporaryFile() as file:
+            file.write(b"a mesh")
+            file.flush()
+            self.q.scene(document, files=[file.name], name="long")
+        self.assertEqual(self.sent("scene.load"), [{"scene_fd": True, "name": "long", "files": [file.name]}])
+        self.assertEqual((json.loads(self.bytes[0]), self.bytes[1]), (document, b"a mesh"))
 
     def test_a_file_is_passed_unless_quiltd_may_read_it(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -173,8 +175,10 @@ class Older(FakeCase):
     without = ("frame.get", "quilt.show")
 
     def test_what_quiltd_lacks_is_said(self):
-        del self.q.info["methods"]["scene.load"]["params"]["properties"]["arrays"]
+        properties = self.q.info["methods"]["scene.load"]["params"]["properties"]
+        del properties["scene"], properties["arrays"]
         for call in (
+            lambda: self.q.scene({"quiltd": 1}),
             lambda: self.q.show(floats((1, 1, 1), [1])),
             lambda: self.q.show_quilt(memoryview(bytes(6)).cast("B", (1, 2, 3)), 2, 1),
             self.q.preview,

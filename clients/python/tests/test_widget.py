@@ -34,7 +34,10 @@ class Previews(FakeCase):
         preview = self.q.preview(width=30, quality=60)
         self.assertEqual((preview, preview.info["columns"]), (b"JPEG", 3))
         self.assertEqual(self.q.preview(width=None), b"JPEG")
-        self.assertEqual(self.sent("frame.get"), [{"format": "jpeg", "width": 30, "quality": 60}, {"format": "jpeg"}])
+        self.fake.answers["status"] = lambda params, files: {"view_width": 24}
+        self.q.preview(width=30)
+        jpeg = {"format": "jpeg"}
+        self.assertEqual(self.sent("frame.get"), [{**jpeg, "width": 30, "quality": 60}, jpeg, {**jpeg, "width": 24}])
 
     def test_a_widget_is_of_the_picture(self):
         self.fake.answers["frame.get"] = lambda params, files: os.write(files[0], b"JPEG") and INFO
