@@ -3,6 +3,7 @@
 import os
 import threading
 import time
+import weakref
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, Set, Union
 
 from . import arrays, panel
@@ -87,7 +88,7 @@ class Quiltd:
     def __init__(self, socket: Optional[PathOrName] = None) -> None:
         self._connection = Connection([os.fspath(socket)] if socket is not None else sockets())
         self._subscribing = threading.Lock()
-        self._events: List[Events] = []
+        self._events: "weakref.WeakSet[Events]" = weakref.WeakSet()  # those that somebody still reads
         try:
             self.info: Dict[str, Any] = self._connection.call("hello", {})
         except BaseException:
@@ -155,7 +156,7 @@ class Quiltd:
             raise ParameterError(f"events: {', '.join(sorted(wanted - known))}: quiltd has {', '.join(sorted(known))}")
         events = Events(self, wanted, timeout)
         with self._subscribing:
-            self._events.append(events)
+            self._events.add(events)
             self._subscribe()
         return events
 
@@ -260,7 +261,7 @@ class Quiltd:
     def _forget(self, events: Events) -> None:
         with self._subscribing:
             if events in self._events:
-                self._events.remove(events)
+                self._events.discard(events)
                 self._subscribe()
 
     def _subscribe(self) -> None:

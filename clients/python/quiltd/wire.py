@@ -198,9 +198,14 @@ class Connection:
         with self._sending:
             try:
                 sent = self._socket.sendmsg([line], rights if descriptors else [])
-                self._socket.sendall(line[sent:])
+                if sent < len(line):
+                    self._socket.sendall(line[sent:])
+            except (BrokenPipeError, ConnectionResetError):
+                pass  # quiltd has ended: its last words, and its end, are read next
             except OSError as error:
-                raise ConnectionClosed(self._closed or f"quiltd closed the connection: {error.strerror}") from None
+                if self._closed is None:  # a descriptor that is not open
+                    raise ParameterError(f"{message['method']}: {error.strerror}") from None
+                raise ConnectionClosed(self._closed) from None
             except BaseException:  # half a line is sent: nothing can follow it
                 self.close()
                 raise

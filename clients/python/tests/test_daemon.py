@@ -35,7 +35,7 @@ def setUpModule():
     folder = tempfile.mkdtemp()
     scene, sock = os.path.join(folder, "scene.json"), os.path.join(folder, "s")
     pathlib.Path(scene).write_text(json.dumps(SCENE))
-    options = ["--socket", sock, "--device", "sim:panel", "--view-size", f"{WIDTH}x{HEIGHT}", "--threads", "1"]
+    options = ["--socket", sock, "--device", "sim:panel", "--view-size", f"{WIDTH}x{HEIGHT}", "--threads", "1", "--run-for", "1800"]
     daemon = subprocess.Popen([os.path.join(os.path.abspath(BUILD), "quiltd"), scene, *options], cwd=folder, stderr=subprocess.DEVNULL)
     while True:
         try:

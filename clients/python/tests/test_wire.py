@@ -90,6 +90,11 @@ class Answers(FakeCase):
             self.assertEqual(self.q.call("scene.load", {"file": "x" * 900_000}, [file.fileno()]), {"length": 900_000})
         self.assertEqual(sizes, [5])
 
+    def test_a_descriptor_that_is_not_open_is_refused(self):
+        with self.assertRaises(quiltd.ParameterError):
+            self.q.call("status", {}, [99999])
+        self.assertEqual(self.q.status(), {})
+
     def test_a_call_beyond_a_mebibyte_is_not_sent(self):
         with self.assertRaises(quiltd.ParameterError):
             self.q.call("scene.load", {"file": "x" * (1 << 20)})
@@ -145,6 +150,12 @@ class Errors(FakeCase):
         with self.assertRaisesRegex(quiltd.ConnectionClosed, "too many clients"):
             self.q.status()
 
+    def test_last_words_are_read_after_the_end(self):
+        self.fake.send({"jsonrpc": "2.0", "id": None, "error": {"code": -32000, "message": "too many clients"}})
+        self.fake.connections[-1].close()
+        with self.assertRaisesRegex(quiltd.ConnectionClosed, "too many clients"):
+            self.q.status()
+
     def test_without_a_daemon_all_sockets_are_named(self):
         with tempfile.TemporaryDirectory() as folder:
             with mock.patch.dict(os.environ, {"QUILTD_SOCKET": folder + "/a", "XDG_RUNTIME_DIR": folder}):
@@ -194,6 +205,17 @@ class Notifications(FakeCase):
 
     def test_the_loop_ends_when_nothing_comes(self):
         self.assertEqual(list(self.q.events("frame", timeout=0.01)), [])
+
+    def test_a_loop_that_was_left_gathers_nothing(self):
+        self.fake.answers["status"] = lambda params, files: self.fake.notify("frame", generation=1) or {}
+        events = self.q.events("frame", timeout=5)
+        self.q.status()
+        for event in events:
+            break
+        del events
+        self.assertEqual((event["generation"], len(self.q._connection._inboxes)), (1, 0))
+        self.q.events("scene")
+        self.assertEqual(self.sent("subscribe")[-1], {"events": ["scene"]})
 
     def test_an_unknown_word_is_refused(self):
         with self.assertRaisesRegex(quiltd.ParameterError, "frames"):
@@ -252,6 +274,7 @@ class Exports(FakeCase):
         before = len(os.listdir("/proc/self/fd"))
         with self.assertRaises(quiltd.InternalError):
             self.q.export("print")
+        self.q.status()  # the daemon of this process has closed its own
         self.assertEqual(len(os.listdir("/proc/self/fd")), before)
 
 
