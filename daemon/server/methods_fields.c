@@ -182,7 +182,7 @@ static const field fields[] = {
      "generation of the image; a new one if the image restarts"},
     {"export", "job", "integer", COUNT,
      "job number of the export; a notification reports its end"},
-    {"export", "file", "string", NULL, "file to be written"},
+    {"export", "file", "string", NULL, "file to be written; with fds the name of the call"},
     {"job.cancel", NULL, NULL, NULL, NULL},
     {"device.list", "devices", "[@device]", NULL, "devices that can be opened"},
     {"device.list", "present", "@device", NULL, "device that is open"},
