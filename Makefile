@@ -9,6 +9,7 @@
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
 #   make lint               static checks
+#   make python             the client in Python: a wheel and an sdist in build/
 #   make docs               write the tables of docs/reference from the tables of the programs
 #   make fuzz               feed random bytes to the readers: FUZZ_SECONDS each (60); T=hid: only that one
 #   make soak               the daemon on a panel with random faults: SOAK_SECONDS (600), SOAK_SEED
@@ -64,7 +65,7 @@ all:
 # Goals that install packages first, then come back here as GOAL-now.
 front := check check-arm64 check-kernel check-distro run bench verify lint fuzz soak mutants deb
 # Goals that need no library flags.
-light := $(front) deps clean help
+light := $(front) deps clean help python
 goals := $(or $(MAKECMDGOALS),all)
 
 # files of one pattern in a module and its folders
@@ -215,7 +216,7 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
 
 .PHONY: tests fuzz-targets check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
 # what renders for long is run once, as it is built for users
-tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh $(if $(filter release,$(BUILD)),readme.sh guides.sh) arm64.sh)
+tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh python.sh $(if $(filter release,$(BUILD)),readme.sh guides.sh) arm64.sh)
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))
 tests: all $(selected) $(if $(T)$(filter-out release,$(BUILD)),,$(headers_alone)) $(O)/tests/arm64/results
 check-now: tests
@@ -312,6 +313,11 @@ clean:
 
 help:
 	@sed -n '/^[^#]/q; s/^# \{0,1\}//p' $(MAKEFILE)
+
+# needs python3, and nothing else
+.PHONY: python
+python:
+	@python3 $(SRCDIR)/clients/python/backend.py $(BUILDROOT)
 
 # ---------------------------------------------------------------------------------------------------------- lint --
 lint_srcs = $(filter-out %.cc,$(foreach l,$(libraries),$($(l)_srcs)) $(foreach p,$(programs),$($(p)_srcs)))

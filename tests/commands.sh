@@ -56,7 +56,7 @@ exec "$PROGRAMS/$program" "${arguments[@]}"
 END
 }
 set_up_reader() { # folder, size of views: the reader's programs, home, session and model
-    export PROGRAMS=$out VIEW_SIZE=$2 HOME=$1 XDG_RUNTIME_DIR=$1/run PATH="$1/bin:$out:$PATH"
+    export PROGRAMS=$out VIEW_SIZE=$2 HOME=$1 XDG_RUNTIME_DIR=$1/run PATH="$1/bin:$out:$PATH" PYTHONPATH=$src/clients/python
     unset QUILTD_SOCKET
     mkdir -p "$1/bin"
     mkdir -m 700 "$XDG_RUNTIME_DIR"
@@ -73,7 +73,7 @@ set_up_reader() { # folder, size of views: the reader's programs, home, session 
 # is a file of settings, is a formula, or is a part of a scene.
 elsewhere() { # command
     case $1 in
-    make\ * | *' make '* | sudo\ * | journalctl\ * | "echo 'deb "*) ;;
+    make\ * | *' make '* | *\ -m\ pip\ * | sudo\ * | journalctl\ * | "echo 'deb "*) ;;
     *\ /usr/share/*) ;;
     python3\ *) ! command -v python3 > /dev/null ;;
     [A-Z]*=*) ;;

@@ -35,13 +35,14 @@ PAGES = [  # the first that fits
     ("guide", "README.md"),
     ("guide", "CONTRIBUTING.md"),
     ("guide", "docs/guide/*.md"),
+    ("guide", "clients/*/README.md"),
     ("reference", "docs/reference/**/*.md"),
     ("reference", "docs/man/*.1"),
     ("developer", "docs/developer/**/*.md"),
 ]
 GLOSSARY = "docs/developer/glossary.md"
 PROGRAMS = ["quiltd", "quiltctl", "quiltrender", "quiltsim", "quiltbench"]
-FOLDERS = ["base", "render", "quilt", "device", "daemon", "bench", "scenes", "tests", "docs", "systemd", "debian", ".ci"]
+FOLDERS = ["base", "render", "quilt", "device", "daemon", "bench", "scenes", "clients", "tests", "docs", "systemd", "debian", ".ci"]
 
 FORBIDDEN = re.compile(
     r"""\b(?: but\ for | lest | anew | whoever | so\ many | honestly | mend(?:s|ed)? | woven | weaves? | ours

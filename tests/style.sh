@@ -141,7 +141,7 @@ includes_of_private_headers() { include_complaints "$1" | sed -n 's/^exported //
 cxx_only_for_libraries() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/import/reader/(vdb|draco)_read|scenes/make_[a-z_]*)\.cc$'; }
 top_level() {
     (cd "$1" && if [ -e .git ]; then git ls-files 2> /dev/null | cut -d/ -f1 | sort -u; else ls; fi) |
-        grep -vE '^(\..*|Makefile|README\.md|CHANGELOG\.md|LICENSE|CONTRIBUTING(\.md)?|base|render|quilt|device|daemon|tests|systemd|scenes|bench|docs|debian|build)$'
+        grep -vE '^(\..*|Makefile|README\.md|CHANGELOG\.md|LICENSE|CONTRIBUTING(\.md)?|base|render|quilt|device|daemon|clients|tests|systemd|scenes|bench|docs|debian|build)$'
 }
 # Linux braces: a function's body stands between lines that hold one brace.
 long_functions() {
