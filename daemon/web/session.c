@@ -43,7 +43,7 @@ struct lf_session {
     } preview;
 };
 
-/* --------------------------------------------------------------------------- to both sides -- */
+/* ----------------------------------------------------------------------------- to both sides -- */
 
 static void say(lf_session *s, json_t *message)
 {
@@ -74,7 +74,7 @@ static void ask_daemon(lf_session *s, const json_t *message, int fd)
     free(text);
 }
 
-/* --------------------------------------------------------------------------------- images -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 static bool is_pacing(const lf_session *s)
 {
@@ -189,7 +189,7 @@ static void on_preview(lf_session *s, const lf_rpc_request *request)
     ask_image(s);
 }
 
-/* --------------------------------------------------------------------- messages of clients -- */
+/* ----------------------------------------------------------------------- messages of clients -- */
 
 static bool is_own_method(const char *method)
 {
@@ -249,7 +249,7 @@ static void on_text(void *context, const char *text, size_t n)
     lf_rpc_request_finish(&request);
 }
 
-/* ------------------------------------------------------------------------- lines of quiltd -- */
+/* --------------------------------------------------------------------------- lines of quiltd -- */
 
 /* True: the line is an answer to us. */
 static bool take_own(lf_session *s, const char *line, size_t n)
@@ -289,7 +289,7 @@ static void on_link_end(void *context)
     lf_ws_close(s->ws, LF_WS_GOING_AWAY, "quiltd has closed the connection");
 }
 
-/* ------------------------------------------------------------------------------- its life -- */
+/* ---------------------------------------------------------------------------------- its life -- */
 
 static void on_ws_end(void *context)
 {

@@ -57,7 +57,7 @@ struct lf_web {
     int n_fetches;
 };
 
-/* ------------------------------------------------------------------------------ listening -- */
+/* --------------------------------------------------------------------------------- listening -- */
 
 static lf_status address_of(const char *text, struct sockaddr_storage *out, socklen_t *out_size,
                             lf_error *err)
@@ -124,7 +124,7 @@ static lf_status look_at_socket(lf_web *web, int fd, bool *out_v6, lf_error *err
     return LF_OK;
 }
 
-/* ------------------------------------------------------------------- libmicrohttpd's turns -- */
+/* --------------------------------------------------------------------- libmicrohttpd's turns -- */
 
 static int on_turn(lf_web *web)
 {
@@ -187,7 +187,7 @@ static void on_connection(void *context, struct MHD_Connection *connection, void
     *deadline = NULL;
 }
 
-/* ----------------------------------------------------------------------------- WebSockets -- */
+/* -------------------------------------------------------------------------------- WebSockets -- */
 
 static void leave_seat(seat *gone)
 {
@@ -273,7 +273,7 @@ static enum MHD_Result answer_handshake(lf_web *web, struct MHD_Connection *conn
     return lf_reply_upgrade(connection, value[3], on_upgrade, web);
 }
 
-/* ------------------------------------------------------------------------------- requests -- */
+/* ---------------------------------------------------------------------------------- requests -- */
 
 static void on_fetched(void *context)
 {
@@ -381,7 +381,7 @@ static void on_completed(void *context, struct MHD_Connection *connection, void 
     *out_request = NULL;
 }
 
-/* ------------------------------------------------------------------------------- its life -- */
+/* ---------------------------------------------------------------------------------- its life -- */
 
 static void on_log(void *context, const char *format, va_list arguments) LF_PRINTF(2, 0);
 static void on_log(void *context, const char *format, va_list arguments)

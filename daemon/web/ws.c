@@ -29,7 +29,7 @@ struct lf_ws {
 static int on_io(sd_event_source *source, int fd, uint32_t what, void *context);
 static int on_time(sd_event_source *source, uint64_t usec, void *context);
 
-/* ------------------------------------------------------------------------------ for wslay -- */
+/* --------------------------------------------------------------------------------- for wslay -- */
 
 static ssize_t receive(wslay_event_context_ptr wslay, uint8_t *to, size_t n, int flags,
                        void *context)
@@ -85,7 +85,7 @@ static void on_message(wslay_event_context_ptr wslay,
         lf_ws_close(ws, LF_WS_UNSUPPORTED, "expects text messages");
 }
 
-/* ------------------------------------------------------------------------------ its life -- */
+/* ---------------------------------------------------------------------------------- its life -- */
 
 static lf_status set_up(lf_ws *ws, sd_event *event, const void *early, size_t n)
 {
@@ -162,7 +162,7 @@ static bool is_waiting(const lf_ws *ws)
     return sd_event_source_get_enabled(ws->timer, &enabled) >= 0 && enabled != SD_EVENT_OFF;
 }
 
-/* ---------------------------------------------------------------------------------- turns -- */
+/* ------------------------------------------------------------------------------------- turns -- */
 
 /* The last word was said. What the peer still sends is read and forgotten: closing a socket with
  * unread data would take our last word from it. */
@@ -214,7 +214,7 @@ static int on_io(sd_event_source *source, int fd, uint32_t what, void *context)
     return 0;
 }
 
-/* ------------------------------------------------------------------------------- messages -- */
+/* ---------------------------------------------------------------------------------- messages -- */
 
 static void queue(lf_ws *ws, uint8_t opcode, const uint8_t *data, size_t n)
 {

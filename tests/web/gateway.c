@@ -32,7 +32,7 @@ struct gateway {
     char calls[MAX_CALLS][24];
     int n_calls;
     bool answers_images;
-    const char *rest; /* of the line that gateway_flood could not end */
+    const char *rest; /* of the line that lf_gateway_flood could not end */
 };
 
 /* -------------------------------------------------------------------------- the false quiltd -- */
@@ -163,7 +163,7 @@ static void *be_daemon(void *context)
         for (int i = 0; i < n; i++)
             polled[i + 2] = (struct pollfd){g->connections[i], POLLIN, 0};
         pthread_mutex_unlock(&g->lock);
-        /* a look now and then: gateway_hang_up closes connections meanwhile */
+        /* a look now and then: lf_gateway_hang_up closes connections meanwhile */
         poll(polled, (nfds_t)n + 2, 50);
         if (polled[0].revents)
             return NULL;
@@ -179,14 +179,14 @@ static void *be_daemon(void *context)
     }
 }
 
-void gateway_answer_images(gateway *g, bool answer)
+void lf_gateway_answer_images(gateway *g, bool answer)
 {
     pthread_mutex_lock(&g->lock);
     g->answers_images = answer;
     pthread_mutex_unlock(&g->lock);
 }
 
-int gateway_calls(gateway *g, const char *method)
+int lf_gateway_calls(gateway *g, const char *method)
 {
     int n = 0;
     pthread_mutex_lock(&g->lock);
@@ -196,7 +196,7 @@ int gateway_calls(gateway *g, const char *method)
     return n;
 }
 
-void gateway_notify(gateway *g, const char *line)
+void lf_gateway_notify(gateway *g, const char *line)
 {
     pthread_mutex_lock(&g->lock);
     for (int i = 0; i < g->n_connections; i++) {
@@ -206,7 +206,7 @@ void gateway_notify(gateway *g, const char *line)
     pthread_mutex_unlock(&g->lock);
 }
 
-int gateway_flood(gateway *g, const char *line, int most)
+int lf_gateway_flood(gateway *g, const char *line, int most)
 {
     const size_t length = strlen(line);
     size_t at = 0;
@@ -228,12 +228,12 @@ int gateway_flood(gateway *g, const char *line, int most)
     return sent;
 }
 
-void gateway_flood_end(gateway *g)
+void lf_gateway_flood_end(gateway *g)
 {
     send_whole(g->connections[0], g->rest);
 }
 
-void gateway_hang_up(gateway *g)
+void lf_gateway_hang_up(gateway *g)
 {
     pthread_mutex_lock(&g->lock);
     while (g->n_connections > 0)
@@ -270,7 +270,7 @@ static void *be_gateway(void *context)
     return NULL;
 }
 
-int gateway_setup(void **state)
+int lf_gateway_setup(void **state)
 {
     gateway *g = calloc(1, sizeof *g);
     struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -295,7 +295,7 @@ int gateway_setup(void **state)
     return 0;
 }
 
-int gateway_teardown(void **state)
+int lf_gateway_teardown(void **state)
 {
     gateway *g = *state;
     const uint64_t one = 1;
@@ -303,7 +303,7 @@ int gateway_teardown(void **state)
     pthread_join(g->web_thread, NULL);
     assert_int_equal(write(g->stop_daemon, &one, sizeof one), sizeof one);
     pthread_join(g->daemon_thread, NULL);
-    gateway_hang_up(g);
+    lf_gateway_hang_up(g);
     close(g->stop_web);
     close(g->stop_daemon);
     close(g->daemon_fd);
@@ -314,23 +314,23 @@ int gateway_teardown(void **state)
     return 0;
 }
 
-int gateway_port(const gateway *g)
+int lf_gateway_port(const gateway *g)
 {
     return g->port;
 }
 
-const char *gateway_token(const gateway *g)
+const char *lf_gateway_token(const gateway *g)
 {
     return g->token;
 }
 
-const char *gateway_cookie(gateway *g)
+const char *lf_gateway_cookie(gateway *g)
 {
     char header[80];
     snprintf(header, sizeof header, "Authorization: Bearer %s\r\n", g->token);
-    const char *answer = client_get(g, "POST /api/login HTTP/1.1", header);
+    const char *answer = lf_caller_get(g, "POST /api/login HTTP/1.1", header);
     const char *at = strstr(answer, "Set-Cookie: ");
-    assert_int_equal(client_status(answer), 204);
+    assert_int_equal(lf_caller_status(answer), 204);
     assert_non_null(at);
     at += strlen("Set-Cookie: ");
     snprintf(g->cookie, sizeof g->cookie, "%.*s", (int)strcspn(at, ";\r"), at);
@@ -339,7 +339,7 @@ const char *gateway_cookie(gateway *g)
 
 /* ----------------------------------------------------------------------------------- clients -- */
 
-int client_connect(const gateway *g)
+int lf_caller_connect(const gateway *g)
 {
     struct sockaddr_in address = {.sin_family = AF_INET,
                                   .sin_port = htons((uint16_t)g->port),
@@ -352,7 +352,7 @@ int client_connect(const gateway *g)
     return fd;
 }
 
-bool client_send(int fd, const char *raw, size_t n)
+bool lf_caller_send(int fd, const char *raw, size_t n)
 {
     while (n > 0) {
         ssize_t sent = send(fd, raw, n, MSG_NOSIGNAL);
@@ -364,12 +364,12 @@ bool client_send(int fd, const char *raw, size_t n)
     return true;
 }
 
-const char *client_ask(const gateway *g, const char *request)
+const char *lf_caller_ask(const gateway *g, const char *request)
 {
     static char answer[1 << 17];
     size_t used = 0;
-    int fd = client_connect(g);
-    (void)client_send(fd, request, strlen(request));
+    int fd = lf_caller_connect(g);
+    (void)lf_caller_send(fd, request, strlen(request));
     ssize_t n;
     while (used + 1 < sizeof answer &&
            (n = recv(fd, answer + used, sizeof answer - 1 - used, 0)) > 0)
@@ -379,30 +379,30 @@ const char *client_ask(const gateway *g, const char *request)
     return answer;
 }
 
-const char *client_get(const gateway *g, const char *line, const char *headers)
+const char *lf_caller_get(const gateway *g, const char *line, const char *headers)
 {
     char request[4096];
     snprintf(request, sizeof request, "%s\r\nHost: 127.0.0.1:%d\r\n%s\r\n", line, g->port, headers);
-    return client_ask(g, request);
+    return lf_caller_ask(g, request);
 }
 
-int client_status(const char *answer)
+int lf_caller_status(const char *answer)
 {
     return strncmp(answer, "HTTP/1.1 ", 9) == 0 ? atoi(answer + 9) : 0;
 }
 
-int ws_connect(const gateway *g, const char *headers, const char **out_answer)
+int lf_talk_connect(const gateway *g, const char *headers, const char **out_answer)
 {
     static char answer[4096];
     char request[4096];
     size_t used = 0;
-    int fd = client_connect(g);
+    int fd = lf_caller_connect(g);
     snprintf(request, sizeof request,
              "GET /rpc HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nUpgrade: websocket\r\n"
              "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n%s\r\n",
              g->port, headers);
-    assert_true(client_send(fd, request, strlen(request)));
+    assert_true(lf_caller_send(fd, request, strlen(request)));
     while (used + 1 < sizeof answer && recv(fd, answer + used, 1, 0) == 1) {
         answer[++used] = '\0';
         if (used >= 4 && strcmp(answer + used - 4, "\r\n\r\n") == 0)
@@ -413,17 +413,17 @@ int ws_connect(const gateway *g, const char *headers, const char **out_answer)
     return fd;
 }
 
-int ws_open(const gateway *g)
+int lf_talk_open(const gateway *g)
 {
     char header[80];
     const char *answer = NULL;
     snprintf(header, sizeof header, "Authorization: Bearer %s\r\n", g->token);
-    int fd = ws_connect(g, header, &answer);
-    assert_int_equal(client_status(answer), 101);
+    int fd = lf_talk_connect(g, header, &answer);
+    assert_int_equal(lf_caller_status(answer), 101);
     return fd;
 }
 
-void ws_send(int fd, int opcode, const char *data, size_t n)
+void lf_talk_send(int fd, int opcode, const char *data, size_t n)
 {
     unsigned char head[14] = {(unsigned char)(0x80 | opcode)};
     size_t n_head = 2;
@@ -439,13 +439,13 @@ void ws_send(int fd, int opcode, const char *data, size_t n)
             head[n_head++] = (unsigned char)(n >> (56 - 8 * i));
     }
     n_head += 4; /* a mask of zeros: the data is as it is */
-    if (client_send(fd, (const char *)head, n_head))
-        (void)client_send(fd, data, n);
+    if (lf_caller_send(fd, (const char *)head, n_head))
+        (void)lf_caller_send(fd, data, n);
 }
 
-void ws_say(int fd, const char *text)
+void lf_talk_say(int fd, const char *text)
 {
-    ws_send(fd, 1, text, strlen(text));
+    lf_talk_send(fd, 1, text, strlen(text));
 }
 
 static bool receive_all(int fd, unsigned char *to, size_t n)
@@ -459,7 +459,7 @@ static bool receive_all(int fd, unsigned char *to, size_t n)
     return true;
 }
 
-int ws_next(int fd, const unsigned char **out_data, size_t *out_n)
+int lf_talk_next(int fd, const unsigned char **out_data, size_t *out_n)
 {
     static unsigned char data[(1 << 21) + 1];
     for (;;) {
@@ -484,11 +484,11 @@ int ws_next(int fd, const unsigned char **out_data, size_t *out_n)
     }
 }
 
-const char *ws_until(int fd, const char *word, int *out_binaries)
+const char *lf_talk_until(int fd, const char *word, int *out_binaries)
 {
     const unsigned char *data = NULL;
     size_t n = 0;
-    for (int opcode; (opcode = ws_next(fd, &data, &n)) > 0;) {
+    for (int opcode; (opcode = lf_talk_next(fd, &data, &n)) > 0;) {
         if (opcode == 8)
             fail_msg("closed with %d: %s", n >= 2 ? data[0] << 8 | data[1] : 0,
                      n >= 2 ? (const char *)data + 2 : "");

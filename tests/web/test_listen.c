@@ -59,11 +59,11 @@ static void a_request_that_does_not_end_is_dropped(void **state)
 {
     gateway *g = *state;
     char answer[64];
-    int fd = client_connect(g);
-    assert_true(client_send(fd, "GET / HTTP/1.1\r\nHost: ", 22));
+    int fd = lf_caller_connect(g);
+    assert_true(lf_caller_send(fd, "GET / HTTP/1.1\r\nHost: ", 22));
     assert_true(recv(fd, answer, sizeof answer, 0) <= 0);
     close(fd);
-    fd = client_connect(g); /* and one that says nothing */
+    fd = lf_caller_connect(g); /* and one that says nothing */
     assert_true(recv(fd, answer, sizeof answer, 0) <= 0);
     close(fd);
 }
@@ -73,7 +73,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(only_loopback_is_listened_on),
         cmocka_unit_test(a_socket_for_everybody_is_refused),
-        gateway_test(a_request_that_does_not_end_is_dropped),
+        lf_gateway_test(a_request_that_does_not_end_is_dropped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
