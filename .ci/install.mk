@@ -26,7 +26,7 @@ install: all $(completions)
 	 $(call to,644,$(O)/completions/$$p.zsh,$(ZSHDIR)/_$$p) && \
 	 $(call to,644,$(O)/completions/$$p.fish,$(DATADIR)/fish/vendor_completions.d/$$p.fish) || exit 1; done
 	@for f in $(scene_data); do $(call to,644,$(BUILDROOT)/$$f,$(SCENEDIR)/$${f#scenes/}) || exit 1; done
-	@for f in scene.schema.json $(patsubst docs/%,%,$(call wild,docs/guide/*.md) $(call wild,docs/reference/*.md) $(call wild,docs/reference/formats/*.md) $(call wild,docs/reference/*.py) $(call wild,docs/guide/images/*)); do $(call to,644,$(SRCDIR)/docs/$$f,$(dir $(SCENEDIR))docs/$$f) || exit 1; done
+	@for f in scene.schema.json $(patsubst docs/%,%,$(call wild,docs/guide/*.md) $(call wild,docs/reference/*.md) $(call wild,docs/reference/formats/*.md) $(call wild,docs/reference/*.py) $(call wild,docs/guide/images/*) $(call wild,docs/developer/*.md) $(call wild,docs/developer/estimators/*.md)); do $(call to,644,$(SRCDIR)/docs/$$f,$(dir $(SCENEDIR))docs/$$f) || exit 1; done
 	@$(call filled,quiltd.service) && $(call to,644,$(O)/quiltd.service,$(UNITDIR)/quiltd.service)
 	@$(call filled,quiltd.socket) && $(call to,644,$(O)/quiltd.socket,$(UNITDIR)/quiltd.socket)
 	@$(call to,644,$(SRCDIR)/systemd/quiltd.sysusers,$(SYSUSERSDIR)/quiltd.conf)
@@ -34,4 +34,4 @@ install: all $(completions)
 	@$(call to,644,$(SRCDIR)/systemd/70-quiltd.rules,$(UDEVDIR)/70-quiltd.rules)
 	@$(call to,644,$(SRCDIR)/systemd/60-quiltd.polkit.rules,$(POLKITDIR)/60-quiltd.rules)
 	@echo 'installed below $(DESTDIR)$(PREFIX); now run as root: systemd-sysusers && systemd-tmpfiles --create && udevadm control --reload'
-	@echo 'and for the service: systemctl daemon-reload && systemctl enable --now quiltd; adduser NAME quiltd for those who may steer it'
+	@echo 'and for the service: systemctl daemon-reload && systemctl enable --now quiltd; adduser NAME quiltd for each user who may control it'

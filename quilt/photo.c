@@ -197,3 +197,12 @@ lf_status lf_photo_draw(const lf_photo_picture *p, const lf_photo_place *place,
     lf_free(line);
     return status;
 }
+
+lf_status lf_view_shrink(const lf_views8 *views, int view, int width, int height, uint8_t *out)
+{
+    const lf_photo_picture picture = {views->width, views->height, 1, lf_views8_row(views, view, 0),
+                                      NULL};
+    const lf_photo_place whole = {.width = 1, .height = 1};
+    const lf_layout to = {.view_width = width, .view_height = height, .aspect = 1};
+    return lf_photo_draw(&picture, &whole, &to, 0, out, NULL);
+}

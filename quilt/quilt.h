@@ -244,6 +244,10 @@ LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, in
 void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt);
 void lf_quilt_finish(lf_quilt_file *quilt);
 
+/* Scales a view to this smaller size, by area in linear light. The rows of a view must be packed;
+ * out is [height][width][3]. LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_view_shrink(const lf_views8 *views, int view, int width, int height,
+                                      uint8_t *out);
 /* Row y, from the top, of the quilt that lf_quilt_write_png writes: layout->columns times the
  * views' width, 3 bytes per pixel. */
 void lf_quilt_row8(const lf_views8 *views, const lf_layout *layout, int y, uint8_t *out);

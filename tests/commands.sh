@@ -70,7 +70,7 @@ set_up_reader() { # folder, size of views: the reader's programs, home, session 
 }
 
 # What cannot run here: it installs or builds something (make check-distro does that), needs root or systemd, needs an installed quiltd,
-# is a file of settings, or is a formula.
+# is a file of settings, is a formula, or is a part of a scene.
 elsewhere() { # command
     case $1 in
     make\ * | *' make '* | sudo\ * | journalctl\ * | "echo 'deb "*) ;;
@@ -78,6 +78,7 @@ elsewhere() { # command
     python3\ *) ! command -v python3 > /dev/null ;;
     [A-Z]*=*) ;;
     [a-z]*\ =\ *) ;;
+    '"'*) ;;
     *) return 1 ;;
     esac
 }
@@ -99,10 +100,11 @@ start_daemon() { # command
 # It is a server: it has to say how to plug its panel in.
 start_simulator() { # command
     local simulator
-    eval "exec $1" > sim.log 2>&1 < <(sleep 10) &
+    : > sim.log
+    eval "exec $1" > sim.log 2>&1 < <(sleep 600) &
     simulator=$!
-    for _ in $(seq 50); do
-        grep -q ' attach -r ' sim.log && break
+    until grep -q ' attach -r ' sim.log; do
+        kill -0 "$simulator" 2> /dev/null || break
         sleep 0.1
     done
     kill "$simulator" 2> /dev/null

@@ -36,6 +36,19 @@ missing() {
 }
 report "everything is installed" "$(missing)"
 
+# Lab notes and the sources are not installed.
+dead_links() { # folder of pages
+    local page target
+    find "$1" -name '*.md' | while read -r page; do
+        grep -oE '\]\([^)#: ]+\.md' "$page" | sed 's/^](//' | grep -vE "/lab/|(README|CONTRIBUTING|CHANGELOG)[.]md" | while read -r target; do
+            [ -e "$(dirname "$page")/$target" ] || echo "$page: $target"
+        done
+    done
+}
+report "pages that are installed lead to pages that are" "$(dead_links "$prefix/share/quiltd/docs")"
+printf '[a](gone.md)' > "$top/breach.md"
+report "a dead link would be seen" "$(dead_links "$top" | grep -q gone || echo 'not seen')"
+
 # g++ is part of build-essential, which every package is built with
 undeclared() {
     local p

@@ -18,11 +18,20 @@ typedef enum next_step {
     NEXT_SETTLE
 } next_step;
 
-static next_step next_todo(const lf_engine *engine)
+/* The link to the first request that may run; NULL in it: none. */
+static engine_request **next_request(lf_engine *engine)
+{
+    engine_request **at = &engine->first;
+    while (*at && (*at)->may_run && !(*at)->may_run(engine, *at))
+        at = &(*at)->next;
+    return at;
+}
+
+static next_step next_todo(lf_engine *engine)
 {
     if (engine->life.stop)
         return NEXT_STOP;
-    if (engine->first)
+    if (*next_request(engine))
         return NEXT_REQUEST;
     if (engine->news.controls || engine->news.panel || engine->news.card)
         return NEXT_CHANGES;
@@ -47,8 +56,9 @@ static next_step wait_for_work(lf_engine *engine, engine_request **out_request,
     while (what == NEXT_SETTLE && !engine->owed && sleep_now(engine))
         what = next_todo(engine);
     if (what == NEXT_REQUEST) {
-        *out_request = engine->first;
-        engine->first = engine->first->next;
+        engine_request **at = next_request(engine);
+        *out_request = *at;
+        *at = (*at)->next;
         atomic_store_explicit(&engine->cancel, 0, memory_order_relaxed);
     } else if (what == NEXT_CHANGES) {
         orders->controls = engine->wanted.controls;
@@ -324,6 +334,19 @@ lf_status lf_engine_snapshot(lf_engine *engine, lf_denoise denoise, unsigned lay
                               .layers = layers,
                               .snapshot = out};
     *out = (lf_snapshot){0};
+    return call(engine, &request, false);
+}
+
+lf_status lf_engine_shown(lf_engine *engine, int n, const lf_cancel *cancel, lf_shown_views *out,
+                          lf_error *err)
+{
+    engine_request request = {.run = engine_run_shown,
+                              .may_run = engine_may_run_shown,
+                              .err = err,
+                              .n_views = n,
+                              .cancel = cancel,
+                              .shown = out};
+    *out = (lf_shown_views){0};
     return call(engine, &request, false);
 }
 

@@ -137,6 +137,27 @@ typedef struct lf_snapshot {
 LF_NODISCARD lf_status lf_engine_snapshot(lf_engine *engine, lf_denoise denoise, unsigned layers,
                                           lf_snapshot *out, lf_error *err);
 void lf_snapshot_finish(lf_snapshot *snapshot);
+
+/* A copy of the 8-bit views that are shown now: before interlacing, with guides, without the
+ * panel's response. */
+typedef struct lf_shown_views {
+    uint8_t *rgb;     /* [view][row][column][3] */
+    lf_layout layout; /* of the copied views; if they are not all, with tiles of its own */
+    int64_t generation;
+    lf_level level;
+    double passes;
+    bool reconstructed;
+} lf_shown_views;
+
+/* (blocks) Copies n of the shown views, evenly spaced: view i of the copy is view
+ * floor((i + 1/2) N / n) of all N. n 0: all. While the first frame of a generation is being
+ * rendered, it waits for this frame, unless *cancel is set; it looks at cancel between batches.
+ * LF_E_STATE: nothing is shown, or a card; LF_E_ARG: there are fewer than n views; LF_E_CANCELLED,
+ * LF_E_NOMEM. Release with lf_shown_views_finish. */
+LF_NODISCARD lf_status lf_engine_shown(lf_engine *engine, int n, const lf_cancel *cancel,
+                                       lf_shown_views *out, lf_error *err);
+/* Accepts a zeroed struct. */
+void lf_shown_views_finish(lf_shown_views *shown);
 /* (blocks) Writes the accumulation between two batches; the caller commits file. LF_E_STATE: no
  * scene is shown. After lf_engine_stop(engine, false) it also works from any thread, once
  * lf_engine_stopped. */

@@ -12,6 +12,8 @@
 /* A call that waits for the engine's thread; on the caller's stack. */
 typedef struct engine_request {
     lf_status (*run)(lf_engine *engine, struct engine_request *request);
+    /* False: other work goes first, because the request waits for its outcome. NULL: never. */
+    bool (*may_run)(const lf_engine *engine, const struct engine_request *request);
     struct engine_request *next;
     bool done;
     lf_status status;
@@ -25,6 +27,9 @@ typedef struct engine_request {
     lf_denoise denoise;
     unsigned layers;
     lf_snapshot *snapshot;
+    int n_views;
+    const lf_cancel *cancel;
+    lf_shown_views *shown;
     lf_outfile *file;
     bool keeps;  /* save: into a state file */
     bool yields; /* save: give up for a commit */
@@ -63,6 +68,7 @@ typedef struct engine_orders {
 typedef struct engine_frames {
     uint64_t n, n_before; /* n_before: frames before this content */
     bool has_picture;     /* one of them showed a picture, not a card */
+    bool shows;           /* the last frame of this content showed its picture */
     double at, cost;
     /* lf_time_now_ns at which the last frame, a final one, is posted again with the views it
      * lacked; 0: it lacks none */
@@ -166,11 +172,15 @@ lf_frame *engine_begin_frame(lf_engine *engine, bool interlaced);
 /* Posts the frame, with its views (NULL: none) if a consumer wants them. final: no other frame
  * follows soon. */
 void engine_end_frame(lf_engine *engine, lf_frame *frame, const lf_views8 *views, bool final);
+/* The views to show, and their level. *out_blank: view pixels without a source nearby. */
+lf_views8 engine_views_now(lf_engine *engine, int64_t *out_blank);
 /* Functions of requests. */
 lf_status engine_run_show_as(lf_engine *engine, engine_request *request);
 lf_status engine_run_commit(lf_engine *engine, engine_request *request);
 lf_status engine_run_snapshot(lf_engine *engine, engine_request *request);
 lf_status engine_run_save(lf_engine *engine, engine_request *request);
+lf_status engine_run_shown(lf_engine *engine, engine_request *request);
+bool engine_may_run_shown(const lf_engine *engine, const engine_request *request);
 /* Publishes the thread's state for lf_engine_get_status. */
 void engine_publish(lf_engine *engine);
 

@@ -90,8 +90,7 @@ static void check_converged(lf_engine *engine)
 
 /* ------------------------------------------------------------------------------------ frames -- */
 
-/* The views to show, and their level. *out_blank: view pixels without a source nearby. */
-static lf_views8 views_now(lf_engine *engine, int64_t *out_blank)
+lf_views8 engine_views_now(lf_engine *engine, int64_t *out_blank)
 {
     *out_blank = 0;
     if (!engine->content->scene && !engine->content->quilt.is_float) {
@@ -240,13 +239,14 @@ static void post_frame(lf_engine *engine, bool final)
     engine->frames.at = lf_time_now();
     double cpu = lf_time_cpu();
     int64_t blank;
-    lf_views8 views = views_now(engine, &blank);
+    lf_views8 views = engine_views_now(engine, &blank);
     if (blank > 0)
         return;
     if (lf_picture_expose(&engine->picture, engine->pool))
-        views = views_now(engine, &blank);
+        views = engine_views_now(engine, &blank);
     look_for_blank(engine, &views);
-    if (engine_post_dark_card(engine, &views))
+    engine->frames.shows = !engine_post_dark_card(engine, &views);
+    if (!engine->frames.shows)
         return;
     const lf_interlacer *interlacer = interlacer_now(engine);
     lf_frame *frame = engine_begin_frame(engine, interlacer);
@@ -528,6 +528,7 @@ static void start_over(lf_engine *engine)
     engine->look.at = 0;
     engine->fit = (engine_fit){0};
     engine->frames.n_before = engine->frames.n;
+    engine->frames.shows = false;
     engine->spent.budget.now = (lf_frame_cost){0};
     engine->spent.budget.was_coarse = engine->spent.budget.was_complete = false;
 }

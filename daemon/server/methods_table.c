@@ -107,6 +107,17 @@ static const lf_method methods[] = {
      "render.set denoise=on threads=4",
      OBJECT(KEY("paused", "\"type\":\"boolean\"", "stop rendering, or continue")),
      lf_method_render_set},
+    {"frame.get", "write the image that is shown, as a quilt, to a passed descriptor",
+     "frame.get image.jpg width=210",
+     OBJECT(KEY("views", "\"type\":\"integer\"" RANGE("1", "4096"),
+                "number of views, evenly spaced; 1: the middle one (all)") ","
+            KEY("width", INTEGER("pixels") RANGE("1", "65536"),
+                "width of a view, at most as rendered; the height follows (as rendered)") ","
+            KEY("format", ENUM("\"jpeg\",\"raw\"") DEFAULT("\"jpeg\""),
+                "raw: RGB, 3 bytes per pixel, rows from the top") ","
+            KEY("quality", "\"type\":\"integer\"" RANGE("1", "100") DEFAULT("75"),
+                "quality of the JPEG")),
+     lf_server_preview},
     {"export", "write a quilt, views, panel image, print, pitch test chart or state",
      "export kind=quilt file=cloud.png wait=converged",
      OBJECT_WITH("\"kind\",\"file\"", EXPORT_KEYS), lf_server_export},

@@ -12,6 +12,7 @@
  *   server_signals.c  signals, timers.
  *   server_parts.c    playback, saving, watching, waits, loading (daemon/parts).
  *   server_export.c   exports (daemon/parts/jobs.h): parameters and notifications.
+ *   server_preview.c  frame.get (daemon/parts/previews.h).
  *   call.c            answers of methods, paths of clients.
  *   methods*.c        the table of methods, and parsing their lines.
  *
@@ -26,6 +27,7 @@
 #include "daemon/parts/parser.h"
 #include "daemon/parts/play.h"
 #include "daemon/parts/presses.h"
+#include "daemon/parts/previews.h"
 #include "daemon/parts/releaser.h"
 #include "daemon/parts/saver.h"
 #include "daemon/parts/waits.h"
@@ -107,6 +109,7 @@ struct lf_server {
     lf_shown shown;        /* the frame on the panel */
     lf_waits *waits;
     lf_jobs *jobs;
+    lf_previews *previews;
     int64_t n_jobs; /* numbers used so far for exports and loads */
 };
 
@@ -209,6 +212,13 @@ LF_NODISCARD lf_status lf_server_make_jobs(lf_server *server);
 void lf_server_export(lf_call *call);
 /* The jobs, as in `status`. */
 json_t *lf_server_jobs_json(const lf_server *server);
+
+/* -------------------------------------------------------------------------- server_preview.c -- */
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_previews(lf_server *server);
+/* Starts writing the shown image; the call is answered when it is written. */
+void lf_server_preview(lf_call *call);
 
 /* --------------------------------------------------------------------------------- methods.c -- */
 

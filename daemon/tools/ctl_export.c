@@ -185,3 +185,25 @@ end:
     json_decref(params);
     return status;
 }
+
+lf_status lf_ctl_frame(lf_ctl *ctl, const char *file, json_t *params, json_t **out_result,
+                       lf_error *err)
+{
+    lf_outfile image;
+    lf_status status = lf_outfile_open(&image, file, false, err);
+    if (status != LF_OK) {
+        json_decref(params);
+        return status;
+    }
+    json_t *result = NULL;
+    status = lf_ctl_call(ctl, "frame.get", params, &image.fd, 1, &result, NULL, err);
+    if (status == LF_OK)
+        status = lf_outfile_commit(&image, false, err);
+    else
+        lf_outfile_abandon(&image);
+    if (status == LF_OK)
+        *out_result = result;
+    else
+        json_decref(result);
+    return status;
+}

@@ -1,5 +1,5 @@
 /* Pivots of cameras listed one by one: their weights for all views, and their distribution to the
- * views that see them; private to render/papers/. docs/developer/estimators/cameras.md. */
+ * views that see them; private to render/cameras/. docs/developer/estimators/cameras.md. */
 #ifndef LF_RENDER_ANY_PIVOT_H
 #define LF_RENDER_ANY_PIVOT_H
 

@@ -5,13 +5,17 @@
  * evaluated in two directions (Fraboni et al. 2022, equation 24) by the caller. Weights are
  * normalised over the selected views, c_j q_j / sum_{k selected} c_k q_k (equation 23).
  *
- *   tv         each view is selected by its own random decision, with probability 1 - TV(base,
- * view) (section 4.3). AS PRINTED, and inconsistent: the views in the sum depend on the base, so
- * that weights do not sum to 1 over the bases. N/W converges to a wrong value;
- * docs/developer/papers.md gives the error. none       all views, always. partition  the line of
- * cameras is cut where D_k = sum of TV(l - 1, l), l = 1..k, plus one uniform offset passes whole
- * numbers: views share with probability max(0, 1 - |D_i - D_j|). Groups do not depend on the base,
- * so that weights sum to 1: mis and cv are unbiased, mwis is consistent. Not in the paper. */
+ * tv: each view is selected by its own random decision, with probability 1 - TV(base, view)
+ * (section 4.3). AS PRINTED, and inconsistent: the views in the sum depend on the base, so that
+ * weights do not sum to 1 over the bases. N/W converges to a wrong value; docs/developer/papers.md
+ * gives the error.
+ *
+ * none: all views, always.
+ *
+ * partition: the line of cameras is cut where L_k = sum of TV(l - 1, l), l = 1..k, plus one uniform
+ * offset passes whole numbers. Views share with probability max(0, 1 - |L_i - L_j|). Groups do not
+ * depend on the base, so that weights sum to 1: mis and cv are unbiased, mwis is consistent. Not in
+ * the paper. */
 #ifndef LF_RENDER_SELECTION_H
 #define LF_RENDER_SELECTION_H
 

@@ -1,6 +1,6 @@
 /* The cost of a pivot on a surface: loops over the views, and over the segments of a section, as a
  * table of functions. fan_lanes.h holds the algorithm, written with lanes (lanes.h) and compiled
- * once per instruction set. All give bitwise the same results. Private to render/rows/. */
+ * once per instruction set. All give bitwise the same results. Private to render/. */
 #ifndef LF_RENDER_FAN_H
 #define LF_RENDER_FAN_H
 

@@ -2,21 +2,22 @@
  *
  * Camera space: X right, Y up, Z forward (positive), origin at the middle of the rig. Camera k is
  * at (b_k, 0, 0). A film point is (u, v) in pixels of a view. On the plane Z = D it is at X_w = x0
- * + u dx, Y_w = y0 + v dy. All cameras share this window, W = D. On a camera track, each camera
- * instead looks straight ahead through a window of its own, as if all shared one at infinity, W =
- * inf. X_w is then counted from b_k - e_k; e_k = b_k D/W is the distance of the camera from the
- * middle of its window. A row of a camera grid lies above or below the middle of the grid. Its
- * origin and window are its own; if all rows share a window, y0 places it lower.
+ * + u dx, Y_w = y0 + v dy. Z0 is the depth at which a point stays in place from view to view. All
+ * cameras share this window, so Z0 = D. On a camera track, each camera instead looks straight ahead
+ * through a window of its own, as if all shared one at infinity, Z0 = inf. X_w is then counted from
+ * b_k - e_k; e_k = b_k D/Z0 is the distance of the camera from the middle of its window. A row of a
+ * camera grid lies above or below the middle of the grid. Its origin and window are its own; if all
+ * rows share a window, y0 places it lower.
  *
  * Thin lens (all views have the same radius): a ray leaves (b_k + lx, ly, 0) towards the point of
  * the focus plane Z = F that the pinhole ray of its film point hits. All rays of a row, in every
  * view, have the same v and ly. So they lie in one plane Y = ly + my Z
  * (docs/developer/estimators.md, "2. The rig and its row planes"):
  *
- *     X(Z) = c_k + mx Z,   c_k = b_k + lx,   mx = (X_w - e_k)/D - lx/F,   my = Y_w/D - ly/F
- *     X_w  = e_k + D ((X - c_k)/Z + lx/F)
+ *     X(Z) = b_k + lx + mx Z,   mx = (X_w - e_k)/D - lx/F,   my = Y_w/D - ly/F
+ *     X_w  = e_k + D ((X - b_k - lx)/Z + lx/F)
  *
- * view_blur is a lens with a width along X only (ly = 0), in focus in the window (F = W). lx is
+ * view_blur is a lens with a width along X only (ly = 0), in focus at Z0 (F = Z0). lx is
  * uniform within half of view_blur steps from camera to camera, so a view is the mean of pinhole
  * views along that line. In a row of a grid, ly is uniform, too, within half of view_blur steps
  * from row to row; a view is then the mean over that cell.
@@ -33,14 +34,14 @@
 #define LF_LANES 8
 #define LF_MAX_LANES ((LF_MAX_VIEWS + LF_LANES - 1) / LF_LANES * LF_LANES)
 
-/* W of a camera track: a finite substitute for infinity. */
+/* Z0 of cameras with windows of their own: a finite substitute for infinity. */
 #define LF_FAR_WINDOW 1e20f
 
 typedef struct lf_rig {
     int n_views, width, height;
     lf_vec3 eye, right, up, forward; /* scene-local */
-    float distance, window;          /* D, W */
-    float focus, lens_radius;        /* F (= W for pinholes); radius 0 = pinhole */
+    float distance, window;          /* D, Z0 */
+    float focus, lens_radius;        /* F (= Z0 for pinholes); radius 0 = pinhole */
     float blur,
         blur_up; /* half the width of a view's line or cell of cameras, and half its height */
     /* window coordinates of film point (0, 0) and of one pixel; dy < 0 */
@@ -48,7 +49,7 @@ typedef struct lf_rig {
     /* slope of the window's upper edge seen from the middle; the lower edge has minus this */
     float tangent;
     float sink;  /* subtracted from both slopes if the rig lies above the middle */
-    float still; /* D/W, 1 or 0: the nearness of points that do not move from view to view */
+    float still; /* D/Z0, 1 or 0: the nearness of points that do not move from view to view */
     /* camera positions along X, increasing, and e; lanes after n_views repeat the last */
     float b[LF_MAX_LANES], skew[LF_MAX_LANES];
 } lf_rig;

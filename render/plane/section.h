@@ -2,12 +2,12 @@
  * surface the rays of a fan meet first; private to render/.
  *
  * All rays of a visit lie in one plane (rig.h), and meshes intersect it in segments. With d = 1/Z -
- * 1/W and s = X/Z straight lines stay straight, and the ray from the camera position c to the point
- * (d0, s0) is the line s = s0 + c (d - d0): cameras are slopes. So a point (d, s) with d > d0 hides
- * (d0, s0) from one camera position, (s - s0) / (d - d0), and a segment hides it from all positions
- * between the positions for its ends. Two divisions per segment in front of the point answer for
- * all views; shadow rays would take one ray per view. The results differ only by rounding:
- * tests/render/test_section.c. */
+ * 1/Z0 and s = X/Z straight lines stay straight, and the ray from the camera position c to the
+ * point (d0, s0) is the line s = s0 + c (d - d0): cameras are slopes. So a point (d, s) with d > d0
+ * hides (d0, s0) from one camera position, (s - s0) / (d - d0), and a segment hides it from all
+ * positions between the positions for its ends. Two divisions per segment in front of the point
+ * answer for all views; shadow rays would take one ray per view. The results differ only by
+ * rounding: tests/render/test_section.c. */
 #ifndef LF_RENDER_SECTION_H
 #define LF_RENDER_SECTION_H
 
@@ -123,8 +123,8 @@ typedef struct lf_row_cut {
 } lf_row_cut;
 
 /* n rays that leave the camera positions c[k], increasing in k, through one point of the plane Z =
- * W (for a lens: through one point of the plane's image by the lens). They are the lines s = s0 + c
- * d. n is a multiple of LF_LANES. */
+ * Z0 (for a lens: through one point of the plane's image by the lens). They are the lines s = s0 +
+ * c d. n is a multiple of LF_LANES. */
 typedef struct lf_lines {
     float s0;
     int n;

@@ -1,4 +1,4 @@
-/* A triangle cut by a row's plane; private to render/rows/. */
+/* A triangle cut by a row's plane; private to render/plane/. */
 #ifndef LF_RENDER_SECTION_CUT_H
 #define LF_RENDER_SECTION_CUT_H
 

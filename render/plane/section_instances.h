@@ -1,4 +1,4 @@
-/* Instanced meshes (scene/instances.h), cut by a row's plane; private to render/rows/.
+/* Instanced meshes (scene/instances.h), cut by a row's plane; private to render/plane/.
  *
  * Rows keep no lists of them. A visit walks the boxes of all instances that its plane meets within
  * the views, and in each the boxes of the mesh's triangles, with the plane transformed to the mesh.

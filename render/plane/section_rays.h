@@ -1,6 +1,6 @@
 /* The queries of a section, answered by rays. They replace segments where a row's plane cuts so
  * many triangles of instances that rays take less time and memory (section_instances.h). As exact
- * as segments, but one ray per view instead of one search for all views. Private to render/rows/.
+ * as segments, but one ray per view instead of one search for all views. Private to render/plane/.
  */
 #ifndef LF_RENDER_SECTION_RAYS_H
 #define LF_RENDER_SECTION_RAYS_H

@@ -1,4 +1,4 @@
-/* Searching a section for segments between a point and the cameras; private to render/rows/. */
+/* Searching a section for segments between a point and the cameras; private to render/plane/. */
 #ifndef LF_RENDER_SECTION_WALK_H
 #define LF_RENDER_SECTION_WALK_H
 

@@ -83,6 +83,7 @@ static void spread_lobes(lf_visit *visit, const lf_fan_lobes *lobes,
     }
 }
 
+/* d: D of a channel, up to a factor that the smallest depth keeps away from underflow. */
 static float own(const lf_visit *visit, const lf_pivot *pivot, const lf_rays *ray,
                  const float *factor, lf_vec3 *out_channels)
 {

@@ -16,7 +16,7 @@ static const lf_fan_face *face_in(const lf_visit *visit, const lf_row_cut *cut, 
                                   int n, int segment)
 {
     lf_fan_face *face = &faces[segment % n];
-    /* rays find other segments of the same number */
+    /* if rays replace segments, a fan numbers its hits by its lanes */
     if (face->segment != segment || cut->section->rays.on) {
         face->segment = segment;
         lf_section_face(cut, segment, &face->face);

@@ -164,8 +164,8 @@ typedef struct lf_pivot {
     int medium; /* of a collision: index into the worker's media */
     float x, z; /* camera space; y follows from the row's plane */
     float lx;   /* the base ray's lens offset, copied to every view */
-    /* 1, or q when the collision was forced (docs/developer/estimators.md, "3. Passes, visits and
-     * expected counts") */
+    /* 1, or q if the collision was forced (docs/developer/estimators.md, "3. Passes, visits and
+     * expected counts"), times lf_visit.weight */
     float forced_weight;
     /* on thin glass (lf_glass), which reflects natively: the pivot has weight, but sends no
      * radiance */

@@ -79,6 +79,8 @@ static bool is_forced(const lf_visit *visit, const base_ray *ray)
            !lf_trace_thin(&visit->worker->tracer, ray->eye, event->w, 0.0f, t_end, &first);
 }
 
+/* The first collision before the surface, in the extinction of one channel (coloured media: drawn).
+ */
 static lf_collision collide(const lf_visit *visit, base_ray *ray)
 {
     lf_scratch *w = visit->worker;
@@ -88,6 +90,7 @@ static lf_collision collide(const lf_visit *visit, base_ray *ray)
     return lf_media_collide(&w->media, &ray->line, channel, ray->u[1], forced, &w->tracer);
 }
 
+/* Makes the collision the pivot, and spreads it over the views, or queues it for lanes. */
 static void end_in_medium(lf_visit *visit, const lf_base *base, base_ray *ray,
                           const lf_collision *at)
 {
@@ -106,6 +109,8 @@ static void end_in_medium(lf_visit *visit, const lf_base *base, base_ray *ray,
         visit->acting->pivot(visit, base->view, base->column, pivot, NULL);
 }
 
+/* Makes the surface the pivot. Its delta lobes become native samples, if base samples of the pixel
+ * draw them; a shared surface is spread over the views. */
 static void end_on_surface(lf_visit *visit, const lf_base *base, base_ray *ray, bool natives)
 {
     lf_pivot *pivot = &ray->pivot;

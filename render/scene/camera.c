@@ -29,8 +29,8 @@ const lf_param lf_camera_params[] = {
      .low = 0, .high = 160, .initial = 40,
      .about = "view cone: angle over which the cameras are spread, seen from the target"},
     {.name = "placement", PLACE(inclusive), .type = LF_PARAM_SWITCH, .words = placements,
-     .about = "outermost cameras at the ends of the cone, inclusive, or half a spacing inside, "
-              "centred"},
+     .about = "inclusive: the outermost cameras are at the ends of the cone; centred: half a "
+              "spacing inside"},
     {.name = "lens_radius", PLACE(lens_radius), .unit = "scene units", .low = 0,
      .high = LF_MAX_COORDINATE,
      .about = "radius of each view's lens; 0: a pinhole, everything is sharp"},

@@ -158,7 +158,7 @@ static void print_what(const lf_table_source *source, const lf_param *row, const
                        FILE *out)
 {
     for (int i = 0; row->what_at && word_of(row, i); i++)
-        if (row->what_at(i)) {
+        if (row->what_at(i) && row->what_at(i)[0] != '\0') {
             fprintf(out, "%s`%s`: ", before, word_of(row, i));
             lf_table_text(source, row->what_at(i), NULL, out);
             before = "; ";

@@ -233,6 +233,8 @@ static void print_span(double low, double high, FILE *out)
         return;
     }
     lf_table_number(low, out);
+    if (low == high)
+        return;
     fputs(" to ", out);
     lf_table_number(high, out);
 }

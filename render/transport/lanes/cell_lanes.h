@@ -67,6 +67,7 @@ typedef struct cell_table {
     int place[3], more[3];
 } cell_table;
 
+/* The values of these cells: lf_cells_at and lf_cell_value for every lane. */
 LF_INLINE lanes value_of(const cell_table *table, const lanes_int cell[3])
 {
     lanes_int at = all_int(0);

@@ -20,6 +20,7 @@ static void to_local(const lf_volume *volume, lf_vec3 o, lf_vec3 w, double end, 
     r->to = end;
 }
 
+/* Clips the ray to the grid's box in voxels; false: the ray misses it. */
 static bool clip(const lf_grid *grid, local_ray *r)
 {
     for (int i = 0; i < 3; i++) {
@@ -61,6 +62,7 @@ static void steps_begin(steps *s, const local_ray *r, double from, double end, d
     step_on(s);
 }
 
+/* Goes on to the next plane, or to the end; false: the step before was the last. */
 static bool steps_next(steps *s)
 {
     if (s->to >= s->end)
@@ -125,6 +127,7 @@ static bool is_empty(const lf_grid *grid, const local_ray *r, double t)
     return grid->index[lf_grid_brick(grid, b[0], b[1], b[2])] == 0;
 }
 
+/* The integral over a grid, brick by brick, without the empty ones. */
 static double through_grid(lf_tracer *tracer, const lf_volume *volume, local_ray *r)
 {
     steps s;

@@ -278,8 +278,8 @@ LF_INLINE int64_t trace_shadow_rays(const lf_lane_scene *scene, lf_lane_memory *
 /* Probability that a vertex traces its shadow ray, and the control there. share: how much of the
  * light the vertex scatters, 1 = isotropic with albedo 1. The probability is proportional to the
  * share of the estimate of T in the suffix's standard deviation. This is the root of T(1 - T), plus
- * the possible error of the control where it is 0 or 1, which is large at sharp edges. A ray then
- * adds 2.1 at most, for any share. */
+ * the possible error of the control where it is 0 or 1, which is large at sharp edges. If the
+ * probability is below 1, a ray then adds 2.1 at most, for any share. */
 LF_INLINE lanes chance(const lf_lane_scene *scene, const lanes q[3], lanes share, lanes *expected)
 {
     if (!scene->field->left) {

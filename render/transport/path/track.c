@@ -278,6 +278,8 @@ static void to_local(const lf_volume *volume, lf_vec3 o, lf_vec3 w, float t_max,
     r->t1 = t_max;
 }
 
+/* Clips the ray to the shape, or to the grid's box in voxels: interpolation reaches one voxel
+ * beyond the centres of the outermost ones. false: the ray misses it. */
 static bool clip_volume(const lf_volume *volume, lf_local_ray *r)
 {
     if (volume->kind != LF_VOLUME_GRID) {
@@ -370,6 +372,7 @@ static inline float inside(const lf_walk *k, const lf_local_ray *r, float t, int
     return lf_min(lf_max(x, 0.0f), (float)LF_BRICK);
 }
 
+/* The grid's value at t, which lies in the present brick, without sigma_scale. */
 static float look_up(const lf_walk *k, const lf_local_ray *r, float t)
 {
     const lf_grid *grid = k->grid;

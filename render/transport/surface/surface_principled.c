@@ -155,7 +155,8 @@ static inline __attribute__((always_inline)) shares shares_of(const layers *l, b
     return s;
 }
 
-/* The layers below the coat, without its `under`. */
+/* The factor of the GGX lobe that metal and dielectric share: their Fresnel terms at cos_oh with
+ * multiple-scattering compensation, without what the coat leaves (`under`). */
 static inline lf_vec3 gloss_colour(const layers *l, const shares *s, float cos_oh)
 {
     const lf_material *m = l->m;

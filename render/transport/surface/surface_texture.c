@@ -33,7 +33,8 @@ static lf_vec3 corner_of(const place *at, int i)
     return lf_mesh_vertex(at->mesh, at->corner[i]);
 }
 
-/* Texels along a scene unit on the triangle, squared. */
+/* Texels per area of the scene on the triangle, at the finest level: area in the texture over area
+ * of the triangle. */
 static float density2(const place *at, const float *uvs, const lf_texture *t, const lf_pyramid *p)
 {
     const float *a = uvs + 2 * (size_t)at->corner[0], *b = uvs + 2 * (size_t)at->corner[1],
