@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "base/alloc.h"
+#include "daemon/web/image.h"
 #include "daemon/web/link.h"
-#include "daemon/web/preview.h"
 
 #define PATIENCE_USEC ((uint64_t)8000000)
 
@@ -39,13 +39,13 @@ static void finish(lf_fetch *fetch, lf_status status)
 
 static lf_status take_result(lf_fetch *fetch, const json_t *result)
 {
-    lf_preview image;
+    lf_web_image image;
     if (fetch->kind == LF_FETCH_STATUS) {
         fetch->text = json_dumps(result, JSON_COMPACT);
         return fetch->text ? LF_OK
                            : lf_error_set(&fetch->error, LF_E_NOMEM, where, "out of memory");
     }
-    lf_status status = lf_preview_read(result, fetch->fd, &image, &fetch->error);
+    lf_status status = lf_web_image_read(result, fetch->fd, &image, &fetch->error);
     if (status == LF_OK)
         fetch->size = image.bytes;
     return status;
@@ -97,7 +97,7 @@ static lf_status begin(lf_fetch *fetch, sd_event *event, const char *socket, lf_
     const char *line = fetch->kind == LF_FETCH_STATUS ? status_line : still_line;
     lf_status status = LF_OK;
     if (fetch->kind == LF_FETCH_STILL)
-        status = lf_preview_file(&fetch->fd, err);
+        status = lf_web_image_file(&fetch->fd, err);
     if (status == LF_OK)
         status = lf_link_create(event, socket, &events, &fetch->link, err);
     if (status != LF_OK)

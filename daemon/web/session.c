@@ -8,8 +8,8 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/web/allow.h"
+#include "daemon/web/image.h"
 #include "daemon/web/link.h"
-#include "daemon/web/preview.h"
 #include "daemon/web/ws.h"
 #include "daemon/wire/rpc.h"
 
@@ -38,7 +38,7 @@ struct lf_session {
         int level;             /* of the image that quiltd shows */
         int width_px;          /* asked for; 0: as rendered */
         int fd;                /* of the image asked for; -1: none */
-        lf_preview rendered;   /* the last image at full size; width 0: unknown */
+        lf_web_image rendered; /* the last image at full size; width 0: unknown */
         sd_event_source *pace; /* on: the next image has to wait */
     } preview;
 };
@@ -97,11 +97,11 @@ static void ask_image(lf_session *s)
     if (!s->preview.on || !s->preview.wanted || s->preview.asked || s->preview.unacked ||
         is_pacing(s))
         return;
-    if (lf_preview_file(&s->preview.fd, &err) != LF_OK) {
+    if (lf_web_image_file(&s->preview.fd, &err) != LF_OK) {
         lf_log_error(&err);
         return;
     }
-    const int width = lf_preview_width(&s->preview.rendered, s->preview.level);
+    const int width = lf_web_image_width(&s->preview.rendered, s->preview.level);
     json_t *message = json_pack("{s:s, s:s, s:s, s:{s:s}}", "jsonrpc", "2.0", "id", OWN_IMAGE,
                                 "method", "frame.get", "params", "format", "jpeg");
     if (message && width > 0)
@@ -123,12 +123,12 @@ static int on_pace(sd_event_source *source, uint64_t usec, void *context)
     return 0;
 }
 
-static void pass_image(lf_session *s, const lf_preview *image)
+static void pass_image(lf_session *s, const lf_web_image *image)
 {
     lf_error err = {0};
     uint8_t *data = NULL;
     size_t n = 0;
-    if (lf_preview_message(image, s->preview.fd, &data, &n, &err) != LF_OK) {
+    if (lf_web_image_message(image, s->preview.fd, &data, &n, &err) != LF_OK) {
         lf_log_error(&err);
         return;
     }
@@ -140,7 +140,7 @@ static void pass_image(lf_session *s, const lf_preview *image)
 /* The answer to frame.get. */
 static void take_image(lf_session *s, const json_t *message)
 {
-    lf_preview image;
+    lf_web_image image;
     lf_error err = {0};
     const json_t *result = json_object_get(message, "result");
     const json_t *code = json_object_get(json_object_get(message, "error"), "code");
@@ -150,18 +150,18 @@ static void take_image(lf_session *s, const json_t *message)
     if (!result && json_integer_value(code) == LF_RPC_INVALID_PARAMS && width > 0) {
         s->preview.rendered.width_px = 0; /* another scene has smaller views */
         s->preview.wanted = true;
-    } else if (result && lf_preview_read(result, s->preview.fd, &image, &err) != LF_OK) {
+    } else if (result && lf_web_image_read(result, s->preview.fd, &image, &err) != LF_OK) {
         lf_log_error(&err);
     } else if (result) {
         s->preview.level = image.level;
         if (width == 0)
             s->preview.rendered = image;
-        const int best = lf_preview_width(&s->preview.rendered, lf_preview_level("complete"));
+        const int best = lf_web_image_width(&s->preview.rendered, lf_web_image_level("complete"));
         if (width > 0 || best == 0)
             pass_image(s, &image);
         /* too large for a browser, or half of what has become complete meanwhile */
         if ((width == 0 && best > 0) ||
-            (image.level >= lf_preview_level("complete") && width != best))
+            (image.level >= lf_web_image_level("complete") && width != best))
             s->preview.wanted = true;
     }
     forget_image(s);
@@ -170,7 +170,7 @@ static void take_image(lf_session *s, const json_t *message)
 
 static void note_frame(lf_session *s, const json_t *params)
 {
-    s->preview.level = lf_preview_level(json_string_value(json_object_get(params, "level")));
+    s->preview.level = lf_web_image_level(json_string_value(json_object_get(params, "level")));
     s->preview.wanted = !json_object_get(params, "card");
     ask_image(s);
 }

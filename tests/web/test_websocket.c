@@ -2,7 +2,7 @@
 #include "tests/web/gateway.h"
 
 #include "daemon/web/allow.h"
-#include "daemon/web/preview.h"
+#include "daemon/web/image.h"
 #include "daemon/web/web.h"
 
 static int handshake(gateway *g, const char *headers)
@@ -239,15 +239,15 @@ static const unsigned char *next_image(int fd, size_t *out_n)
 static void an_image_has_its_header(void **state)
 {
     gateway *g = *state;
-    static const unsigned char header[LF_PREVIEW_HEADER] = {
+    static const unsigned char header[LF_WEB_IMAGE_HEADER] = {
         7, 0, 0, 0, 2, 1, FALSE_COLUMNS, 0, 3, 0, FALSE_VIEWS, 0, FALSE_WIDTH, 0, FALSE_HEIGHT, 0};
     int fd = lf_talk_open(g);
     size_t n = 0;
     lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"method\":\"preview.start\"}");
     const unsigned char *image = next_image(fd, &n);
     assert_memory_equal(image, header, sizeof header);
-    assert_int_equal(image[LF_PREVIEW_HEADER], 0xff);
-    assert_int_equal(image[LF_PREVIEW_HEADER + 1], 0xd8);
+    assert_int_equal(image[LF_WEB_IMAGE_HEADER], 0xff);
+    assert_int_equal(image[LF_WEB_IMAGE_HEADER + 1], 0xd8);
     close(fd);
 }
 

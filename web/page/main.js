@@ -40,7 +40,7 @@ function number(value) {
 
 function describe(status) {
   const words = [status.state];
-  if (status.level) words.push(status.level);
+  if (status.level) words.push(status.level === "none" ? "no image yet" : status.level);
   if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
   if (status.error_estimate !== undefined)
     words.push(

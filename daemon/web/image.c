@@ -1,4 +1,4 @@
-#include "daemon/web/preview.h"
+#include "daemon/web/image.h"
 
 #include <errno.h>
 #include <string.h>
@@ -11,9 +11,9 @@
 
 static const char where[] = "frame.get";
 static const char *const levels[] = {"none", "coarse", "complete", "converged"};
-enum { N_LEVELS = 4, COMPLETE = 2, BLOCK = 16, JPEG = 1 };
+enum { N_LEVELS = 4, COMPLETE = 2, JPEG = 1, ACROSS = 16, DOWN = 8 };
 
-int lf_preview_level(const char *name)
+int lf_web_image_level(const char *name)
 {
     for (int i = 0; name && i < N_LEVELS; i++)
         if (strcmp(levels[i], name) == 0)
@@ -28,7 +28,7 @@ static bool take_int(const json_t *result, const char *key, int64_t most, int64_
     return json_is_integer(value) && *out >= 1 && *out <= most;
 }
 
-lf_status lf_preview_read(const json_t *result, int fd, lf_preview *out, lf_error *err)
+lf_status lf_web_image_read(const json_t *result, int fd, lf_web_image *out, lf_error *err)
 {
     static const struct {
         const char *key;
@@ -43,9 +43,9 @@ lf_status lf_preview_read(const json_t *result, int fd, lf_preview *out, lf_erro
                                 (long long)rows[i].most);
     if (fstat(fd, &st) != 0 || st.st_size != numbers[5])
         return lf_error_set(err, LF_E_FORMAT, where, "the image has another size than said");
-    *out = (lf_preview){
+    *out = (lf_web_image){
         .generation = (uint32_t)json_integer_value(json_object_get(result, "generation")),
-        .level = lf_preview_level(json_string_value(json_object_get(result, "level"))),
+        .level = lf_web_image_level(json_string_value(json_object_get(result, "level"))),
         .columns = (int)numbers[0],
         .rows = (int)numbers[1],
         .views = (int)numbers[2],
@@ -56,20 +56,32 @@ lf_status lf_preview_read(const json_t *result, int fd, lf_preview *out, lf_erro
     return LF_OK;
 }
 
-int lf_preview_width(const lf_preview *rendered, int level)
+/* The largest width up to `most` at which blocks of a JPEG end where views do, also down the quilt
+ * if a width near to it allows this. */
+static int whole_blocks(int most, int width_px, int height_px)
+{
+    if (most < ACROSS)
+        return most < 1 ? 1 : most;
+    for (int w = most / ACROSS * ACROSS; w >= ACROSS && w > most * 3 / 4; w -= ACROSS)
+        if ((int64_t)w * height_px % ((int64_t)DOWN * width_px) == 0)
+            return w;
+    return most / ACROSS * ACROSS;
+}
+
+int lf_web_image_width(const lf_web_image *rendered, int level)
 {
     if (rendered->width_px == 0)
         return 0;
-    const int across = LF_PREVIEW_MAX_SIDE / rendered->columns;
-    const int64_t down =
-        (int64_t)(LF_PREVIEW_MAX_SIDE / rendered->rows) * rendered->width_px / rendered->height_px;
+    const int across = LF_WEB_IMAGE_MAX_SIDE / rendered->columns;
+    const int64_t down = (int64_t)(LF_WEB_IMAGE_MAX_SIDE / rendered->rows) * rendered->width_px /
+                         rendered->height_px;
     int most = down < across ? (int)down : across;
     if (level >= COMPLETE && rendered->width_px <= most)
         return 0;
     if (level < COMPLETE && rendered->width_px / 2 < most)
         most = rendered->width_px / 2;
     most = most > rendered->width_px ? rendered->width_px : most;
-    return most < BLOCK ? (most < 1 ? 1 : most) : most / BLOCK * BLOCK;
+    return whole_blocks(most, rendered->width_px, rendered->height_px);
 }
 
 static void put(uint8_t *to, int bytes, uint32_t value)
@@ -78,7 +90,7 @@ static void put(uint8_t *to, int bytes, uint32_t value)
         to[i] = (uint8_t)(value >> 8 * i);
 }
 
-void lf_preview_header(const lf_preview *preview, uint8_t out[LF_PREVIEW_HEADER])
+void lf_web_image_header(const lf_web_image *preview, uint8_t out[LF_WEB_IMAGE_HEADER])
 {
     put(out, 4, preview->generation);
     put(out + 4, 1, (uint32_t)preview->level);
@@ -90,18 +102,18 @@ void lf_preview_header(const lf_preview *preview, uint8_t out[LF_PREVIEW_HEADER]
     put(out + 14, 2, (uint32_t)preview->height_px);
 }
 
-lf_status lf_preview_message(const lf_preview *preview, int fd, uint8_t **out_data, size_t *out_n,
-                             lf_error *err)
+lf_status lf_web_image_message(const lf_web_image *preview, int fd, uint8_t **out_data,
+                               size_t *out_n, lf_error *err)
 {
-    if (preview->bytes > LF_PREVIEW_MAX_BYTES)
+    if (preview->bytes > LF_WEB_IMAGE_MAX_BYTES)
         return lf_error_set(err, LF_E_NOMEM, where, "an image of %zu bytes is not passed on",
                             preview->bytes);
-    uint8_t *data = lf_calloc(LF_PREVIEW_HEADER + preview->bytes, 1);
+    uint8_t *data = lf_calloc(LF_WEB_IMAGE_HEADER + preview->bytes, 1);
     if (!data)
         return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
-    lf_preview_header(preview, data);
+    lf_web_image_header(preview, data);
     for (size_t at = 0; at < preview->bytes;) {
-        ssize_t n = pread(fd, data + LF_PREVIEW_HEADER + at, preview->bytes - at, (off_t)at);
+        ssize_t n = pread(fd, data + LF_WEB_IMAGE_HEADER + at, preview->bytes - at, (off_t)at);
         if (n <= 0) {
             lf_free(data);
             return lf_error_set(err, LF_E_IO, where, "the image became shorter");
@@ -109,11 +121,11 @@ lf_status lf_preview_message(const lf_preview *preview, int fd, uint8_t **out_da
         at += (size_t)n;
     }
     *out_data = data;
-    *out_n = LF_PREVIEW_HEADER + preview->bytes;
+    *out_n = LF_WEB_IMAGE_HEADER + preview->bytes;
     return LF_OK;
 }
 
-lf_status lf_preview_file(int *out_fd, lf_error *err)
+lf_status lf_web_image_file(int *out_fd, lf_error *err)
 {
     int fd = memfd_create("quiltweb-image", MFD_CLOEXEC);
     if (fd < 0)
