@@ -44,7 +44,7 @@ typedef struct lf_param {
     /* The first row of an option has the text for all; may be NULL with words. A default that is
      * not a value is in brackets at the end: "number of views (the scene's)". */
     const char *help;
-    const char *about;    /* about the JSON key, for the schema; NULL: use help */
+    const char *about; /* about the JSON key, for the schema; NULL: use help */
     /* Names of the values 0, 1 …, NULL after the last. WHOLE: the allowed numbers. NUMBER: words
      * accepted instead of a number, the first for INFINITY, a second for -INFINITY. */
     const char *const *words;

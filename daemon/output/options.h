@@ -61,11 +61,11 @@ typedef struct lf_options {
     lf_choices choices;          /* lf_integrator_params */
     int threads;                 /* 0 = all CPUs */
     uint64_t seed;
-    int max_depth;                           /* 0 = the scene's */
-    bool has_exposure;                       /* it was given */
-    bool guides;                             /* tint what the panel cannot show sharply */
-    bool has_skip;                           /* it was given */
-    unsigned skip;                           /* bits of lf_skip */
+    int max_depth;                              /* 0 = the scene's */
+    bool has_exposure;                          /* it was given */
+    bool guides;                                /* tint what the panel cannot show sharply */
+    bool has_skip;                              /* it was given */
+    unsigned skip;                              /* bits of lf_skip */
     double target_error, target_denoised_error; /* > 0 */
     lf_fit_option fit;
     lf_file_options file;

@@ -35,8 +35,9 @@ static const char *const formats[] = {"yuv420p", "yuv444p", NULL};
 
 /* clang-format off */
 const lf_param lf_video_params[] = {
-    {.name = "fps", .option = "fps", .argument = "N", PLACE(fps), .low = 1, .high = 240,
-     .initial = 30, .help = "frames per second of a video, also if the scene has another fps"},
+    {.name = "fps", .option = "fps", .argument = "N", PLACE(fps), .low = LF_VIDEO_LEAST_FPS,
+     .high = LF_VIDEO_MOST_FPS, .initial = 30,
+     .help = "frames per second of a video (with --frames: the scene's fps)"},
     {.name = "codec", .option = "codec", .argument = "NAME", PLACE(codec), .type = LF_PARAM_WORD,
      .words = codecs, .help = "video codec"},
     {.name = "pixel_format", .option = "pixel-format", .argument = "NAME", PLACE(is_444),

@@ -17,6 +17,10 @@ extern const lf_output_kind lf_output_wiggle;
 
 typedef enum lf_codec { LF_CODEC_H264, LF_CODEC_H265 } lf_codec;
 
+/* Range of the frames per second of a video. */
+#define LF_VIDEO_LEAST_FPS 1
+#define LF_VIDEO_MOST_FPS 240
+
 /* Set by lf_param_defaults. */
 typedef struct lf_video_options {
     lf_codec codec;

@@ -66,6 +66,9 @@ typedef struct lf_rendering {
 /* Reads the input and determines the final name. LF_E_ARG: the arguments contradict the input;
  * errors of files. */
 LF_NODISCARD lf_status lf_rendering_open(lf_rendering *r, lf_error *err);
+/* The options of the video. Without --fps, a loop gets a speed by its number of views, and frames
+ * of a scene get the fps of the scene. */
+lf_video_options lf_rendering_video_options(const lf_rendering *r);
 /* Resolves options and the camera of r->scene for the current frame. LF_E_ARG. */
 LF_NODISCARD lf_status lf_rendering_resolve(lf_rendering *r, lf_error *err);
 /* A scene from r->scene's patched document; it shares unchanged data with previous. */

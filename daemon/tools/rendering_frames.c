@@ -125,10 +125,11 @@ static lf_status make_frames(lf_rendering *r, const bool *wanted, lf_error *err)
 lf_status lf_rendering_frames(lf_rendering *r, lf_error *err)
 {
     const lf_render_arguments *a = r->arguments;
+    const lf_video_options options = lf_rendering_video_options(r);
     bool *wanted = lf_calloc((size_t)lf_frames_count(&a->frames), sizeof *wanted);
     lf_status status = wanted ? LF_OK : lf_error_set(err, LF_E_NOMEM, a->scene, "out of memory");
     if (status == LF_OK && a->kind == &lf_output_video)
-        status = lf_video_create(r->path, &r->layout, &a->video, r->cancel, &r->video, err);
+        status = lf_video_create(r->path, &r->layout, &options, r->cancel, &r->video, err);
     if (status == LF_OK)
         status = count_frames(r, wanted, err);
     if (status == LF_OK)

@@ -473,12 +473,15 @@ static lf_status check_wiggle(const lf_rendering *r, lf_error *err)
     return lf_error_set(err, LF_E_ARG, "--wiggle", "needs at least two views");
 }
 
-static lf_video_options video_options(const lf_rendering *r)
+lf_video_options lf_rendering_video_options(const lf_rendering *r)
 {
     const lf_render_arguments *a = r->arguments;
+    const bool is_animation = a->frames.has_range && a->frames.turntable == 0 && r->scene;
     lf_video_options options = a->video;
     if (options.wiggle && !a->has_fps)
         options.fps = lf_wiggle_fps(r->layout.n_views);
+    else if (is_animation && !a->has_fps)
+        options.fps = fmin(fmax(lf_scene_rate(r->scene), LF_VIDEO_LEAST_FPS), LF_VIDEO_MOST_FPS);
     if (options.wiggle && a->options.view_width == 0)
         options.most_width = LF_WIGGLE_WIDTH;
     return options;
@@ -489,7 +492,7 @@ static lf_video_options video_options(const lf_rendering *r)
 static lf_status open_video(lf_rendering *r, lf_error *err)
 {
     const bool is_track = lf_rendering_is_track(r);
-    const lf_video_options options = video_options(r);
+    const lf_video_options options = lf_rendering_video_options(r);
     const lf_layout layout = is_track ? lf_video_view_layout(&r->layout) : r->layout;
     const char *warning = NULL;
     lf_status status = options.wiggle ? check_wiggle(r, err)

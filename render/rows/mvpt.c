@@ -503,25 +503,23 @@ static void balance_mvpt(lf_visit *visit, int view, int column, const lf_pivot *
     lf_equiangular_balance(visit, pivot, -1, sum, least_depth(visit), suffix);
 }
 
-const lf_sharing lf_sharing_mvpt = {
-    .entry = {.name = "mvpt",
-              .what = "all views share paths",
-              .shares = true,
-              .reconstructs = true,
-              .supports = LF_ROWS_SUPPORT},
-    .suffixes = 4,
-    .pivot = pivot_mvpt,
-    .equiangular = equiangular_mvpt,
-    .balance = balance_mvpt};
-const lf_sharing lf_sharing_amvpt = {
-    .entry = {.name = "amvpt",
-              .what = "adaptive mvpt",
-              .shares = true,
-              .reconstructs = true,
-              .remembers = true,
-              .supports = LF_ROWS_SUPPORT},
-    .suffixes = 4,
-    .adaptive = true,
-    .pivot = pivot_mvpt,
-    .equiangular = equiangular_mvpt,
-    .balance = balance_mvpt};
+const lf_sharing lf_sharing_mvpt = {.entry = {.name = "mvpt",
+                                              .what = "all views share paths",
+                                              .shares = true,
+                                              .reconstructs = true,
+                                              .supports = LF_ROWS_SUPPORT},
+                                    .suffixes = 4,
+                                    .pivot = pivot_mvpt,
+                                    .equiangular = equiangular_mvpt,
+                                    .balance = balance_mvpt};
+const lf_sharing lf_sharing_amvpt = {.entry = {.name = "amvpt",
+                                               .what = "adaptive mvpt",
+                                               .shares = true,
+                                               .reconstructs = true,
+                                               .remembers = true,
+                                               .supports = LF_ROWS_SUPPORT},
+                                     .suffixes = 4,
+                                     .adaptive = true,
+                                     .pivot = pivot_mvpt,
+                                     .equiangular = equiangular_mvpt,
+                                     .balance = balance_mvpt};

@@ -92,6 +92,31 @@ static void ffmpeg_gets_the_pixels_of_the_pictures_and_a_file_to_write_into(void
     lf_free(words);
 }
 
+/* An animation plays at its own speed; --fps sets another one. */
+static void frames_of_a_scene_play_at_its_fps(void **state)
+{
+    const qr_files *f = *state;
+    char script[2 * PATH_MAX], scene[PATH_MAX];
+    size_t size = 0;
+    snprintf(script, sizeof script, "#!/bin/sh\nprintf '%%s ' \"$@\" >%s/words\ncat >&3\n",
+             f->folder);
+    pretend(f, script);
+    snprintf(scene, sizeof scene, "%s",
+             lf_test_write(f->folder, "slow.json",
+                           "{\"include\": \"fog.json\", \"fps\": 12.5, \"camera\": {\"fov_y\": "
+                           "{\"keys\": [[1, 20], [2, 30]]}}}"));
+    static const char *const cases[][2] = {{"--frames 1:2", "-framerate 12.5 "},
+                                           {"--frames 1:2 --fps 24", "-framerate 24 "},
+                                           {"--turntable 2", "-framerate 30 "}};
+    for (int i = 0; i < 3; i++) {
+        qr_succeed("%s -o %s/f%d.mp4 %s " SIZE, scene, f->folder, i, cases[i][0]);
+        char *words = read_text(f->folder, "words", &size);
+        if (!strstr(words, cases[i][1]))
+            fail_msg("%s: %s", cases[i][0], words);
+        lf_free(words);
+    }
+}
+
 static const char walked[] =
     "{ \"include\": \"%s\", \"camera\": { \"aspect\": 1.5, \"views\": { \"track\": { \"count\": 4, "
     "\"length\": 1 } } } }";
@@ -390,6 +415,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(
             ffmpeg_gets_the_pixels_of_the_pictures_and_a_file_to_write_into, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(frames_of_a_scene_play_at_its_fps, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_loop_goes_there_and_back, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_loop_of_a_scene_has_views_of_its_own, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_walk_is_a_video_of_the_views_of_one_job, set_up,

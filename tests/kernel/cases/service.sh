@@ -39,7 +39,7 @@ readers_are_locked() {
 # ProtectHome=yes
 says_home() {
     timeout 60 quiltctl scene.load file=/home/somebody/scene.json > home.log 2>&1
-    grep -q 'does not see home folders' home.log || cat home.log
+    grep -q 'cannot see home folders' home.log || cat home.log
 }
 answers() { timeout 60 quiltctl status > status.log 2>&1 || cat status.log; }
 niceness() { sed 's/.*) //' "$1/stat" | cut -d' ' -f17; } # /proc folder
