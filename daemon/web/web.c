@@ -347,8 +347,10 @@ static enum MHD_Result on_request(void *context, struct MHD_Connection *connecti
     const int refused = r ? 0 : lf_guard_check(&web->guard, &headers, &why);
     if (refused)
         return lf_reply_text(connection, (unsigned)refused, why);
-    if (*n_body > 0)
-        return MHD_NO;
+    if (*n_body > 0) {
+        *n_body = 0; /* the guard has refused every request that announces a body */
+        return MHD_YES;
+    }
     if (r)
         return r->fetch ? answer_fetch(r) : answer(r, path, method, &headers);
     r = lf_calloc(1, sizeof *r);
