@@ -26,7 +26,7 @@
 #   <library>_srcs  sources of lib<library>.a       <program>_srcs   sources of a program's own
 #   isa_<file>      extra flags of one source file, by its path without the ending
 #   opt_<folder>    extra flags of a folder and those in it that have none of their own
-#   link_<program>  libraries that it alone needs
+#   link_<program>  libraries that it alone needs; test_link_<folder>: that tests of a folder need
 #   scene_data      files in $(BUILDROOT) to be made with the programs (rules in the same fragment)
 .SUFFIXES:
 .DELETE_ON_ERROR:
@@ -54,10 +54,10 @@ INSTALL ?= install
 comma := ,
 # what reads files for the others: installed beside bin, in libexec
 readers := quiltimport quiltimport-vdb quiltimport-picture
-programs := quiltd quiltctl quiltrender quiltsim quiltbench $(readers)
+programs := quiltd quiltctl quiltrender quiltsim quiltbench quiltweb $(readers)
 modules := base render quilt device daemon
 # each stands before those whose functions it calls
-libraries := tools server engine papers render quilt model device base
+libraries := web tools server engine papers render quilt model device base
 
 .PHONY: all FORCE
 all:
@@ -167,7 +167,7 @@ folder = $(notdir $(patsubst %/,%,$(dir $(1))))
 define test
 $(O)/$(1:.c=): $(call objs,$(1)) $(call test_objs,$(call folder,$(1))) $(call test_libs,$(call folder,$(1)))
 	@rm -f $$@
-	$$(call link,$$(dep_test_libs) $$(wrap_$(notdir $(1:.c=))) $$(test_linker))
+	$$(call link,$$(dep_test_libs) $$(test_link_$(call folder,$(1))) $$(wrap_$(notdir $(1:.c=))) $$(test_linker))
 endef
 # The tests of a folder are one program, linked once, with as many names: each runs the test of its name (tests/runner.c). Those that
 # change what they link stand alone, and so do single ones that are asked for: the others of their folder need not be built.
@@ -183,7 +183,7 @@ $(O)/$(1)runner.o: $(SRCDIR)/tests/runner.c $(O)/$(1)runner.list $(O)/flags.stam
 	$$(call say,CC )$$(CC) $$(lf_cflags) $$(CPPFLAGS) $$(CFLAGS) -DLF_TESTS="$$$$(cat $(O)/$(1)runner.list)" -c -o $$@ $$<
 $(O)/$(1)runner: $(O)/$(1)runner.o $(patsubst %,$(O)/%.main.o,$(runner_$(1))) $(call test_objs,$(call folder,$(1))) $(call test_libs,$(call folder,$(1)))
 	@rm -f $$@
-	$$(call link,$$(dep_test_libs) $$(test_linker))
+	$$(call link,$$(dep_test_libs) $$(test_link_$(call folder,$(1))) $$(test_linker))
 $(addprefix $(O)/,$(runner_$(1))): $(O)/$(1)runner
 	@ln -f $$< $$@ 2>/dev/null || cp -p $$< $$@
 endef

@@ -8,7 +8,7 @@ to = $(INSTALL) -D -m $(1) $(2) $(DESTDIR)$(3)
 filled = sed -e 's|@BINDIR@|$(BINDIR)|g' -e 's|@SCENEDIR@|$(SCENEDIR)|g' $(SRCDIR)/systemd/$(1).in > $(O)/$(1)
 
 # what shells complete, written by the programs from their tables
-completed := quiltd quiltctl quiltrender quiltsim quiltbench
+completed := quiltd quiltctl quiltrender quiltsim quiltbench quiltweb
 shells := bash zsh fish
 completions := $(foreach s,$(shells),$(patsubst %,$(O)/completions/%.$(s),$(completed)))
 define completion

@@ -1,5 +1,5 @@
 # What tests of a folder share, a library each.
-test_libraries := stat optics kms spoiled pictures faulty meshes scene_files tables
+test_libraries := stat optics kms spoiled pictures faulty meshes scene_files tables gateway
 # What a module's tests link: its own library and base; the tests of other folders link everything.
 test_libs_base := pictures base
 test_libs_quilt := optics pictures quilt base
@@ -9,6 +9,8 @@ test_libs_stat := stat $(if $(PORTABLE),,scene_files) papers render base
 test_libs_bench := bench stat scene_files render quilt device base
 test_libs_daemon := faulty spoiled pictures scene_files $(libraries)
 test_libs_docs := tables $(libraries)
+test_libs_web := gateway $(filter-out tools model papers,$(libraries))
+test_link_web = $(dep_web_libs)
 
 fuzz_libs_scene := render base
 fuzz_libs_parcel := render base
@@ -60,6 +62,12 @@ kms_srcs := tests/device/fake_kms.c
 tables_srcs := $(call wild,tests/docs/tables*.c)
 $(O)/tests/docs/make_tables: $(patsubst %,$(O)/%,tests/docs/make_tables.c.o $(patsubst %,lib%.a,tables $(libraries)))
 	$(call link,)
+
+# a gateway with a quiltd that does not exist
+gateway_srcs := tests/web/gateway.c
+
+# connections whose time is over soon
+wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative
 
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c

@@ -90,6 +90,7 @@ daemon/show: daemon/threads daemon/engine/mailbox.h
 daemon/parts: daemon/output/content.h daemon/output/preview.h daemon/engine daemon/threads daemon/wire
 daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
 daemon/tools: daemon/output daemon/wire daemon/server
+daemon/web: daemon/output/options.h daemon/wire
 base:
 base/sandbox: base
 bench:
@@ -103,7 +104,7 @@ modules='base|render|quilt|device|daemon|bench|scenes|tests'
 # The rules below read includes as they are written: from the root, in quotes, and not by another way.
 includes_not_from_the_root() {
     grep_code "$1" '^ *# *include' |
-        grep -vE ":#include (<[^.]+(\.h)?>|\"($modules)(/[A-Za-z0-9_]+)+\.h\"|\"gen/scene_schema\.h\")" # gen/: of the build
+        grep -vE ":#include (<[^.]+(\.h)?>|\"($modules)(/[A-Za-z0-9_]+)+\.h\"|\"gen/(scene_schema|web_pages)\.h\")" # gen/: of the build
 }
 own_headers_in_angles() { grep_code "$1" "#include <($modules)/"; }
 foreign_internal_headers() {
@@ -141,7 +142,7 @@ includes_of_private_headers() { include_complaints "$1" | sed -n 's/^exported //
 cxx_only_for_libraries() { sources "$1" -name '*.cc' -o -name '*.cpp' -o -name '*.cxx' | grep -vE '^(render/import/reader/(vdb|draco)_read|scenes/make_[a-z_]*)\.cc$'; }
 top_level() {
     (cd "$1" && if [ -e .git ]; then git ls-files 2> /dev/null | cut -d/ -f1 | sort -u; else ls; fi) |
-        grep -vE '^(\..*|Makefile|README\.md|CHANGELOG\.md|LICENSE|CONTRIBUTING(\.md)?|base|render|quilt|device|daemon|clients|tests|systemd|scenes|bench|docs|debian|build)$'
+        grep -vE '^(\..*|Makefile|README\.md|CHANGELOG\.md|LICENSE|CONTRIBUTING(\.md)?|base|render|quilt|device|daemon|clients|web|tests|systemd|scenes|bench|docs|debian|build)$'
 }
 # Linux braces: a function's body stands between lines that hold one brace.
 long_functions() {
@@ -340,7 +341,7 @@ reading_libraries() { # programs
     done
 }
 if [ -n "$(reading_libraries quiltimport)" ] && [ -n "$(reading_libraries quiltimport-vdb)" ]; then
-    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltsim quiltbench)"
+    report reading_libraries "$(reading_libraries quiltd quiltctl quiltrender quiltsim quiltbench quiltweb)"
 else
     report reading_libraries "the rule does not see what quiltimport needs"
 fi

@@ -1,0 +1,87 @@
+#include "daemon/web/guard.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char *const names[LF_GUARD_NAMES] = {"localhost", "127.0.0.1", "[::1]"};
+
+lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err)
+{
+    for (int i = 0; i < LF_GUARD_NAMES; i++)
+        /* browsers leave out the port of http */
+        snprintf(guard->hosts[i], sizeof guard->hosts[i], port == 80 ? "%s" : "%s:%d", names[i],
+                 port);
+    snprintf(guard->cookie, sizeof guard->cookie, "quiltweb-%d", port);
+    lf_status status = lf_secret_draw(&guard->token, err);
+    return status == LF_OK ? lf_secret_draw(&guard->session, err) : status;
+}
+
+static bool is_our_host(const lf_guard *guard, const lf_guard_request *request)
+{
+    if (request->hosts != 1)
+        return false;
+    for (int i = 0; i < LF_GUARD_NAMES; i++)
+        if (strcmp(request->host, guard->hosts[i]) == 0)
+            return true;
+    return false;
+}
+
+/* The page's origin has the name under which the page was opened. */
+static bool is_our_origin(const lf_guard_request *request)
+{
+    static const char scheme[] = "http://";
+    return request->origins == 1 && strncmp(request->origin, scheme, strlen(scheme)) == 0 &&
+           strcmp(request->origin + strlen(scheme), request->host) == 0;
+}
+
+static int refuse(int status, const char *why, const char **out_why)
+{
+    *out_why = why;
+    return status;
+}
+
+int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const char **out_why)
+{
+    if (!is_our_host(guard, request))
+        return refuse(421, "the Host header does not name this server", out_why);
+    if (request->target[0] != '/')
+        return refuse(400, "the target is not a path", out_why);
+    if (request->encoded || request->lengths > 1)
+        return refuse(400, "the length of the body is ambiguous", out_why);
+    if (request->cookies > 1 || request->authorizations > 1)
+        return refuse(400, "a header occurs twice", out_why);
+    if (request->length && strcmp(request->length, "0") != 0)
+        return refuse(413, "this server takes no body", out_why);
+    if (request->origins > 0 && !is_our_origin(request))
+        return refuse(403, "the request comes from a page of another origin", out_why);
+    return 0;
+}
+
+bool lf_guard_has_token(const lf_guard *guard, const lf_guard_request *request)
+{
+    static const char scheme[] = "Bearer ";
+    const char *text = request->authorization;
+    if (!text || strncmp(text, scheme, strlen(scheme)) != 0)
+        return false;
+    text += strlen(scheme);
+    return lf_secret_equals(&guard->token, text, strlen(text));
+}
+
+bool lf_guard_has_cookie(const lf_guard *guard, const lf_guard_request *request)
+{
+    const size_t length = strlen(guard->cookie);
+    for (const char *at = request->cookie; at && *at;) {
+        at += strspn(at, "; ");
+        const size_t n = strcspn(at, ";");
+        if (n > length && at[length] == '=' && strncmp(at, guard->cookie, length) == 0)
+            return lf_secret_equals(&guard->session, at + length + 1, n - length - 1);
+        at += n;
+    }
+    return false;
+}
+
+bool lf_guard_may_connect(const lf_guard *guard, const lf_guard_request *request)
+{
+    return request->origins > 0 ? lf_guard_has_cookie(guard, request)
+                                : lf_guard_has_token(guard, request);
+}

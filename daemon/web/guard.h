@@ -1,0 +1,48 @@
+/* guard: what a request must be before quiltweb looks at what it asks for.
+ *
+ * Any page in a browser can send requests to a loopback address. The Host header shows names that
+ * were rebound to it, the Origin header shows pages of others, and a secret shows that the caller
+ * was given the URL. libmicrohttpd accepts some requests that two readers understand differently;
+ * they are refused here. Pure functions: no sockets, no state but the guard. Thread: any. */
+#ifndef LF_DAEMON_WEB_GUARD_H
+#define LF_DAEMON_WEB_GUARD_H
+
+#include "daemon/web/secret.h"
+
+/* The headers that decide. Texts are borrowed; NULL: the header is absent. With several headers of
+ * a name, the text is the last and the count says so. */
+typedef struct lf_guard_request {
+    const char *target; /* path without the query */
+    const char *host, *origin, *length, *cookie, *authorization;
+    int hosts, origins, lengths, cookies, authorizations;
+    bool encoded; /* has a Transfer-Encoding */
+} lf_guard_request;
+
+enum { LF_GUARD_NAMES = 3 };
+
+typedef struct lf_guard {
+    char hosts[LF_GUARD_NAMES][32]; /* accepted values of Host: "localhost:PORT" … */
+    char cookie[32];                /* name of the cookie; holds the port, which cookies ignore */
+    lf_secret token;                /* in the URL, and after "Bearer " */
+    lf_secret session;              /* in the cookie */
+} lf_guard;
+
+/* Draws both secrets for a server at this port. LF_E_IO. */
+LF_NODISCARD lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err);
+
+/* 0, or the status of HTTP with which the request is refused; *out_why: a line for the body.
+ * - 421: not exactly one Host with a name and port of ours
+ * - 400: absolute target, two lengths, cookies or authorizations, a Transfer-Encoding
+ * - 413: a body
+ * - 403: an Origin that is not ours */
+int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const char **out_why);
+
+/* True if the request has the token as Authorization: Bearer. */
+bool lf_guard_has_token(const lf_guard *guard, const lf_guard_request *request);
+/* True if the request has the cookie of the session. */
+bool lf_guard_has_cookie(const lf_guard *guard, const lf_guard_request *request);
+/* True if the request may open a WebSocket: from our page with the cookie, or from a program (no
+ * Origin) with the token. lf_guard_check has passed. */
+bool lf_guard_may_connect(const lf_guard *guard, const lf_guard_request *request);
+
+#endif

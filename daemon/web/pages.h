@@ -1,0 +1,20 @@
+/* pages: the files of the web page (web/page/), compiled in: no request reaches a file system.
+ * Thread: any. */
+#ifndef LF_DAEMON_WEB_PAGES_H
+#define LF_DAEMON_WEB_PAGES_H
+
+#include <stddef.h>
+
+typedef struct lf_page {
+    const char *path; /* of the request: "/", "/main.js" */
+    const char *type; /* Content-Type */
+    const unsigned char *data;
+    size_t n;
+} lf_page;
+
+/* NULL: no such page. */
+const lf_page *lf_page_find(const char *path);
+/* The page of this index; NULL after the last. */
+const lf_page *lf_page_at(int index);
+
+#endif

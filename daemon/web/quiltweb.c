@@ -1,0 +1,162 @@
+/* quiltweb: quiltd in a browser. See docs/man/quiltweb.1. */
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <systemd/sd-daemon.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "daemon/output/options.h"
+#include "daemon/web/web.h"
+#include "daemon/wire/listen.h"
+
+#define PROGRAM "quiltweb"
+#define ADDRESS "127.0.0.1:8033"
+
+enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_LISTEN, OPTION_URL_FILE };
+
+static const struct option table[] = {
+    {"socket", required_argument, NULL, OPTION_SOCKET},
+    {"listen", required_argument, NULL, OPTION_LISTEN},
+    {"url-file", required_argument, NULL, OPTION_URL_FILE},
+    {0},
+};
+
+typedef struct arguments {
+    const char *socket, *listen, *url_file;
+} arguments;
+
+static void print_help(void)
+{
+    printf("Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
+           "Show what quiltd shows in a browser of this machine, and steer it there.\n"
+           "Prints the URL of the page, with a token that opens it.\n"
+           "\n"
+           "  --socket PATH          socket of quiltd ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/"
+           "quiltd.sock,\n"
+           "                         /run/quiltd/control.sock)\n"
+           "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one\n"
+           "                         (" ADDRESS ")\n"
+           "  --url-file FILE        write the URL into this file instead of printing it\n"
+           "\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
+}
+
+static lf_status take(void *context, int code, const char *text, lf_error *err)
+{
+    arguments *a = context;
+    (void)err;
+    if (code == OPTION_SOCKET)
+        a->socket = text;
+    else if (code == OPTION_LISTEN)
+        a->listen = text;
+    else
+        a->url_file = text;
+    return LF_OK;
+}
+
+static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool *out_done,
+                                lf_error *err)
+{
+    const lf_options_rules rules = {.program = PROGRAM,
+                                    .letters = ":",
+                                    .table = table,
+                                    .print_help = print_help,
+                                    .take = take,
+                                    .context = a};
+    lf_status status = lf_options_read(argc, argv, &rules, out_done, err);
+    if (status != LF_OK || *out_done || optind == argc)
+        return status;
+    return lf_error_set(err, LF_E_ARG, argv[optind],
+                        "unexpected argument; quiltweb takes only options (see --help)");
+}
+
+/* The first default socket that exists, else the first of all. */
+static const char *find_socket(const char *given, char *path, size_t size)
+{
+    if (given)
+        return given;
+    for (int i = 0; lf_default_socket(i, path, size); i++)
+        if (access(path, F_OK) == 0)
+            return path;
+    (void)lf_default_socket(0, path, size);
+    return path;
+}
+
+/* systemd's socket, or one of our own. */
+static lf_status open_listener(const char *address, int *out_fd, lf_error *err)
+{
+    const int n = sd_listen_fds(1);
+    if (n > 1 || (n == 1 && address))
+        return lf_error_set(err, LF_E_ARG, "systemd",
+                            "expects one socket from the socket unit, and then no --listen");
+    if (n < 1)
+        return lf_web_listen(address ? address : ADDRESS, out_fd, err);
+    *out_fd = SD_LISTEN_FDS_START;
+    return LF_OK;
+}
+
+static lf_status announce(const lf_web *web, const char *file, lf_error *err)
+{
+    char line[128];
+    snprintf(line, sizeof line, "%s\n", lf_web_url(web));
+    if (file)
+        return lf_outfile_text(file, line, err);
+    if (fputs(line, stdout) < 0 || fflush(stdout) != 0)
+        return lf_error_set(err, LF_E_IO, "standard output", "cannot write the URL");
+    return LF_OK;
+}
+
+static lf_status run(const arguments *a, lf_error *err)
+{
+    char path[512];
+    int fd = -1;
+    sd_event *event = NULL;
+    lf_web *web = NULL;
+    lf_status status = open_listener(a->listen, &fd, err);
+    if (status != LF_OK)
+        return status;
+    if (sd_event_new(&event) < 0 || sd_event_add_signal(event, NULL, SIGINT, NULL, NULL) < 0 ||
+        sd_event_add_signal(event, NULL, SIGTERM, NULL, NULL) < 0) {
+        close(fd);
+        sd_event_unref(event);
+        return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
+    }
+    status = lf_web_create(event, fd, find_socket(a->socket, path, sizeof path), &web, err);
+    if (status == LF_OK)
+        status = announce(web, a->url_file, err);
+    if (status == LF_OK) {
+        sd_notify(0, "READY=1");
+        sd_event_loop(event);
+        sd_notify(0, "STOPPING=1");
+    }
+    lf_web_destroy(web);
+    sd_event_unref(event);
+    return status;
+}
+
+int main(int argc, char *argv[])
+{
+    arguments a = {0};
+    lf_error err = {0};
+    bool done = false;
+    sigset_t signals;
+    lf_log_init(PROGRAM, LF_LOG_INFO);
+    if (read_arguments(argc, argv, &a, &done, &err) != LF_OK)
+        return lf_usage_error(PROGRAM, &err);
+    if (done)
+        return LF_EXIT_OK;
+    umask(077); /* the URL is for its user alone */
+    signal(SIGPIPE, SIG_IGN);
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    sigprocmask(SIG_BLOCK, &signals, NULL);
+    lf_status status = run(&a, &err);
+    if (status == LF_E_ARG)
+        return lf_usage_error(PROGRAM, &err);
+    if (status != LF_OK)
+        lf_log_error(&err);
+    return status == LF_OK ? LF_EXIT_OK : LF_EXIT_FAILED;
+}

@@ -1,0 +1,25 @@
+/* reply: answers of HTTP, all with the headers that keep other pages out. Thread: event. */
+#ifndef LF_DAEMON_WEB_REPLY_H
+#define LF_DAEMON_WEB_REPLY_H
+
+#include <microhttpd.h>
+
+#include "daemon/web/guard.h"
+#include "daemon/web/pages.h"
+
+/* Collects the headers that lf_guard_check looks at. */
+void lf_reply_read(struct MHD_Connection *connection, const char *target, lf_guard_request *out);
+
+/* Each answers a connection. text: copied. */
+enum MHD_Result lf_reply_text(struct MHD_Connection *connection, unsigned status, const char *text);
+enum MHD_Result lf_reply_page(struct MHD_Connection *connection, const lf_page *page);
+enum MHD_Result lf_reply_json(struct MHD_Connection *connection, const char *json);
+/* A JPEG of size bytes; fd is closed by libmicrohttpd. */
+enum MHD_Result lf_reply_jpeg(struct MHD_Connection *connection, int fd, size_t size);
+/* 204 with the cookie of the session. */
+enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guard *guard);
+/* 101 for a handshake with this Sec-WebSocket-Key; then `upgraded` gets the socket. */
+enum MHD_Result lf_reply_upgrade(struct MHD_Connection *connection, const char *key,
+                                 MHD_UpgradeHandler upgraded, void *context);
+
+#endif

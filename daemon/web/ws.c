@@ -1,0 +1,249 @@
+#include "daemon/web/ws.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <wslay/wslay.h>
+
+#include "base/alloc.h"
+
+#define MAX_REASON 123 /* bytes of a control frame, without the code */
+#define BYTES_A_TURN ((size_t)16384)
+#define STALL_USEC ((uint64_t)20000000)
+#define LINGER_USEC ((uint64_t)2000000)
+
+struct lf_ws {
+    int fd;
+    wslay_event_context_ptr wslay;
+    sd_event_source *io, *timer; /* timer: the peer takes nothing, or does not close */
+    lf_ws_events events;
+    char *early; /* bytes read by somebody else, of which `taken` are used */
+    size_t n_early, taken;
+    size_t budget; /* bytes that may still be read in this turn */
+    bool sent;     /* something was sent in this turn */
+    bool lingering, ended;
+};
+
+static int on_io(sd_event_source *source, int fd, uint32_t what, void *context);
+static int on_time(sd_event_source *source, uint64_t usec, void *context);
+
+/* --------------------------------------------------------------------------------- for wslay -- */
+
+static ssize_t receive(wslay_event_context_ptr wslay, uint8_t *to, size_t n, int flags,
+                       void *context)
+{
+    (void)flags;
+    lf_ws *ws = context;
+    if (n > ws->budget)
+        n = ws->budget;
+    ssize_t got = 0;
+    if (n == 0) {
+        wslay_event_set_error(wslay, WSLAY_ERR_WOULDBLOCK);
+        return -1;
+    }
+    if (ws->taken < ws->n_early) {
+        got = (ssize_t)(n < ws->n_early - ws->taken ? n : ws->n_early - ws->taken);
+        memcpy(to, ws->early + ws->taken, (size_t)got);
+        ws->taken += (size_t)got;
+    } else {
+        got = recv(ws->fd, to, n, MSG_DONTWAIT);
+    }
+    if (got <= 0) {
+        const bool later = got < 0 && (errno == EAGAIN || errno == EINTR);
+        wslay_event_set_error(wslay, later ? WSLAY_ERR_WOULDBLOCK : WSLAY_ERR_CALLBACK_FAILURE);
+        return -1;
+    }
+    ws->budget -= (size_t)got;
+    return got;
+}
+
+static ssize_t transmit(wslay_event_context_ptr wslay, const uint8_t *data, size_t n, int flags,
+                        void *context)
+{
+    lf_ws *ws = context;
+    const int more = flags & WSLAY_MSG_MORE ? MSG_MORE : 0;
+    ssize_t done = send(ws->fd, data, n, MSG_DONTWAIT | MSG_NOSIGNAL | more);
+    if (done < 0) {
+        const bool later = errno == EAGAIN || errno == EINTR;
+        wslay_event_set_error(wslay, later ? WSLAY_ERR_WOULDBLOCK : WSLAY_ERR_CALLBACK_FAILURE);
+        return -1;
+    }
+    ws->sent = true;
+    return done;
+}
+
+static void on_message(wslay_event_context_ptr wslay,
+                       const struct wslay_event_on_msg_recv_arg *message, void *context)
+{
+    (void)wslay;
+    lf_ws *ws = context;
+    if (message->opcode == WSLAY_TEXT_FRAME)
+        ws->events.text(ws->events.context, (const char *)message->msg, message->msg_length);
+    else if (message->opcode == WSLAY_BINARY_FRAME)
+        lf_ws_close(ws, LF_WS_UNSUPPORTED, "expects text messages");
+}
+
+/* ---------------------------------------------------------------------------------- its life -- */
+
+static lf_status set_up(lf_ws *ws, sd_event *event, const void *early, size_t n)
+{
+    static const struct wslay_event_callbacks callbacks = {
+        .recv_callback = receive, .send_callback = transmit, .on_msg_recv_callback = on_message};
+    ws->early = lf_calloc(n, 1);
+    if (!ws->early || wslay_event_context_server_init(&ws->wslay, &callbacks, ws) != 0)
+        return LF_E_NOMEM;
+    if (n > 0)
+        memcpy(ws->early, early, n);
+    wslay_event_config_set_max_recv_msg_length(ws->wslay, LF_WS_MAX_MESSAGE);
+    /* EPOLLOUT: the first turn comes at once, for what came early */
+    if (sd_event_add_io(event, &ws->io, ws->fd, EPOLLIN | EPOLLOUT, on_io, ws) < 0 ||
+        sd_event_add_time_relative(event, &ws->timer, CLOCK_MONOTONIC, STALL_USEC, 0, on_time, ws) <
+            0)
+        return LF_E_NOMEM;
+    sd_event_source_set_enabled(ws->timer, SD_EVENT_OFF);
+    return LF_OK;
+}
+
+lf_status lf_ws_create(sd_event *event, int fd, const void *early, size_t n,
+                       const lf_ws_events *events, lf_ws **out, lf_error *err)
+{
+    lf_ws *ws = lf_calloc(1, sizeof *ws);
+    if (ws)
+        *ws = (lf_ws){.fd = fd, .events = *events, .n_early = n};
+    if (!ws || set_up(ws, event, early, n) != LF_OK) {
+        lf_ws_destroy(ws);
+        return lf_error_set(err, LF_E_NOMEM, "WebSocket", "out of memory");
+    }
+    *out = ws;
+    return LF_OK;
+}
+
+void lf_ws_destroy(lf_ws *ws)
+{
+    if (!ws)
+        return;
+    sd_event_source_disable_unref(ws->io);
+    sd_event_source_disable_unref(ws->timer);
+    if (ws->wslay)
+        wslay_event_context_free(ws->wslay);
+    lf_free(ws->early);
+    lf_free(ws);
+}
+
+static void end(lf_ws *ws)
+{
+    if (ws->ended)
+        return;
+    ws->ended = true;
+    ws->io = sd_event_source_disable_unref(ws->io);
+    sd_event_source_set_enabled(ws->timer, SD_EVENT_OFF);
+    ws->events.ended(ws->events.context);
+}
+
+static int on_time(sd_event_source *source, uint64_t usec, void *context)
+{
+    (void)source;
+    (void)usec;
+    end(context);
+    return 0;
+}
+
+static void wait_at_most(lf_ws *ws, uint64_t usec)
+{
+    sd_event_source_set_time_relative(ws->timer, usec);
+    sd_event_source_set_enabled(ws->timer, SD_EVENT_ONESHOT);
+}
+
+static bool is_waiting(const lf_ws *ws)
+{
+    int enabled = SD_EVENT_OFF;
+    return sd_event_source_get_enabled(ws->timer, &enabled) >= 0 && enabled != SD_EVENT_OFF;
+}
+
+/* ------------------------------------------------------------------------------------- turns -- */
+
+/* The last word was said. What the peer still sends is read and forgotten: closing a socket with
+ * unread data would take our last word from it. */
+static void linger(lf_ws *ws)
+{
+    char forgotten[BYTES_A_TURN];
+    if (!ws->lingering) {
+        ws->lingering = true;
+        shutdown(ws->fd, SHUT_WR);
+        wait_at_most(ws, LINGER_USEC);
+    }
+    ssize_t n = recv(ws->fd, forgotten, sizeof forgotten, MSG_DONTWAIT);
+    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR))
+        end(ws);
+}
+
+static void look_for_more(lf_ws *ws)
+{
+    const bool out = !ws->lingering && wslay_event_want_write(ws->wslay);
+    const bool early = ws->taken < ws->n_early;
+    if (!ws->ended)
+        sd_event_source_set_io_events(ws->io, EPOLLIN | (out || early ? EPOLLOUT : 0));
+    if (ws->ended || ws->lingering)
+        return;
+    if (!out)
+        sd_event_source_set_enabled(ws->timer, SD_EVENT_OFF);
+    else if (ws->sent || !is_waiting(ws))
+        wait_at_most(ws, STALL_USEC);
+}
+
+static int on_io(sd_event_source *source, int fd, uint32_t what, void *context)
+{
+    (void)source;
+    (void)fd;
+    (void)what;
+    lf_ws *ws = context;
+    ws->budget = BYTES_A_TURN;
+    ws->sent = false;
+    bool broken = false;
+    if (!ws->lingering)
+        broken = wslay_event_recv(ws->wslay) != 0 || wslay_event_send(ws->wslay) != 0;
+    if (broken)
+        end(ws);
+    else if (!wslay_event_want_read(ws->wslay) && !wslay_event_want_write(ws->wslay))
+        linger(ws);
+    if (ws->sent && !ws->ended)
+        ws->events.flushed(ws->events.context);
+    look_for_more(ws);
+    return 0;
+}
+
+/* ---------------------------------------------------------------------------------- messages -- */
+
+static void queue(lf_ws *ws, uint8_t opcode, const uint8_t *data, size_t n)
+{
+    const struct wslay_event_msg message = {.opcode = opcode, .msg = data, .msg_length = n};
+    if (!ws->ended && wslay_event_queue_msg(ws->wslay, &message) == 0)
+        look_for_more(ws);
+}
+
+void lf_ws_send_text(lf_ws *ws, const char *text, size_t n)
+{
+    queue(ws, WSLAY_TEXT_FRAME, (const uint8_t *)text, n);
+}
+
+void lf_ws_send_binary(lf_ws *ws, const uint8_t *data, size_t n)
+{
+    queue(ws, WSLAY_BINARY_FRAME, data, n);
+}
+
+void lf_ws_close(lf_ws *ws, int code, const char *reason)
+{
+    if (ws->ended)
+        return;
+    wslay_event_queue_close(ws->wslay, (uint16_t)code, (const uint8_t *)reason,
+                            strnlen(reason, MAX_REASON));
+    wslay_event_shutdown_read(ws->wslay);
+    look_for_more(ws);
+}
+
+size_t lf_ws_queued(const lf_ws *ws)
+{
+    return wslay_event_get_queued_msg_length(ws->wslay);
+}

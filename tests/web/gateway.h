@@ -1,0 +1,62 @@
+/* A gateway in a thread, a quiltd that does not exist behind it, and clients that may say anything.
+ */
+#ifndef LF_TESTS_WEB_GATEWAY_H
+#define LF_TESTS_WEB_GATEWAY_H
+
+#include "tests/testing.h"
+
+/* What the false quiltd renders: 9 views of 60x80 in 3x3 tiles. */
+enum { FALSE_COLUMNS = 3, FALSE_VIEWS = 9, FALSE_WIDTH = 60, FALSE_HEIGHT = 80 };
+
+typedef struct gateway gateway;
+
+/* *state is the gateway. */
+int lf_gateway_setup(void **state);
+int lf_gateway_teardown(void **state);
+#define lf_gateway_test(test)                                                                      \
+    cmocka_unit_test_setup_teardown(test, lf_gateway_setup, lf_gateway_teardown)
+
+int lf_gateway_port(const gateway *g);
+const char *lf_gateway_token(const gateway *g);
+/* "quiltweb-PORT=…" as the gateway gives it for the token. */
+const char *lf_gateway_cookie(gateway *g);
+
+/* The false quiltd answers each call with {"method": NAME}, status with its state, and frame.get
+ * with an image. false: it answers no frame.get any more. */
+void lf_gateway_answer_images(gateway *g, bool answer);
+/* How often quiltd was called with this method. */
+int lf_gateway_calls(gateway *g, const char *method);
+/* Sends a line to all connections. */
+void lf_gateway_notify(gateway *g, const char *line);
+/* Sends a line (with its newline) to the oldest connection until nobody takes more for a second, or
+ * `most` times; the number of lines sent whole. lf_gateway_flood_end sends the rest of the last. */
+int lf_gateway_flood(gateway *g, const char *line, int most);
+void lf_gateway_flood_end(gateway *g);
+/* Closes all connections of quiltd. */
+void lf_gateway_hang_up(gateway *g);
+
+/* A TCP connection to the gateway. */
+int lf_caller_connect(const gateway *g);
+/* Sends raw[n]; true if all of it was taken. */
+bool lf_caller_send(int fd, const char *raw, size_t n);
+/* Sends a request and returns all that comes until the end, terminated, in a static buffer. */
+const char *lf_caller_ask(const gateway *g, const char *request);
+/* As lf_caller_ask, with "METHOD PATH HTTP/1.1", a Host that is right, and more headers (each ended
+ * by \r\n). */
+const char *lf_caller_get(const gateway *g, const char *line, const char *headers);
+/* The status of an answer; 0: none. */
+int lf_caller_status(const char *answer);
+
+/* A WebSocket. */
+int lf_talk_connect(const gateway *g, const char *headers, const char **out_answer);
+/* One with the token. */
+int lf_talk_open(const gateway *g);
+void lf_talk_send(int fd, int opcode, const char *data, size_t n);
+void lf_talk_say(int fd, const char *text);
+/* The next message that is neither ping nor pong: its opcode, -1 at the end; data in a static
+ * buffer of *out_n bytes, terminated. */
+int lf_talk_next(int fd, const unsigned char **out_data, size_t *out_n);
+/* Reads until a text message holds this word, and returns it; binary messages are counted. */
+const char *lf_talk_until(int fd, const char *word, int *out_binaries);
+
+#endif

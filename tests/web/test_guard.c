@@ -1,0 +1,213 @@
+/* What a request must be: each rule with a request that keeps it and one that breaks it. */
+#include "tests/testing.h"
+
+#include "daemon/web/guard.h"
+
+enum { PORT = 8033 };
+
+static lf_guard_request good(void)
+{
+    return (lf_guard_request){.target = "/", .host = "127.0.0.1:8033", .hosts = 1};
+}
+
+static int check(const lf_guard_request *request)
+{
+    const char *why = NULL;
+    lf_error err = {0};
+    lf_guard guard;
+    lf_assert_ok(lf_guard_init(&guard, PORT, &err), &err);
+    int status = lf_guard_check(&guard, request, &why);
+    assert_int_equal(status != 0, why ? 1 : 0);
+    return status;
+}
+
+static void one_host_of_ours_is_needed(void **state)
+{
+    (void)state;
+    static const char *const ours[] = {"localhost:8033", "127.0.0.1:8033", "[::1]:8033"};
+    static const char *const others[] = {"evil.test:8033", "localhost",       "localhost:8034",
+                                         "LOCALHOST:8033", "localhost.:8033", "127.0.0.1:8033 ",
+                                         "127.0.0.2:8033", "localhost:80330", ""};
+    lf_guard_request r = good();
+    for (size_t i = 0; i < sizeof ours / sizeof ours[0]; i++) {
+        r.host = ours[i];
+        assert_int_equal(check(&r), 0);
+    }
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        r.host = others[i];
+        assert_int_equal(check(&r), 421);
+    }
+    r = good();
+    r.hosts = 2;
+    assert_int_equal(check(&r), 421);
+    r = good();
+    r.host = NULL;
+    r.hosts = 0;
+    assert_int_equal(check(&r), 421);
+}
+
+/* The name is looked at before all else: nothing is answered to another one. */
+static void the_host_comes_first(void **state)
+{
+    (void)state;
+    lf_guard_request r = good();
+    r.host = "evil.test:8033";
+    r.origin = "http://evil.test:8033";
+    r.origins = 1;
+    r.lengths = 2;
+    assert_int_equal(check(&r), 421);
+}
+
+static void an_origin_is_ours_by_the_same_name(void **state)
+{
+    (void)state;
+    static const char *const others[] = {"http://evil.test:8033",
+                                         "null",
+                                         "http://localhost:8033",
+                                         "https://127.0.0.1:8033",
+                                         "http://127.0.0.1:8033/",
+                                         "http://127.0.0.1",
+                                         ""};
+    lf_guard_request r = good();
+    r.origins = 1;
+    r.origin = "http://127.0.0.1:8033";
+    assert_int_equal(check(&r), 0);
+    r.origins = 2;
+    assert_int_equal(check(&r), 403);
+    r.origins = 1;
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        r.origin = others[i];
+        assert_int_equal(check(&r), 403);
+    }
+}
+
+static void what_two_readers_understand_differently_is_refused(void **state)
+{
+    (void)state;
+    lf_guard_request r = good();
+    r.length = "0";
+    r.lengths = 1;
+    assert_int_equal(check(&r), 0);
+    r.lengths = 2;
+    assert_int_equal(check(&r), 400);
+    r.lengths = 1;
+    r.encoded = true;
+    assert_int_equal(check(&r), 400);
+    r = good();
+    r.encoded = true;
+    assert_int_equal(check(&r), 400);
+    r = good();
+    r.target = "http://127.0.0.1:8033/";
+    assert_int_equal(check(&r), 400);
+    r = good();
+    r.cookie = "a=b";
+    r.cookies = 2;
+    assert_int_equal(check(&r), 400);
+}
+
+static void a_body_is_refused(void **state)
+{
+    (void)state;
+    lf_guard_request r = good();
+    r.lengths = 1;
+    r.length = "1";
+    assert_int_equal(check(&r), 413);
+    r.length = "1073741824";
+    assert_int_equal(check(&r), 413);
+}
+
+static void a_secret_equals_itself_alone(void **state)
+{
+    (void)state;
+    lf_secret a, b;
+    lf_error err = {0};
+    lf_assert_ok(lf_secret_draw(&a, &err), &err);
+    lf_assert_ok(lf_secret_draw(&b, &err), &err);
+    assert_int_equal(strlen(a.text), LF_SECRET_DIGITS);
+    assert_int_equal(strspn(a.text, "0123456789abcdef"), LF_SECRET_DIGITS);
+    assert_string_not_equal(a.text, b.text);
+    assert_true(lf_secret_equals(&a, a.text, LF_SECRET_DIGITS));
+    assert_false(lf_secret_equals(&a, b.text, LF_SECRET_DIGITS));
+    assert_false(lf_secret_equals(&a, a.text, LF_SECRET_DIGITS - 1));
+    assert_false(lf_secret_equals(&a, "", 0));
+    char twice[2 * LF_SECRET_DIGITS + 1];
+    snprintf(twice, sizeof twice, "%s%s", a.text, a.text);
+    assert_false(lf_secret_equals(&a, twice, 2 * LF_SECRET_DIGITS));
+    for (int i = 0; i < LF_SECRET_DIGITS; i++) {
+        char other[LF_SECRET_DIGITS + 1];
+        memcpy(other, a.text, sizeof other);
+        other[i] ^= 1;
+        assert_false(lf_secret_equals(&a, other, LF_SECRET_DIGITS));
+    }
+}
+
+static void the_cookie_is_found_among_others(void **state)
+{
+    (void)state;
+    lf_guard guard;
+    lf_error err = {0};
+    char text[256];
+    lf_guard_request r = good();
+    lf_assert_ok(lf_guard_init(&guard, PORT, &err), &err);
+    static const struct {
+        const char *before, *between, *after;
+        bool found;
+    } rows[] = {{"", "=", "", true},    {"a=b; ", "=", "", true}, {"", "=", "; c=d", true},
+                {"x", "=", "", false},  {"", "=", "0", false},    {"", " ", "", false},
+                {"a=", "=", "", false}, {"", "=0", "", false},    {"a=b, ", "=", "", false}};
+    r.cookie = text;
+    r.cookies = 1;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        snprintf(text, sizeof text, "%s%s%s%s%s", rows[i].before, guard.cookie, rows[i].between,
+                 guard.session.text, rows[i].after);
+        assert_int_equal(lf_guard_has_cookie(&guard, &r), rows[i].found);
+    }
+    /* the token is no cookie, and the cookie no token */
+    snprintf(text, sizeof text, "%s=%s", guard.cookie, guard.token.text);
+    assert_false(lf_guard_has_cookie(&guard, &r));
+    snprintf(text, sizeof text, "Bearer %s", guard.session.text);
+    r.authorization = text;
+    assert_false(lf_guard_has_token(&guard, &r));
+    snprintf(text, sizeof text, "Bearer %s", guard.token.text);
+    assert_true(lf_guard_has_token(&guard, &r));
+}
+
+static void a_page_connects_with_its_cookie_and_a_program_with_the_token(void **state)
+{
+    (void)state;
+    lf_guard guard;
+    lf_error err = {0};
+    char cookie[128], token[64];
+    lf_assert_ok(lf_guard_init(&guard, PORT, &err), &err);
+    snprintf(cookie, sizeof cookie, "%s=%s", guard.cookie, guard.session.text);
+    snprintf(token, sizeof token, "Bearer %s", guard.token.text);
+    lf_guard_request page = good(), program = good();
+    page.origin = "http://127.0.0.1:8033";
+    page.origins = 1;
+    assert_false(lf_guard_may_connect(&guard, &page));
+    page.cookie = cookie;
+    page.cookies = 1;
+    assert_true(lf_guard_may_connect(&guard, &page));
+    assert_false(lf_guard_may_connect(&guard, &program));
+    program.cookie = cookie; /* without an origin nobody knows whose page it is */
+    program.cookies = 1;
+    assert_false(lf_guard_may_connect(&guard, &program));
+    program.authorization = token;
+    program.authorizations = 1;
+    assert_true(lf_guard_may_connect(&guard, &program));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_host_of_ours_is_needed),
+        cmocka_unit_test(the_host_comes_first),
+        cmocka_unit_test(an_origin_is_ours_by_the_same_name),
+        cmocka_unit_test(what_two_readers_understand_differently_is_refused),
+        cmocka_unit_test(a_body_is_refused),
+        cmocka_unit_test(a_secret_equals_itself_alone),
+        cmocka_unit_test(the_cookie_is_found_among_others),
+        cmocka_unit_test(a_page_connects_with_its_cookie_and_a_program_with_the_token),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,344 @@
+/* WebSockets: who may open one, what may be called, images, and clients that do not read. */
+#include "tests/web/gateway.h"
+
+#include "daemon/web/allow.h"
+#include "daemon/web/image.h"
+#include "daemon/web/web.h"
+
+static int handshake(gateway *g, const char *headers)
+{
+    const char *answer = NULL;
+    close(lf_talk_connect(g, headers, &answer));
+    return lf_caller_status(answer);
+}
+
+static void a_page_needs_cookie_and_origin(void **state)
+{
+    gateway *g = *state;
+    char headers[512];
+    const char *cookie = lf_gateway_cookie(g);
+    snprintf(headers, sizeof headers, "Cookie: %s\r\nOrigin: http://127.0.0.1:%d\r\n", cookie,
+             lf_gateway_port(g));
+    assert_int_equal(handshake(g, headers), 101);
+    snprintf(headers, sizeof headers, "Origin: http://127.0.0.1:%d\r\n", lf_gateway_port(g));
+    assert_int_equal(handshake(g, headers), 401);
+    snprintf(headers, sizeof headers, "Cookie: %s\r\n", cookie);
+    assert_int_equal(handshake(g, headers), 401);
+    snprintf(headers, sizeof headers, "Cookie: %s\r\nOrigin: http://evil.test\r\n", cookie);
+    assert_int_equal(handshake(g, headers), 403);
+    snprintf(headers, sizeof headers, "Authorization: Bearer %s\r\n", lf_gateway_token(g));
+    assert_int_equal(handshake(g, headers), 101);
+    assert_int_equal(handshake(g, ""), 401);
+}
+
+static void a_handshake_is_one_of_version_13(void **state)
+{
+    gateway *g = *state;
+    char request[512];
+    static const struct {
+        const char *headers;
+        int status;
+    } rows[] = {
+        {"Upgrade: websocket\r\nSec-WebSocket-Version: 8\r\n", 426},
+        {"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n", 426},
+        {"Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: short\r\n", 400},
+        {"Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n", 400},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        snprintf(request, sizeof request, "Authorization: Bearer %s\r\nConnection: Upgrade\r\n%s",
+                 lf_gateway_token(g), rows[i].headers);
+        assert_int_equal(lf_caller_status(lf_caller_get(g, "GET /rpc HTTP/1.1", request)),
+                         rows[i].status);
+    }
+}
+
+/* The example of RFC 6455. */
+static void the_key_is_answered_as_the_standard_says(void **state)
+{
+    gateway *g = *state;
+    char headers[80];
+    const char *answer = NULL;
+    snprintf(headers, sizeof headers, "Authorization: Bearer %s\r\n", lf_gateway_token(g));
+    close(lf_talk_connect(g, headers, &answer));
+    assert_non_null(strstr(answer, "Sec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n"));
+}
+
+static void allowed_methods_reach_quiltd(void **state)
+{
+    gateway *g = *state;
+    int fd = lf_talk_open(g);
+    char call[128];
+    for (int i = 0; lf_allow_at(i); i++) {
+        snprintf(call, sizeof call, "{\"jsonrpc\":\"2.0\",\"id\":%d,\"method\":\"%s\"}", i,
+                 lf_allow_at(i));
+        lf_talk_say(fd, call);
+        snprintf(call, sizeof call, "\"id\":%d,", i);
+        assert_non_null(strstr(lf_talk_until(fd, call, NULL), "\"result\""));
+        assert_true(lf_gateway_calls(g, lf_allow_at(i)) > 0);
+    }
+    close(fd);
+}
+
+static void all_other_methods_are_refused(void **state)
+{
+    gateway *g = *state;
+    static const char *const methods[] = {"shutdown", "device.set", "export",    "frame.get",
+                                          "button",   "quilt.show", "Shutdown",  "shutdown ",
+                                          "",         "status2",    "preview.x", "rpc.discover"};
+    int fd = lf_talk_open(g);
+    char call[160];
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
+        snprintf(call, sizeof call, "{\"jsonrpc\":\"2.0\",\"id\":%zu,\"method\":\"%s\"}", i,
+                 methods[i]);
+        lf_talk_say(fd, call);
+        snprintf(call, sizeof call, "\"id\":%zu,", i);
+        assert_non_null(strstr(lf_talk_until(fd, call, NULL), "-32601"));
+        assert_int_equal(lf_gateway_calls(g, methods[i]), 0);
+    }
+    /* of two keys of a name quiltd gets the one that was looked at */
+    lf_talk_say(fd,
+                "{\"jsonrpc\":\"2.0\",\"id\":90,\"method\":\"status\",\"method\":\"shutdown\"}");
+    lf_talk_say(fd,
+                "{\"jsonrpc\":\"2.0\",\"id\":91,\"method\":\"shutdown\",\"method\":\"status\"}");
+    /* and of two lines in a message neither */
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":92,\"method\":\"status\"}\n"
+                    "{\"jsonrpc\":\"2.0\",\"id\":93,\"method\":\"shutdown\"}");
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":94,\"method\":\"hello\"}");
+    (void)lf_talk_until(fd, "\"id\":94", NULL);
+    assert_int_equal(lf_gateway_calls(g, "shutdown"), 0);
+    close(fd);
+}
+
+static void some_parameters_are_refused(void **state)
+{
+    gateway *g = *state;
+    int fd = lf_talk_open(g);
+    lf_talk_say(
+        fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"scene.load\",\"params\":{\"file\":\"a\","
+            "\"files\":[\"/etc/passwd\"]}}");
+    assert_non_null(strstr(lf_talk_until(fd, "\"id\":1", NULL), "-32602"));
+    assert_int_equal(lf_gateway_calls(g, "scene.load"), 0);
+    lf_talk_say(
+        fd, "{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"scene.load\",\"params\":{\"file\":\"a\"}}");
+    assert_non_null(strstr(lf_talk_until(fd, "\"id\":2", NULL), "\"result\""));
+    /* ids of the gateway's own calls */
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:image\",\"method\":\"hello\"}");
+    assert_non_null(strstr(lf_talk_until(fd, "quiltweb:image", NULL), "-32600"));
+    lf_talk_say(fd,
+                "{\"jsonrpc\":\"2.0\",\"id\":3,\"method\":\"preview.start\",\"params\":{\"x\":1}}");
+    assert_non_null(strstr(lf_talk_until(fd, "\"id\":3", NULL), "-32602"));
+    lf_talk_say(fd, "no JSON");
+    assert_non_null(strstr(lf_talk_until(fd, "-32700", NULL), "\"id\":null"));
+    close(fd);
+}
+
+static void a_subscription_keeps_frames(void **state)
+{
+    gateway *g = *state;
+    int fd = lf_talk_open(g);
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"subscribe\",\"params\":{\"events\":"
+                    "[\"scene\"]}}");
+    assert_non_null(strstr(lf_talk_until(fd, "\"id\":1", NULL), "[\"scene\",\"frame\"]"));
+    close(fd);
+}
+
+/* The code of the close that comes next. */
+static int close_code(int fd)
+{
+    const unsigned char *data = NULL;
+    size_t n = 0;
+    for (int opcode; (opcode = lf_talk_next(fd, &data, &n)) > 0;)
+        if (opcode == 8)
+            return n >= 2 ? data[0] << 8 | data[1] : 0;
+    return -1;
+}
+
+static void long_messages_are_closed_with_1009(void **state)
+{
+    gateway *g = *state;
+    enum { LONGEST = 1 << 20 };
+    char *text = malloc(LONGEST + 1);
+    assert_non_null(text);
+    memset(text, ' ', LONGEST + 1);
+    static const char call[] = "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\"}";
+    memcpy(text, call, strlen(call));
+    int fd = lf_talk_open(g);
+    lf_talk_send(fd, 1, text, LONGEST);
+    assert_non_null(strstr(lf_talk_until(fd, "\"id\":1", NULL), "\"result\""));
+    lf_talk_send(fd, 1, text, LONGEST + 1);
+    assert_int_equal(close_code(fd), 1009);
+    close(fd);
+    free(text);
+}
+
+static void other_breaches_are_closed(void **state)
+{
+    gateway *g = *state;
+    int fd = lf_talk_open(g);
+    lf_talk_send(fd, 2, "x", 1);
+    assert_int_equal(close_code(fd), 1003);
+    close(fd);
+    fd = lf_talk_open(g);
+    lf_talk_send(fd, 1, "\xff\xfe", 2); /* not UTF-8 */
+    assert_int_equal(close_code(fd), 1007);
+    close(fd);
+    fd = lf_talk_open(g);
+    assert_true(lf_caller_send(fd, "\x81\x01x", 3)); /* without a mask */
+    assert_int_equal(close_code(fd), 1002);
+    close(fd);
+    fd = lf_talk_open(g);
+    lf_talk_send(fd, 8, "\x03\xe8", 2); /* an orderly end */
+    assert_int_equal(close_code(fd), 1000);
+    close(fd);
+}
+
+static void a_quiltd_that_ends_closes_its_clients(void **state)
+{
+    gateway *g = *state;
+    int fd = lf_talk_open(g);
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\"}");
+    (void)lf_talk_until(fd, "\"id\":1", NULL);
+    lf_gateway_hang_up(g);
+    assert_int_equal(close_code(fd), 1001);
+    close(fd);
+}
+
+static void the_seventeenth_client_is_refused(void **state)
+{
+    gateway *g = *state;
+    char headers[80];
+    int fds[LF_WEB_MAX_SESSIONS];
+    snprintf(headers, sizeof headers, "Authorization: Bearer %s\r\n", lf_gateway_token(g));
+    for (int i = 0; i < LF_WEB_MAX_SESSIONS; i++)
+        fds[i] = lf_talk_open(g);
+    assert_int_equal(handshake(g, headers), 503);
+    lf_talk_send(fds[3], 8, "\x03\xe8", 2);
+    assert_int_equal(close_code(fds[3]), 1000);
+    close(fds[3]);
+    int status = 503; /* its seat is free once the gateway has seen the end */
+    for (int i = 0; i < 1000 && status == 503; i++)
+        status = handshake(g, headers);
+    assert_int_equal(status, 101);
+    for (int i = 0; i < LF_WEB_MAX_SESSIONS; i++)
+        if (i != 3)
+            close(fds[i]);
+}
+
+/* ------------------------------------------------------------------------------------ images -- */
+
+static const unsigned char *next_image(int fd, size_t *out_n)
+{
+    const unsigned char *data = NULL;
+    for (int opcode; (opcode = lf_talk_next(fd, &data, out_n)) > 0;)
+        if (opcode == 2)
+            return data;
+    fail_msg("the connection ended before an image");
+    return NULL;
+}
+
+static void an_image_has_its_header(void **state)
+{
+    gateway *g = *state;
+    static const unsigned char header[LF_WEB_IMAGE_HEADER] = {
+        7, 0, 0, 0, 2, 1, FALSE_COLUMNS, 0, 3, 0, FALSE_VIEWS, 0, FALSE_WIDTH, 0, FALSE_HEIGHT, 0};
+    int fd = lf_talk_open(g);
+    size_t n = 0;
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"method\":\"preview.start\"}");
+    const unsigned char *image = next_image(fd, &n);
+    assert_memory_equal(image, header, sizeof header);
+    assert_int_equal(image[LF_WEB_IMAGE_HEADER], 0xff);
+    assert_int_equal(image[LF_WEB_IMAGE_HEADER + 1], 0xd8);
+    close(fd);
+}
+
+static void one_image_is_in_flight(void **state)
+{
+    gateway *g = *state;
+    static const char frame[] = "{\"jsonrpc\":\"2.0\",\"method\":\"frame\",\"params\":{"
+                                "\"generation\":8,\"level\":\"complete\"}}";
+    int fd = lf_talk_open(g), binaries = 0;
+    size_t n = 0;
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"preview.start\"}");
+    (void)next_image(fd, &n);
+    lf_gateway_notify(g, frame);
+    (void)lf_talk_until(fd, "\"frame\"", &binaries);
+    usleep(400000); /* longer than the gateway waits between two images */
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"hello\"}");
+    (void)lf_talk_until(fd, "\"id\":2", &binaries);
+    assert_int_equal(binaries, 0);
+    assert_int_equal(lf_gateway_calls(g, "frame.get"), 1);
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"method\":\"preview.ack\"}");
+    (void)next_image(fd, &n);
+    assert_int_equal(lf_gateway_calls(g, "frame.get"), 2);
+    close(fd);
+}
+
+static void a_coarse_image_comes_at_half_size(void **state)
+{
+    gateway *g = *state;
+    static const char frame[] = "{\"jsonrpc\":\"2.0\",\"method\":\"frame\",\"params\":{"
+                                "\"generation\":8,\"level\":\"coarse\"}}";
+    int fd = lf_talk_open(g);
+    size_t n = 0;
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"preview.start\"}");
+    assert_int_equal(next_image(fd, &n)[12], FALSE_WIDTH);
+    lf_gateway_notify(g, frame);
+    (void)lf_talk_until(fd, "\"frame\"", NULL);
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"method\":\"preview.ack\"}");
+    assert_int_equal(next_image(fd, &n)[12], FALSE_WIDTH / 2 / 16 * 16);
+    /* the false quiltd says that it is complete: the whole one follows */
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"method\":\"preview.ack\"}");
+    assert_int_equal(next_image(fd, &n)[12], FALSE_WIDTH);
+    close(fd);
+}
+
+/* ------------------------------------------------------------------------------ slow readers -- */
+
+static void a_slow_reader_holds_up_nobody_and_loses_nothing(void **state)
+{
+    gateway *g = *state;
+    enum { LINE = 1000, MOST = 65536 };
+    char line[LINE + 2];
+    snprintf(line, sizeof line, "{\"jsonrpc\":\"2.0\",\"method\":\"scene\",\"params\":\"");
+    memset(line + strlen(line), 'x', LINE - strlen(line));
+    memcpy(line + LINE - 2, "\"}\n", 4);
+    int slow = lf_talk_open(g);
+    lf_talk_say(slow, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\"}");
+    (void)lf_talk_until(slow, "\"id\":1", NULL);
+    const int sent = lf_gateway_flood(g, line, MOST);
+    assert_in_range(sent, 100, MOST - 1); /* quiltd is not read any more */
+    int other = lf_talk_open(g);
+    lf_talk_say(other, "{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"hello\"}");
+    assert_non_null(strstr(lf_talk_until(other, "\"id\":2", NULL), "\"result\""));
+    for (int i = 0; i < sent; i++) {
+        (void)lf_talk_until(slow, "\"scene\"", NULL);
+        if (i == sent / 2)
+            lf_gateway_flood_end(g);
+    }
+    lf_talk_say(slow, "{\"jsonrpc\":\"2.0\",\"id\":3,\"method\":\"hello\"}");
+    (void)lf_talk_until(slow, "\"id\":3", NULL);
+    close(slow);
+    close(other);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        lf_gateway_test(a_page_needs_cookie_and_origin),
+        lf_gateway_test(a_handshake_is_one_of_version_13),
+        lf_gateway_test(the_key_is_answered_as_the_standard_says),
+        lf_gateway_test(allowed_methods_reach_quiltd),
+        lf_gateway_test(all_other_methods_are_refused),
+        lf_gateway_test(some_parameters_are_refused),
+        lf_gateway_test(a_subscription_keeps_frames),
+        lf_gateway_test(long_messages_are_closed_with_1009),
+        lf_gateway_test(other_breaches_are_closed),
+        lf_gateway_test(a_quiltd_that_ends_closes_its_clients),
+        lf_gateway_test(the_seventeenth_client_is_refused),
+        lf_gateway_test(an_image_has_its_header),
+        lf_gateway_test(one_image_is_in_flight),
+        lf_gateway_test(a_coarse_image_comes_at_half_size),
+        lf_gateway_test(a_slow_reader_holds_up_nobody_and_loses_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
