@@ -12,7 +12,8 @@
     "],\"properties\":{" properties "}}"
 #define KEY(name, rest, about) "\"" name "\":{" rest ",\"description\":\"" about "\"}"
 #define FORMER(name, rest, now)                                                                    \
-    "\"" name "\":{" rest ",\"deprecated\":true,\"former_name_of\":\"" now "\",\"description\":\"former name of " now "\"}"
+    "\"" name "\":{" rest ",\"deprecated\":true,\"former_name_of\":\"" now                          \
+    "\",\"description\":\"former name of " now "\"}"
 #define STRING "\"type\":\"string\""
 #define NUMBER(unit) "\"type\":\"number\",\"unit\":\"" unit "\""
 #define INTEGER(unit) "\"type\":\"integer\",\"unit\":\"" unit "\""
