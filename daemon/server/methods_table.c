@@ -11,9 +11,8 @@
     "{\"type\":\"object\",\"additionalProperties\":false,\"required\":[" required                  \
     "],\"properties\":{" properties "}}"
 #define KEY(name, rest, about) "\"" name "\":{" rest ",\"description\":\"" about "\"}"
-#define FORMER(name, rest, now)                                                                    \
-    "\"" name "\":{" rest ",\"deprecated\":true,\"former_name_of\":\"" now                          \
-    "\",\"description\":\"former name of " now "\"}"
+#define FORMER_OF(now) ",\"deprecated\":true,\"former_name_of\":\"" now "\""
+#define FORMER(name, rest, now) KEY(name, rest FORMER_OF(now), "former name of " now)
 #define STRING "\"type\":\"string\""
 #define NUMBER(unit) "\"type\":\"number\",\"unit\":\"" unit "\""
 #define INTEGER(unit) "\"type\":\"integer\",\"unit\":\"" unit "\""

@@ -42,8 +42,9 @@ static const char shared[] = "calibration " LF_OPTIONS_VIEWS " " LF_OPTIONS_REND
 static void print_help(void)
 {
     printf("Usage: quiltd [SCENE] [options]\n"
-           "Render a scene (JSON) as a light field and show it on a Looking Glass panel. SCENE "
-           "may also be a quilt image.\n"
+           "Render a scene (JSON) as a light field and show it on a Looking Glass panel.\n"
+           "SCENE may also be a model or a volume (.glb, .obj, .vdb ...), a finished quilt or a "
+           "folder of views.\n"
            "By default, quiltd uses the lens calibration of the panel and stops rendering at a "
            "relative error of 1e-4.\n\n"
            "  --socket PATH          socket for clients ($QUILTD_SOCKET, "

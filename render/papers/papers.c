@@ -11,20 +11,19 @@
 static const lf_param params[] = {
     [LF_PAPERS_SHIFT] = {
      .option = "shift", .argument = "NAME", CHOICE(SHIFT), .word_at = lf_shift_name,
-     .help = "integrators of 2022: how null collisions are shifted to other views "
-             "(optical-stretch)",
+     .help = "integrators of 2022: how null collisions are shifted to other views",
      .about = "shifts"},
     [LF_PAPERS_SELECTION] = {
      .option = "selection", .argument = "NAME", CHOICE(SELECTION), .word_at = lf_selection_name,
-     .help = "mvpt2022, amvpt2022: which views share a path (tv, as printed: biased)",
+     .help = "mvpt2022, amvpt2022: which views share a path; tv is biased, as printed",
      .about = "selections"},
     [LF_PAPERS_REUSE] = {
      .option = "reuse", .argument = "NAME", CHOICE(REUSE), .word_at = lf_reuse_name,
-     .help = "restir, mvrestir: reservoir reuse (both)",
+     .help = "restir, mvrestir: reservoir reuse",
      .about = "reuse of reservoirs"},
     [LF_PAPERS_WEIGHTS] = {
      .option = "weights", .argument = "NAME", CHOICE(WEIGHTS), .word_at = lf_reuse_weights_name,
-     .help = "restir, mvrestir: reservoir weights (unbiased)",
+     .help = "restir, mvrestir: reservoir weights",
      .about = "weights of reservoirs"},
     {0},
 };
