@@ -123,8 +123,8 @@ static void parameters_are_held_to_the_schema(void **state)
     assert_int_equal(check("camera.set", "{\"target\":[0,0,null]}", &err), LF_E_ARG);
     assert_string_equal(err.pointer, "/target/2");
     lf_assert_ok(check("camera.set", "{\"target\":[0,0,1]}", &err), &err);
-    assert_int_equal(check("scene.load", "{}", &err), LF_E_ARG);
-    assert_non_null(strstr(err.what, "file"));
+    assert_int_equal(check("scene.patch", "{}", &err), LF_E_ARG);
+    assert_non_null(strstr(err.what, "\"patch\""));
     assert_int_equal(check("wait", "{\"for\":\"ever\"}", &err), LF_E_ARG);
     assert_int_equal(check("wait", "{\"generation\":1.5}", &err), LF_E_ARG);
     lf_assert_ok(check("wait", "{\"generation\":2.0}", &err), &err);
