@@ -80,7 +80,8 @@ static void on_message(wslay_event_context_ptr wslay,
     (void)wslay;
     lf_ws *ws = context;
     if (message->opcode == WSLAY_TEXT_FRAME)
-        ws->events.text(ws->events.context, (const char *)message->msg, message->msg_length);
+        ws->events.text(ws->events.context, message->msg ? (const char *)message->msg : "",
+                        message->msg_length);
     else if (message->opcode == WSLAY_BINARY_FRAME)
         lf_ws_close(ws, LF_WS_UNSUPPORTED, "expects text messages");
 }

@@ -129,6 +129,8 @@ static void some_parameters_are_refused(void **state)
     assert_non_null(strstr(lf_talk_until(fd, "\"id\":3", NULL), "-32602"));
     lf_talk_say(fd, "no JSON");
     assert_non_null(strstr(lf_talk_until(fd, "-32700", NULL), "\"id\":null"));
+    lf_talk_say(fd, "");
+    assert_non_null(strstr(lf_talk_until(fd, "-32700", NULL), "\"id\":null"));
     close(fd);
 }
 
