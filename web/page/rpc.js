@@ -20,10 +20,10 @@ export class Rpc extends EventTarget {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.#socket = socket;
-      this.#wait = 250;
       this.#tell("open");
     };
     socket.onmessage = ({ data }) => {
+      this.#wait = 250; // not at open: quiltweb opens even if it then finds no quiltd
       if (typeof data === "string") this.#take(JSON.parse(data));
       else this.#tell("image", data);
     };
