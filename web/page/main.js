@@ -114,4 +114,6 @@ function start() {
   followStatus(view);
 }
 
+// Another token was pasted into the address bar.
+addEventListener("hashchange", () => location.reload());
 exchangeToken().then(start).catch(complain);
