@@ -55,6 +55,7 @@ struct lf_web {
     int n_seats;
     request *requests;
     int n_fetches;
+    bool ending; /* nobody is let in any more */
 };
 
 /* --------------------------------------------------------------------------------- listening -- */
@@ -218,7 +219,8 @@ static void on_upgrade(void *context, struct MHD_Connection *connection, void *r
     (void)req;
     lf_web *web = context;
     lf_error err = {0};
-    seat *new = web->n_seats < LF_WEB_MAX_SESSIONS ? lf_calloc(1, sizeof *new) : NULL;
+    const bool room = !web->ending && web->n_seats < LF_WEB_MAX_SESSIONS;
+    seat *new = room ? lf_calloc(1, sizeof *new) : NULL;
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     if (info && info->socket_context)
@@ -343,6 +345,8 @@ static enum MHD_Result on_request(void *context, struct MHD_Connection *connecti
     request *r = *out_request;
     lf_guard_request headers;
     const char *why = NULL;
+    if (web->ending)
+        return MHD_NO;
     lf_reply_read(connection, path, &headers);
     const int refused = r ? 0 : lf_guard_check(&web->guard, &headers, &why);
     if (refused)
@@ -452,6 +456,7 @@ void lf_web_destroy(lf_web *web)
 {
     if (!web)
         return;
+    web->ending = true;
     while (web->seats)
         leave_seat(web->seats);
     for (request *r = web->requests; r; r = r->next)
