@@ -182,10 +182,12 @@ static void linger(lf_ws *ws)
 
 static void look_for_more(lf_ws *ws)
 {
+    const bool in = !ws->lingering && wslay_event_want_read(ws->wslay);
     const bool out = !ws->lingering && wslay_event_want_write(ws->wslay);
-    const bool early = ws->taken < ws->n_early;
+    const bool early = in && ws->taken < ws->n_early;
     if (!ws->ended)
-        sd_event_source_set_io_events(ws->io, EPOLLIN | (out || early ? EPOLLOUT : 0));
+        sd_event_source_set_io_events(
+            ws->io, (in || ws->lingering ? EPOLLIN : 0u) | (out || early ? EPOLLOUT : 0u));
     if (ws->ended || ws->lingering)
         return;
     if (!out)
