@@ -11,7 +11,11 @@
 
 #define MAX_REASON 123 /* bytes of a control frame, without the code */
 #define BYTES_A_TURN ((size_t)16384)
+/* Above this nothing is read: most messages are answered. */
+#define MAX_WAITING ((size_t)256)
+/* In STALL_USEC a peer has to take so much, or what waits if it is less. */
 #define STALL_USEC ((uint64_t)20000000)
+#define STALL_BYTES ((size_t)65536)
 #define LINGER_USEC ((uint64_t)2000000)
 
 struct lf_ws {
@@ -21,8 +25,9 @@ struct lf_ws {
     lf_ws_events events;
     char *early; /* bytes read by somebody else, of which `taken` are used */
     size_t n_early, taken;
-    size_t budget; /* bytes that may still be read in this turn */
-    bool sent;     /* something was sent in this turn */
+    size_t budget;         /* bytes that may still be read in this turn */
+    bool sent;             /* something was sent in this turn */
+    size_t delivered, due; /* since the timer began: bytes sent; bytes to send before it ends */
     bool lingering, ended;
 };
 
@@ -30,6 +35,11 @@ static int on_io(sd_event_source *source, int fd, uint32_t what, void *context);
 static int on_time(sd_event_source *source, uint64_t usec, void *context);
 
 /* --------------------------------------------------------------------------------- for wslay -- */
+
+static bool is_full(const lf_ws *ws)
+{
+    return wslay_event_get_queued_msg_count(ws->wslay) > MAX_WAITING;
+}
 
 static ssize_t receive(wslay_event_context_ptr wslay, uint8_t *to, size_t n, int flags,
                        void *context)
@@ -39,7 +49,7 @@ static ssize_t receive(wslay_event_context_ptr wslay, uint8_t *to, size_t n, int
     if (n > ws->budget)
         n = ws->budget;
     ssize_t got = 0;
-    if (n == 0) {
+    if (n == 0 || is_full(ws)) {
         wslay_event_set_error(wslay, WSLAY_ERR_WOULDBLOCK);
         return -1;
     }
@@ -71,6 +81,7 @@ static ssize_t transmit(wslay_event_context_ptr wslay, const uint8_t *data, size
         return -1;
     }
     ws->sent = true;
+    ws->delivered += (size_t)done;
     return done;
 }
 
@@ -180,20 +191,31 @@ static void linger(lf_ws *ws)
         end(ws);
 }
 
+/* Gives the peer STALL_USEC for its next part of the queue. A message has a head of 2 bytes or
+ * more. */
+static void expect_progress(lf_ws *ws)
+{
+    const size_t waiting =
+        lf_ws_queued(ws) + 2 * (size_t)wslay_event_get_queued_msg_count(ws->wslay);
+    ws->due = waiting < STALL_BYTES ? waiting : STALL_BYTES;
+    ws->delivered = 0;
+    wait_at_most(ws, STALL_USEC);
+}
+
 static void look_for_more(lf_ws *ws)
 {
-    const bool in = !ws->lingering && wslay_event_want_read(ws->wslay);
+    const bool in = !ws->lingering && wslay_event_want_read(ws->wslay) && !is_full(ws);
     const bool out = !ws->lingering && wslay_event_want_write(ws->wslay);
     const bool early = in && ws->taken < ws->n_early;
     if (!ws->ended)
-        sd_event_source_set_io_events(
-            ws->io, (in || ws->lingering ? EPOLLIN : 0u) | (out || early ? EPOLLOUT : 0u));
+        sd_event_source_set_io_events(ws->io, (in || ws->lingering ? EPOLLIN : 0u) |
+                                                  (out || early ? EPOLLOUT : 0u));
     if (ws->ended || ws->lingering)
         return;
     if (!out)
         sd_event_source_set_enabled(ws->timer, SD_EVENT_OFF);
-    else if (ws->sent || !is_waiting(ws))
-        wait_at_most(ws, STALL_USEC);
+    else if (ws->delivered >= ws->due || !is_waiting(ws))
+        expect_progress(ws);
 }
 
 static int on_io(sd_event_source *source, int fd, uint32_t what, void *context)

@@ -1,8 +1,9 @@
 /* ws: one WebSocket after its handshake (RFC 6455, by wslay), in the event loop.
  *
  * A text message has at most LF_WS_MAX_MESSAGE bytes; a longer one closes with 1009, a binary one
- * with 1003. At most 16 KiB are read in a turn. A peer that takes nothing for 20 s, although
- * something waits for it, is dropped. Thread: event. */
+ * with 1003. At most 16 KiB are read in a turn, and nothing while more than 256 messages wait to be
+ * sent. Of what waits the peer has to take 64 KiB, or all if it is less, in 20 s; otherwise it is
+ * dropped. Thread: event. */
 #ifndef LF_DAEMON_WEB_WS_H
 #define LF_DAEMON_WEB_WS_H
 

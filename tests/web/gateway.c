@@ -364,6 +364,19 @@ bool lf_caller_send(int fd, const char *raw, size_t n)
     return true;
 }
 
+size_t lf_caller_flood(int fd, const char *raw, size_t n)
+{
+    size_t sent = 0;
+    struct pollfd polled = {fd, POLLOUT, 0};
+    while (sent < n && poll(&polled, 1, 1000) > 0) {
+        ssize_t more = send(fd, raw + sent, n - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (more < 0 && errno != EAGAIN)
+            break;
+        sent += more > 0 ? (size_t)more : 0;
+    }
+    return sent;
+}
+
 const char *lf_caller_ask(const gateway *g, const char *request)
 {
     static char answer[1 << 17];

@@ -39,6 +39,8 @@ void lf_gateway_hang_up(gateway *g);
 int lf_caller_connect(const gateway *g);
 /* Sends raw[n]; true if all of it was taken. */
 bool lf_caller_send(int fd, const char *raw, size_t n);
+/* Sends raw[n] until nobody takes more for a second; the number of bytes taken. */
+size_t lf_caller_flood(int fd, const char *raw, size_t n);
 /* Sends a request and returns all that comes until the end, terminated, in a static buffer. */
 const char *lf_caller_ask(const gateway *g, const char *request);
 /* As lf_caller_ask, with "METHOD PATH HTTP/1.1", a Host that is right, and more headers (each ended

@@ -1,6 +1,8 @@
 /* WebSockets: who may open one, what may be called, images, and clients that do not read. */
 #include "tests/web/gateway.h"
 
+#include <sys/socket.h>
+
 #include "daemon/web/allow.h"
 #include "daemon/web/image.h"
 #include "daemon/web/web.h"
@@ -323,6 +325,37 @@ static void a_slow_reader_holds_up_nobody_and_loses_nothing(void **state)
     close(other);
 }
 
+/* All that is asked is answered, and no more is read than the answers find room for. */
+static void a_client_that_only_asks_is_not_read(void **state)
+{
+    gateway *g = *state;
+    enum { FRAME = 8, MOST = 1 << 20 };
+    static const char call[FRAME + 1] = "\x81\x82\0\0\0\0{}";
+    const int small = 16384;
+    const unsigned char *data = NULL;
+    size_t n = 0;
+    char *calls = malloc((size_t)MOST * FRAME);
+    assert_non_null(calls);
+    for (int i = 0; i < MOST; i++)
+        memcpy(calls + (size_t)i * FRAME, call, FRAME);
+    int greedy = lf_talk_open(g);
+    setsockopt(greedy, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+    setsockopt(greedy, SOL_SOCKET, SO_SNDBUF, &small, sizeof small);
+    const size_t sent = lf_caller_flood(greedy, calls, (size_t)MOST * FRAME);
+    assert_in_range(sent, 1000 * FRAME, (size_t)MOST * FRAME - 1);
+    int other = lf_talk_open(g);
+    lf_talk_say(other, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\"}");
+    assert_non_null(strstr(lf_talk_until(other, "\"id\":1", NULL), "\"result\""));
+    for (size_t i = 0; i < sent / FRAME; i++)
+        assert_int_equal(lf_talk_next(greedy, &data, &n), 1);
+    assert_true(lf_caller_send(greedy, call + sent % FRAME, FRAME - sent % FRAME));
+    lf_talk_say(greedy, "{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"hello\"}");
+    assert_non_null(strstr(lf_talk_until(greedy, "\"id\":2", NULL), "\"result\""));
+    close(greedy);
+    close(other);
+    free(calls);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -341,6 +374,7 @@ int main(void)
         lf_gateway_test(one_image_is_in_flight),
         lf_gateway_test(a_coarse_image_comes_at_half_size),
         lf_gateway_test(a_slow_reader_holds_up_nobody_and_loses_nothing),
+        lf_gateway_test(a_client_that_only_asks_is_not_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
