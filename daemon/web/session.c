@@ -63,15 +63,29 @@ static void refuse(lf_session *s, const lf_rpc_request *request, int code, const
         say(s, lf_rpc_error(request->id, code, lf_error_format(err, text, sizeof text), NULL));
 }
 
-/* Sends a request to quiltd. */
-static void ask_daemon(lf_session *s, const json_t *message, int fd)
+/* Sends a request to quiltd, and frees it. NULL: out of memory. */
+static void ask_daemon(lf_session *s, char *text, int fd)
 {
-    char *text = json_dumps(message, JSON_COMPACT);
     if (!text || lf_link_send(s->link, text, strlen(text), fd) != LF_OK)
         lf_ws_close(s->ws, LF_WS_INTERNAL, "out of memory");
     else if (lf_link_queued(s->link) > MAX_QUEUED_IN)
         lf_ws_close(s->ws, LF_WS_POLICY, "requests come faster than quiltd reads them");
     free(text);
+}
+
+/* A line that is too long, because of 1e9 as 1000000000.0 for example, would be answered without
+ * its id. */
+static void pass_on(lf_session *s, const lf_rpc_request *request)
+{
+    lf_error err = {0};
+    char *text = json_dumps(request->message, JSON_COMPACT);
+    if (!text || strlen(text) <= LF_RPC_MAX_LINE) {
+        ask_daemon(s, text, -1);
+        return;
+    }
+    free(text);
+    (void)lf_error_set(&err, LF_E_ARG, request->method, "the request is longer than 1 MiB");
+    refuse(s, request, LF_RPC_INVALID_REQUEST, &err);
 }
 
 /* ------------------------------------------------------------------------------------ images -- */
@@ -109,7 +123,7 @@ static void ask_image(lf_session *s)
     s->preview.width_px = width;
     s->preview.wanted = false;
     s->preview.asked = true;
-    ask_daemon(s, message, s->preview.fd);
+    ask_daemon(s, json_dumps(message, JSON_COMPACT), s->preview.fd);
     json_decref(message);
     sd_event_source_set_time_relative(s->preview.pace, PREVIEW_PACE_USEC);
     sd_event_source_set_enabled(s->preview.pace, SD_EVENT_ONESHOT);
@@ -152,7 +166,7 @@ static void take_image(lf_session *s, const json_t *message)
         s->preview.wanted = true;
     } else if (result && lf_web_image_read(result, s->preview.fd, &image, &err) != LF_OK) {
         lf_log_error(&err);
-    } else if (result) {
+    } else if (result && s->preview.on) {
         s->preview.level = image.level;
         if (width == 0)
             s->preview.rendered = image;
@@ -233,7 +247,7 @@ static void on_request(lf_session *s, const lf_rpc_request *request)
     }
     if (strcmp(request->method, "subscribe") == 0)
         keep_frames(json_object_get(request->params, "events"));
-    ask_daemon(s, request->message, -1);
+    pass_on(s, request);
 }
 
 static void on_text(void *context, const char *text, size_t n)

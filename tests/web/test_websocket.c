@@ -175,6 +175,28 @@ static void long_messages_are_closed_with_1009(void **state)
     free(text);
 }
 
+/* A short message may be a long line: 1e9 becomes 1000000000.0. */
+static void long_lines_are_refused_with_their_id(void **state)
+{
+    gateway *g = *state;
+    enum { NUMBERS = 100000 };
+    static const char begin[] = "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"scene.patch\","
+                                "\"params\":{\"patch\":[0";
+    char *text = calloc(NUMBERS + 1, 4);
+    assert_non_null(text);
+    size_t n = strlen(begin);
+    memcpy(text, begin, n);
+    for (; n < (size_t)NUMBERS * 4 - 4; n += 4)
+        memcpy(text + n, ",1e9", 4);
+    memcpy(text + n, "]}}", 3);
+    int fd = lf_talk_open(g);
+    lf_talk_say(fd, text);
+    assert_non_null(strstr(lf_talk_until(fd, "\"id\":1", NULL), "-32600"));
+    assert_int_equal(lf_gateway_calls(g, "scene.patch"), 0);
+    close(fd);
+    free(text);
+}
+
 static void other_breaches_are_closed(void **state)
 {
     gateway *g = *state;
@@ -277,6 +299,32 @@ static void one_image_is_in_flight(void **state)
     close(fd);
 }
 
+/* An image that was asked for before the stop does not come after it, and needs no ack. */
+static void no_image_follows_a_stop(void **state)
+{
+    gateway *g = *state;
+    static const char start[] = "{\"jsonrpc\":\"2.0\",\"method\":\"preview.start\"}";
+    static const char stop[] = "{\"jsonrpc\":\"2.0\",\"method\":\"preview.stop\"}";
+    char both[160] = {0}; /* two messages that are read in one turn */
+    size_t used = 0, n = 0;
+    int fd = lf_talk_open(g), binaries = 0;
+    for (int i = 0; i < 2; i++) {
+        const char *text = i == 0 ? start : stop;
+        both[used] = '\x81';
+        both[used + 1] = (char)(0x80 | strlen(text));
+        memcpy(both + used + 6, text, strlen(text)); /* the mask is zero */
+        used += 6 + strlen(text);
+    }
+    assert_true(lf_caller_send(fd, both, used));
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\"}");
+    (void)lf_talk_until(fd, "\"id\":1", &binaries);
+    assert_int_equal(lf_gateway_calls(g, "frame.get"), 1);
+    assert_int_equal(binaries, 0);
+    lf_talk_say(fd, start);
+    (void)next_image(fd, &n);
+    close(fd);
+}
+
 static void a_coarse_image_comes_at_half_size(void **state)
 {
     gateway *g = *state;
@@ -367,11 +415,13 @@ int main(void)
         lf_gateway_test(some_parameters_are_refused),
         lf_gateway_test(a_subscription_keeps_frames),
         lf_gateway_test(long_messages_are_closed_with_1009),
+        lf_gateway_test(long_lines_are_refused_with_their_id),
         lf_gateway_test(other_breaches_are_closed),
         lf_gateway_test(a_quiltd_that_ends_closes_its_clients),
         lf_gateway_test(the_seventeenth_client_is_refused),
         lf_gateway_test(an_image_has_its_header),
         lf_gateway_test(one_image_is_in_flight),
+        lf_gateway_test(no_image_follows_a_stop),
         lf_gateway_test(a_coarse_image_comes_at_half_size),
         lf_gateway_test(a_slow_reader_holds_up_nobody_and_loses_nothing),
         lf_gateway_test(a_client_that_only_asks_is_not_read),
