@@ -109,7 +109,7 @@ static void ask_image(lf_session *s)
 {
     lf_error err = {0};
     if (!s->preview.on || !s->preview.wanted || s->preview.asked || s->preview.unacked ||
-        is_pacing(s))
+        is_pacing(s) || lf_ws_queued(s->ws) > MAX_QUEUED_OUT)
         return;
     if (lf_web_image_file(&s->preview.fd, &err) != LF_OK) {
         lf_log_error(&err);
@@ -293,8 +293,10 @@ static void on_line(void *context, const char *line, size_t n)
 static void on_flushed(void *context)
 {
     lf_session *s = context;
-    if (s->link && lf_ws_queued(s->ws) <= MAX_QUEUED_OUT)
-        lf_link_pause(s->link, false);
+    if (!s->link || lf_ws_queued(s->ws) > MAX_QUEUED_OUT)
+        return;
+    lf_link_pause(s->link, false);
+    ask_image(s);
 }
 
 static void on_link_end(void *context)
