@@ -84,6 +84,16 @@ int lf_web_image_width(const lf_web_image *rendered, int level)
     return whole_blocks(most, rendered->width_px, rendered->height_px);
 }
 
+bool lf_web_image_is_like(const lf_web_image *image, const lf_web_image *rendered)
+{
+    /* heights are rounded to whole pixels */
+    const int64_t off = (int64_t)image->height_px * rendered->width_px -
+                        (int64_t)image->width_px * rendered->height_px;
+    return image->columns == rendered->columns && image->rows == rendered->rows &&
+           image->views == rendered->views && off <= rendered->width_px &&
+           off >= -rendered->width_px;
+}
+
 static void put(uint8_t *to, int bytes, uint32_t value)
 {
     for (int i = 0; i < bytes; i++)

@@ -35,6 +35,9 @@ int lf_web_image_level(const char *name);
  * the height is a multiple of 8: no block of a JPEG then belongs to two views. */
 int lf_web_image_width(const lf_web_image *rendered, int level);
 
+/* True: the image may be a smaller copy of `rendered`. False: its scene has other views. */
+bool lf_web_image_is_like(const lf_web_image *image, const lf_web_image *rendered);
+
 /* Writes the header of the message. */
 void lf_web_image_header(const lf_web_image *preview, uint8_t out[LF_WEB_IMAGE_HEADER]);
 /* The whole message: *out_data[*out_n], header and JPEG; the caller frees. LF_E_NOMEM, LF_E_IO. */

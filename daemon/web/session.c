@@ -166,6 +166,9 @@ static void take_image(lf_session *s, const json_t *message)
         s->preview.wanted = true;
     } else if (result && lf_web_image_read(result, s->preview.fd, &image, &err) != LF_OK) {
         lf_log_error(&err);
+    } else if (result && width > 0 && !lf_web_image_is_like(&image, &s->preview.rendered)) {
+        s->preview.rendered.width_px = 0;
+        s->preview.wanted = true;
     } else if (result && s->preview.on) {
         s->preview.level = image.level;
         if (width == 0)

@@ -32,12 +32,13 @@ struct gateway {
     char calls[MAX_CALLS][24];
     int n_calls;
     bool answers_images;
+    int columns;      /* of its images */
     const char *rest; /* of the line that lf_gateway_flood could not end */
 };
 
 /* -------------------------------------------------------------------------- the false quiltd -- */
 
-static json_t *image_for(const json_t *params, int fd)
+static json_t *image_for(const json_t *params, int fd, int columns)
 {
     static const char jpeg[] = "\xff\xd8 an image \xff\xd9";
     json_t *width = json_object_get(params, "width");
@@ -46,7 +47,7 @@ static json_t *image_for(const json_t *params, int fd)
     if (fd < 0 || write(fd, jpeg, sizeof jpeg) != (ssize_t)sizeof jpeg)
         return json_object();
     return json_pack("{s:i, s:s, s:I, s:i, s:I, s:I, s:I, s:i}", "generation", 7, "level",
-                     "complete", "columns", views == 1 ? (json_int_t)1 : FALSE_COLUMNS, "rows",
+                     "complete", "columns", views == 1 ? (json_int_t)1 : columns, "rows",
                      views == 1 ? 1 : FALSE_COLUMNS, "views", views, "width", wide, "height",
                      wide * FALSE_HEIGHT / FALSE_WIDTH, "bytes", (int)sizeof jpeg);
 }
@@ -76,7 +77,7 @@ static void answer_line(gateway *g, int connection, const char *line, size_t n, 
     if (strcmp(method, "status") == 0)
         result = json_pack("{s:s, s:i}", "state", "rendering", "generation", 7);
     else if (strcmp(method, "frame.get") == 0)
-        result = g->answers_images ? image_for(params, fd) : NULL;
+        result = g->answers_images ? image_for(params, fd, g->columns) : NULL;
     else if (params)
         result = json_pack("{s:s, s:O}", "method", method, "params", params);
     else
@@ -186,6 +187,13 @@ void lf_gateway_answer_images(gateway *g, bool answer)
     pthread_mutex_unlock(&g->lock);
 }
 
+void lf_gateway_set_columns(gateway *g, int columns)
+{
+    pthread_mutex_lock(&g->lock);
+    g->columns = columns;
+    pthread_mutex_unlock(&g->lock);
+}
+
 int lf_gateway_calls(gateway *g, const char *method)
 {
     int n = 0;
@@ -280,6 +288,7 @@ int lf_gateway_setup(void **state)
     assert_true(snprintf(g->socket, sizeof g->socket, "%s/sock", g->folder) < 108);
     memcpy(address.sun_path, g->socket, sizeof address.sun_path);
     g->answers_images = true;
+    g->columns = FALSE_COLUMNS;
     g->stop_web = eventfd(0, EFD_CLOEXEC);
     g->stop_daemon = eventfd(0, EFD_CLOEXEC);
     g->daemon_fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);

@@ -24,6 +24,8 @@ const char *lf_gateway_cookie(gateway *g);
 /* The false quiltd answers each call with {"method": NAME}, status with its state, and frame.get
  * with an image. false: it answers no frame.get any more. */
 void lf_gateway_answer_images(gateway *g, bool answer);
+/* Another scene: its images have these columns. */
+void lf_gateway_set_columns(gateway *g, int columns);
 /* How often quiltd was called with this method. */
 int lf_gateway_calls(gateway *g, const char *method);
 /* Sends a line to all connections. */

@@ -49,6 +49,22 @@ static void images_are_half_as_wide_until_they_are_complete(void **state)
     assert_int_equal(lf_web_image_width(&p, COARSE), 1);
 }
 
+static void smaller_copies_are_like_the_rendered_image(void **state)
+{
+    (void)state;
+    const lf_web_image p = rendered(5, 9, 421, 560);
+    for (int width = 1; width <= 421; width++) {
+        const lf_web_image down = rendered(5, 9, width, width * 560 / 421);
+        const lf_web_image up = rendered(5, 9, width, (width * 560 + 420) / 421);
+        assert_true(lf_web_image_is_like(&down, &p));
+        assert_true(lf_web_image_is_like(&up, &p));
+    }
+    const lf_web_image others[] = {rendered(6, 9, 192, 256), rendered(5, 8, 192, 256),
+                                   rendered(5, 9, 192, 192), rendered(5, 9, 192, 300)};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+        assert_false(lf_web_image_is_like(&others[i], &p));
+}
+
 static void no_quilt_is_larger_than_a_texture(void **state)
 {
     (void)state;
@@ -164,6 +180,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(levels_have_numbers),
         cmocka_unit_test(images_are_half_as_wide_until_they_are_complete),
+        cmocka_unit_test(smaller_copies_are_like_the_rendered_image),
         cmocka_unit_test(no_quilt_is_larger_than_a_texture),
         cmocka_unit_test(a_header_is_little_endian),
         cmocka_unit_test(a_message_is_the_header_and_the_file),

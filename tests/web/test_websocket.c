@@ -344,6 +344,26 @@ static void a_coarse_image_comes_at_half_size(void **state)
     close(fd);
 }
 
+static void another_layout_is_asked_for_as_rendered(void **state)
+{
+    gateway *g = *state;
+    static const char frame[] = "{\"jsonrpc\":\"2.0\",\"method\":\"frame\",\"params\":{"
+                                "\"generation\":8,\"level\":\"coarse\"}}";
+    int fd = lf_talk_open(g);
+    size_t n = 0;
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"preview.start\"}");
+    assert_int_equal(next_image(fd, &n)[12], FALSE_WIDTH);
+    lf_gateway_set_columns(g, FALSE_COLUMNS + 1);
+    lf_gateway_notify(g, frame);
+    (void)lf_talk_until(fd, "\"frame\"", NULL);
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"method\":\"preview.ack\"}");
+    const unsigned char *image = next_image(fd, &n);
+    assert_int_equal(image[6], FALSE_COLUMNS + 1);
+    assert_int_equal(image[12], FALSE_WIDTH);
+    assert_int_equal(lf_gateway_calls(g, "frame.get"), 3);
+    close(fd);
+}
+
 /* ------------------------------------------------------------------------------ slow readers -- */
 
 static void a_slow_reader_holds_up_nobody_and_loses_nothing(void **state)
@@ -423,6 +443,7 @@ int main(void)
         lf_gateway_test(one_image_is_in_flight),
         lf_gateway_test(no_image_follows_a_stop),
         lf_gateway_test(a_coarse_image_comes_at_half_size),
+        lf_gateway_test(another_layout_is_asked_for_as_rendered),
         lf_gateway_test(a_slow_reader_holds_up_nobody_and_loses_nothing),
         lf_gateway_test(a_client_that_only_asks_is_not_read),
     };
