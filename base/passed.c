@@ -244,6 +244,8 @@ static lf_status check_array_name(const lf_passed *passed, const char *name, lf_
                : lf_error_set(err, LF_E_ARG, name, "the array was passed twice");
 }
 
+#define MOST_ARRAY_BYTES ((uint64_t)16 << 30) /* as of volume files */
+
 /* Bytes of float32 values; 0: more than a file can have, or no values. */
 static uint64_t bytes_of(const int64_t size[3])
 {
@@ -272,12 +274,19 @@ static lf_status check_array_file(const char *name, const int64_t size[3], int f
     if (bytes_of(size) == 0)
         return lf_error_set(err, LF_E_ARG, name,
                             "its shape has a length below 1, or more values than a file can hold");
+    if (bytes_of(size) > MOST_ARRAY_BYTES)
+        return lf_error_set(err, LF_E_ARG, name, "its values have more than %d GiB",
+                            (int)(MOST_ARRAY_BYTES >> 30));
     if ((uint64_t)st.st_size != bytes_of(size))
         return lf_error_set(err, LF_E_ARG, name,
                             "its file has %jd bytes; float32 values of shape [%jd, %jd, %jd] have "
                             "%ju",
                             (intmax_t)st.st_size, (intmax_t)size[2], (intmax_t)size[1],
                             (intmax_t)size[0], (uintmax_t)bytes_of(size));
+    /* Reading a hole through a mapping would take memory that its sender never had to have. */
+    if ((uint64_t)st.st_blocks * 512 < (uint64_t)st.st_size)
+        return lf_error_set(err, LF_E_ARG, name,
+                            "its memory file has holes; write all of its values");
     return LF_OK;
 }
 

@@ -55,7 +55,12 @@ lf_status engine_run_shown(lf_engine *engine, engine_request *request)
     if (status != LF_OK)
         return status;
     int64_t blank;
+    const lf_level before = engine->level; /* of the frame that was posted last */
     const lf_views8 views = engine_views_now(engine, &blank);
+    out->level = engine->level;
+    engine->level = before;
+    if (blank > 0)
+        return lf_error_set(request->err, LF_E_STATE, "", "the image has unfilled pixels yet");
     const int n = request->n_views > 0 ? request->n_views : views.n_views;
     out->rgb = lf_calloc((size_t)n * (size_t)views.height, (size_t)views.width * 3);
     if (!out->rgb)
@@ -66,7 +71,6 @@ lf_status engine_run_shown(lf_engine *engine, engine_request *request)
     if (n < views.n_views)
         lf_layout_tiles(n, views.width, views.height, &out->layout.columns, &out->layout.rows);
     out->generation = engine->generation;
-    out->level = engine->level;
     out->passes = engine->spent.passes;
     out->reconstructed = engine->renderer && engine->fit.passes > 0;
     return LF_OK;

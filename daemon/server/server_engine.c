@@ -159,7 +159,8 @@ static void on_load_done(void *reader, lf_task *task)
         lf_presses_browsed(server->presses, load->file);
     if (load->reset && !lf_server_is_stopping(server))
         lf_presses_was_reset(server->presses);
-    if (bytes >= LF_LONG_LINE)
+    /* the last descriptor of a memory file frees its pages */
+    if (bytes >= LF_LONG_LINE || load->sent.passed || load->sent.fd >= 0)
         lf_release(server->releaser, bytes >= LF_HUGE_LINE ? destroy_huge_load : destroy_load,
                    load);
     else

@@ -49,12 +49,9 @@ static lf_status mark_row(const dense *d, int y, int z, lf_error *err)
 static lf_status mark(const dense *d, lf_error *err)
 {
     lf_status status = LF_OK;
-    for (int z = 0; z < d->grid->size[2] && status == LF_OK; z++) {
-        if (must_stop(d))
-            return LF_E_CANCELLED;
+    for (int z = 0; z < d->grid->size[2] && status == LF_OK; z++)
         for (int y = 0; y < d->grid->size[1] && status == LF_OK; y++)
-            status = mark_row(d, y, z, err);
-    }
+            status = must_stop(d) ? LF_E_CANCELLED : mark_row(d, y, z, err);
     return status;
 }
 
@@ -83,13 +80,13 @@ static lf_status copy(const dense *d)
 {
     const int *n = d->grid->bricks;
     int b[3];
-    for (b[2] = 0; b[2] < n[2]; b[2]++) {
-        if (must_stop(d))
-            return LF_E_CANCELLED;
-        for (b[1] = 0; b[1] < n[1]; b[1]++)
+    for (b[2] = 0; b[2] < n[2]; b[2]++)
+        for (b[1] = 0; b[1] < n[1]; b[1]++) {
+            if (must_stop(d))
+                return LF_E_CANCELLED;
             for (b[0] = 0; b[0] < n[0]; b[0]++)
                 copy_brick(d, b);
-    }
+        }
     return LF_OK;
 }
 

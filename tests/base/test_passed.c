@@ -170,13 +170,32 @@ static int memory_file(size_t bytes, unsigned flags, int seals)
 {
     int fd = memfd_create("array", MFD_CLOEXEC | flags);
     assert_true(fd >= 0);
-    assert_int_equal(ftruncate(fd, (off_t)bytes), 0);
+    assert_int_equal(bytes > 0 ? posix_fallocate(fd, 0, (off_t)bytes) : 0, 0);
     if (seals)
         assert_int_equal(fcntl(fd, F_ADD_SEALS, seals), 0);
     return fd;
 }
 
 #define ALL_SEALS (F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW)
+
+/* Its sender has no memory for what was never written; reading it would take the daemon's. */
+static void an_array_with_holes_is_refused(void **state)
+{
+    (void)state;
+    static const int64_t size[3] = {64, 64, 64};
+    const size_t bytes = sizeof(float) * 64 * 64 * 64;
+    lf_passed *passed = lf_passed_create();
+    lf_error err;
+    int fd = memfd_create("array", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    assert_int_equal(ftruncate(fd, (off_t)bytes), 0);
+    assert_int_equal(fcntl(fd, F_ADD_SEALS, ALL_SEALS), 0);
+    lf_assert_status(lf_passed_add_array(passed, "smoke", size, fd, &err), LF_E_ARG, &err);
+    assert_string_equal(err.what, "its memory file has holes; write all of its values");
+    close(fd);
+    fd = memory_file(bytes, MFD_ALLOW_SEALING, ALL_SEALS);
+    lf_assert_ok(lf_passed_add_array(passed, "smoke", size, fd, &err), &err);
+    lf_passed_unref(passed);
+}
 
 /* Also of two lists the newer, and one that nobody opened goes. */
 static void an_array_is_found_by_its_name_and_not_as_a_file(void **state)
@@ -265,6 +284,7 @@ int main(void)
         cmocka_unit_test(what_may_not_be_opened_again_is_copied),
         cmocka_unit_test(roots_give_passed_files_where_they_have_none),
         cmocka_unit_test(an_array_is_found_by_its_name_and_not_as_a_file),
+        cmocka_unit_test(an_array_with_holes_is_refused),
         cmocka_unit_test(other_arrays_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,8 +12,10 @@
 /* The middle of the array is at the origin. */
 static void centred_map(const int64_t size[3], double out[12])
 {
-    for (int i = 0; i < 12; i++)
-        out[i] = i % 5 == 0 ? 1.0 : i % 4 == 3 ? -0.5 * (double)(size[i / 4] - 1) : 0.0;
+    for (int i = 0; i < 12; i++) {
+        const int axis = i / 4;
+        out[i] = i % 5 == 0 ? 1.0 : i % 4 == 3 ? -0.5 * (double)(size[axis] - 1) : 0.0;
+    }
 }
 
 static lf_status import_values(const float *values, const char *name, const int64_t size[3],
