@@ -161,15 +161,15 @@ static void take_image(lf_session *s, const json_t *message)
     const int width = s->preview.width_px;
     if (!s->preview.asked)
         return;
-    if (!result && json_integer_value(code) == LF_RPC_INVALID_PARAMS && width > 0) {
-        s->preview.rendered.width_px = 0; /* another scene has smaller views */
-        s->preview.wanted = true;
-    } else if (result && lf_web_image_read(result, s->preview.fd, &image, &err) != LF_OK) {
+    const bool refused = !result && json_integer_value(code) == LF_RPC_INVALID_PARAMS && width > 0;
+    const bool is_read = result && lf_web_image_read(result, s->preview.fd, &image, &err) == LF_OK;
+    if (result && !is_read)
         lf_log_error(&err);
-    } else if (result && width > 0 && !lf_web_image_is_like(&image, &s->preview.rendered)) {
+    /* views of another scene, which may be smaller: ask for them as they are rendered */
+    if (refused || (is_read && width > 0 && !lf_web_image_is_like(&image, &s->preview.rendered))) {
         s->preview.rendered.width_px = 0;
         s->preview.wanted = true;
-    } else if (result && s->preview.on) {
+    } else if (is_read && s->preview.on) {
         s->preview.level = image.level;
         if (width == 0)
             s->preview.rendered = image;
