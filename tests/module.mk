@@ -20,7 +20,7 @@ fuzz_libs_quilt_name := quilt base
 fuzz_libs_icc := quilt base
 fuzz_libs_mesh := meshes render base
 fuzz_libs_gltf := meshes render base
-fuzz_libs_places := meshes render base
+fuzz_libs_instances := meshes render base
 # a reader of the target's own
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
