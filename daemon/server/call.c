@@ -107,9 +107,7 @@ const json_t *lf_param_or_former(const json_t *params, const char *name, const c
 
 /* ------------------------------------------------------------------------------------- paths -- */
 
-/* Paths of clients are absolute (quiltctl makes them so); relative ones start at the scene's
- * folder. */
-static char *absolute(const lf_server *server, const char *path)
+char *lf_server_absolute(const lf_server *server, const char *path)
 {
     char *folder = server->config.scene ? lf_path_folder(server->config.scene) : NULL;
     char *joined = lf_path_join(folder ? folder : "/", path);
@@ -139,7 +137,7 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
 {
     if (path[0] == '\0')
         return lf_error_set(err, LF_E_ARG, path, "the file name is empty");
-    char *name = absolute(server, path);
+    char *name = lf_server_absolute(server, path);
     if (!name)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     lf_error why;

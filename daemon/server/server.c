@@ -49,6 +49,7 @@ static void destroy(lf_server *server)
     lf_play_destroy(server->play);
     lf_jobs_destroy(server->jobs);
     lf_previews_destroy(server->previews);
+    lf_library_destroy(server->library);
     lf_saver_destroy(server->saver);
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
@@ -174,6 +175,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     status = status == LF_OK ? lf_server_make_play(server) : status;
     status = status == LF_OK ? lf_server_make_jobs(server) : status;
     status = status == LF_OK ? lf_server_make_previews(server) : status;
+    status = status == LF_OK ? lf_server_make_library(server) : status;
     status = status == LF_OK ? lf_server_make_log(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
     status = status == LF_OK ? lf_server_make_card(server) : status;
@@ -194,6 +196,7 @@ static void on_client_gone(void *context, uint64_t client)
         return;
     lf_jobs_end_of(server->jobs, client);
     lf_previews_end_of(server->previews, client);
+    lf_library_end_of(server->library, client);
     /* Requests of clients that have left are executed, but only if few wait: nobody can fill the
      * queue by connecting and leaving. */
     if (lf_clients_left_much(server->clients))

@@ -14,6 +14,7 @@
  *   server_parts.c    playback, saving, watching, waits, loading (daemon/parts).
  *   server_export.c   exports (daemon/parts/jobs.h): parameters and notifications.
  *   server_preview.c  frame.get (daemon/parts/previews.h).
+ *   server_library.c  library.list, library.thumbnail (daemon/parts/library.h).
  *   call.c            answers of methods, paths of clients.
  *   methods*.c        the table of methods, and parsing their lines.
  *
@@ -24,6 +25,7 @@
 #include "daemon/engine/engine.h"
 #include "daemon/engine/loader.h"
 #include "daemon/parts/jobs.h"
+#include "daemon/parts/library.h"
 #include "daemon/parts/loading.h"
 #include "daemon/parts/parser.h"
 #include "daemon/parts/play.h"
@@ -118,6 +120,7 @@ struct lf_server {
     lf_waits *waits;
     lf_jobs *jobs;
     lf_previews *previews;
+    lf_library *library;
     int64_t n_jobs; /* numbers used so far for exports and loads */
 };
 
@@ -228,6 +231,14 @@ LF_NODISCARD lf_status lf_server_make_previews(lf_server *server);
 /* Starts writing the shown image; the call is answered when it is written. */
 void lf_server_preview(lf_call *call);
 
+/* -------------------------------------------------------------------------- server_library.c -- */
+
+/* LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_server_make_library(lf_server *server);
+/* Start listing a folder, or making a thumbnail; the call is answered at the end. */
+void lf_server_library_list(lf_call *call);
+void lf_server_thumbnail(lf_call *call);
+
 /* ------------------------------------------------------------------------------ server_log.c -- */
 
 /* Watches the log for subscribers. LF_E_NOMEM. */
@@ -259,6 +270,9 @@ LF_NODISCARD lf_status lf_check_former(const json_t *schema, json_t *params, con
                                        lf_error *err);
 /* The value of a parameter under its current or its former name, borrowed; NULL: under neither. */
 const json_t *lf_param_or_former(const json_t *params, const char *name, const char *former);
+/* The absolute path (lf_free) of a client's path parameter. Relative ones start at the folder of
+ * the scene the daemon was started with; quiltctl makes them absolute. NULL: out of memory. */
+char *lf_server_absolute(const lf_server *server, const char *path);
 /* Resolves a client's path parameter. It must be inside the roots (LF_E_PATH, whether or not it
  * exists) and exist (LF_E_IO). Relative paths start at the folder of the scene the daemon was
  * started with. *out_path (lf_free) is canonical. LF_E_PATH, LF_E_IO, LF_E_ARG (empty),
