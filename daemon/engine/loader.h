@@ -73,6 +73,7 @@ typedef struct lf_load {
     bool browsed;   /* the poster's: requested by a button */
     bool reset;     /* the poster's: a camera reset by a button */
     bool played;    /* one frame of an animation */
+    bool listed;    /* FILE: an entry of the playlist */
     void *deferred; /* the poster's */
     /* the outcome */
     lf_status status;

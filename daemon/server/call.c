@@ -115,14 +115,13 @@ char *lf_server_absolute(const lf_server *server, const char *path)
     return joined;
 }
 
-/* For a name with a frame number field, only the folder must exist. */
-static lf_status resolve(const lf_server *server, const char *name, char **out_path, lf_error *why)
+lf_status lf_server_resolve(const lf_roots *roots, const char *name, char **out_path, lf_error *why)
 {
-    lf_status status = lf_roots_resolve(&server->roots, name, out_path, why);
+    lf_status status = lf_roots_resolve(roots, name, out_path, why);
     if (status != LF_E_IO || !lf_frame_name_varies(name))
         return status;
     char *folder = lf_path_folder(name), *real = NULL;
-    status = folder ? lf_roots_resolve(&server->roots, folder, &real, why) : LF_E_NOMEM;
+    status = folder ? lf_roots_resolve(roots, folder, &real, why) : LF_E_NOMEM;
     if (status == LF_OK) {
         *out_path = lf_path_join(real, strrchr(name, '/') + 1);
         status = *out_path ? LF_OK : LF_E_NOMEM;
@@ -141,7 +140,7 @@ lf_status lf_server_read_path(const lf_server *server, const char *path, char **
     if (!name)
         return lf_error_set(err, LF_E_NOMEM, path, "out of memory");
     lf_error why;
-    lf_status status = resolve(server, name, out_path, &why);
+    lf_status status = lf_server_resolve(&server->roots, name, out_path, &why);
     lf_free(name);
     if (status == LF_OK)
         return LF_OK;

@@ -105,6 +105,28 @@ static const lf_method methods[] = {
      lf_method_time_play},
     {"time.stop", "stop at the current frame", "time.stop", OBJECT(""),
      lf_method_time_stop},
+    {"playlist.set", "replace the entries of the slideshow",
+     "playlist.set entries:=[{\"file\":\"/srv/a.png\",\"seconds\":10}]",
+     OBJECT_WITH("\"entries\"",
+         KEY("entries", "\"type\":\"array\",\"maxItems\":1000,\"items\":"
+             OBJECT_WITH("\"file\",\"seconds\"",
+                 KEY("file", STRING, "absolute path of a scene, model, volume or image") ","
+                 KEY("seconds", NUMBER("seconds") RANGE("0.1", "86400"),
+                     "time from the first frame that is shown")),
+             "what to show, in this order: each {file, seconds}; an empty list stops") ","
+         KEY("loop", BOOLEAN("true"), "start again after the last entry")),
+     lf_server_playlist_set},
+    {"playlist.get", "return the slideshow", "playlist.get", OBJECT(""), lf_server_playlist_get},
+    {"playlist.play", "start the slideshow, or go to an entry", "playlist.play index=0",
+     OBJECT(KEY("index", INTEGER("count") RANGE("0", "999"),
+                "entry to begin with, from 0 (where it stopped; after its end the first)")),
+     lf_server_playlist_play},
+    {"playlist.stop", "stop the slideshow at the current entry", "playlist.stop", OBJECT(""),
+     lf_server_playlist_stop},
+    {"playlist.next", "show the next entry of the slideshow", "playlist.next", OBJECT(""),
+     lf_server_playlist_next},
+    {"playlist.previous", "show the previous entry of the slideshow", "playlist.previous",
+     OBJECT(""), lf_server_playlist_previous},
     {"wait", "wait until the panel shows the image", "wait for=complete timeout=60",
      OBJECT(KEY("generation", "\"type\":\"integer\",\"unit\":\"count\",\"minimum\":0",
                 "wait for this generation or a later one (the newest)") ","
@@ -165,7 +187,7 @@ static const lf_method methods[] = {
     {"subscribe", "choose the notifications for this client", "subscribe events=scene,frame",
      OBJECT_WITH("\"events\"",
          KEY("events", LIST(ENUM("\"frame\",\"converged\",\"device\",\"scene\",\"export\","
-                                 "\"button\",\"log\"")) ",\"maxItems\":16",
+                                 "\"button\",\"log\",\"playlist\"")) ",\"maxItems\":16",
              "events to send; an empty list: none, except the progress of your own exports")),
      lf_method_subscribe},
     {"shutdown", "shut down the daemon", "shutdown", OBJECT(""), lf_method_shutdown},

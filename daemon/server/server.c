@@ -47,6 +47,8 @@ static void destroy(lf_server *server)
     lf_presses_destroy(server->presses);
     lf_waits_destroy(server->waits);
     lf_play_destroy(server->play);
+    lf_playlist_destroy(server->playlist);
+    lf_errands_destroy(server->checks);
     lf_jobs_destroy(server->jobs);
     lf_previews_destroy(server->previews);
     lf_library_destroy(server->library);
@@ -173,6 +175,7 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     status = status == LF_OK ? lf_releaser_create(&server->inbox, &server->releaser) : status;
     status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_play(server) : status;
+    status = status == LF_OK ? lf_server_make_playlist(server) : status;
     status = status == LF_OK ? lf_server_make_jobs(server) : status;
     status = status == LF_OK ? lf_server_make_previews(server) : status;
     status = status == LF_OK ? lf_server_make_library(server) : status;
@@ -197,6 +200,7 @@ static void on_client_gone(void *context, uint64_t client)
     lf_jobs_end_of(server->jobs, client);
     lf_previews_end_of(server->previews, client);
     lf_library_end_of(server->library, client);
+    lf_errands_end_of(server->checks, client);
     /* Requests of clients that have left are executed, but only if few wait: nobody can fill the
      * queue by connecting and leaving. */
     if (lf_clients_left_much(server->clients))
