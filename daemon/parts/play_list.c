@@ -87,8 +87,7 @@ static int neighbour(const lf_playlist *playlist, int step)
     return playlist->loop ? (index + n) % n : -1;
 }
 
-/* ------------------------------------------------------------------------------------ its time --
- */
+/* ---------------------------------------------------------------------------------- its time -- */
 
 /* A loop of one entry stays. */
 static void set_timer(const lf_playlist *playlist)
@@ -138,8 +137,7 @@ void lf_playlist_shown(lf_playlist *playlist, int64_t generation, lf_level level
     start_time(playlist);
 }
 
-/* ------------------------------------------------------------------------------------- failures --
- */
+/* ---------------------------------------------------------------------------------- failures -- */
 
 static void tell_failure(lf_playlist *playlist, const lf_error *err)
 {
@@ -189,8 +187,7 @@ void lf_playlist_loaded(lf_playlist *playlist, int64_t generation, const lf_erro
     }
 }
 
-/* ----------------------------------------------------------------------------------- its owner --
- */
+/* --------------------------------------------------------------------------------- its owner -- */
 
 /* The entry with this file, at `index` if possible; -1: none. */
 static int find(const lf_playlist_entry *entries, int n, const char *file, int index)
@@ -278,8 +275,7 @@ void lf_playlist_step(lf_playlist *playlist, int step)
         show(playlist, next, step);
 }
 
-/* -------------------------------------------------------------------------------- construction --
- */
+/* ------------------------------------------------------------------------------ construction -- */
 
 lf_status lf_playlist_create(sd_event *event, const lf_playlist_events *events, void *context,
                              lf_playlist **out_playlist)

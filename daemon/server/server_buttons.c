@@ -70,8 +70,8 @@ static void toggle_pause(lf_server *server)
 static void turn(lf_server *server, int step)
 {
     const char *shown = server->content ? server->content->file : server->config.scene;
-    if (lf_playlist_now(server->playlist).playing)
-        lf_playlist_step(server->playlist, step);
+    if (lf_playlist_now(server->gallery.playlist).playing)
+        lf_playlist_step(server->gallery.playlist, step);
     else
         lf_presses_turn(server->presses, step, shown);
 }

@@ -77,6 +77,15 @@ typedef struct lf_log_watch {
     int64_t sent; /* number of the last line that was sent */
 } lf_log_watch;
 
+/* Images and files for clients: server_preview.c, server_library.c, server_playlist.c. */
+typedef struct lf_gallery {
+    lf_previews *previews;
+    lf_library *library;
+    lf_playlist *playlist;
+    lf_errands *checks; /* entries of playlist.set */
+    int64_t listed;     /* number of the playlist's last load; 0: not queued yet */
+} lf_gallery;
+
 /* The daemon from its start to its end: server.c. */
 typedef struct lf_life {
     lf_life_phase phase;
@@ -114,9 +123,6 @@ struct lf_server {
     lf_watch *watch; /* NULL without --watch */
     lf_loading *loading;
     lf_play *play;
-    lf_playlist *playlist;
-    lf_errands *checks; /* entries of playlist.set */
-    int64_t listed;     /* number of the playlist's last load; 0: not queued yet */
     lf_saver *saver;
     lf_content *content; /* the content shown, as known to this thread; NULL = none */
     int64_t generation;
@@ -125,8 +131,7 @@ struct lf_server {
     lf_shown shown;        /* the frame on the panel */
     lf_waits *waits;
     lf_jobs *jobs;
-    lf_previews *previews;
-    lf_library *library;
+    lf_gallery gallery;
     int64_t n_jobs; /* numbers used so far for exports and loads */
 };
 

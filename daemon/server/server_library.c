@@ -20,7 +20,8 @@ static void on_ended(void *context, void *call, json_t *result, const lf_error *
 
 lf_status lf_server_make_library(lf_server *server)
 {
-    return lf_library_create(&server->inbox, &server->roots, on_ended, server, &server->library);
+    return lf_library_create(&server->inbox, &server->roots, on_ended, server,
+                             &server->gallery.library);
 }
 
 /* The absolute path of a parameter, owned by the caller. */
@@ -38,7 +39,7 @@ static lf_status take_path(const lf_call *call, const char *key, char **out, lf_
 void lf_server_library_list(lf_call *call)
 {
     const uint64_t client = lf_client_serial(call->client);
-    lf_library *library = call->server->library;
+    lf_library *library = call->server->gallery.library;
     char *folder = NULL;
     lf_error err;
     if (lf_library_check_room(library, client, call->method, &err) != LF_OK ||
@@ -58,7 +59,7 @@ static void make_thumbnail(lf_call *call, int fd)
 {
     const uint64_t client = lf_client_serial(call->client);
     const json_t *width = json_object_get(call->params, "width");
-    lf_library *library = call->server->library;
+    lf_library *library = call->server->gallery.library;
     char *file = NULL;
     lf_error err;
     if (lf_library_check_room(library, client, call->method, &err) != LF_OK ||

@@ -22,7 +22,7 @@ static json_t *entry_json(const lf_playlist_entry *entry)
 
 static json_t *whole_json(const lf_server *server)
 {
-    const lf_playlist_state now = lf_playlist_now(server->playlist);
+    const lf_playlist_state now = lf_playlist_now(server->gallery.playlist);
     json_t *entries = json_array();
     for (int i = 0; i < now.n; i++)
         (void)json_array_append_new(entries, entry_json(&now.entries[i]));
@@ -32,7 +32,7 @@ static json_t *whole_json(const lf_server *server)
 
 json_t *lf_server_playlist_json(const lf_server *server)
 {
-    const lf_playlist_state now = lf_playlist_now(server->playlist);
+    const lf_playlist_state now = lf_playlist_now(server->gallery.playlist);
     return now.n == 0 ? json_null()
                       : json_pack("{s:i, s:b, s:i}", "index", now.index, "playing",
                                   (int)now.playing, "entries", now.n);
@@ -53,18 +53,18 @@ static bool on_due(void *context, const char *file)
         lf_load_destroy(load);
         return false;
     }
-    load->listed = true;
+    load->job.listed = true;
     if (lf_image_ending(file) && !lf_layout_from_name(file, &columns, &rows, &aspect))
         load->words.columns = load->words.rows = 1;
     lf_server_load(server, load, NULL);
-    server->listed = load->job.id;
+    server->gallery.listed = load->job.id;
     return true;
 }
 
 static void on_vain(void *context)
 {
     const lf_server *server = context;
-    (void)lf_loading_cancel(server->loading, server->listed);
+    (void)lf_loading_cancel(server->loading, server->gallery.listed);
 }
 
 static void on_changed(void *context)
@@ -77,9 +77,10 @@ lf_status lf_server_make_playlist(lf_server *server)
 {
     static const lf_playlist_events events = {
         .due = on_due, .vain = on_vain, .changed = on_changed};
-    lf_status status = lf_playlist_create(server->event, &events, server, &server->playlist);
+    lf_status status =
+        lf_playlist_create(server->event, &events, server, &server->gallery.playlist);
     return status == LF_OK ? lf_errands_create("lf-playlist", CHECKS_AT_ONCE, server,
-                                               &server->inbox, &server->checks)
+                                               &server->inbox, &server->gallery.checks)
                            : status;
 }
 
@@ -155,7 +156,7 @@ static void on_checked(void *context, lf_errand *errand)
     if (errand->status != LF_OK) {
         lf_deferred_fail(c->deferred, &errand->err, errand->status != LF_E_ARG);
     } else {
-        lf_playlist_set(server->playlist, c->entries, c->n, c->loop);
+        lf_playlist_set(server->gallery.playlist, c->entries, c->n, c->loop);
         c->entries = NULL;
         c->n = 0;
         lf_deferred_reply(c->deferred, whole_json(server));
@@ -208,7 +209,7 @@ static lf_status check_names(const lf_call *call, lf_error *err)
         if (json_string_length(json_object_get(entry, "file")) == 0)
             return refuse((int)i, "\"\"", LF_E_ARG, &why, err);
     }
-    return lf_errands_count_of(call->server->checks, client) == 0
+    return lf_errands_count_of(call->server->gallery.checks, client) == 0
                ? LF_OK
                : lf_error_set(err, LF_E_BUSY, call->method,
                               "another playlist.set of this client is open; wait for its answer");
@@ -229,7 +230,7 @@ void lf_server_playlist_set(lf_call *call)
     c->deferred = lf_defer(call);
     if (!c->deferred) {
         free_checking(c);
-    } else if (lf_errands_add(call->server->checks, &c->errand, &err) != LF_OK) {
+    } else if (lf_errands_add(call->server->gallery.checks, &c->errand, &err) != LF_OK) {
         lf_deferred_fail(c->deferred, &err, false);
         free_checking(c);
     }
@@ -245,7 +246,7 @@ void lf_server_playlist_get(lf_call *call)
 /* False: the call has failed. */
 static bool check_index(lf_call *call, int index)
 {
-    const int n = lf_playlist_now(call->server->playlist).n;
+    const int n = lf_playlist_now(call->server->gallery.playlist).n;
     lf_error err;
     if (index < n)
         return true;
@@ -265,13 +266,13 @@ void lf_server_playlist_play(lf_call *call)
     const int index = value ? (int)json_number_value(value) : -1;
     if (!check_index(call, value ? index : 0))
         return;
-    lf_playlist_play(call->server->playlist, index);
+    lf_playlist_play(call->server->gallery.playlist, index);
     lf_reply(call, whole_json(call->server));
 }
 
 void lf_server_playlist_stop(lf_call *call)
 {
-    lf_playlist_stop(call->server->playlist);
+    lf_playlist_stop(call->server->gallery.playlist);
     lf_reply(call, whole_json(call->server));
 }
 
@@ -279,7 +280,7 @@ static void step(lf_call *call, int by)
 {
     if (!check_index(call, 0))
         return;
-    lf_playlist_step(call->server->playlist, by);
+    lf_playlist_step(call->server->gallery.playlist, by);
     lf_reply(call, whole_json(call->server));
 }
 
