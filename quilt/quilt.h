@@ -248,6 +248,9 @@ void lf_quilt_finish(lf_quilt_file *quilt);
  * out is [height][width][3]. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_view_shrink(const lf_views8 *views, int view, int width, int height,
                                       uint8_t *out);
+/* The same for float views. */
+LF_NODISCARD lf_status lf_view_shrink32(const lf_views32 *views, int view, int width, int height,
+                                        float *out);
 /* Row y, from the top, of the quilt that lf_quilt_write_png writes: layout->columns times the
  * views' width, 3 bytes per pixel. */
 void lf_quilt_row8(const lf_views8 *views, const lf_layout *layout, int y, uint8_t *out);

@@ -64,6 +64,9 @@ typedef struct lf_alone {
 } lf_alone;
 /* Its options and scene keys. */
 extern const lf_param lf_alone_params[];
+/* What a file is that can be shown without a scene, by its ending: "model" or "volume"; NULL:
+ * neither. */
+const char *lf_alone_kind(const char *path);
 
 /* Loads a scene file (JSON, at most 16 MiB) and the files that it includes. Paths in it are
  * relative to its folder and must be below roots (NULL or empty: anywhere). The scene's own folder

@@ -87,7 +87,7 @@ daemon/threads:
 daemon/output:
 daemon/engine: daemon/output daemon/threads
 daemon/show: daemon/threads daemon/engine/mailbox.h
-daemon/parts: daemon/output/content.h daemon/output/preview.h daemon/engine daemon/threads daemon/wire
+daemon/parts: daemon/output/content.h daemon/output/preview.h daemon/output/thumbnail.h daemon/engine daemon/threads daemon/wire
 daemon/server: daemon/output/options.h daemon/engine daemon/parts daemon/show daemon/threads daemon/wire
 daemon/tools: daemon/output daemon/wire daemon/server
 daemon/web: daemon/output/options.h daemon/wire

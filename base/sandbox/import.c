@@ -118,7 +118,7 @@ static void tell_watcher(reading *file, bool ended)
     file->progress.seconds = lf_time_now() - file->begun;
     file->progress.ended = ended;
     file->told = true;
-    if (watcher.look)
+    if (watcher.look && !lf_import_is_quiet())
         watcher.look(watcher.context, &file->progress);
 }
 

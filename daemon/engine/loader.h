@@ -25,11 +25,12 @@ typedef enum lf_load_kind {
     LF_LOAD_APPLY, /* the same scene, with other options or another panel */
 } lf_load_kind;
 
-/* The part of a load that serves to cancel it. */
+/* The part of a load that serves to find and cancel it. */
 typedef struct lf_load_job {
     int64_t id;                      /* number given by the poster */
     struct lf_load *earlier, *later; /* the poster's: neighbours in the queue */
     int looks;                       /* the poster's: how often it was seen in progress */
+    bool listed;                     /* the poster's: an entry of the playlist */
     atomic_bool running;             /* in progress, alone or merged with others */
     atomic_bool cancelled;           /* lf_loader_cancel */
 } lf_load_job;

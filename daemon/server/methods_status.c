@@ -163,6 +163,7 @@ void lf_method_status(lf_call *call)
         "uptime", lf_time_now() - server->life.started, "longest_turn", server->life.longest_turn);
     json_object_update(status, more);
     json_decref(more);
+    json_object_set_new(status, "playlist", lf_server_playlist_json(server));
     if (server->error.status != LF_OK) {
         json_t *answer = lf_rpc_error_of(NULL, &server->error, true);
         json_object_set(status, "error", json_object_get(answer, "error"));
@@ -209,7 +210,7 @@ void lf_method_wait(lf_call *call)
 void lf_method_subscribe(lf_call *call)
 {
     static const char *const names[] = {"frame",  "converged", "device", "scene",
-                                        "export", "button",    "log"};
+                                        "export", "button",    "log",    "playlist"};
     unsigned flags = 0;
     size_t i;
     json_t *event;

@@ -47,8 +47,11 @@ static void destroy(lf_server *server)
     lf_presses_destroy(server->presses);
     lf_waits_destroy(server->waits);
     lf_play_destroy(server->play);
+    lf_playlist_destroy(server->gallery.playlist);
+    lf_errands_destroy(server->gallery.checks);
     lf_jobs_destroy(server->jobs);
-    lf_previews_destroy(server->previews);
+    lf_previews_destroy(server->gallery.previews);
+    lf_library_destroy(server->gallery.library);
     lf_saver_destroy(server->saver);
     sd_event_source_disable_unref(server->life.stop_timer);
     sd_event_source_disable_unref(server->life.begin_timer);
@@ -172,8 +175,10 @@ static lf_status make_threads(lf_server *server, lf_error *err)
     status = status == LF_OK ? lf_releaser_create(&server->inbox, &server->releaser) : status;
     status = status == LF_OK ? lf_server_make_loading(server) : status;
     status = status == LF_OK ? lf_server_make_play(server) : status;
+    status = status == LF_OK ? lf_server_make_playlist(server) : status;
     status = status == LF_OK ? lf_server_make_jobs(server) : status;
     status = status == LF_OK ? lf_server_make_previews(server) : status;
+    status = status == LF_OK ? lf_server_make_library(server) : status;
     status = status == LF_OK ? lf_server_make_log(server) : status;
     status = status == LF_OK ? lf_server_make_show(server) : status;
     status = status == LF_OK ? lf_server_make_card(server) : status;
@@ -193,7 +198,9 @@ static void on_client_gone(void *context, uint64_t client)
     if (server->life.phase == LF_PHASE_LEAVING)
         return;
     lf_jobs_end_of(server->jobs, client);
-    lf_previews_end_of(server->previews, client);
+    lf_previews_end_of(server->gallery.previews, client);
+    lf_library_end_of(server->gallery.library, client);
+    lf_errands_end_of(server->gallery.checks, client);
     /* Requests of clients that have left are executed, but only if few wait: nobody can fill the
      * queue by connecting and leaving. */
     if (lf_clients_left_much(server->clients))

@@ -28,10 +28,10 @@ LF_NODISCARD lf_status lf_ctl_next(lf_ctl *ctl, json_t **out_message, lf_error *
  * progress if stderr is a terminal. params: of `export`, with kind and file; ownership is taken. */
 LF_NODISCARD lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_result,
                                      lf_error *err);
-/* Calls frame.get with a file, which is opened here and published once it is written. Takes
- * ownership of params. LF_E_EXISTS: the file exists. */
-LF_NODISCARD lf_status lf_ctl_frame(lf_ctl *ctl, const char *file, json_t *params,
-                                    json_t **out_result, lf_error *err);
+/* Calls frame.get or library.thumbnail with a file, which is opened here and published once it is
+ * written. Takes ownership of params. LF_E_EXISTS: the file exists. */
+LF_NODISCARD lf_status lf_ctl_image(lf_ctl *ctl, const char *method, const char *file,
+                                    json_t *params, json_t **out_result, lf_error *err);
 /* One status line for people: state, time, passes, error and estimated time to the target error.
  * look: zeroed at first, then as left by the previous line. Returns line. */
 #define LF_CTL_LINE 512

@@ -186,8 +186,8 @@ end:
     return status;
 }
 
-lf_status lf_ctl_frame(lf_ctl *ctl, const char *file, json_t *params, json_t **out_result,
-                       lf_error *err)
+lf_status lf_ctl_image(lf_ctl *ctl, const char *method, const char *file, json_t *params,
+                       json_t **out_result, lf_error *err)
 {
     lf_outfile image;
     lf_status status = lf_outfile_open(&image, file, false, err);
@@ -196,7 +196,7 @@ lf_status lf_ctl_frame(lf_ctl *ctl, const char *file, json_t *params, json_t **o
         return status;
     }
     json_t *result = NULL;
-    status = lf_ctl_call(ctl, "frame.get", params, &image.fd, 1, &result, NULL, err);
+    status = lf_ctl_call(ctl, method, params, &image.fd, 1, &result, NULL, err);
     if (status == LF_OK)
         status = lf_outfile_commit(&image, false, err);
     else

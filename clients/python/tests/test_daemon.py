@@ -278,6 +278,12 @@ class Examples(Case):
         images = [pathlib.Path(folder, f"turn_0{i}.png").read_bytes() for i in range(2)]
         self.assertEqual([png_size(image) for image in images], [(WIDTH, HEIGHT)] * 2)
 
+    def test_slideshow(self):
+        self.need("playlist.set")
+        self.assertEqual(self.run_example("slideshow.py", self.q.info["folders"][0], "3600"), ["shown in turn: 1"])
+        self.assertTrue(self.q.status()["playlist"]["playing"])
+        self.q.playlist.stop()
+
     def test_numpy_volume(self):
         self.need_numpy("scene.load", "arrays")
         self.assertEqual(len(self.run_example("volume.py")), 1)
