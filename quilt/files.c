@@ -148,13 +148,29 @@ static lf_status refuse_name(const char *path, lf_error *err)
                         "--quilt COLUMNSxROWS (scene.load: quilt), 1x1 for one view");
 }
 
+/* Notes that a requested layout fits neither the name (0: says none) nor the image. */
+static void note_layout(lf_quilt_file *q, int named_columns, int named_rows, const lf_raster *p)
+{
+    const lf_layout *l = &q->layout;
+    const int beside = p->width % l->columns, above = p->height % l->rows;
+    if (named_columns > 0 && (named_columns != l->columns || named_rows != l->rows))
+        lf_image_note(&q->notes, "is cut into %dx%d views, but its name says %dx%d", l->columns,
+                      l->rows, named_columns, named_rows);
+    if (beside > 0 || above > 0)
+        lf_image_note(&q->notes,
+                      "%dx%d pixels are no multiple of %dx%d views; %d columns at the right and %d "
+                      "rows at the top are left out",
+                      p->width, p->height, l->columns, l->rows, beside, above);
+}
+
 static lf_status read_quilt(const char *path, const lf_roots *roots, int columns, int rows,
                             const lf_photo *photo, lf_quilt_file *q, lf_error *err)
 {
     int named_columns = 0, named_rows = 0;
     double aspect = 0;
     bool named = lf_layout_from_name(path, &named_columns, &named_rows, &aspect);
-    if (columns <= 0 || rows <= 0) {
+    const bool is_requested = columns > 0 && rows > 0;
+    if (!is_requested) {
         if (!named)
             return refuse_name(path, err);
         columns = named_columns;
@@ -165,6 +181,8 @@ static lf_status read_quilt(const char *path, const lf_roots *roots, int columns
     lf_status status = lf_raster_open(path, roots, false, &p, err);
     if (status == LF_OK)
         status = cut_quilt(path, &p, photo, q, err);
+    if (status == LF_OK && is_requested)
+        note_layout(q, named_columns, named_rows, &p);
     lf_image_note_lines(&q->notes, p.meta.notes.text, p.meta.notes.length);
     lf_raster_close(&p);
     return status;

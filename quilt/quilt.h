@@ -228,7 +228,8 @@ typedef struct lf_quilt_file {
 /* True when path names a picture (PNG, JPEG, EXR by contents) or a folder, and not a scene. */
 bool lf_is_quilt(const char *path, const lf_roots *roots);
 /* Reads a quilt or a folder of views. columns, rows 0 = from the name (LF_E_ARG if it has none).
- * Padding at right and top is skipped; every tile is a view. The aspect is that of the name,
+ * Padding at right and top is skipped; every tile is a view. A note says if columns and rows differ
+ * from the name, or leave out pixels. The aspect is that of the name,
  * otherwise that of a tile, with the pixel shape given in the file.
  *
  * A folder: its pictures (by ending, not hidden) in name order, all of one kind, at most 4096.
