@@ -143,8 +143,7 @@ static lf_status add_passed(const lf_call *call, descriptors *d, lf_passed **out
     return status;
 }
 
-/* Hands the call's descriptors to the load. No descriptor is left over, and if one is refused all
- * are closed. */
+/* Hands the call's descriptors to the load. If one is refused, all are closed. */
 static lf_status take_passed(lf_call *call, lf_load *load, lf_error *err)
 {
     descriptors d;
@@ -156,8 +155,6 @@ static lf_status take_passed(lf_call *call, lf_load *load, lf_error *err)
         d.fd[0] = -1;
     }
     close_descriptors(&d);
-    if (d.scene || d.files || d.arrays)
-        lf_client_drop_fds(call->client);
     return status;
 }
 
