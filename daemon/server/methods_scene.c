@@ -175,9 +175,8 @@ static lf_status take_passed(lf_call *call, lf_load *load, lf_error *err)
 
 /* -------------------------------------------------------------------------------- scene.load -- */
 
-/* A scene that is sent needs no file, only a name for messages. It is no path, so that nothing
- * opens it. */
-static lf_status take_scene(const lf_call *call, lf_load *load, lf_error *err)
+/* The name is no path, so that nothing opens it. */
+lf_status lf_method_name(const lf_call *call, const char *otherwise, char **out, lf_error *err)
 {
     const char *name = json_string_value(json_object_get(call->params, "name"));
     if (name && (name[0] == '\0' || strlen(name) > LF_MAX_ARRAY_NAME || strchr(name, '/')))
@@ -187,9 +186,15 @@ static lf_status take_scene(const lf_call *call, lf_load *load, lf_error *err)
     if (status != LF_OK)
         return lf_error_set_at(err, LF_E_ARG, call->method, 0, "/name",
                                "control characters are not allowed");
+    *out = lf_strdup(name ? name : otherwise);
+    return *out ? LF_OK : lf_error_set(err, LF_E_NOMEM, call->method, "out of memory");
+}
+
+/* A scene that is sent needs no file, only a name for messages. */
+static lf_status take_scene(const lf_call *call, lf_load *load, lf_error *err)
+{
     load->sent.document = json_incref(json_object_get(call->params, "scene"));
-    load->file = lf_strdup(name ? name : "scene");
-    return load->file ? LF_OK : lf_error_set(err, LF_E_NOMEM, call->method, "out of memory");
+    return lf_method_name(call, "scene", &load->file, err);
 }
 
 /* The scene is named, or sent in one of two ways. */

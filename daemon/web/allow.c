@@ -10,7 +10,7 @@ static const struct allowed {
     {.method = "status"},
     {.method = "scene.load", .without = {"files", "arrays", "scene_fd"}},
     {.method = "scene.get"},
-    {.method = "scene.patch", .without = {"files"}},
+    {.method = "scene.patch", .without = {"files", "arrays"}},
     {.method = "camera.set"},
     {.method = "camera.orbit"},
     {.method = "camera.fit"},
