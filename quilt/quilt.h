@@ -15,6 +15,7 @@
 #include "base/image.h"
 #include "base/image_io.h"
 #include "base/param.h"
+#include "base/sandbox/raster.h"
 #include "base/thread.h"
 
 /* ------------------------------------------------------------------------------------ layout -- */
@@ -241,6 +242,20 @@ LF_NODISCARD lf_status lf_quilt_read_photo(const char *path, const lf_roots *roo
                                            lf_error *err);
 LF_NODISCARD lf_status lf_quilt_read(const char *path, const lf_roots *roots, int columns, int rows,
                                      lf_quilt_file *out, lf_error *err);
+/* Tiles of a picture that is no file by name. */
+typedef struct lf_quilt_tiles {
+    int columns, rows; /* 1..LF_MAX_TILES */
+    int n_views;       /* 1..columns * rows; the tiles behind the last view are unused */
+} lf_quilt_tiles;
+/* LF_E_ARG: the tiles do not divide a picture of this size; err names `where`. */
+LF_NODISCARD lf_status lf_quilt_tiles_check(const lf_quilt_tiles *tiles, int width, int height,
+                                            const char *where, lf_error *err);
+/* Cuts a picture, whose pixels are copied, into views. The aspect is photo's (which is not NULL),
+ * otherwise that of a tile with the pixel shape given in the file. name: of the picture, for
+ * errors. LF_E_FORMAT, also as lf_quilt_tiles_check; LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_quilt_cut(const lf_raster *picture, const char *name,
+                                    const lf_quilt_tiles *tiles, const lf_photo *photo,
+                                    lf_quilt_file *out, lf_error *err);
 /* With LF_PHOTO_FILL and a frame: cuts the views to its aspect, in whole pixels, and notes it. */
 void lf_photo_cut(const lf_photo *photo, lf_quilt_file *quilt);
 void lf_quilt_finish(lf_quilt_file *quilt);

@@ -52,7 +52,7 @@ scene_files_srcs := tests/scene_file.c
 pictures_srcs := tests/base/pictures.c
 spoiled_srcs := tests/base/spoiled.c
 # readers of meshes, which ask whoever links them for files
-meshes_srcs := $(patsubst %,render/import/reader/%.c,input words source_material soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read instances_read) \
+meshes_srcs := $(patsubst %,render/import/reader/%.c,input words source_material soup polygon weld mesh_build mesh_same maps ply_header ply_read stl_read obj_read mtl_read arrays_read instances_read) \
  $(call wild,render/import/reader/gltf_*.c) render/import/reader/draco_read.cc
 
 # a kernel with displays

@@ -41,6 +41,7 @@ typedef struct lf_load_words {
     int columns, rows; /* tiles of a quilt picture, overriding its name; 0 = not given */
     lf_photo photo;
     lf_alone alone;
+    lf_sent_quilt quilt; /* the quilt that the client sent with the call */
 } lf_load_words;
 
 /* What a client sent with its call. */

@@ -167,6 +167,8 @@ static const field fields[] = {
      "scene document; null: a finished image is on display"},
     {"@bounds", "min", "[number]", "scene units", "minimum x, y and z"},
     {"@bounds", "max", "[number]", "scene units", "maximum x, y and z"},
+    {"quilt.show", "generation", "integer", COUNT, "generation of the quilt on display"},
+    {"quilt.show", "warnings", "[string]", NULL, "features of its file that the image lacks"},
     {"scene.patch", "generation", "integer", COUNT, "generation of the scene on display"},
     {"scene.patch", "warnings", "[string]", NULL, "features of its files that the image lacks"},
     {"camera.set", "generation", "integer", COUNT, "generation of the scene on display"},

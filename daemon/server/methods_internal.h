@@ -14,6 +14,10 @@ void lf_method_shutdown(lf_call *call);
 /* methods_scene.c */
 /* Queues a load that the call waits for; load NULL = out of memory. */
 void lf_method_queue(lf_call *call, lf_load *load);
+/* The call's parameter "name" for what is sent instead of a file, or else this one; lf_free.
+ * LF_E_ARG, LF_E_NOMEM. */
+LF_NODISCARD lf_status lf_method_name(const lf_call *call, const char *otherwise, char **out,
+                                      lf_error *err);
 void lf_method_scene_load(lf_call *call);
 void lf_method_scene_get(lf_call *call);
 void lf_method_scene_patch(lf_call *call);
@@ -21,6 +25,8 @@ void lf_method_camera_set(lf_call *call);
 void lf_method_camera_orbit(lf_call *call);
 void lf_method_camera_fit(lf_call *call);
 void lf_method_render_set(lf_call *call);
+/* methods_quilt.c */
+void lf_method_quilt_show(lf_call *call);
 /* methods_time.c */
 /* The current frame and playback, as in `status`; null: no scene. */
 json_t *lf_time_json(const lf_server *server);

@@ -28,6 +28,11 @@
         "absolute names of the passed files, in the order of their descriptors (SCM_RIGHTS, "      \
         "read-only); quiltctl fills this in")
 
+#define ARRAYS                                                                                     \
+    KEY("arrays", "\"type\":\"object\",\"additionalProperties\":true",                             \
+        "arrays of the scene by name, each {shape, type}; their descriptors follow those of "      \
+        "files")
+
 #define EXPORT_KEYS                                                                                \
     KEY("kind", STRING, "kind of output, see Export kinds") ","                                    \
     KEY("file", STRING,                                                                            \
@@ -61,9 +66,7 @@ static const lf_method methods[] = {
              "MiB") ","
          KEY("name", STRING,
              "name of scene or scene_fd in messages, at most 128 bytes without / (scene)") ","
-         KEY("arrays", "\"type\":\"object\",\"additionalProperties\":true",
-             "arrays of the scene by name, each {shape, type}; their descriptors follow those of "
-             "files") ","
+         ARRAYS ","
          KEY("quilt", STRING, "tiles COLUMNSxROWS of an image whose name has no _qs suffix") ","
          FILES),
      lf_method_scene_load},
@@ -73,8 +76,24 @@ static const lf_method methods[] = {
      OBJECT_WITH("\"patch\"",
          KEY("patch", "\"type\":\"object\",\"additionalProperties\":true",
              "keys of the scene file with their new values; null removes a key") ","
-         FILES),
+         FILES ","
+         ARRAYS),
      lf_method_scene_patch},
+    {"quilt.show", "show a quilt that comes by a passed descriptor, as raw pixels or an image file",
+     "quilt.show photo.png columns=8 rows=6",
+     OBJECT_WITH("\"columns\",\"rows\"",
+         KEY("columns", INTEGER("count") RANGE("1", "64"), "columns of tiles; they divide the width")
+         ","
+         KEY("rows", INTEGER("count") RANGE("1", "64"), "rows of tiles; they divide the height") ","
+         KEY("views", INTEGER("count") RANGE("1", "4096"), "number of views (columns x rows)") ","
+         KEY("aspect", NUMBER("width / height") RANGE("0.01", "100"), "aspect of a view (a tile's)")
+         ","
+         KEY("width", INTEGER("pixels") RANGE("1", "16384"),
+             "width of the whole quilt in raw pixels; without it the descriptor is an image file")
+         ","
+         KEY("height", INTEGER("pixels") RANGE("1", "16384"), "its height") ","
+         KEY("name", STRING, "name in messages, at most 128 bytes without / (quilt)")),
+     lf_method_quilt_show},
     {"camera.set", "set keys of the camera; other keys keep their values",
      "camera.set fov_y=20 target=0,1,0", OBJECT(""), lf_method_camera_set},
     {"camera.orbit", "orbit the camera around its target", "camera.orbit yaw=15 pitch=-5",

@@ -220,7 +220,6 @@ void lf_server_export(lf_call *call)
         status = take_export(call, &what, &err);
     if (status == LF_OK)
         status = lf_jobs_add(server->jobs, server->n_jobs + 1, &what, &err);
-    lf_client_drop_fds(call->client); /* more descriptors came than announced */
     if (status != LF_OK) {
         release_client(server, &what.asker);
         lf_export_finish(&what);

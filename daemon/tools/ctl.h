@@ -32,6 +32,9 @@ LF_NODISCARD lf_status lf_ctl_export(lf_ctl *ctl, json_t *params, json_t **out_r
  * written. Takes ownership of params. LF_E_EXISTS: the file exists. */
 LF_NODISCARD lf_status lf_ctl_image(lf_ctl *ctl, const char *method, const char *file,
                                     json_t *params, json_t **out_result, lf_error *err);
+/* Calls quilt.show with an image file, which is opened here. Takes ownership of params. */
+LF_NODISCARD lf_status lf_ctl_show_quilt(lf_ctl *ctl, const char *file, json_t *params,
+                                         json_t **out_result, lf_error *err);
 /* One status line for people: state, time, passes, error and estimated time to the target error.
  * look: zeroed at first, then as left by the previous line. Returns line. */
 #define LF_CTL_LINE 512

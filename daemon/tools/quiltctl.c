@@ -42,7 +42,7 @@ typedef struct arguments {
     format format;
     double timeout; /* seconds; 0 = none */
     const char *method;
-    const char *file;   /* to be written (writes_file); NULL: another method */
+    const char *file;   /* to be written (writes_file) or of quilt.show; NULL: another method */
     char *const *words; /* words after the method and this file */
     int n_words;
 } arguments;
@@ -54,6 +54,7 @@ static void print_help(void)
            "       quiltctl [--socket PATH] doctor\n"
            "       quiltctl [--socket PATH] frame.get FILE [key=value ...]\n"
            "       quiltctl [--socket PATH] library.thumbnail FILE file=IMAGE [width=PIXELS]\n"
+           "       quiltctl [--socket PATH] quilt.show FILE columns=N rows=N [key=value ...]\n"
            "       quiltctl [--socket PATH] export "
            "quilt|still|views|pictures|panel|print|chart|rgbd|state FILE\n"
            "                [key=value ...]\n"
@@ -132,10 +133,13 @@ static lf_status read_arguments(int argc, char *const argv[], arguments *a, bool
     a->method = argv[optind];
     a->words = argv + optind + 1;
     a->n_words = argc - optind - 1;
-    if (writes_file(a->method)) {
+    const bool shows = strcmp(a->method, "quilt.show") == 0;
+    if (shows || writes_file(a->method)) {
         if (a->n_words == 0 || strchr(a->words[0], '='))
             return lf_error_set(err, LF_E_ARG, a->method,
-                                "expects the name of a file to write first, such as image.jpg");
+                                shows ? "expects the name of an image file first, such as quilt.png"
+                                      : "expects the name of a file to write first, such as "
+                                        "image.jpg");
         a->file = *a->words++;
         a->n_words--;
     }
@@ -252,6 +256,8 @@ static lf_status call_with_files(lf_ctl *ctl, const arguments *a, const json_t *
 static lf_status call(lf_ctl *ctl, const arguments *a, const json_t *hello, json_t *params,
                       json_t **out_result, lf_error *err)
 {
+    if (a->file && strcmp(a->method, "quilt.show") == 0)
+        return lf_ctl_show_quilt(ctl, a->file, params, out_result, err);
     if (a->file)
         return lf_ctl_image(ctl, a->method, a->file, params, out_result, err);
     if (strcmp(a->method, "export") == 0 && !is_detached(params))
