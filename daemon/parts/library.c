@@ -10,7 +10,7 @@
 #include "daemon/parts/library_list.h"
 #include "daemon/threads/errands.h"
 
-/* Each thumbnail holds a picture. */
+/* Of each kind, so that a slow picture delays no listing. Each thumbnail holds a picture. */
 #define AT_ONCE 4
 
 typedef struct request {
@@ -24,7 +24,7 @@ typedef struct request {
 } request;
 
 struct lf_library {
-    lf_errands *errands;
+    lf_errands *lists, *thumbnails;
     const lf_roots *roots;
     lf_library_ended_fn ended;
     void *context;
@@ -36,9 +36,10 @@ lf_status lf_library_create(lf_inbox *inbox, const lf_roots *roots, lf_library_e
     lf_library *library = lf_calloc(1, sizeof *library);
     if (!library)
         return LF_E_NOMEM;
-    *library = (lf_library){NULL, roots, ended, context};
-    if (lf_errands_create("lf-library", AT_ONCE, library, inbox, &library->errands) != LF_OK) {
-        lf_free(library);
+    *library = (lf_library){NULL, NULL, roots, ended, context};
+    if (lf_errands_create("lf-list", AT_ONCE, library, inbox, &library->lists) != LF_OK ||
+        lf_errands_create("lf-thumbnail", AT_ONCE, library, inbox, &library->thumbnails) != LF_OK) {
+        lf_library_destroy(library);
         return LF_E_NOMEM;
     }
     *out_library = library;
@@ -47,15 +48,19 @@ lf_status lf_library_create(lf_inbox *inbox, const lf_roots *roots, lf_library_e
 
 void lf_library_destroy(lf_library *library)
 {
-    if (library)
-        lf_errands_destroy(library->errands);
+    if (!library)
+        return;
+    lf_errands_destroy(library->lists);
+    lf_errands_destroy(library->thumbnails);
     lf_free(library);
 }
 
 lf_status lf_library_check_room(const lf_library *library, uint64_t client, const char *method,
                                 lf_error *err)
 {
-    return lf_errands_count_of(library->errands, client) == 0
+    const int n = lf_errands_count_of(library->lists, client) +
+                  lf_errands_count_of(library->thumbnails, client);
+    return n == 0
                ? LF_OK
                : lf_error_set(err, LF_E_BUSY, method,
                               "another library call of this client is open; wait for its answer");
@@ -153,9 +158,9 @@ static void on_done(void *context, lf_errand *errand)
 }
 
 /* Takes ownership of what; NULL: out of memory. */
-static lf_status add(lf_library *library, request *what, const char *method, lf_error *err)
+static lf_status add(lf_errands *errands, request *what, const char *method, lf_error *err)
 {
-    if (what && lf_errands_add(library->errands, &what->errand, NULL) == LF_OK)
+    if (what && lf_errands_add(errands, &what->errand, NULL) == LF_OK)
         return LF_OK;
     if (what)
         free_request(what);
@@ -174,7 +179,7 @@ lf_status lf_library_list(lf_library *library, uint64_t client, char *folder, vo
                        .fd = -1};
     else
         lf_free(folder);
-    return add(library, r, "library.list", err);
+    return add(library->lists, r, "library.list", err);
 }
 
 lf_status lf_library_thumbnail(lf_library *library, uint64_t client, char *file, int width, int fd,
@@ -195,20 +200,22 @@ lf_status lf_library_thumbnail(lf_library *library, uint64_t client, char *file,
         lf_free(file);
         close(fd);
     }
-    return add(library, r, "library.thumbnail", err);
+    return add(library->thumbnails, r, "library.thumbnail", err);
 }
 
 bool lf_library_busy(const lf_library *library)
 {
-    return lf_errands_count(library->errands) > 0;
+    return lf_errands_count(library->lists) + lf_errands_count(library->thumbnails) > 0;
 }
 
 void lf_library_end_of(lf_library *library, uint64_t client)
 {
-    lf_errands_end_of(library->errands, client);
+    lf_errands_end_of(library->lists, client);
+    lf_errands_end_of(library->thumbnails, client);
 }
 
 void lf_library_end(lf_library *library)
 {
-    lf_errands_end(library->errands);
+    lf_errands_end(library->lists);
+    lf_errands_end(library->thumbnails);
 }

@@ -294,8 +294,8 @@ static int new_memfd(void)
     return fd;
 }
 
-/* The whole answer of a call with this descriptor (-1: none). */
-static json_t *ask(house *h, const char *file, int width, int fd)
+/* Sends a call with this descriptor (-1: none). */
+static void send_call(live_client *c, const char *file, int width, int fd)
 {
     union {
         struct cmsghdr align;
@@ -304,8 +304,8 @@ static json_t *ask(house *h, const char *file, int width, int fd)
     json_t *params = json_pack("{s:s}", "file", file);
     if (width > 0)
         json_object_set_new(params, "width", json_integer(width));
-    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++h->c.ids,
-                                "method", "library.thumbnail", "params", params);
+    json_t *request = json_pack("{s:s, s:I, s:s, s:o}", "jsonrpc", "2.0", "id", ++c->ids, "method",
+                                "library.thumbnail", "params", params);
     char *text = json_dumps(request, JSON_COMPACT);
     struct iovec vector = {.iov_base = text, .iov_len = strlen(text)};
     struct msghdr message = {.msg_iov = &vector, .msg_iovlen = 1};
@@ -319,9 +319,15 @@ static json_t *ask(house *h, const char *file, int width, int fd)
         head->cmsg_len = CMSG_LEN(sizeof(int));
         memcpy(CMSG_DATA(head), &fd, sizeof fd);
     }
-    assert_int_equal(sendmsg(h->c.fd, &message, MSG_NOSIGNAL), vector.iov_len);
-    live_send(&h->c, "\n", 1);
+    assert_int_equal(sendmsg(c->fd, &message, MSG_NOSIGNAL), vector.iov_len);
+    live_send(c, "\n", 1);
     free(text);
+}
+
+/* The whole answer. */
+static json_t *ask(house *h, const char *file, int width, int fd)
+{
+    send_call(&h->c, file, width, fd);
     return live_answer(&h->c);
 }
 
@@ -502,6 +508,55 @@ static void one_call_per_client_is_open(void **state)
     end(&h);
 }
 
+/* The process of a reader, once it has started. */
+static pid_t reader_in(const char *path)
+{
+    int pid = 0;
+    for (int i = 0; i < LIVE_PATIENCE_S * 50 && pid == 0; i++, live_nap(20)) {
+        FILE *file = fopen(path, "r");
+        if (file && fscanf(file, "%d\n", &pid) != 1)
+            pid = 0;
+        if (file)
+            fclose(file);
+    }
+    assert_true(pid > 0);
+    return pid;
+}
+
+static void a_picture_that_hangs_holds_up_nobody(void **state)
+{
+    (void)state;
+    house h;
+    live_client asker;
+    char script[PATH_MAX], pid_file[PATH_MAX / 2];
+    char *readers = lf_test_folder(), *before = strdup(getenv("QUILTIMPORT"));
+    snprintf(pid_file, sizeof pid_file, "%s/pid", readers);
+    snprintf(script, sizeof script, "#!/bin/sh\necho $$ > %s\nexec sleep 1000\n", pid_file);
+    lf_test_write(readers, "quiltimport-picture", script);
+    assert_int_equal(chmod(lf_test_path(readers, "quiltimport-picture"), 0700), 0);
+    setenv("QUILTIMPORT", readers, 1);
+    begin(&h);
+    setenv("QUILTIMPORT", before, 1);
+    write_picture(within(&h, "scene/a.png"), 1, 1, 8, 8);
+    live_connect(&h.l, &asker);
+    int fd = new_memfd();
+    send_call(&asker, within(&h, "scene/a.png"), 0, fd);
+    const pid_t reader = reader_in(pid_file);
+    assert_told(&h, h.scene, "scene fog.json, image a.png");
+    json_t *answer = live_call(&h.c, "status", NULL); /* it is no file of the scene */
+    assert_true(json_is_null(json_object_get(json_object_get(answer, "result"), "reading")));
+    json_decref(answer);
+    live_close(&asker); /* nobody waits for it any more */
+    for (int i = 0; i < LIVE_PATIENCE_S * 50 && kill(reader, 0) == 0; i++)
+        live_nap(20);
+    assert_int_equal(kill(reader, 0), -1);
+    send_call(&h.c, within(&h, "scene/a.png"), 0, fd); /* the daemon ends in spite of it */
+    close(fd);
+    free(before);
+    end(&h);
+    lf_test_folder_remove(readers);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -520,6 +575,7 @@ int main(void)
         cmocka_unit_test(a_picture_with_floats_gets_an_exposure_of_its_own),
         cmocka_unit_test(what_is_no_image_or_outside_is_refused),
         cmocka_unit_test(one_call_per_client_is_open),
+        cmocka_unit_test(a_picture_that_hangs_holds_up_nobody),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
