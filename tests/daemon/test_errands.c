@@ -22,20 +22,23 @@ struct office {
     lf_errands *errands;
     pthread_t reader;
     atomic_int begun, most, now;
-    atomic_bool open; /* the work goes on */
+    atomic_bool open;  /* the work goes on */
+    atomic_bool first; /* the work of the first errand goes on */
     int n_done, n_cancelled, n_stopped;
     int done[N]; /* numbers, in the order of their ends */
 };
 
 static lf_status run(lf_errand *errand, lf_error *err)
 {
-    office *o = ((work *)(void *)errand)->office;
+    const work *w = (const work *)(void *)errand;
+    office *o = w->office;
     const int now = atomic_fetch_add(&o->now, 1) + 1;
     int most = atomic_load(&o->most);
     while (now > most && !atomic_compare_exchange_weak(&o->most, &most, now)) {
     }
     atomic_fetch_add(&o->begun, 1);
-    while (!atomic_load(&o->open) && !atomic_load(&errand->cancel))
+    while (!atomic_load(&o->open) && !atomic_load(&errand->cancel) &&
+           !(w->number == 0 && atomic_load(&o->first)))
         sched_yield();
     atomic_fetch_sub(&o->now, 1);
     if (pthread_equal(pthread_self(), o->reader))
@@ -154,6 +157,21 @@ static void all_end(void **state)
     assert_int_equal(atomic_load(&o->begun), AT_ONCE);
 }
 
+/* The first one has ended, which nobody has read yet. */
+static void what_is_cancelled_while_it_waits_never_begins(void **state)
+{
+    office *o = *state;
+    struct pollfd ready = {o->inbox.event_fd, POLLIN, 0};
+    add(o, N);
+    await_begun(o, AT_ONCE);
+    atomic_store(&o->first, true);
+    assert_int_equal(poll(&ready, 1, 600000), 1);
+    lf_errands_end(o->errands);
+    read_until(o, N);
+    assert_int_equal(o->n_cancelled, N - 1);
+    assert_int_equal(atomic_load(&o->begun), AT_ONCE);
+}
+
 #define errand_test(test) cmocka_unit_test_setup_teardown(test, set_up, tear_down)
 
 int main(void)
@@ -162,6 +180,7 @@ int main(void)
         errand_test(few_run_at_once_and_all_are_done),
         errand_test(those_of_a_client_end_without_the_others),
         errand_test(all_end),
+        errand_test(what_is_cancelled_while_it_waits_never_begins),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

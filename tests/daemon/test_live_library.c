@@ -542,7 +542,7 @@ static void a_picture_that_hangs_holds_up_nobody(void **state)
     int fd = new_memfd();
     send_call(&asker, within(&h, "scene/a.png"), 0, fd);
     const pid_t reader = reader_in(pid_file);
-    assert_told(&h, h.scene, "scene fog.json, image a.png");
+    assert_told(&h, h.scene, "image a.png, scene fog.json");
     json_t *answer = live_call(&h.c, "status", NULL); /* it is no file of the scene */
     assert_true(json_is_null(json_object_get(json_object_get(answer, "result"), "reading")));
     json_decref(answer);
