@@ -69,6 +69,9 @@ gateway_srcs := tests/web/gateway.c tests/web/caller.c
 # connections whose time is over soon
 wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative,--wrap=bind
 
+# time that passes when the test says so
+wrap_test_web_time := -Wl,--wrap=sd_event_add_time_relative,--wrap=sd_event_source_set_time_relative
+
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c
 wrap_test_faults := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_list lf_hid_open)

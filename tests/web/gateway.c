@@ -179,9 +179,15 @@ static json_t *result_of(gateway *g, const char *method, json_t *params, int *ou
                   : json_pack("{s:s}", "method", method);
 }
 
+/* A call without an id gets none. */
 static void send_answer(int connection, json_t *answer)
 {
-    char *text = json_dumps(answer, JSON_COMPACT);
+    char *text = NULL;
+    if (json_is_null(json_object_get(answer, "id"))) {
+        json_decref(answer);
+        return;
+    }
+    text = json_dumps(answer, JSON_COMPACT);
     send_whole(connection, text);
     send_whole(connection, "\n");
     free(text);
