@@ -34,11 +34,12 @@ struct gateway {
     int n_calls;
     bool answers_images;
     lf_gateway_rights rights;
-    int unlimited;       /* calls before rights.limit */
-    int passed[MAX_FDS]; /* that no call has taken yet */
-    int n_passed;
-    int exports[MAX_FDS]; /* descriptors of the last export */
-    int n_exports, n_jobs;
+    int unlimited; /* calls before rights.limit */
+    struct {
+        int fd[MAX_FDS];
+        int n;
+    } passed, exported; /* that no call has taken yet; of the last export */
+    int n_jobs;
     int columns;      /* of its images */
     const char *rest; /* of the line that lf_gateway_flood could not end */
 };
@@ -73,10 +74,10 @@ static void send_whole(int fd, const char *text)
 /* The next descriptor that came; -1: none. The caller closes it. */
 static int take_fd(gateway *g)
 {
-    if (g->n_passed == 0)
+    if (g->passed.n == 0)
         return -1;
-    const int fd = g->passed[0];
-    memmove(g->passed, g->passed + 1, (size_t)--g->n_passed * sizeof(int));
+    const int fd = g->passed.fd[0];
+    memmove(g->passed.fd, g->passed.fd + 1, (size_t)--g->passed.n * sizeof(int));
     return fd;
 }
 
@@ -105,15 +106,15 @@ static json_t *take_files(gateway *g, const char *method, json_t *params)
 static json_t *take_export(gateway *g, json_t *params)
 {
     char text[32];
-    while (g->n_exports > 0)
-        close(g->exports[--g->n_exports]);
+    while (g->exported.n > 0)
+        close(g->exported.fd[--g->exported.n]);
     g->n_jobs++;
     for (json_int_t i = 0; i < json_integer_value(json_object_get(params, "fds")); i++) {
         const int fd = take_fd(g),
                   n = snprintf(text, sizeof text, "job %d file %d", g->n_jobs, (int)i);
         if (fd < 0 || write(fd, text, (size_t)n) != n)
             return json_object();
-        g->exports[g->n_exports++] = fd;
+        g->exported.fd[g->exported.n++] = fd;
     }
     return json_pack("{s:i, s:O, s:O}", "job", g->n_jobs, "file", json_object_get(params, "file"),
                      "params", params);
@@ -246,8 +247,8 @@ static void keep_fds(gateway *g, struct msghdr *message)
     if (!c || c->cmsg_type != SCM_RIGHTS)
         return;
     const size_t n = (c->cmsg_len - CMSG_LEN(0)) / sizeof(int);
-    for (size_t i = 0; i < n && g->n_passed < MAX_FDS; i++)
-        memcpy(&g->passed[g->n_passed++], CMSG_DATA(c) + i * sizeof(int), sizeof(int));
+    for (size_t i = 0; i < n && g->passed.n < MAX_FDS; i++)
+        memcpy(&g->passed.fd[g->passed.n++], CMSG_DATA(c) + i * sizeof(int), sizeof(int));
 }
 
 /* False: the connection is gone. */
@@ -352,7 +353,7 @@ int lf_gateway_unlimited(gateway *g)
 bool lf_gateway_grow_export(gateway *g, int64_t bytes)
 {
     pthread_mutex_lock(&g->lock);
-    const bool grown = g->n_exports > 0 && ftruncate(g->exports[0], bytes) == 0;
+    const bool grown = g->exported.n > 0 && ftruncate(g->exported.fd[0], bytes) == 0;
     pthread_mutex_unlock(&g->lock);
     return grown;
 }
@@ -481,9 +482,9 @@ int lf_gateway_teardown(void **state)
     assert_int_equal(write(g->stop_daemon, &one, sizeof one), sizeof one);
     pthread_join(g->daemon_thread, NULL);
     lf_gateway_hang_up(g);
-    while (g->n_exports > 0)
-        close(g->exports[--g->n_exports]);
-    while (g->n_passed > 0)
+    while (g->exported.n > 0)
+        close(g->exported.fd[--g->exported.n]);
+    while (g->passed.n > 0)
         close(take_fd(g));
     close(g->stop_web);
     close(g->stop_daemon);

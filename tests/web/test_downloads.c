@@ -220,7 +220,7 @@ static void an_export_ends_with_its_client(void **state)
     assert_non_null(strstr(answer, "\"result\""));
 }
 
-/* ----------------------------------------------------------------------------------- images -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 static void a_thumbnail_comes_from_quiltd(void **state)
 {

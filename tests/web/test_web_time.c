@@ -52,7 +52,7 @@ static bool is_open(int fd)
     return recv(fd, &byte, 1, MSG_DONTWAIT | MSG_PEEK) < 0 && errno == EAGAIN;
 }
 
-/* --------------------------------------------------------------------------------- patience -- */
+/* ---------------------------------------------------------------------------------- patience -- */
 
 static void a_connection_has_so_long_for_all(void **state)
 {
@@ -108,7 +108,7 @@ static void a_stopped_patience_is_endless(void **state)
     close_pair(fds);
 }
 
-/* ------------------------------------------------------------------------------- WebSockets -- */
+/* -------------------------------------------------------------------------------- WebSockets -- */
 
 static int n_ended;
 
@@ -272,7 +272,7 @@ static void downloads_have_a_limit_together(void **state)
     lf_downloads_destroy(downloads);
 }
 
-/* ----------------------------------------------------------------------------------- images -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 /* A quiltd that says what the test says: its listening socket, at a path in a folder. */
 static int listen_as_quiltd(const char *folder, char path[108])
@@ -441,7 +441,7 @@ static void a_repeat_waits_for_an_image_on_its_way(void **state)
     lf_test_folder_remove(folder);
 }
 
-/* ------------------------------------------------------------------------------ the gateway -- */
+/* ------------------------------------------------------------------------------- the gateway -- */
 
 static lf_web *begin_web(void)
 {
