@@ -1,6 +1,6 @@
 // The tab Picture: how good the image is, how it is rendered, and its depth.
 
-import { heading, labelled, make, select } from "./dom.js";
+import { fill, heading, labelled, make, select } from "./dom.js";
 import { latest } from "./latest.js";
 import { format } from "./numbers.js";
 import { distanceOf, placed, targetAt } from "./rig.js";
@@ -76,7 +76,7 @@ export class Picture {
   }
 
   #choices(list, words = []) {
-    list.replaceChildren(...select(words.map((word) => [word])).children);
+    fill(list, words.map((word) => [word]));
     list.parentElement.hidden = words.length === 0;
     this.status(this.#status);
   }
