@@ -1,7 +1,7 @@
 // Numbers that are typed and dragged.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { dragged, format, limit, parse, stepOf, tidy } from "../../../web/page/numbers.js";
+import { dragged, format, limit, nudged, parse, stepOf, tidy } from "../../../web/page/numbers.js";
 
 test("numbers are short", () => {
   assert.equal(format(0.1 + 0.2), "0.3");
@@ -35,4 +35,11 @@ test("a drag adds its pixels, in whole steps, and stops at the ends", () => {
   assert.equal(dragged(0.2, 10000, { minimum: 0, maximum: 1 }), 1);
   assert.equal(dragged(45, 30, { integer: true, minimum: 1, maximum: 256 }), 48);
   assert.equal(dragged(12.34, -10, { minimum: -1e9, maximum: 1e9 }), 11.3);
+});
+
+test("an arrow key adds one, a degree or ten steps", () => {
+  assert.equal(nudged(45, -1, { integer: true }), 44);
+  assert.equal(nudged(20, 1, { minimum: 0.1, maximum: 160, unit: "degrees" }), 21);
+  assert.equal(nudged(0.25, 2, { minimum: 0, maximum: 1 }), 0.27);
+  assert.equal(nudged(0.995, 1, { minimum: 0, maximum: 1 }), 1);
 });
