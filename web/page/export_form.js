@@ -81,7 +81,7 @@ export class ExportForm {
 
   #start() {
     const kind = this.kind.value;
-    const params = { kind, file: nameFor(kind, this.#scene.file, this.ending.value), wait: this.wait.value };
+    const params = { kind, file: nameFor(this.#scene.file, this.ending.value), wait: this.wait.value };
     for (const [key, { field, schema, needed }] of this.#fields) {
       const value = valueOf(schema, field.type === "checkbox" ? field.checked : field.value);
       if (needed && value === undefined) return field.focus();

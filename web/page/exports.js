@@ -13,9 +13,6 @@ export const EXPORTS = {
     name: "Colour and depth", about: "an image with its depth next to it", endings: ["png"],
     keys: ["side", "of", "depth_inversion", "near", "far"],
   },
-  wiggle: { name: "Wiggle", about: "a video that swings through the views", endings: ["webm", "mp4", "gif"], keys: [] },
-  pictures: { name: "Views", about: "a PNG file for each view", endings: [""], keys: ["denoise"] },
-  views: { name: "Views for measurements", about: "an EXR file for each view", endings: [""], keys: ["denoise"] },
   print: {
     name: "Print", about: "an image for a lenticular sheet, and its manifest", endings: ["tif"],
     needed: ["lpi", "width", "height"],
@@ -43,9 +40,9 @@ export function parametersOf(kind, parameters) {
 }
 
 /** The name of the file for the call, after the scene. */
-export function nameFor(kind, scene, ending) {
+export function nameFor(scene, ending) {
   const base = (scene ?? "").split("/").pop().replace(/\.\w+$/, "").replace(/[^\w.-]+/g, "_") || "image";
-  return ending ? `${base}.${ending}` : `${base}/`;
+  return `${base}.${ending}`;
 }
 
 /** The value that a text or switch of the form stands for; undefined: left out. */

@@ -2,6 +2,7 @@
 
 import { at, button, heading, make } from "./dom.js";
 import { environmentPatch, kindOf, mainOf, tilesOf } from "./files.js";
+import { freshGroup } from "./scrub.js";
 import { recall, remember } from "./store.js";
 import { Cancelled, nameOf, upload } from "./upload.js";
 import { bytesText } from "./words.js";
@@ -131,8 +132,7 @@ export class Library {
   // Shows a file as planned. passed: {files} of an upload.
   #use({ light, ...how }, file, passed) {
     if (!light) return this.#load({ file, ...how, ...passed });
-    const patch = environmentPatch(this.#scene.document, file);
-    return this.#rpc.call("scene.patch", { patch, ...passed }).then(() => this.#fail(), this.#fail);
+    this.#scene.change(environmentPatch(this.#scene.document, file), freshGroup(), passed);
   }
 
   #load(params) {

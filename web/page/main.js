@@ -45,6 +45,7 @@ async function explain(reason) {
 }
 
 function describe(status) {
+  if (status.is_quilt) return `finished image · ${status.views} ${status.views === 1 ? "view" : "views"}`;
   const words = [status.state];
   if (status.level && status.level !== status.state) words.push(status.level === "none" ? "no image yet" : status.level);
   if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);

@@ -13,7 +13,7 @@ export class Scene extends EventTarget {
   #rpc;
   #fail;
   #history = new History();
-  #queue = []; // {patch, group} that wait
+  #queue = []; // {patch, group, passed} that wait
   #busy = false;
   #edits = 0; // a document that was asked for before an edit is out of date
   #refreshing;
@@ -41,11 +41,14 @@ export class Scene extends EventTarget {
     return this.#history.canRedo;
   }
 
-  /** Changes the scene by a merge patch. Changes of one group are one step of undo. */
-  change(patch, group) {
+  /**
+   * Changes the scene by a merge patch. Changes of one group are one step of undo.
+   * @param passed {files}: uploads that the patch names
+   */
+  change(patch, group, passed) {
     if (!this.document) return;
     this.#history.push({ undo: inverse(this.document, patch), redo: patch, group });
-    this.#apply(patch, group);
+    this.#apply(patch, group, passed);
   }
 
   async undo() {
@@ -97,13 +100,13 @@ export class Scene extends EventTarget {
     this.#tell();
   }
 
-  #apply(patch, group) {
+  #apply(patch, group, passed) {
     if (!patch) return;
     this.#edits++;
     this.document = merge(this.document, patch);
     const last = this.#queue.at(-1);
     if (group !== undefined && last?.group === group) last.patch = patch;
-    else this.#queue.push({ patch, group });
+    else this.#queue.push({ patch, group, passed });
     this.#save();
     this.#tell();
     this.#send();
@@ -113,9 +116,9 @@ export class Scene extends EventTarget {
     if (this.#busy) return;
     this.#busy = true;
     while (this.#queue.length) {
-      const { patch, group } = this.#queue.shift();
+      const { patch, group, passed } = this.#queue.shift();
       try {
-        await this.#rpc.call("scene.patch", { patch });
+        await this.#rpc.call("scene.patch", { patch, ...passed });
         this.#fail();
       } catch (error) {
         this.#queue = [];

@@ -17,9 +17,8 @@ test("only what quiltd knows is offered", () => {
 });
 
 test("the file is named after the scene", () => {
-  assert.equal(nameFor("still", "/srv/scenes/first light.json", "png"), "first_light.png");
-  assert.equal(nameFor("views", "/srv/ball.json", ""), "ball/");
-  assert.equal(nameFor("still", null, "png"), "image.png");
+  assert.equal(nameFor("/srv/scenes/first light.json", "png"), "first_light.png");
+  assert.equal(nameFor(null, "png"), "image.png");
 });
 
 test("texts become values", () => {
