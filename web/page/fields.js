@@ -83,7 +83,7 @@ function choice({ label, words, commit }) {
 function toggle({ label, commit }) {
   const box = make("input", { type: "checkbox", "aria-label": label });
   box.addEventListener("change", () => commit(box.checked, freshGroup()));
-  return { element: box, set: (value) => (box.checked = value) };
+  return { element: make("label", { class: "check" }, box), set: (value) => (box.checked = value) };
 }
 
 // A text, or any other value as JSON.
