@@ -68,7 +68,7 @@ export class Scene extends EventTarget {
       this.#tell();
     }
     clearTimeout(this.#resting);
-    this.#resting = setTimeout(() => this.#rest().catch(this.#fail), CAMERA_REST_MS);
+    this.#resting = setTimeout(() => this.#rest(), CAMERA_REST_MS);
   }
 
   /** Another scene was loaded: nothing of the old one can be undone. */
@@ -81,19 +81,29 @@ export class Scene extends EventTarget {
   refreshSoon() {
     this.#refreshing ??= setTimeout(() => {
       this.#refreshing = undefined;
-      this.refresh().catch(this.#fail);
+      this.refresh();
     }, REFRESH_MS);
   }
 
-  /** Asks the daemon for the scene. */
+  /** Asks the daemon for the scene. @returns whether the answer counts: nothing was changed meanwhile */
   async refresh() {
-    if (this.#busy) return this.refreshSoon();
     const edits = this.#edits;
-    const { scene, file, bounds } = await this.#rpc.call("scene.get").catch((error) => {
-      if (error.code === undefined) throw error;
-      return {}; // nothing is shown, or the scene is too long to send
-    });
-    if (edits !== this.#edits) return this.refreshSoon();
+    const answer = this.#busy ? undefined : await this.#ask();
+    if (this.#busy || edits !== this.#edits) {
+      this.refreshSoon();
+      return false;
+    }
+    if (answer) this.#take(answer);
+    return true;
+  }
+
+  // Undefined if the connection ends: the next one asks again.
+  #ask() {
+    // an error of the daemon: nothing is shown, or the scene is too long to send
+    return this.#rpc.call("scene.get").catch((error) => (error.code === undefined ? undefined : {}));
+  }
+
+  #take({ scene, file, bounds }) {
     if (this.file === undefined) this.#restore(file);
     else if (file !== this.file) this.forget();
     Object.assign(this, { document: scene ?? null, file: file ?? null, bounds: bounds ?? null });
@@ -134,7 +144,8 @@ export class Scene extends EventTarget {
   async #rest() {
     clearTimeout(this.#resting);
     if (this.#camera === undefined) return;
-    await this.refresh();
+    while (!(await this.refresh())) await new Promise((resolve) => setTimeout(resolve, REFRESH_MS));
+    if (this.#camera === undefined) return; // another rest was quicker
     const before = { camera: this.#camera ?? {} }, after = { camera: this.document?.camera ?? {} };
     this.#camera = undefined;
     const redo = difference(before, after);

@@ -26,7 +26,7 @@ export class Slideshow {
     this.element.append(make("section", {}, heading("Slideshow"),
       make("div", { class: "answers" }, this.play, step("Previous", "playlist.previous"), step("Next", "playlist.next")),
       labelled("Start again at the end", this.loop), this.rows, this.empty));
-    this.#acceptDrops();
+    this.accept(this.element);
     rpc.addEventListener("playlist", ({ detail }) => this.#show(detail));
   }
 
@@ -82,6 +82,7 @@ export class Slideshow {
     const move = (text, words, to) => button(text, () => this.#move(i, to, text), {
       class: "quiet", "aria-label": `${words} ${name}`, "data-key": `${text}${i}`, disabled: to < 0 || to >= entries.length });
     const row = make("li", { draggable: "true", "aria-current": playing && i === index ? "true" : undefined },
+      make("span", { class: "grip", title: "Drag to another place" }, String(i + 1)),
       button(name, () => this.#call("playlist.play", { index: i }), { class: "quiet name", title: file, "data-key": `name${i}` }),
       time.element, make("span", { class: "unit" }, "s"), move("Up", "Move up", i - 1), move("Down", "Move down", i + 1),
       button("×", () => this.#set(entries.filter((_, k) => k !== i)), { class: "remove", "aria-label": `Remove ${name}` }));
@@ -107,12 +108,12 @@ export class Slideshow {
     return this.#set(entries);
   }
 
-  // Rows that change their place, and entries of the library.
-  #acceptDrops() {
-    this.element.addEventListener("dragover", (event) => {
+  /** Takes what is dropped on an element: rows that change their place, and entries of the library. */
+  accept(element) {
+    element.addEventListener("dragover", (event) => {
       if (this.#dragged !== undefined || event.dataTransfer.types.includes("application/x-quiltd")) event.preventDefault();
     });
-    this.element.addEventListener("drop", (event) => {
+    element.addEventListener("drop", (event) => {
       const row = event.target.closest("#slides li");
       const to = row ? [...this.rows.children].indexOf(row) : this.#list.entries.length - 1;
       if (this.#dragged !== undefined) this.#move(this.#dragged, to);
