@@ -50,7 +50,8 @@ async function explain(reason) {
 }
 
 function describe(status) {
-  if (status.is_quilt) return `finished image · ${status.views} ${status.views === 1 ? "view" : "views"}`;
+  if (status.is_quilt)
+    return `finished image · ${status.views} ${status.views === 1 ? "view" : "views"}`;
   const level = status.level === "none" ? "no image yet" : status.level;
   const words = status.state === "rendering" ? [level, timeLeft(status)] : [status.state, level];
   if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
@@ -59,7 +60,12 @@ function describe(status) {
 
 class Page {
   constructor() {
-    const context = { rpc, fail: complain, scene: new Scene(rpc, complain), queue: (entry) => this.slideshow.add(entry) };
+    const context = {
+      rpc,
+      fail: complain,
+      scene: new Scene(rpc, complain),
+      queue: (entry) => this.slideshow.add(entry),
+    };
     this.scene = context.scene;
     this.stage = new Stage(context);
     this.picture = new Picture(context);
@@ -82,8 +88,12 @@ class Page {
     const raise = makeSheet(at("side"), at("sheet"));
     const tab = (id, name, part) => ({ id, name, part, panel: part.element });
     const tabs = [
-      tab("picture", "Picture", this.picture), tab("scene", "Scene", this.tree), tab("library", "Library", this.library),
-      tab("slideshow", "Slideshow", this.slideshow), tab("export", "Export", this.exports), tab("health", "Health", this.health),
+      tab("picture", "Picture", this.picture),
+      tab("scene", "Scene", this.tree),
+      tab("library", "Library", this.library),
+      tab("slideshow", "Slideshow", this.slideshow),
+      tab("export", "Export", this.exports),
+      tab("health", "Health", this.health),
     ];
     at("panels").append(...tabs.map(({ panel }) => panel));
     this.showTab = makeTabs(at("tabs"), tabs, (id) => {
@@ -99,7 +109,9 @@ class Page {
       this.scene.cameraMoves();
       rpc.call("camera.fit").then(() => complain(), complain);
     });
-    const pause = latest((params) => rpc.call("render.set", params).then(() => complain(), complain));
+    const pause = latest((params) =>
+      rpc.call("render.set", params).then(() => complain(), complain),
+    );
     at("pause").addEventListener("click", ({ currentTarget }) => {
       const paused = currentTarget.getAttribute("aria-pressed") !== "true";
       currentTarget.setAttribute("aria-pressed", String(paused));
@@ -125,7 +137,8 @@ class Page {
 
   #follow() {
     rpc.addEventListener("frame", ({ detail }) =>
-      notify("card", detail.card && `The panel shows a card: ${detail.card}`));
+      notify("card", detail.card && `The panel shows a card: ${detail.card}`),
+    );
     rpc.addEventListener("open", () => this.#open().catch(complain));
     rpc.addEventListener("close", async ({ detail }) => {
       for (const control of [this.stage.slider, at("fit"), at("pause")]) control.disabled = true;
@@ -165,7 +178,11 @@ class Page {
   }
 
   async #followStatus() {
-    if (!document.hidden) await rpc.call("status").then((status) => this.#status(status), () => {});
+    if (!document.hidden)
+      await rpc.call("status").then(
+        (status) => this.#status(status),
+        () => {},
+      );
     setTimeout(() => this.#followStatus(), STATUS_MS);
   }
 
@@ -182,4 +199,6 @@ class Page {
 
 // Another token was pasted into the address bar.
 addEventListener("hashchange", () => location.reload());
-exchangeToken().then(() => new Page()).catch(complain);
+exchangeToken()
+  .then(() => new Page())
+  .catch(complain);

@@ -100,7 +100,9 @@ export class Scene extends EventTarget {
   // Undefined if the connection ends: the next one asks again.
   #ask() {
     // an error of the daemon: nothing is shown, or the scene is too long to send
-    return this.#rpc.call("scene.get").catch((error) => (error.code === undefined ? undefined : {}));
+    return this.#rpc
+      .call("scene.get")
+      .catch((error) => (error.code === undefined ? undefined : {}));
   }
 
   #take({ scene, file, bounds }) {
@@ -146,7 +148,8 @@ export class Scene extends EventTarget {
     if (this.#camera === undefined) return;
     while (!(await this.refresh())) await new Promise((resolve) => setTimeout(resolve, REFRESH_MS));
     if (this.#camera === undefined) return; // another rest was quicker
-    const before = { camera: this.#camera ?? {} }, after = { camera: this.document?.camera ?? {} };
+    const before = { camera: this.#camera ?? {} },
+      after = { camera: this.document?.camera ?? {} };
     this.#camera = undefined;
     const redo = difference(before, after);
     if (Object.keys(redo).length) this.#history.push({ undo: difference(after, before), redo });
