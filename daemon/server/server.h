@@ -16,6 +16,8 @@ typedef struct lf_server_config {
     const char *allow[LF_MAX_ROOTS];
     int n_allow;
     bool watch;
+    bool web;       /* start quiltweb (daemon/parts/web_child.h) */
+    int web_port;   /* 0: any free one */
     double run_for; /* seconds; 0 = until stopped */
     lf_button_actions buttons;
     lf_options options;
