@@ -9,8 +9,6 @@
 
 #include "base/status.h"
 
-#define LF_WEB_CHILD_PORT 8033 /* default */
-
 typedef struct lf_web_child lf_web_child;
 
 /* Starts quiltweb for the quiltd at the path `socket`; port 0: any free one. SIGCHLD must be

@@ -6,6 +6,8 @@
 #include "daemon/output/options.h"
 #include "daemon/server/button_actions.h"
 
+#define LF_SERVER_WEB_PORT 8033 /* default of --web */
+
 typedef struct lf_server_config {
     const char *scene;       /* as on the command line; NULL = none */
     const char *socket;      /* --socket; NULL = the default */

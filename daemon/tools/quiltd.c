@@ -6,7 +6,6 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/output/output.h"
-#include "daemon/parts/web_child.h"
 #include "daemon/server/server.h"
 #include "device/device.h"
 
@@ -66,8 +65,7 @@ static void print_help(void)
            "  --buttons LIST         actions of the panel's buttons: none, next, previous, pause "
            "or reset\n"
            "                         (square=pause,left=previous,right=next,circle=reset)\n"
-           "  --web[=PORT]           also start quiltweb, which prints the URL of a page for a "
-           "browser\n"
+           "  --web[=PORT]           also start quiltweb and print the URL of its page\n"
            "                         (8033; 0: any free port)\n"
            "  --watch                reload the scene when its file or an included file changes\n"
            "  --run-for SECONDS      exit after SECONDS\n" LF_OPTIONS_HELP_LAST
@@ -140,7 +138,7 @@ static lf_status check_tiles(const lf_options *options, lf_error *err)
 
 int main(int argc, char *argv[])
 {
-    lf_server_config config = {.device = "auto", .web_port = LF_WEB_CHILD_PORT};
+    lf_server_config config = {.device = "auto", .web_port = LF_SERVER_WEB_PORT};
     const lf_options_part parts[] = {{lf_option_params, shared, &config.options},
                                      {lf_response_params, NULL, &config.response},
                                      {lf_alone_params, NULL, &config.options.alone},
