@@ -61,7 +61,7 @@ static void print_help(void)
            "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one; may be\n"
            "                         given for both (" V4 " and " V6 ")\n"
            "  --url-file FILE        write the URL into this file instead of printing it\n"
-           "  --until-input-ends     exit when standard input is closed; quiltd --web uses this\n"
+           "  --until-input-ends     exit when standard input is closed\n"
            "  --upload-limit MIB     memory of all uploads together, 1 to " TEXT(
                MAX_UPLOAD_MIB) "\n"
                                "                         (" TEXT(
@@ -192,7 +192,6 @@ static lf_status run(const arguments *a, lf_error *err)
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
     }
     status = lf_web_create(event, &config, &web, err);
-    status = lf_web_create(event, fd, find_socket(a->socket, path, sizeof path), &web, err);
     if (status == LF_OK && a->until_input_ends)
         status = watch_input(event, err);
     if (status == LF_OK)
