@@ -66,12 +66,13 @@ static lf_status start(lf_web_child *child, const char *path, const char *const 
 lf_status lf_web_child_create(sd_event *event, const char *socket, int port, lf_web_child **out,
                               lf_error *err)
 {
-    char path[PATH_MAX], address[32];
+    char path[PATH_MAX], v4[32], v6[32];
     int ends[2];
     lf_web_child *child = NULL;
-    snprintf(address, sizeof address, "127.0.0.1:%d", port);
-    const char *const words[] = {
-        PROGRAM, "--until-input-ends", "--socket", socket, "--listen", address, NULL};
+    snprintf(v4, sizeof v4, "127.0.0.1:%d", port);
+    snprintf(v6, sizeof v6, "[::1]:%d", port);
+    const char *const words[] = {PROGRAM, "--until-input-ends", "--socket", socket, "--listen",
+                                 v4,      "--listen",           v6,         NULL};
     lf_status status = lf_find_program(PROGRAM, NULL, path, err);
     if (status != LF_OK)
         return status;

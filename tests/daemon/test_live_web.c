@@ -21,6 +21,13 @@ static int lines_with(const live *l, const char *text, char line[1024])
     return n;
 }
 
+/* Lines about quiltweb, without the one of machines that lack IPv6. */
+static int words_about_it(const live *l)
+{
+    char line[1024];
+    return lines_with(l, "quiltweb", line) - lines_with(l, "quiltweb: [::1]:", line);
+}
+
 /* Waits until a line of the log holds this text. */
 static void await_line(const live *l, const char *text, char line[1024])
 {
@@ -128,7 +135,7 @@ static void the_page_is_that_of_this_daemon_and_ends_with_it(void **state)
     assert_int_equal(live_stop(&l), 0);
     assert_int_equal(connect_to(p.port), -1); /* quiltd has waited for it */
     assert_int_equal(lines_with(&l, "http://", line), 1);
-    assert_int_equal(lines_with(&l, "quiltweb", line), 0); /* an end with quiltd needs no words */
+    assert_int_equal(words_about_it(&l), 0); /* an end with quiltd needs no words */
     live_finish(&l);
 }
 
@@ -189,7 +196,7 @@ static void its_own_end_is_told_once_and_the_daemon_goes_on(void **state)
             assert_int_equal(child_named(&l, "quilt"), 0);
         }
         live_close(&c);
-        assert_int_equal(lines_with(&l, "quiltweb", line), 1);
+        assert_int_equal(words_about_it(&l), 1);
         assert_int_equal(lines_with(&l, "http://", line), 1);
         live_finish(&l);
     }
@@ -216,7 +223,7 @@ static void a_failed_start_is_one_line_and_the_daemon_goes_on(void **state)
     live_connect(&l, &c);
     assert_string_equal(live_status_text(&c, "state"), "idle");
     live_close(&c);
-    assert_int_equal(lines_with(&l, "quiltweb", line), 1);
+    assert_int_equal(words_about_it(&l), 1);
     close(taken);
     live_finish(&l);
 }
@@ -253,7 +260,7 @@ static void a_missing_program_is_one_line_and_the_daemon_goes_on(void **state)
     live_connect(&l, &c);
     assert_string_equal(live_status_text(&c, "state"), "idle");
     live_close(&c);
-    assert_int_equal(lines_with(&l, "quiltweb", line), 1);
+    assert_int_equal(words_about_it(&l), 1);
     live_finish(&l);
 }
 

@@ -21,6 +21,7 @@
 #include <jansson.h>
 
 #include "base/log.h"
+#include "daemon/web/listen.h"
 #include "daemon/web/web.h"
 
 /* Steps of the event loop that one input may take. Without a bound, a loop that never rests would
@@ -91,8 +92,10 @@ static inline void fuzz_begin_web(fuzz_gateway *g, const char *socket)
 {
     lf_error err = {0};
     int fd = -1;
+    const lf_web_config config = {
+        .listen_fds = &fd, .n_listen_fds = 1, .socket = socket, .upload_limit = 1 << 20};
     lf_fuzz_require(lf_web_listen("127.0.0.1:0", &fd, &err) == LF_OK);
-    lf_fuzz_require(lf_web_create(g->event, fd, socket, &g->web, &err) == LF_OK);
+    lf_fuzz_require(lf_web_create(g->event, &config, &g->web, &err) == LF_OK);
 }
 
 /* The gateway, which stays for all inputs. */
