@@ -1,5 +1,5 @@
 # What tests of a folder share, a library each.
-test_libraries := stat optics kms spoiled pictures faulty meshes scene_files tables gateway
+test_libraries := stat optics kms spoiled pictures faulty meshes scene_files tables gateway wire
 # What a module's tests link: its own library and base; the tests of other folders link everything.
 test_libs_base := pictures base
 test_libs_quilt := optics pictures quilt base
@@ -21,6 +21,10 @@ fuzz_libs_icc := quilt base
 fuzz_libs_mesh := meshes render base
 fuzz_libs_gltf := meshes render base
 fuzz_libs_instances := meshes render base
+fuzz_libs_http := web wire base
+fuzz_libs_gateway := web wire base
+fuzz_libs_ws := web base
+$(foreach t,http gateway ws,$(eval wrap_fuzz_$(t) = $$(dep_web_libs)))
 # a reader of the target's own
 wrap_fuzz_parcel := -Wl,--wrap=lf_import_run
 
@@ -62,6 +66,9 @@ kms_srcs := tests/device/fake_kms.c
 tables_srcs := $(call wild,tests/docs/tables*.c)
 $(O)/tests/docs/make_tables: $(patsubst %,$(O)/%,tests/docs/make_tables.c.o $(patsubst %,lib%.a,tables $(libraries)))
 	$(call link,)
+
+# what the gateway calls of the server
+wire_srcs := $(call wild,daemon/wire/*.c)
 
 # a gateway with a quiltd that does not exist
 gateway_srcs := tests/web/gateway.c tests/web/caller.c

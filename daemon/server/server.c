@@ -42,6 +42,7 @@ static void destroy(lf_server *server)
     lf_parser_destroy(server->parser);
     lf_clients_destroy(server->clients);
     lf_unlisten(&server->listener);
+    lf_web_child_destroy(server->life.web);
     lf_show_destroy(server->show);
     lf_watch_destroy(server->watch);
     lf_presses_destroy(server->presses);
@@ -219,7 +220,7 @@ static lf_status open_socket(lf_server *server, lf_error *err)
     if (status == LF_OK) {
         lf_clients_on_gone(server->clients, on_client_gone);
         lf_log(LF_LOG_INFO, "listening on %s",
-               server->listener.path ? server->listener.path : "the socket from systemd");
+               server->listener.lock_fd >= 0 ? server->listener.path : "the socket from systemd");
     }
     return status;
 }
@@ -254,6 +255,7 @@ static void prepare_process(void)
     sigaddset(&ours, SIGTERM);
     sigaddset(&ours, SIGINT);
     sigaddset(&ours, SIGHUP);
+    sigaddset(&ours, SIGCHLD); /* quiltweb's end */
     pthread_sigmask(SIG_BLOCK, &ours, NULL);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); /* writing too large a file is an error of write */
@@ -288,6 +290,7 @@ int lf_server_run(const lf_server_config *config)
     status = status == LF_OK ? open_first(server, &err) : status;
     int code = LF_EXIT_FAILED;
     if (status == LF_OK) {
+        lf_server_start_web(server);
         code = lf_turns_run(server->event, &server->life.longest_turn);
         code = code < 0 ? LF_EXIT_FAILED : code;
         server->life.exit_code = code;

@@ -83,6 +83,7 @@ static void begin_way_down(lf_server *server)
     sd_notify(0, "STOPPING=1");
     lf_clients_close_listener(server->clients);
     lf_unlisten(&server->listener);
+    lf_web_child_stop(server->life.web);
     lf_play_stop(server->play);
     lf_playlist_stop(server->gallery.playlist);
     lf_saver_stop(server->saver);
@@ -150,5 +151,6 @@ void lf_server_finish(lf_server *server)
         lf_loader_pending(server->loader) == 0)
         return;
     lf_engine_abandon(server->engine);
+    lf_web_child_destroy(server->life.web);
     _exit(server->life.exit_code);
 }

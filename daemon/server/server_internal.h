@@ -11,7 +11,7 @@
  *   server_status.c   the daemon's state in words.
  *   server_log.c      the last lines of the log, and new ones as notifications.
  *   server_signals.c  signals, timers.
- *   server_parts.c    playback, saving, watching, waits, loading (daemon/parts).
+ *   server_parts.c    playback, saving, watching, waits, loading, quiltweb (daemon/parts).
  *   server_export.c   exports (daemon/parts/jobs.h): parameters and notifications.
  *   server_preview.c  frame.get (daemon/parts/previews.h).
  *   server_playlist.c the slideshow (daemon/parts/play_list.h): its methods, loads, notification.
@@ -37,6 +37,7 @@
 #include "daemon/parts/saver.h"
 #include "daemon/parts/waits.h"
 #include "daemon/parts/watch.h"
+#include "daemon/parts/web_child.h"
 #include "daemon/server/server.h"
 #include "daemon/show/show.h"
 #include "daemon/threads/errands.h"
@@ -96,6 +97,7 @@ typedef struct lf_life {
     int reloads;     /* reloads by systemd that have not ended */
     lf_card card;
     lf_log_watch log;
+    lf_web_child *web;   /* NULL without --web */
     lf_load_words words; /* parameters of the shown file, for reading it again */
     lf_task *held;       /* loads that arrived before the scene of the command line */
     /* CPU seconds of the longest turn of the event loop (turns.h) */
@@ -219,6 +221,8 @@ LF_NODISCARD lf_status lf_server_make_saver(lf_server *server, lf_error *err);
 LF_NODISCARD lf_status lf_server_make_play(lf_server *server);
 /* --watch. LF_E_IO, LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_server_make_watch(lf_server *server, lf_error *err);
+/* --web: starts quiltweb. If that fails, the log has the reason, and quiltd goes on without it. */
+void lf_server_start_web(lf_server *server);
 /* LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_server_make_waits(lf_server *server);
 /* LF_E_NOMEM. */
