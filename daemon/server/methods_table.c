@@ -82,8 +82,8 @@ static const lf_method methods[] = {
     {"quilt.show", "show a quilt that comes by a passed descriptor, as raw pixels or an image file",
      "quilt.show photo.png columns=8 rows=6",
      OBJECT_WITH("\"columns\",\"rows\"",
-         KEY("columns", INTEGER("count") RANGE("1", "64"), "columns of tiles; they divide the width")
-         ","
+         KEY("columns", INTEGER("count") RANGE("1", "64"),
+             "columns of tiles; they divide the width") ","
          KEY("rows", INTEGER("count") RANGE("1", "64"), "rows of tiles; they divide the height") ","
          KEY("views", INTEGER("count") RANGE("1", "4096"), "number of views (columns x rows)") ","
          KEY("aspect", NUMBER("width / height") RANGE("0.01", "100"), "aspect of a view (a tile's)")
