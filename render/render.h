@@ -452,9 +452,9 @@ const lf_layer_entry *lf_layer_at(int index);
  * order of the table. */
 int lf_layer_channels(unsigned layers, const char *out_names[LF_MAX_LAYER_CHANNELS]);
 /* Computes these layers into out [row][view][column][channels], on the pool. A row without visits
- * has the depth and coverage of the nearest visited row, and 0 for variance and samples. A film
- * without any visit gives 0. LF_E_STATE: depth of a film without features. LF_E_CANCELLED. Thread
- * and time as lf_renderer_resolve. */
+ * has the depth and coverage of the nearest visited row, and 0 for variance and samples. So has a
+ * pixel of which a provisional row knows nothing. A film without any visit gives 0. LF_E_STATE:
+ * depth of a film without features. LF_E_CANCELLED. Thread and time as lf_renderer_resolve. */
 LF_NODISCARD lf_status lf_renderer_layers(const lf_renderer *renderer, lf_estimator estimator,
                                           unsigned layers, float *out, const lf_cancel *cancel);
 /* One row [view][column][channels]. Thread as lf_renderer_resolve_row. Layers that cost as much as
