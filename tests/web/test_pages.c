@@ -3,7 +3,7 @@
 
 #include "daemon/web/pages.h"
 
-enum { MOST_BYTES = 60000 };
+enum { MOST_BYTES = 200000 };
 
 static const char *text_of(const lf_page *page)
 {

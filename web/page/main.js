@@ -1,11 +1,22 @@
-import { Camera, listenToKeys, listenToPointers } from "./camera.js";
+// Connects the parts of the page.
+
+import { at } from "./dom.js";
+import { ExportForm } from "./export_form.js";
+import { Health } from "./health.js";
+import { latest } from "./latest.js";
+import { Library } from "./library.js";
+import { Picture } from "./picture.js";
 import { Rpc } from "./rpc.js";
-import { QuiltView } from "./view.js";
+import { Scene } from "./scene.js";
+import { SceneTab } from "./scene_tab.js";
+import { Slideshow } from "./slideshow.js";
+import { acceptFiles, makeSheet, Stage } from "./stage.js";
+import { makeTabs } from "./tabs.js";
+import { filesOf } from "./upload.js";
+import { timeLeft } from "./words.js";
 
 const STATUS_MS = 1000;
-const at = (id) => document.getElementById(id);
-const canvas = at("preview"), slider = at("view"), notice = at("notice");
-const buttons = [at("fit"), at("pause")];
+const notice = at("notice");
 const rpc = new Rpc();
 
 // The token of the URL becomes a cookie, and leaves the address bar.
@@ -17,103 +28,150 @@ async function exchangeToken() {
   if (answer.ok) history.replaceState(null, "", location.pathname);
 }
 
+// Shows what is wrong; without an error, nothing is.
 function complain(error) {
   notice.textContent = error?.message ?? "";
 }
 
 // Why there is no connection.
 async function explain(reason) {
-  for (const control of [slider, ...buttons]) control.disabled = true;
-  at("progress").textContent = "";
   const answer = await fetch("/api/status").catch(() => undefined);
   const words = {
     401: "This page has no token. Open the URL that quiltweb printed when it started.",
     503: `quiltd does not answer${reason ? ` (${reason})` : ""}. This page connects as soon as it does.`,
   };
-  if (!answer) notice.textContent = "quiltweb has ended. This page connects when it runs again.";
-  else notice.textContent = words[answer.status] ?? "";
-}
-
-function number(value) {
-  return value == null ? "unknown" : value.toPrecision(2);
+  if (!answer) return "quiltweb has ended. This page connects when it runs again.";
+  return words[answer.status] ?? "";
 }
 
 function describe(status) {
   const words = [status.state];
   if (status.level) words.push(status.level === "none" ? "no image yet" : status.level);
   if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
-  if (status.error_estimate !== undefined)
-    words.push(
-      `error ${number(status.error_estimate)}, denoised ${number(status.denoised_error)}` +
-        ` (target ${number(status.target_error)})`,
-    );
+  if (status.state === "rendering") words.push(timeLeft(status));
   return words.join(" · ");
 }
 
-function applyStatus(status, view) {
-  at("progress").textContent = describe(status);
-  at("scene").textContent = status.scene?.split("/").pop() ?? "";
-  at("pause").setAttribute("aria-pressed", String(Boolean(status.paused)));
-  view.aspect = status.aspect;
-  for (const button of buttons) button.disabled = !status.scene || status.is_quilt;
-  if (status.error) notice.textContent = status.error.message;
-}
+class Page {
+  constructor() {
+    const context = { rpc, fail: complain, scene: new Scene(rpc, complain), queue: (entry) => this.slideshow.add(entry) };
+    this.scene = context.scene;
+    this.stage = new Stage(context);
+    this.picture = new Picture(context);
+    this.library = new Library(context);
+    this.slideshow = new Slideshow(context);
+    this.exports = new ExportForm(context);
+    this.health = new Health(context);
+    this.tree = new SceneTab(context);
+    this.#makeTabs();
+    this.#makeButtons();
+    acceptFiles(async (transfer) => {
+      const files = await filesOf(transfer);
+      this.showTab("library");
+      this.library.take(files);
+    });
+    this.#follow();
+  }
 
-async function followStatus(view) {
-  if (!document.hidden)
-    await rpc.call("status").then((status) => applyStatus(status, view), () => {});
-  setTimeout(() => followStatus(view), STATUS_MS);
-}
+  #makeTabs() {
+    const raise = makeSheet(at("side"), at("sheet"));
+    const tab = (id, name, part) => ({ id, name, part, panel: part.element });
+    const tabs = [
+      tab("picture", "Picture", this.picture), tab("scene", "Scene", this.tree), tab("library", "Library", this.library),
+      tab("slideshow", "Slideshow", this.slideshow), tab("export", "Export", this.exports), tab("health", "Health", this.health),
+    ];
+    at("panels").append(...tabs.map(({ panel }) => panel));
+    this.showTab = makeTabs(at("tabs"), tabs, (id) => {
+      this.tab = id;
+      tabs.find((one) => one.id === id).part.shown?.();
+    });
+    at("tabs").addEventListener("click", raise);
+  }
 
-function followImages(view, turnTo) {
-  rpc.addEventListener("image", async ({ detail }) => {
-    try {
-      const header = await view.show(detail);
-      canvas.dataset.generation = header.generation;
-      at("empty").hidden = true;
-      slider.disabled = header.views < 2;
-      turnTo(view.position);
-    } catch (error) {
-      complain(error);
-    } finally {
-      rpc.notify("preview.ack");
-    }
-  });
-  rpc.addEventListener("frame", ({ detail }) => {
-    if (detail.card) complain({ message: `The panel shows a card: ${detail.card}` });
-    else complain();
-  });
-}
+  #makeButtons() {
+    at("fit").addEventListener("click", () => {
+      this.scene.cameraMoves();
+      rpc.call("camera.fit").then(() => complain(), complain);
+    });
+    const pause = latest((params) => rpc.call("render.set", params).then(() => complain(), complain));
+    at("pause").addEventListener("click", ({ currentTarget }) => {
+      const paused = currentTarget.getAttribute("aria-pressed") !== "true";
+      currentTarget.setAttribute("aria-pressed", String(paused));
+      pause({ paused });
+    });
+    at("undo").addEventListener("click", () => this.scene.undo().catch(complain));
+    at("redo").addEventListener("click", () => this.scene.redo());
+    this.scene.addEventListener("change", () => {
+      at("undo").disabled = !this.scene.canUndo;
+      at("redo").disabled = !this.scene.canRedo;
+    });
+    addEventListener("keydown", (event) => this.#undoByKey(event));
+  }
 
-function start() {
-  const view = new QuiltView(canvas);
-  const camera = new Camera(rpc, canvas, complain);
-  const turnTo = (position) => {
-    view.position = position;
-    slider.value = view.position;
-    const last = Math.max(view.views - 1, 0);
-    const shown = Math.round(Math.min(Math.max(view.position * view.views - 0.5, 0), last));
-    at("view-number").textContent = view.views ? `${shown + 1} of ${view.views}` : "";
-  };
-  slider.addEventListener("input", () => turnTo(Number(slider.value)));
-  listenToPointers(canvas, camera, turnTo);
-  listenToKeys(canvas, camera, (step) => turnTo(view.position + step / Math.max(view.views, 1)));
-  at("fit").addEventListener("click", () => rpc.call("camera.fit").then(() => complain(), complain));
-  at("pause").addEventListener("click", ({ currentTarget }) => {
-    const paused = currentTarget.getAttribute("aria-pressed") !== "true";
-    currentTarget.setAttribute("aria-pressed", String(paused));
-    rpc.call("render.set", { paused }).then(() => complain(), complain);
-  });
-  followImages(view, turnTo);
-  rpc.addEventListener("open", () => {
+  // A text that is being typed has an undo of its own.
+  #undoByKey(event) {
+    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    if (event.target.matches?.("input.text")) return;
+    event.preventDefault();
+    if (event.shiftKey) this.scene.redo();
+    else this.scene.undo().catch(complain);
+  }
+
+  #follow() {
+    rpc.addEventListener("frame", ({ detail }) =>
+      complain(detail.card ? { message: `The panel shows a card: ${detail.card}` } : undefined));
+    rpc.addEventListener("open", () => this.#open().catch(complain));
+    rpc.addEventListener("close", async ({ detail }) => {
+      for (const control of [this.stage.slider, at("fit"), at("pause")]) control.disabled = true;
+      at("progress").textContent = "";
+      const words = await explain(detail);
+      complain({ message: words });
+      this.health.connected(false, words);
+    });
+    this.#followStatus();
+    rpc.connect();
+  }
+
+  async #open() {
     complain();
-    rpc.call("preview.start").catch(complain);
-  });
-  rpc.addEventListener("close", ({ detail }) => explain(detail));
-  rpc.connect();
-  followStatus(view);
+    this.health.connected(true);
+    this.stage.connected();
+    const hello = await rpc.call("hello");
+    const wanted = ["frame", "scene", "device", "export", "log", "playlist"];
+    const known = Object.values(hello.events).map(({ event }) => event);
+    await rpc.call("subscribe", { events: wanted.filter((event) => known.includes(event)) });
+    this.picture.hello(hello);
+    this.library.hello(hello);
+    this.health.hello(hello);
+    this.#offer("export", this.exports.hello(hello));
+    this.#offer("slideshow", this.slideshow.hello(hello));
+    this.#offer("scene", await this.tree.hello());
+    if (this.tab === "library") this.library.shown();
+    if (this.tab === "health") this.health.shown();
+  }
+
+  // Hides a tab that this quiltd has nothing for.
+  #offer(id, yes) {
+    at(`tab-${id}`).hidden = !yes;
+    if (!yes && this.tab === id) this.showTab("picture");
+  }
+
+  async #followStatus() {
+    if (!document.hidden) await rpc.call("status").then((status) => this.#status(status), () => {});
+    setTimeout(() => this.#followStatus(), STATUS_MS);
+  }
+
+  #status(status) {
+    at("progress").textContent = describe(status);
+    at("scene").textContent = status.scene?.split("/").pop() ?? "";
+    at("scene").title = status.scene ?? "";
+    at("pause").setAttribute("aria-pressed", String(Boolean(status.paused)));
+    for (const id of ["fit", "pause"]) at(id).disabled = !status.scene || status.is_quilt;
+    if (status.error) complain(status.error);
+    for (const part of [this.stage, this.picture, this.health]) part.status(status);
+  }
 }
 
 // Another token was pasted into the address bar.
 addEventListener("hashchange", () => location.reload());
-exchangeToken().then(start).catch(complain);
+exchangeToken().then(() => new Page()).catch(complain);

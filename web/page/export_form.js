@@ -1,0 +1,120 @@
+// The tab Export: what to write, its options, and the jobs with their downloads.
+
+import { button, heading, labelled, make, select } from "./dom.js";
+import { EXPORTS, kindsOf, nameFor, parametersOf, valueOf } from "./exports.js";
+import { recall, remember } from "./store.js";
+import { bytesText } from "./words.js";
+
+// A field for a parameter of the schema; a default stands in it as a placeholder.
+function fieldFor(key, schema) {
+  const id = `export-${key}`;
+  if (schema.type === "boolean") return make("input", { type: "checkbox", id, checked: Boolean(schema.default) });
+  if (schema.enum) {
+    const list = select(schema.enum.map((word) => [word]), { id });
+    list.value = schema.default ?? schema.enum[0];
+    return list;
+  }
+  const usual = schema.default ?? /\(([^()]*)\)$/.exec(schema.description)?.[1] ?? "";
+  return make("input", { type: "text", class: "text", id, placeholder: String(usual), autocomplete: "off" });
+}
+
+export class ExportForm {
+  #rpc;
+  #fail;
+  #scene;
+  #parameters = {};
+  #fields = new Map();
+  #jobs = new Map(); // number: {element, bar, text, cancel}
+  element = make("div");
+
+  constructor({ rpc, scene, fail }) {
+    this.#rpc = rpc;
+    this.#fail = fail;
+    this.#scene = scene;
+    this.kind = select([], { id: "export-kind" });
+    this.kind.addEventListener("change", () => this.#showKind());
+    this.about = make("p", { class: "hint" });
+    this.ending = select([], { id: "export-ending" });
+    this.wait = select([["coarse", "now"], ["complete", "when complete"], ["converged", "at the error to reach"]], { id: "export-wait" });
+    this.options = make("div", { class: "options" });
+    this.start = button("Export", () => this.#start(), { id: "export-start", class: "main" });
+    this.jobs = make("ul", { id: "jobs", class: "jobs" });
+    this.element.append(
+      make("section", {}, heading("What"), labelled("Kind", this.kind), this.about,
+        labelled("File type", this.ending), labelled("Write", this.wait), this.options, this.start),
+      make("section", {}, heading("Jobs"), this.jobs));
+    rpc.addEventListener("export", ({ detail }) => this.#follow(detail));
+    rpc.addEventListener("download", ({ detail }) => this.#download(detail));
+  }
+
+  /** Whether quiltd and quiltweb offer exports. */
+  hello({ methods }) {
+    this.#parameters = methods.export?.params.properties ?? {};
+    const kinds = kindsOf(this.#parameters);
+    this.kind.replaceChildren(...select(kinds.map((kind) => [kind, EXPORTS[kind].name])).children);
+    const kept = recall("export");
+    if (kinds.includes(kept)) this.kind.value = kept;
+    if (kinds.length) this.#showKind();
+    return kinds.length > 0;
+  }
+
+  #showKind() {
+    const kind = this.kind.value, { about, endings } = EXPORTS[kind];
+    remember("export", kind);
+    this.about.textContent = about;
+    this.ending.replaceChildren(...select(endings.map((one) => [one])).children);
+    this.ending.parentElement.hidden = endings.length < 2;
+    this.#fields.clear();
+    const lines = parametersOf(kind, this.#parameters).map(([key, schema, needed]) => {
+      const field = fieldFor(key, schema);
+      this.#fields.set(key, { field, schema, needed });
+      const line = labelled(key.replaceAll("_", " "), field, make("span", { class: "unit" }, schema.unit ?? ""));
+      line.title = schema.description;
+      if (needed) field.required = true;
+      return line;
+    });
+    this.options.replaceChildren(...lines);
+  }
+
+  #start() {
+    const kind = this.kind.value;
+    const params = { kind, file: nameFor(kind, this.#scene.file, this.ending.value), wait: this.wait.value };
+    for (const [key, { field, schema, needed }] of this.#fields) {
+      const value = valueOf(schema, field.type === "checkbox" ? field.checked : field.value);
+      if (needed && value === undefined) return field.focus();
+      if (value !== undefined && value !== schema.default) params[key] = value;
+    }
+    this.#rpc.call("export", params).then(({ job, file }) => {
+      this.#job(job, file);
+      this.#fail();
+    }, this.#fail);
+  }
+
+  #job(job, file = "") {
+    if (!this.#jobs.has(job)) {
+      const bar = make("progress", { max: "1", value: "0", "aria-label": `Progress of ${file}` });
+      const text = make("span", { class: "note" });
+      const cancel = button("Cancel", () => this.#rpc.call("job.cancel", { job }).catch(this.#fail));
+      const element = make("li", { "data-job": job }, make("span", { class: "name" }, file.split("/").filter(Boolean).pop()), bar, text, cancel);
+      this.#jobs.set(job, { element, bar, text, cancel });
+      this.jobs.prepend(element);
+    }
+    return this.#jobs.get(job);
+  }
+
+  #follow({ job, file, state, progress, error }) {
+    const { bar, text, cancel } = this.#job(job, file);
+    bar.value = progress ?? 0;
+    text.textContent = state === "failed" ? (error?.message ?? "failed") : state;
+    cancel.hidden = bar.hidden = state !== "running" && state !== "waiting";
+  }
+
+  // The links stay; the first file of a job is fetched at once.
+  #download({ job, files }) {
+    const { element } = this.#job(job, files[0]?.name);
+    const links = files.map(({ name, bytes, path }) =>
+      make("a", { href: path, download: name.split("/").pop() }, `Save ${name} (${bytesText(bytes)})`));
+    element.append(...links);
+    if (links.length <= 2) links.forEach((link) => link.click());
+  }
+}

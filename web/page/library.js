@@ -1,0 +1,178 @@
+// The tab Library: folders that quiltd may read, and files of this computer.
+
+import { at, button, heading, make } from "./dom.js";
+import { environmentPatch, kindOf, mainOf, tilesOf } from "./files.js";
+import { recall, remember } from "./store.js";
+import { Cancelled, nameOf, upload } from "./upload.js";
+import { bytesText } from "./words.js";
+
+const WITH_THUMBNAIL = ["quilt", "image"];
+const KIND_WORDS = { folder: "folder", scene: "scene", model: "model", volume: "volume", environment: "light", quilt: "quilt", image: "photo" };
+
+export class Library {
+  #rpc;
+  #scene;
+  #fail;
+  #queue; // called with an entry: puts it into the slideshow
+  #folder = recall("folder", undefined);
+  #known = false; // quiltd has library.list
+  element = make("div");
+
+  constructor({ rpc, scene, fail, queue }) {
+    this.#rpc = rpc;
+    this.#scene = scene;
+    this.#fail = fail;
+    this.#queue = queue;
+    this.path = make("nav", { class: "path", "aria-label": "Folder" });
+    this.list = make("ul", { id: "entries", class: "entries" });
+    this.task = make("div", { id: "task", class: "task" });
+    this.picker = make("input", { type: "file", id: "files", multiple: true, class: "unseen", "aria-label": "Files to show" });
+    this.picker.addEventListener("change", () => this.take([...this.picker.files]));
+    this.element.append(
+      make("section", {}, heading("From this computer"),
+        make("p", { class: "hint" }, "Drop models, volumes, light, quilts or photos onto the page, with the files that belong to them."),
+        make("label", { class: "file", for: "files" }, "Choose files"), this.picker, this.task),
+      make("section", { id: "folders" }, heading("Folders of quiltd"), this.path, this.list),
+    );
+  }
+
+  hello({ methods, folders }) {
+    this.#known = Boolean(methods["library.list"]);
+    this.slideshow = Boolean(methods["playlist.set"]);
+    at("folders").hidden = !this.#known || folders?.[0] === "/dev/null";
+  }
+
+  shown() {
+    if (this.#known) this.#open(this.#folder);
+  }
+
+  async #open(folder) {
+    try {
+      this.#show(await this.#rpc.call("library.list", folder === undefined ? {} : { folder }));
+      this.#folder = folder;
+      remember("folder", folder);
+    } catch (error) {
+      if (folder === undefined) this.#fail(error);
+      else this.#open(undefined);
+    }
+  }
+
+  #show({ folder, folders, entries, more }) {
+    const root = folders.filter((one) => folder === one || folder?.startsWith(one + "/")).sort((a, b) => b.length - a.length)[0];
+    const steps = root ? folder.slice(root.length).split("/").filter(Boolean) : [];
+    const crumbs = [["All folders", undefined]];
+    if (root) crumbs.push([root.split("/").pop() || "/", root]);
+    steps.forEach((name, i) => crumbs.push([name, [root, ...steps.slice(0, i + 1)].join("/")]));
+    this.path.replaceChildren(...crumbs.map(([name, path], i) =>
+      button(name, () => this.#open(path), { class: "quiet", "aria-current": i === crumbs.length - 1 ? "true" : undefined })));
+    this.list.replaceChildren(...entries.map((entry) => this.#item(entry)));
+    if (more) this.list.append(make("li", { class: "hint" }, "This folder has more entries. quiltd lists the first 1000."));
+    if (!entries.length) this.list.append(make("li", { class: "hint" }, "Nothing here that quiltd can show."));
+  }
+
+  #item(entry) {
+    const { name, kind, bytes } = entry;
+    const picture = WITH_THUMBNAIL.includes(kind)
+      ? make("img", { src: `/api/thumbnail?${new URLSearchParams({ file: entry.path, width: "160" })}`, alt: "", loading: "lazy", draggable: "false" })
+      : make("span", { class: "sign" }, KIND_WORDS[kind] ?? kind);
+    const note = kind === "folder" ? "folder" : `${KIND_WORDS[kind] ?? kind}, ${bytesText(bytes ?? 0)}`;
+    const open = make("button", { type: "button", class: "entry", "data-kind": kind, title: name, onclick: () => this.#choose(entry) },
+      picture, make("span", { class: "name" }, name), make("span", { class: "note" }, note));
+    const item = make("li", {}, open);
+    if (this.slideshow && kind !== "folder" && kind !== "environment") this.#makeMovable(item, open, entry);
+    return item;
+  }
+
+  #makeMovable(item, open, entry) {
+    open.draggable = true;
+    open.addEventListener("dragstart", (event) => event.dataTransfer.setData("application/x-quiltd", JSON.stringify(entry)));
+    item.append(button("Add", () => this.#queue(entry), { class: "quiet add", "aria-label": `Add ${entry.name} to the slideshow` }));
+  }
+
+  async #choose({ name, path, kind }) {
+    if (kind === "folder") return this.#open(path);
+    const plan = await this.#plan(name, kind);
+    if (plan) await this.#use(plan, path, {});
+  }
+
+  /**
+   * What is to be done with a file, by its kind, or as the person says.
+   * @returns {light: true}, parameters of scene.load, or undefined: nothing
+   */
+  async #plan(name, kind) {
+    if (kind === "environment") return this.#planLight(name);
+    return kind === "image" ? this.#planImage(name) : {};
+  }
+
+  async #planLight(name) {
+    const answers = [...(this.#scene.document ? ["Light of this scene"] : []), "Photo", "Cancel"];
+    const answer = answers[await this.#ask(`What is ${name}?`, answers)];
+    if (answer === "Photo") return { quilt: "1x1" };
+    return answer === "Cancel" ? undefined : { light: true };
+  }
+
+  async #planImage(name) {
+    const tiles = make("input", { type: "text", class: "text", placeholder: "columns x rows, such as 8x6", "aria-label": "Columns and rows of the quilt" });
+    const answer = await this.#ask(`What is ${name}?`, ["Photo", "Quilt of these tiles", "Cancel"], tiles);
+    if (answer === 0) return { quilt: "1x1" };
+    if (answer === 2) return undefined;
+    const quilt = tilesOf(tiles.value);
+    if (!quilt) this.#fail({ message: `${name}: the tiles of a quilt are columns x rows, such as 8x6.` });
+    return quilt && { quilt };
+  }
+
+  // Shows a file as planned. passed: {files} of an upload.
+  #use({ light, ...how }, file, passed) {
+    if (!light) return this.#load({ file, ...how, ...passed });
+    const patch = environmentPatch(this.#scene.document, file);
+    return this.#rpc.call("scene.patch", { patch, ...passed }).then(() => this.#fail(), this.#fail);
+  }
+
+  #load(params) {
+    return this.#rpc.call("scene.load", params).then(({ warnings }) => {
+      this.#scene.forget();
+      this.#fail(warnings?.length ? { message: warnings.join(". ") } : undefined);
+    }, this.#fail);
+  }
+
+  // A question with buttons. Resolves to the index of the one that was pressed.
+  #ask(text, answers, field) {
+    return new Promise((resolve) => {
+      const end = (i) => {
+        this.task.replaceChildren();
+        resolve(i);
+      };
+      const row = make("div", { class: "answers" }, ...answers.map((answer, i) => button(answer, () => end(i))));
+      this.task.replaceChildren(make("p", {}, text), ...(field ? [field] : []), row);
+      (field ?? row.firstChild).focus();
+    });
+  }
+
+  /** Shows files of this computer. */
+  async take(files) {
+    this.picker.value = "";
+    if (!files.length) return;
+    const main = mainOf(files.map(nameOf));
+    if (!main) return this.#fail({ message: `${nameOf(files[0])}: quiltd does not know this kind of file.` });
+    const plan = await this.#plan(main, kindOf(main));
+    if (!plan) return;
+    const stop = new AbortController();
+    try {
+      const progress = this.#progress(`Sending ${main}`, () => stop.abort());
+      const paths = await upload(files, progress, stop.signal);
+      this.#progress(`quiltd reads ${main}`);
+      await this.#use(plan, paths[files.map(nameOf).indexOf(main)], { files: paths });
+    } catch (error) {
+      if (!(error instanceof Cancelled)) this.#fail({ message: `${main}: ${error.message}.` });
+    } finally {
+      this.task.replaceChildren();
+    }
+  }
+
+  // Without a stop there is no share either.
+  #progress(text, stop) {
+    const bar = make("progress", { max: "1", "aria-label": text });
+    this.task.replaceChildren(make("p", {}, text), bar, ...(stop ? [button("Cancel", stop)] : []));
+    return (share) => bar.setAttribute("value", share);
+  }
+}

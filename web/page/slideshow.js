@@ -1,0 +1,117 @@
+// The tab Slideshow: scenes, models and quilts that follow each other.
+
+import { button, heading, labelled, make } from "./dom.js";
+import { scrub } from "./scrub.js";
+
+const SECONDS = { minimum: 1, maximum: 86400 };
+const USUAL_SECONDS = 20;
+
+export class Slideshow {
+  #rpc;
+  #fail;
+  #list = { entries: [], index: 0, playing: false, loop: true };
+  #dragged; // index of the row that is dragged
+  element = make("div");
+
+  constructor({ rpc, fail }) {
+    this.#rpc = rpc;
+    this.#fail = fail;
+    this.rows = make("ol", { id: "slides", class: "slides" });
+    this.loop = make("input", { type: "checkbox", id: "loop" });
+    this.loop.addEventListener("change", () => this.#set(this.#list.entries));
+    this.play = button("Play", () => this.#call(this.#list.playing ? "playlist.stop" : "playlist.play"), { id: "play", class: "main" });
+    const step = (text, method) => button(text, () => this.#call(method));
+    this.empty = make("p", { class: "hint" }, "Add entries in the tab Library, or drag them here.");
+    this.element.append(make("section", {}, heading("Slideshow"),
+      make("div", { class: "answers" }, this.play, step("Previous", "playlist.previous"), step("Next", "playlist.next")),
+      labelled("Start again at the end", this.loop), this.rows, this.empty));
+    this.#acceptDrops();
+    rpc.addEventListener("playlist", ({ detail }) => this.#show(detail));
+  }
+
+  hello({ methods }) {
+    const known = Boolean(methods["playlist.set"]);
+    if (known) this.#call("playlist.get");
+    return known;
+  }
+
+  add({ path }) {
+    this.#set([...this.#list.entries, { file: path, seconds: USUAL_SECONDS }]);
+  }
+
+  #call(method, params = {}) {
+    return this.#rpc.call(method, params).then((list) => {
+      this.#show(list);
+      this.#fail();
+    }, this.#fail);
+  }
+
+  #set(entries) {
+    return this.#call("playlist.set", { entries, loop: this.loop.checked });
+  }
+
+  #show(list) {
+    const focus = document.activeElement?.closest?.("#slides li button")?.dataset.key;
+    this.#list = list;
+    this.loop.checked = list.loop;
+    this.play.textContent = list.playing ? "Stop" : "Play";
+    this.play.disabled = list.entries.length === 0;
+    this.empty.hidden = list.entries.length > 0;
+    if (!this.rows.querySelector(":focus.scrub, .dragged"))
+      this.rows.replaceChildren(...list.entries.map((entry, i) => this.#row(entry, i)));
+    if (focus) this.rows.querySelector(`[data-key="${focus}"]`)?.focus();
+  }
+
+  #row({ file, seconds }, i) {
+    const name = file.split("/").pop(), { entries, index, playing } = this.#list;
+    const time = scrub({
+      label: `Seconds of ${name}`, range: SECONDS,
+      commit: (value) => (entries[i] = { file, seconds: value }),
+    });
+    time.set(seconds);
+    for (const type of ["pointerup", "change", "keyup"])
+      time.element.addEventListener(type, () => entries[i].seconds !== seconds && this.#set(entries));
+    const move = (text, words, to) => button(text, () => this.#move(i, to), {
+      class: "quiet", "aria-label": `${words} ${name}`, "data-key": `${text}${i}`, disabled: to < 0 || to >= entries.length });
+    const row = make("li", { draggable: "true", "aria-current": playing && i === index ? "true" : undefined },
+      button(name, () => this.#call("playlist.play", { index: i }), { class: "quiet name", title: file }),
+      time.element, make("span", { class: "unit" }, "s"), move("Up", "Move up", i - 1), move("Down", "Move down", i + 1),
+      button("×", () => this.#set(entries.filter((_, k) => k !== i)), { class: "remove", "aria-label": `Remove ${name}` }));
+    row.addEventListener("keydown", (event) => this.#moveByKey(event, i));
+    row.addEventListener("dragstart", () => (this.#dragged = i));
+    row.addEventListener("dragend", () => (this.#dragged = undefined));
+    return row;
+  }
+
+  #moveByKey(event, i) {
+    const way = event.altKey ? { ArrowUp: -1, ArrowDown: 1 }[event.key] : undefined;
+    if (!way) return;
+    event.preventDefault();
+    this.#move(i, i + way);
+  }
+
+  #move(from, to) {
+    const entries = [...this.#list.entries];
+    if (to < 0 || to >= entries.length) return;
+    entries.splice(to, 0, ...entries.splice(from, 1));
+    return this.#set(entries);
+  }
+
+  // Rows that change their place, and entries of the library.
+  #acceptDrops() {
+    this.element.addEventListener("dragover", (event) => {
+      if (this.#dragged !== undefined || event.dataTransfer.types.includes("application/x-quiltd")) event.preventDefault();
+    });
+    this.element.addEventListener("drop", (event) => {
+      const row = event.target.closest("#slides li");
+      const to = row ? [...this.rows.children].indexOf(row) : this.#list.entries.length - 1;
+      if (this.#dragged !== undefined) this.#move(this.#dragged, to);
+      else {
+        const entry = event.dataTransfer.getData("application/x-quiltd");
+        if (!entry) return;
+        this.add(JSON.parse(entry));
+      }
+      event.preventDefault();
+    });
+  }
+}

@@ -1,0 +1,61 @@
+// Numbers of the daemon in words.
+
+const one = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
+
+/** "about 40 s", "about 3 min". */
+export function duration(seconds) {
+  if (seconds < 1) return "about a second";
+  if (seconds < 90) return `about ${seconds < 20 ? Math.round(seconds) : Math.round(seconds / 5) * 5} s`;
+  if (seconds < 5400) return `about ${Math.round(seconds / 60)} min`;
+  return `about ${one(Math.round(seconds / 3600), "hour")}`;
+}
+
+/**
+ * Seconds until the target is met: as the daemon says, else by the error, which falls as 1 / passes.
+ * Undefined: unknown.
+ */
+export function secondsLeft(status) {
+  if (status.seconds_left !== undefined) return status.seconds_left ?? undefined;
+  const error = status.error_bound ?? status.error_estimate;
+  if (!(error > 0) || !(status.target_error > 0) || !(status.seconds > 0)) return undefined;
+  return Math.max(0, status.seconds * (error / status.target_error - 1));
+}
+
+export function timeLeft(status) {
+  if (status.state === "paused") return "paused";
+  if (status.state === "converged") return "done: the error is below the target";
+  if (status.state !== "rendering") return "";
+  const left = secondsLeft(status);
+  return left === undefined ? "time left unknown" : `${duration(left)} left`;
+}
+
+/** How far an error has come from 1 to the target, by its logarithm: 0 to 1. */
+export function progressOf(error, target) {
+  if (!(error > 0) || !(target > 0)) return 0;
+  return Math.min(Math.max(Math.log(error) / Math.log(Math.min(target, 0.5)), 0), 1);
+}
+
+export function errorText(error) {
+  return error == null ? "unknown" : error.toPrecision(2);
+}
+
+export function bytesText(bytes) {
+  if (bytes < 1000) return `${bytes} bytes`;
+  const units = ["kB", "MB", "GB"];
+  let value = bytes / 1000, i = 0;
+  for (; value >= 1000 && i < 2; i++) value /= 1000;
+  return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${units[i]}`;
+}
+
+/** What status.depth_budget means, and what to do. @returns {text, level: "ok" | "note" | "fail"} */
+export function depthText(budget) {
+  if (!budget) return { level: "note", text: "The depth of this image is unknown." };
+  const behind = budget.farthest_step > budget.limit;
+  const front = budget.nearest_step === null || -budget.nearest_step > budget.limit;
+  const to = budget.sharp_to === null ? "on" : `to ${budget.sharp_to.toPrecision(3)}`;
+  const sharp = `A panel shows distances from ${budget.sharp_from.toPrecision(3)} ${to} sharply.`;
+  if (!behind && !front) return { level: "ok", text: `All of the scene is in the sharp depth. ${sharp}` };
+  const where = behind && front ? "in front of and behind" : behind ? "behind" : "in front of";
+  const blurred = budget.exceeded ? "looks double" : "is blurred";
+  return { level: budget.exceeded ? "fail" : "note", text: `What is far ${where} the window ${blurred}. ${sharp}` };
+}
