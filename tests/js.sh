@@ -17,22 +17,9 @@ top=$(mktemp -d)
 trap 'rm -rf "$top"' EXIT
 export QUILTD_BUILD=$out
 
-# A test is a line of TAP within its suite: "    ok 2 - NAME" or "    not ok 2 - NAME", whose report follows.
-results() { # log, exit status, file
-    local line name before=$failed
-    while IFS= read -r line; do
-        name=${line#* - }
-        case $line in
-        'not ok'*) report "$3: $name" "$(grep -F -A 30 -- "    $line" "$1")" ;;
-        *) report "$3: $name" '' ;;
-        esac
-    done < <(sed -nE 's/^    ((not )?ok [0-9]+ - .*)$/\1/p' "$1")
-    # what failed without such a line
-    [ "$2" -eq 0 ] || [ "$failed" -ne "$before" ] || report "$3" "$(tail -n 25 "$1")"
-}
 for file in "$src"/clients/js/tests/*.test.js; do
     node --test-reporter=tap "$file" > "$top/log" 2>&1 < /dev/null
-    results "$top/log" $? "$(basename "$file" .test.js)"
+    tap_results "$top/log" $? "$(basename "$file" .test.js)"
 done
 
 why=$(packages_missing "$src" "${out%/*}/node")

@@ -1,9 +1,9 @@
 // A quiltd of the tests' own on a simulated panel, and a quiltweb before it. QUILTD_BUILD has their programs.
 
 import { spawn } from "node:child_process";
-import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { mkdir, mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { dirname, join } from "node:path";
 import { setTimeout as nap } from "node:timers/promises";
 
 import { connect } from "../quiltd/node.js";
@@ -35,13 +35,19 @@ async function ended(child) {
   await end;
 }
 
-// { folder, scene, socket, url, q, stop() }; q is a client over the socket, closed by stop().
-export async function start() {
+const OPTIONS = ["--device", "sim:panel", "--view-size", `${WIDTH}x${HEIGHT}`, "--threads", "1", "--run-for", "1800"];
+
+// { folder, scene, socket, url, q, pids, stop() }; q is a client over the socket, closed by stop().
+// files: more of them in the folder, by name.
+export async function start({ document = SCENE, options = OPTIONS, files = {} } = {}) {
   const build = process.env.QUILTD_BUILD;
   const folder = await mkdtemp(join(tmpdir(), "quiltd-js-"));
   const scene = join(folder, "scene.json"), socket = join(folder, "s");
-  await writeFile(scene, JSON.stringify(SCENE));
-  const options = ["--device", "sim:panel", "--view-size", `${WIDTH}x${HEIGHT}`, "--threads", "1", "--run-for", "1800"];
+  await writeFile(scene, JSON.stringify(document));
+  for (const [name, data] of Object.entries(files)) {
+    await mkdir(dirname(join(folder, name)), { recursive: true });
+    await writeFile(join(folder, name), data);
+  }
   const quiltd = spawn(join(build, "quiltd"), [scene, "--socket", socket, ...options], { cwd: folder, stdio: "ignore" });
   let q;
   while (!q) {
@@ -58,5 +64,5 @@ export async function start() {
     await ended(quiltd);
     await rm(folder, { recursive: true });
   };
-  return { folder, scene, socket, url, q, stop };
+  return { folder, scene, socket, url, q, pids: { quiltd: quiltd.pid, quiltweb: quiltweb.pid }, stop };
 }
