@@ -11,7 +11,7 @@
 #include "daemon/tools/ctl.h"
 #include "daemon/tools/ctl_files.h"
 #include "daemon/tools/ctl_help.h"
-#include "daemon/tools/prometheus.h"
+#include "daemon/wire/prometheus.h"
 #include "device/device.h"
 
 #define PROGRAM "quiltctl"

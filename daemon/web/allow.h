@@ -1,5 +1,7 @@
 /* allow: the methods of quiltd that a client of the gateway may call. What is not in the table is
- * refused: it ends quiltd, moves the panel, needs descriptors or writes files. Thread: any. */
+ * refused: it ends quiltd, moves the panel, needs descriptors or writes files. `files` of
+ * scene.load and scene.patch, and all of export, are for uploads.h and exports.h to check. Thread:
+ * any. */
 #ifndef LF_DAEMON_WEB_ALLOW_H
 #define LF_DAEMON_WEB_ALLOW_H
 

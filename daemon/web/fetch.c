@@ -1,30 +1,26 @@
 #include "daemon/web/fetch.h"
 
-#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "base/alloc.h"
-#include "daemon/web/image.h"
 #include "daemon/web/link.h"
+#include "daemon/web/rights.h"
 
-#define PATIENCE_USEC ((uint64_t)8000000)
+#define ID "quiltweb:fetch"
 
 static const char where[] = "quiltd";
 
 struct lf_fetch {
-    lf_fetch_kind kind;
     lf_fetch_done_fn done;
     void *context;
     lf_link *link;
     sd_event_source *patience;
     lf_status status; /* LF_E_BUSY until the end */
     lf_error error;
-    char *text;  /* by jansson */
-    int fd;      /* -1: none */
-    size_t size; /* of its file */
+    int code;        /* of quiltd's error */
+    json_t *message; /* the answer */
 };
 
 static void finish(lf_fetch *fetch, lf_status status)
@@ -37,35 +33,30 @@ static void finish(lf_fetch *fetch, lf_status status)
     fetch->done(fetch->context);
 }
 
-static lf_status take_result(lf_fetch *fetch, const json_t *result)
+static lf_status take_answer(lf_fetch *fetch, const json_t *message)
 {
-    lf_web_image image;
-    if (fetch->kind == LF_FETCH_STATUS) {
-        fetch->text = json_dumps(result, JSON_COMPACT);
-        return fetch->text ? LF_OK
-                           : lf_error_set(&fetch->error, LF_E_NOMEM, where, "out of memory");
-    }
-    lf_status status = lf_web_image_read(result, fetch->fd, &image, &fetch->error);
-    if (status == LF_OK)
-        fetch->size = image.bytes;
-    return status;
+    const json_t *error = json_object_get(message, "error");
+    const char *why = json_string_value(json_object_get(error, "message"));
+    if (json_object_get(message, "result"))
+        return LF_OK;
+    fetch->code = (int)json_integer_value(json_object_get(error, "code"));
+    return lf_error_set(&fetch->error, LF_E_STATE, where, "%s",
+                        why ? why : "the answer is not JSON-RPC");
 }
 
 static void on_line(void *context, const char *line, size_t n)
 {
     lf_fetch *fetch = context;
     json_t *message = json_loadb(line, n, 0, NULL);
-    const json_t *result = json_object_get(message, "result");
-    const char *why =
-        json_string_value(json_object_get(json_object_get(message, "error"), "message"));
-    lf_status status;
-    if (result)
-        status = take_result(fetch, result);
-    else
-        status = lf_error_set(&fetch->error, LF_E_STATE, where, "%s",
-                              why ? why : "the answer is not JSON-RPC");
+    const char *id = json_string_value(json_object_get(message, "id"));
+    const lf_rights_answer rights = lf_rights_read(message, NULL, &fetch->error);
+    if (rights == LF_RIGHTS_REFUSED)
+        finish(fetch, LF_E_STATE);
+    else if (id && strcmp(id, ID) == 0 && fetch->status == LF_E_BUSY) {
+        fetch->message = json_incref(message);
+        finish(fetch, take_answer(fetch, message));
+    }
     json_decref(message);
-    finish(fetch, status);
 }
 
 static void on_end(void *context)
@@ -88,36 +79,45 @@ void lf_fetch_cancel(lf_fetch *fetch)
     finish(fetch, lf_error_set(&fetch->error, LF_E_CANCELLED, where, "quiltweb is ending"));
 }
 
-static lf_status begin(lf_fetch *fetch, sd_event *event, const char *socket, lf_error *err)
+/* Sends a line, and frees it. NULL: out of memory. */
+static lf_status send_line(lf_link *link, char *line, int fd)
 {
-    static const char status_line[] = "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"status\"}";
-    static const char still_line[] = "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"frame.get\","
-                                     "\"params\":{\"views\":1,\"format\":\"jpeg\"}}";
+    lf_status status = line ? lf_link_send(link, line, strlen(line), fd) : LF_E_NOMEM;
+    free(line);
+    return status;
+}
+
+static lf_status begin(lf_fetch *fetch, sd_event *event, const char *socket,
+                       const lf_fetch_call *call, lf_error *err)
+{
     const lf_link_events events = {.line = on_line, .ended = on_end, .context = fetch};
-    const char *line = fetch->kind == LF_FETCH_STATUS ? status_line : still_line;
-    lf_status status = LF_OK;
-    if (fetch->kind == LF_FETCH_STILL)
-        status = lf_web_image_file(&fetch->fd, err);
-    if (status == LF_OK)
-        status = lf_link_create(event, socket, &events, &fetch->link, err);
+    lf_status status = lf_link_create(event, socket, &events, &fetch->link, err);
     if (status != LF_OK)
         return status;
-    if (lf_link_send(fetch->link, line, strlen(line), fetch->fd) != LF_OK ||
-        sd_event_add_time_relative(event, &fetch->patience, CLOCK_MONOTONIC, PATIENCE_USEC, 0,
-                                   on_patience, fetch) < 0)
+    json_t *message = json_pack("{s:s, s:s, s:s, s:O*}", "jsonrpc", "2.0", "id", ID, "method",
+                                call->method, "params", call->params);
+    json_t *methods = json_pack("[s]", call->method);
+    status = send_line(fetch->link, lf_rights_line(methods), -1);
+    if (status == LF_OK)
+        status =
+            send_line(fetch->link, message ? json_dumps(message, JSON_COMPACT) : NULL, call->fd);
+    json_decref(methods);
+    json_decref(message);
+    if (status != LF_OK ||
+        sd_event_add_time_relative(event, &fetch->patience, CLOCK_MONOTONIC,
+                                   (uint64_t)call->patience_s * 1000000, 0, on_patience, fetch) < 0)
         return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
     return LF_OK;
 }
 
-lf_status lf_fetch_create(sd_event *event, const char *socket, lf_fetch_kind kind,
+lf_status lf_fetch_create(sd_event *event, const char *socket, const lf_fetch_call *call,
                           lf_fetch_done_fn done, void *context, lf_fetch **out, lf_error *err)
 {
     lf_fetch *fetch = lf_calloc(1, sizeof *fetch);
     if (!fetch)
         return lf_error_set(err, LF_E_NOMEM, where, "out of memory");
-    *fetch =
-        (lf_fetch){.kind = kind, .done = done, .context = context, .status = LF_E_BUSY, .fd = -1};
-    lf_status status = begin(fetch, event, socket, err);
+    *fetch = (lf_fetch){.done = done, .context = context, .status = LF_E_BUSY};
+    lf_status status = begin(fetch, event, socket, call, err);
     if (status == LF_OK)
         *out = fetch;
     else
@@ -131,23 +131,19 @@ void lf_fetch_destroy(lf_fetch *fetch)
         return;
     lf_link_destroy(fetch->link);
     sd_event_source_disable_unref(fetch->patience);
-    if (fetch->fd >= 0)
-        close(fetch->fd);
-    free(fetch->text);
+    json_decref(fetch->message);
     lf_free(fetch);
 }
 
-lf_status lf_fetch_result(lf_fetch *fetch, const char **out_text, int *out_fd, size_t *out_size,
+lf_status lf_fetch_result(const lf_fetch *fetch, const json_t **out_result, int *out_code,
                           lf_error *err)
 {
     if (fetch->status != LF_OK) {
+        *out_code = fetch->code;
         if (err)
             *err = fetch->error;
         return fetch->status;
     }
-    *out_text = fetch->text;
-    *out_size = fetch->size;
-    *out_fd = fetch->fd;
-    fetch->fd = -1;
+    *out_result = json_object_get(fetch->message, "result");
     return LF_OK;
 }

@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/number.h"
+
 static const char *const names[LF_GUARD_NAMES] = {"localhost", "127.0.0.1", "[::1]"};
 
 lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err)
@@ -40,6 +42,20 @@ static int refuse(int status, const char *why, const char **out_why)
     return status;
 }
 
+static int check_body(const lf_guard_request *request, const char **out_why)
+{
+    uint64_t length = 0;
+    if (!request->length)
+        return request->takes_body ? refuse(411, "a Content-Length is needed", out_why) : 0;
+    if (!lf_whole_is(request->length, &length))
+        return refuse(400, "the length of the body is no number", out_why);
+    if (!request->takes_body && length > 0)
+        return refuse(413, "this request takes no body", out_why);
+    if (request->takes_body && length > request->body_limit)
+        return refuse(413, "the body is longer than --upload-limit", out_why);
+    return 0;
+}
+
 int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const char **out_why)
 {
     if (!is_our_host(guard, request))
@@ -50,8 +66,9 @@ int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const
         return refuse(400, "the length of the body is ambiguous", out_why);
     if (request->cookies > 1 || request->authorizations > 1)
         return refuse(400, "a header occurs twice", out_why);
-    if (request->length && strcmp(request->length, "0") != 0)
-        return refuse(413, "this server takes no body", out_why);
+    const int body = check_body(request, out_why);
+    if (body != 0)
+        return body;
     if (request->origins > 0 && !is_our_origin(request))
         return refuse(403, "the request comes from a page of another origin", out_why);
     return 0;
@@ -78,6 +95,12 @@ bool lf_guard_has_cookie(const lf_guard *guard, const lf_guard_request *request)
         at += n;
     }
     return false;
+}
+
+bool lf_guard_may_write(const lf_guard *guard, const lf_guard_request *request)
+{
+    return lf_guard_has_token(guard, request) ||
+           (request->origins > 0 && lf_guard_has_cookie(guard, request));
 }
 
 bool lf_guard_may_connect(const lf_guard *guard, const lf_guard_request *request)

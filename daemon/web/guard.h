@@ -7,6 +7,8 @@
 #ifndef LF_DAEMON_WEB_GUARD_H
 #define LF_DAEMON_WEB_GUARD_H
 
+#include <stdint.h>
+
 #include "daemon/web/secret.h"
 
 /* The headers that decide. Texts are borrowed; NULL: the header is absent. With several headers of
@@ -15,7 +17,9 @@ typedef struct lf_guard_request {
     const char *target; /* path without the query */
     const char *host, *origin, *length, *cookie, *authorization;
     int hosts, origins, lengths, cookies, authorizations;
-    bool encoded; /* has a Transfer-Encoding */
+    bool encoded;        /* has a Transfer-Encoding */
+    bool takes_body;     /* the method of this path has a body … */
+    uint64_t body_limit; /* … of so many bytes at most */
 } lf_guard_request;
 
 enum { LF_GUARD_NAMES = 3 };
@@ -33,7 +37,8 @@ LF_NODISCARD lf_status lf_guard_init(lf_guard *guard, int port, lf_error *err);
 /* 0, or the status of HTTP with which the request is refused; *out_why: a line for the body.
  * - 421: not exactly one Host with a name and port of ours
  * - 400: absolute target, two lengths, cookies or authorizations, a Transfer-Encoding
- * - 413: a body
+ * - 411: no length where a body is expected
+ * - 413: a body where none is expected, or a longer one
  * - 403: an Origin that is not ours */
 int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const char **out_why);
 
@@ -41,6 +46,9 @@ int lf_guard_check(const lf_guard *guard, const lf_guard_request *request, const
 bool lf_guard_has_token(const lf_guard *guard, const lf_guard_request *request);
 /* True if the request has the cookie of the session. */
 bool lf_guard_has_cookie(const lf_guard *guard, const lf_guard_request *request);
+/* True if the request may send a body: from our page with the cookie or the token, or from a
+ * program (no Origin) with the token. lf_guard_check has passed. */
+bool lf_guard_may_write(const lf_guard *guard, const lf_guard_request *request);
 /* True if the request may open a WebSocket: from our page with the cookie, or from a program (no
  * Origin) with the token. lf_guard_check has passed. */
 bool lf_guard_may_connect(const lf_guard *guard, const lf_guard_request *request);

@@ -1,13 +1,10 @@
 #include "daemon/web/image.h"
 
-#include <errno.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/errno_text.h"
 
 static const char where[] = "frame.get";
 static const char *const levels[] = {"none", "coarse", "complete", "converged"};
@@ -132,15 +129,5 @@ lf_status lf_web_image_message(const lf_web_image *preview, int fd, uint8_t **ou
     }
     *out_data = data;
     *out_n = LF_WEB_IMAGE_HEADER + preview->bytes;
-    return LF_OK;
-}
-
-lf_status lf_web_image_file(int *out_fd, lf_error *err)
-{
-    int fd = memfd_create("quiltweb-image", MFD_CLOEXEC);
-    if (fd < 0)
-        return lf_error_set(err, LF_E_IO, where, "cannot make a memory file: %s",
-                            lf_errno_text(errno));
-    *out_fd = fd;
     return LF_OK;
 }

@@ -44,7 +44,4 @@ void lf_web_image_header(const lf_web_image *preview, uint8_t out[LF_WEB_IMAGE_H
 LF_NODISCARD lf_status lf_web_image_message(const lf_web_image *preview, int fd, uint8_t **out_data,
                                             size_t *out_n, lf_error *err);
 
-/* A new memory file; the caller closes it. LF_E_IO. */
-LF_NODISCARD lf_status lf_web_image_file(int *out_fd, lf_error *err);
-
 #endif

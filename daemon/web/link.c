@@ -21,7 +21,8 @@ typedef struct outgoing {
     struct outgoing *next;
     char *data; /* n bytes, the newline included */
     size_t n, sent;
-    int fd; /* goes with the first byte; -1: none */
+    int *fds; /* [n_fds] go with the first byte */
+    int n_fds;
 } outgoing;
 
 struct lf_link {
@@ -82,6 +83,15 @@ lf_status lf_link_create(sd_event *event, const char *path, const lf_link_events
     return status;
 }
 
+static void drop_line(outgoing *line)
+{
+    for (int i = 0; i < line->n_fds; i++)
+        close(line->fds[i]);
+    lf_free(line->fds);
+    lf_free(line->data);
+    lf_free(line);
+}
+
 static void drop_first(lf_link *link)
 {
     outgoing *done = link->first;
@@ -89,10 +99,7 @@ static void drop_first(lf_link *link)
     if (!link->first)
         link->last = NULL;
     link->queued -= done->n - done->sent;
-    if (done->fd >= 0)
-        close(done->fd);
-    lf_free(done->data);
-    lf_free(done);
+    drop_line(done);
 }
 
 void lf_link_close(lf_link *link)
@@ -129,18 +136,19 @@ static ssize_t send_part(lf_link *link, const outgoing *o)
 {
     union {
         struct cmsghdr align;
-        char bytes[CMSG_SPACE(sizeof(int))];
+        char bytes[CMSG_SPACE(LF_LINK_MAX_FDS * sizeof(int))];
     } control = {.bytes = {0}};
     struct iovec vector = {.iov_base = o->data + o->sent, .iov_len = o->n - o->sent};
     struct msghdr message = {.msg_iov = &vector, .msg_iovlen = 1};
-    if (o->sent == 0 && o->fd >= 0) {
+    if (o->sent == 0 && o->n_fds > 0) {
+        const size_t bytes = (size_t)o->n_fds * sizeof(int);
         message.msg_control = &control;
-        message.msg_controllen = sizeof control.bytes;
+        message.msg_controllen = CMSG_SPACE(bytes);
         struct cmsghdr *c = CMSG_FIRSTHDR(&message);
         c->cmsg_level = SOL_SOCKET;
         c->cmsg_type = SCM_RIGHTS;
-        c->cmsg_len = CMSG_LEN(sizeof(int));
-        memcpy(CMSG_DATA(c), &o->fd, sizeof(int));
+        c->cmsg_len = CMSG_LEN(bytes);
+        memcpy(CMSG_DATA(c), o->fds, bytes);
     }
     return sendmsg(link->fd, &message, MSG_NOSIGNAL);
 }
@@ -160,23 +168,37 @@ static bool flush(lf_link *link)
     return true;
 }
 
-lf_status lf_link_send(lf_link *link, const char *text, size_t n, int fd)
+/* NULL: out of memory, or of descriptors. */
+static outgoing *make_line(const char *text, size_t n, const int *fds, int n_fds)
+{
+    outgoing *o = lf_calloc(1, sizeof *o);
+    if (!o)
+        return NULL;
+    o->data = lf_calloc(n + 1, 1);
+    o->fds = lf_calloc((size_t)n_fds + 1, sizeof *o->fds);
+    bool made = o->data && o->fds;
+    for (int i = 0; made && i < n_fds; i++) {
+        o->fds[i] = fcntl(fds[i], F_DUPFD_CLOEXEC, 0);
+        made = o->fds[i] >= 0;
+        o->n_fds += made;
+    }
+    if (!made) {
+        drop_line(o);
+        return NULL;
+    }
+    memcpy(o->data, text, n);
+    o->data[n] = '\n';
+    o->n = n + 1;
+    return o;
+}
+
+lf_status lf_link_send_fds(lf_link *link, const char *text, size_t n, const int *fds, int n_fds)
 {
     if (link->closed)
         return LF_OK;
-    outgoing *o = lf_calloc(1, sizeof *o);
-    char *data = lf_calloc(n + 1, 1);
-    int own = fd >= 0 ? fcntl(fd, F_DUPFD_CLOEXEC, 0) : -1;
-    if (!o || !data || (fd >= 0 && own < 0)) {
-        if (own >= 0)
-            close(own);
-        lf_free(o);
-        lf_free(data);
+    outgoing *o = make_line(text, n, fds, n_fds);
+    if (!o)
         return LF_E_NOMEM;
-    }
-    memcpy(data, text, n);
-    data[n] = '\n';
-    *o = (outgoing){.data = data, .n = n + 1, .fd = own};
     if (link->last)
         link->last->next = o;
     else
@@ -185,6 +207,11 @@ lf_status lf_link_send(lf_link *link, const char *text, size_t n, int fd)
     link->queued += o->n;
     listen_for(link); /* sent from the loop, where an end may be reported */
     return LF_OK;
+}
+
+lf_status lf_link_send(lf_link *link, const char *text, size_t n, int fd)
+{
+    return lf_link_send_fds(link, text, n, &fd, fd >= 0 ? 1 : 0);
 }
 
 size_t lf_link_queued(const lf_link *link)

@@ -1,4 +1,4 @@
-/* link: one connection of the gateway to quiltd's socket. Sends lines, with a descriptor if wanted,
+/* link: one connection of the gateway to quiltd's socket. Sends lines, with descriptors if wanted,
  * and hands over the lines that come. Never blocks: what quiltd does not take yet is queued.
  * Thread: event. */
 #ifndef LF_DAEMON_WEB_LINK_H
@@ -31,6 +31,10 @@ void lf_link_destroy(lf_link *link);
 /* Sends text[n] (one line, no newline). fd: passed with it and kept by the caller; -1: none. A
  * closed link takes nothing. LF_E_NOMEM. */
 LF_NODISCARD lf_status lf_link_send(lf_link *link, const char *text, size_t n, int fd);
+/* As lf_link_send, with n_fds (0 to LF_LINK_MAX_FDS) descriptors. */
+#define LF_LINK_MAX_FDS 64
+LF_NODISCARD lf_status lf_link_send_fds(lf_link *link, const char *text, size_t n, const int *fds,
+                                        int n_fds);
 /* Bytes that wait to be sent. */
 size_t lf_link_queued(const lf_link *link);
 /* Stops or continues reading; quiltd then keeps what it sends. */

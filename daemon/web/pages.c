@@ -7,6 +7,7 @@
 #define HTML "text/html; charset=utf-8"
 #define CSS "text/css; charset=utf-8"
 #define JS "text/javascript; charset=utf-8"
+#define JSON "application/schema+json"
 #define SVG "image/svg+xml"
 
 #define PAGE(path, type, name)                                                                     \
@@ -52,6 +53,9 @@ static const lf_page pages[] = {
     PAGE("/words.js", JS, words_js),
 };
 
+/* What scenes may be, for editors and checkers. */
+static const lf_page schema = PAGE("/scene.schema.json", JSON, scene_schema_json);
+
 enum { N_PAGES = sizeof pages / sizeof pages[0] };
 
 const lf_page *lf_page_find(const char *path)
@@ -59,7 +63,7 @@ const lf_page *lf_page_find(const char *path)
     for (int i = 0; i < N_PAGES; i++)
         if (strcmp(pages[i].path, path) == 0)
             return &pages[i];
-    return NULL;
+    return strcmp(schema.path, path) == 0 ? &schema : NULL;
 }
 
 const lf_page *lf_page_at(int index)

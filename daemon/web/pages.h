@@ -1,5 +1,5 @@
-/* pages: the files of the web page (web/page/), compiled in: no request reaches a file system.
- * Thread: any. */
+/* pages: the files of the web page (web/page/) and the schema of scenes, compiled in: no request
+ * reaches a file system. Thread: any. */
 #ifndef LF_DAEMON_WEB_PAGES_H
 #define LF_DAEMON_WEB_PAGES_H
 
@@ -12,9 +12,9 @@ typedef struct lf_page {
     size_t n;
 } lf_page;
 
-/* NULL: no such page. */
+/* Also finds the schema of scenes. NULL: no such page. */
 const lf_page *lf_page_find(const char *path);
-/* The page of this index; NULL after the last. */
+/* The file of the web page with this index; NULL after the last. */
 const lf_page *lf_page_at(int index);
 
 #endif

@@ -8,51 +8,72 @@
 
 #include "base/file.h"
 #include "base/log.h"
+#include "base/number.h"
 #include "daemon/output/options.h"
+#include "daemon/web/listen.h"
 #include "daemon/web/web.h"
 #include "daemon/wire/listen.h"
 
 #define PROGRAM "quiltweb"
-#define ADDRESS "127.0.0.1:8033"
+#define V4 "127.0.0.1:8033"
+#define V6 "[::1]:8033"
+#define MAX_UPLOAD_MIB 65536
+#define TEXT_OF(number) #number
+#define TEXT(number) TEXT_OF(number)
 
-enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_LISTEN, OPTION_URL_FILE };
+enum { OPTION_SOCKET = LF_OPTION_OWN, OPTION_LISTEN, OPTION_URL_FILE, OPTION_UPLOAD_LIMIT };
 
 static const struct option table[] = {
     {"socket", required_argument, NULL, OPTION_SOCKET},
     {"listen", required_argument, NULL, OPTION_LISTEN},
     {"url-file", required_argument, NULL, OPTION_URL_FILE},
+    {"upload-limit", required_argument, NULL, OPTION_UPLOAD_LIMIT},
     {0},
 };
 
 typedef struct arguments {
-    const char *socket, *listen, *url_file;
+    const char *socket, *url_file;
+    const char *listen[LF_WEB_MAX_LISTENERS];
+    int n_listen;
+    uint64_t upload_mib;
 } arguments;
 
 static void print_help(void)
 {
     printf("Usage: quiltweb [--socket PATH] [--listen ADDRESS] [--url-file FILE]\n"
+           "                [--upload-limit MIB]\n"
            "Show what quiltd shows in a browser of this machine, and steer it there.\n"
            "Prints the URL of the page, with a token that opens it.\n"
            "\n"
            "  --socket PATH          socket of quiltd ($QUILTD_SOCKET, $XDG_RUNTIME_DIR/"
            "quiltd.sock,\n"
            "                         /run/quiltd/control.sock)\n"
-           "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one\n"
-           "                         (" ADDRESS ")\n"
+           "  --listen ADDRESS       127.0.0.1:PORT or [::1]:PORT; port 0: any free one; may be\n"
+           "                         given for both (" V4 " and " V6 ")\n"
            "  --url-file FILE        write the URL into this file instead of printing it\n"
-           "\n" LF_OPTIONS_HELP_LAST LF_OPTIONS_HELP_SHELLS);
+           "  --upload-limit MIB     memory of all uploads together, 1 to " TEXT(
+               MAX_UPLOAD_MIB) "\n"
+                               "                         (" TEXT(
+                                   LF_WEB_UPLOAD_LIMIT_MIB) ")\n"
+                                                            "\n" LF_OPTIONS_HELP_LAST
+                                                                LF_OPTIONS_HELP_SHELLS);
 }
 
 static lf_status take(void *context, int code, const char *text, lf_error *err)
 {
     arguments *a = context;
-    (void)err;
     if (code == OPTION_SOCKET)
         a->socket = text;
-    else if (code == OPTION_LISTEN)
-        a->listen = text;
-    else
+    else if (code == OPTION_URL_FILE)
         a->url_file = text;
+    else if (code == OPTION_UPLOAD_LIMIT && (!lf_whole_is(text, &a->upload_mib) ||
+                                             a->upload_mib < 1 || a->upload_mib > MAX_UPLOAD_MIB))
+        return lf_error_set(err, LF_E_ARG, "--upload-limit", "expects 1 to %d MiB, got \"%s\"",
+                            MAX_UPLOAD_MIB, text);
+    else if (code == OPTION_LISTEN && a->n_listen == LF_WEB_MAX_LISTENERS)
+        return lf_error_set(err, LF_E_ARG, "--listen", "may be given twice at most");
+    else if (code == OPTION_LISTEN)
+        a->listen[a->n_listen++] = text;
     return LF_OK;
 }
 
@@ -84,16 +105,22 @@ static const char *find_socket(const char *given, char *path, size_t size)
     return path;
 }
 
-/* systemd's socket, or one of our own. */
-static lf_status open_listener(const char *address, int *out_fd, lf_error *err)
+/* systemd's sockets, or our own. */
+static lf_status open_listeners(const arguments *a, int fds[LF_WEB_MAX_LISTENERS], int *out_n,
+                                lf_error *err)
 {
+    static const char *const both[] = {V4, V6};
     const int n = sd_listen_fds(1);
-    if (n > 1 || (n == 1 && address))
+    if (n > LF_WEB_MAX_LISTENERS || (n > 0 && a->n_listen > 0))
         return lf_error_set(err, LF_E_ARG, "systemd",
-                            "expects one socket from the socket unit, and then no --listen");
+                            "expects one or two sockets from the socket unit, and then no "
+                            "--listen");
     if (n < 1)
-        return lf_web_listen(address ? address : ADDRESS, out_fd, err);
-    *out_fd = SD_LISTEN_FDS_START;
+        return a->n_listen > 0 ? lf_web_listen_all(a->listen, a->n_listen, fds, out_n, err)
+                               : lf_web_listen_all(both, 2, fds, out_n, err);
+    for (int i = 0; i < n; i++)
+        fds[i] = SD_LISTEN_FDS_START + i;
+    *out_n = n;
     return LF_OK;
 }
 
@@ -108,22 +135,31 @@ static lf_status announce(const lf_web *web, const char *file, lf_error *err)
     return LF_OK;
 }
 
+static void close_all(const int *fds, int n)
+{
+    for (int i = 0; i < n; i++)
+        close(fds[i]);
+}
+
 static lf_status run(const arguments *a, lf_error *err)
 {
     char path[512];
-    int fd = -1;
+    int fds[LF_WEB_MAX_LISTENERS];
     sd_event *event = NULL;
     lf_web *web = NULL;
-    lf_status status = open_listener(a->listen, &fd, err);
+    lf_web_config config = {.listen_fds = fds,
+                            .socket = find_socket(a->socket, path, sizeof path),
+                            .upload_limit = a->upload_mib << 20};
+    lf_status status = open_listeners(a, fds, &config.n_listen_fds, err);
     if (status != LF_OK)
         return status;
     if (sd_event_new(&event) < 0 || sd_event_add_signal(event, NULL, SIGINT, NULL, NULL) < 0 ||
         sd_event_add_signal(event, NULL, SIGTERM, NULL, NULL) < 0) {
-        close(fd);
+        close_all(fds, config.n_listen_fds);
         sd_event_unref(event);
         return lf_error_set(err, LF_E_NOMEM, "", "out of memory");
     }
-    status = lf_web_create(event, fd, find_socket(a->socket, path, sizeof path), &web, err);
+    status = lf_web_create(event, &config, &web, err);
     if (status == LF_OK)
         status = announce(web, a->url_file, err);
     if (status == LF_OK) {
@@ -138,7 +174,7 @@ static lf_status run(const arguments *a, lf_error *err)
 
 int main(int argc, char *argv[])
 {
-    arguments a = {0};
+    arguments a = {.upload_mib = LF_WEB_UPLOAD_LIMIT_MIB};
     lf_error err = {0};
     bool done = false;
     sigset_t signals;

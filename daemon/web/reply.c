@@ -3,6 +3,7 @@
 #include <nettle/base64.h>
 #include <nettle/sha1.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>
@@ -55,8 +56,7 @@ static void protect(struct MHD_Response *response, const char *type)
         MHD_add_response_header(response, "Content-Type", type);
 }
 
-/* Sends a response (NULL: out of memory, the connection ends) and gives it up. */
-static enum MHD_Result finish(struct MHD_Connection *connection, unsigned status,
+enum MHD_Result lf_reply_send(struct MHD_Connection *connection, unsigned status,
                               struct MHD_Response *response, const char *type)
 {
     if (!response)
@@ -78,21 +78,32 @@ enum MHD_Result lf_reply_text(struct MHD_Connection *connection, unsigned status
 {
     char line[640];
     snprintf(line, sizeof line, "%s\n", text);
-    return finish(connection, status, copy_of(line), "text/plain; charset=utf-8");
+    return lf_reply_send(connection, status, copy_of(line), "text/plain; charset=utf-8");
 }
 
-enum MHD_Result lf_reply_json(struct MHD_Connection *connection, const char *json)
+enum MHD_Result lf_reply_json(struct MHD_Connection *connection, unsigned status,
+                              const json_t *json)
 {
-    return finish(connection, MHD_HTTP_OK, copy_of(json), "application/json");
+    char *text = json ? json_dumps(json, JSON_COMPACT) : NULL;
+    enum MHD_Result sent =
+        lf_reply_send(connection, status, text ? copy_of(text) : NULL, "application/json");
+    free(text);
+    return sent;
+}
+
+enum MHD_Result lf_reply_metrics(struct MHD_Connection *connection, const char *text)
+{
+    return lf_reply_send(connection, MHD_HTTP_OK, copy_of(text),
+                         "text/plain; version=0.0.4; charset=utf-8");
 }
 
 enum MHD_Result lf_reply_page(struct MHD_Connection *connection, const lf_page *page)
 {
     unsigned char *data;
     memcpy(&data, &page->data, sizeof data); /* persistent, never written to */
-    return finish(connection, MHD_HTTP_OK,
-                  MHD_create_response_from_buffer(page->n, data, MHD_RESPMEM_PERSISTENT),
-                  page->type);
+    return lf_reply_send(connection, MHD_HTTP_OK,
+                         MHD_create_response_from_buffer(page->n, data, MHD_RESPMEM_PERSISTENT),
+                         page->type);
 }
 
 enum MHD_Result lf_reply_jpeg(struct MHD_Connection *connection, int fd, size_t size)
@@ -100,7 +111,7 @@ enum MHD_Result lf_reply_jpeg(struct MHD_Connection *connection, int fd, size_t 
     struct MHD_Response *response = MHD_create_response_from_fd(size, fd);
     if (!response)
         close(fd);
-    return finish(connection, MHD_HTTP_OK, response, "image/jpeg");
+    return lf_reply_send(connection, MHD_HTTP_OK, response, "image/jpeg");
 }
 
 enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guard *guard)
@@ -111,7 +122,7 @@ enum MHD_Result lf_reply_cookie(struct MHD_Connection *connection, const lf_guar
              guard->session.text);
     if (response)
         MHD_add_response_header(response, "Set-Cookie", cookie);
-    return finish(connection, MHD_HTTP_NO_CONTENT, response, NULL);
+    return lf_reply_send(connection, MHD_HTTP_NO_CONTENT, response, NULL);
 }
 
 /* RFC 6455, section 4.2.2. */

@@ -2,6 +2,7 @@
 #ifndef LF_DAEMON_WEB_REPLY_H
 #define LF_DAEMON_WEB_REPLY_H
 
+#include <jansson.h>
 #include <microhttpd.h>
 
 #include "daemon/web/guard.h"
@@ -10,10 +11,18 @@
 /* Collects the headers that lf_guard_check looks at. */
 void lf_reply_read(struct MHD_Connection *connection, const char *target, lf_guard_request *out);
 
+/* Sends a response, which is taken, with the headers of all answers. response NULL: out of memory,
+ * the connection ends. type NULL: no Content-Type. */
+enum MHD_Result lf_reply_send(struct MHD_Connection *connection, unsigned status,
+                              struct MHD_Response *response, const char *type);
 /* Each answers a connection. text: copied. */
 enum MHD_Result lf_reply_text(struct MHD_Connection *connection, unsigned status, const char *text);
 enum MHD_Result lf_reply_page(struct MHD_Connection *connection, const lf_page *page);
-enum MHD_Result lf_reply_json(struct MHD_Connection *connection, const char *json);
+/* json: borrowed. NULL: out of memory, the connection ends. */
+enum MHD_Result lf_reply_json(struct MHD_Connection *connection, unsigned status,
+                              const json_t *json);
+/* Prometheus text format. text: copied. */
+enum MHD_Result lf_reply_metrics(struct MHD_Connection *connection, const char *text);
 /* A JPEG of size bytes; fd is closed by libmicrohttpd. */
 enum MHD_Result lf_reply_jpeg(struct MHD_Connection *connection, int fd, size_t size);
 /* 204 with the cookie of the session. */

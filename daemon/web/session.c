@@ -8,8 +8,11 @@
 #include "base/alloc.h"
 #include "base/log.h"
 #include "daemon/web/allow.h"
+#include "daemon/web/exports.h"
 #include "daemon/web/image.h"
 #include "daemon/web/link.h"
+#include "daemon/web/memory.h"
+#include "daemon/web/rights.h"
 #include "daemon/web/ws.h"
 #include "daemon/wire/rpc.h"
 
@@ -27,6 +30,9 @@
 struct lf_session {
     lf_ws *ws;
     lf_link *link;
+    lf_uploads *uploads;
+    lf_exports *exports;
+    json_t *rights;        /* methods that the connection to quiltd is limited to */
     sd_event_source *reap; /* on once the session has ended */
     lf_session_ended_fn on_end;
     void *context;
@@ -45,8 +51,9 @@ struct lf_session {
 
 /* ----------------------------------------------------------------------------- to both sides -- */
 
-static void say(lf_session *s, json_t *message)
+static void say(void *context, json_t *message)
 {
+    lf_session *s = context;
     char *text = message ? json_dumps(message, JSON_COMPACT) : NULL;
     if (text)
         lf_ws_send_text(s->ws, text, strlen(text));
@@ -64,9 +71,10 @@ static void refuse(lf_session *s, const lf_rpc_request *request, int code, const
 }
 
 /* Sends a request to quiltd, and frees it. NULL: out of memory. */
-static void ask_daemon(lf_session *s, char *text, int fd)
+static void ask_daemon(void *context, char *text, const int *fds, int n_fds)
 {
-    if (!text || lf_link_send(s->link, text, strlen(text), fd) != LF_OK)
+    lf_session *s = context;
+    if (!text || lf_link_send_fds(s->link, text, strlen(text), fds, n_fds) != LF_OK)
         lf_ws_close(s->ws, LF_WS_INTERNAL, "out of memory");
     else if (lf_link_queued(s->link) > MAX_QUEUED_IN)
         lf_ws_close(s->ws, LF_WS_POLICY, "requests come faster than quiltd reads them");
@@ -74,18 +82,32 @@ static void ask_daemon(lf_session *s, char *text, int fd)
 }
 
 /* A line that is too long, because of 1e9 as 1000000000.0 for example, would be answered without
- * its id. */
-static void pass_on(lf_session *s, const lf_rpc_request *request)
+ * its id. Closes the descriptors. */
+static void pass_on(lf_session *s, const lf_rpc_request *request, const int *fds, int n_fds)
 {
     lf_error err = {0};
     char *text = json_dumps(request->message, JSON_COMPACT);
     if (!text || strlen(text) <= LF_RPC_MAX_LINE) {
-        ask_daemon(s, text, -1);
-        return;
+        ask_daemon(s, text, fds, n_fds);
+    } else {
+        free(text);
+        (void)lf_error_set(&err, LF_E_ARG, request->method, "the request is longer than 1 MiB");
+        refuse(s, request, LF_RPC_INVALID_REQUEST, &err);
     }
-    free(text);
-    (void)lf_error_set(&err, LF_E_ARG, request->method, "the request is longer than 1 MiB");
-    refuse(s, request, LF_RPC_INVALID_REQUEST, &err);
+    for (int i = 0; i < n_fds; i++)
+        close(fds[i]);
+}
+
+/* Uploads go as descriptors; files of another name do not. */
+static void pass_files(lf_session *s, const lf_rpc_request *request)
+{
+    int fds[LF_UPLOADS_A_CALL], n = 0;
+    lf_error err = {0};
+    const json_t *files = json_object_get(request->params, "files");
+    if (files && lf_uploads_take(s->uploads, files, fds, &n, &err) != LF_OK)
+        refuse(s, request, LF_RPC_INVALID_PARAMS, &err);
+    else
+        pass_on(s, request, fds, n);
 }
 
 /* ------------------------------------------------------------------------------------ images -- */
@@ -111,7 +133,7 @@ static void ask_image(lf_session *s)
     if (!s->preview.on || !s->preview.wanted || s->preview.asked || s->preview.unacked ||
         is_pacing(s) || lf_ws_queued(s->ws) > MAX_QUEUED_OUT)
         return;
-    if (lf_web_image_file(&s->preview.fd, &err) != LF_OK) {
+    if (lf_memory_create(&s->preview.fd, &err) != LF_OK) {
         lf_log_error(&err);
         return;
     }
@@ -123,7 +145,7 @@ static void ask_image(lf_session *s)
     s->preview.width_px = width;
     s->preview.wanted = false;
     s->preview.asked = true;
-    ask_daemon(s, json_dumps(message, JSON_COMPACT), s->preview.fd);
+    ask_daemon(s, json_dumps(message, JSON_COMPACT), &s->preview.fd, 1);
     json_decref(message);
     sd_event_source_set_time_relative(s->preview.pace, PREVIEW_PACE_USEC);
     sd_event_source_set_enabled(s->preview.pace, SD_EVENT_ONESHOT);
@@ -242,15 +264,21 @@ static void on_request(lf_session *s, const lf_rpc_request *request)
         refuse(s, request, LF_RPC_INVALID_PARAMS, &err);
         return;
     }
-    const lf_status status = lf_allow_check(request->method, request->params, &err);
+    lf_status status = lf_allow_check(request->method, request->params, &err);
     if (status != LF_OK) {
         refuse(s, request, status == LF_E_ARG ? LF_RPC_INVALID_PARAMS : LF_RPC_METHOD_NOT_FOUND,
                &err);
         return;
     }
+    if (strcmp(request->method, "export") == 0) {
+        status = lf_exports_begin(s->exports, request, &err);
+        if (status != LF_OK)
+            refuse(s, request, status == LF_E_ARG ? LF_RPC_INVALID_PARAMS : LF_RPC_BUSY, &err);
+        return;
+    }
     if (strcmp(request->method, "subscribe") == 0)
         keep_frames(json_object_get(request->params, "events"));
-    pass_on(s, request);
+    pass_files(s, request);
 }
 
 static void on_text(void *context, const char *text, size_t n)
@@ -268,27 +296,49 @@ static void on_text(void *context, const char *text, size_t n)
 
 /* --------------------------------------------------------------------------- lines of quiltd -- */
 
-/* True: the line is an answer to us. */
-static bool take_own(lf_session *s, const char *line, size_t n)
+static void limit_rights(lf_session *s)
 {
-    json_t *message = json_loadb(line, n, 0, NULL);
+    ask_daemon(s, lf_rights_line(s->rights), NULL, 0);
+}
+
+/* True: the message is an answer to us. */
+static bool take_own(lf_session *s, json_t *message)
+{
     const char *id = json_string_value(json_object_get(message, "id"));
-    const char *method = json_string_value(json_object_get(message, "method"));
-    const bool own = id && strncmp(id, OWN, strlen(OWN)) == 0;
-    if (own && strcmp(id, OWN_IMAGE) == 0)
+    lf_error err = {0};
+    if (!id || strncmp(id, OWN, strlen(OWN)) != 0)
+        return false;
+    const lf_rights_answer rights = lf_rights_read(message, s->rights, &err);
+    if (rights == LF_RIGHTS_AGAIN)
+        limit_rights(s);
+    else if (rights == LF_RIGHTS_REFUSED)
+        lf_ws_close(s->ws, LF_WS_INTERNAL, err.what);
+    else if (strcmp(id, OWN_IMAGE) == 0)
         take_image(s, message);
-    else if (method && strcmp(method, "frame") == 0)
-        note_frame(s, json_object_get(message, "params"));
-    json_decref(message);
-    return own;
+    else
+        (void)lf_exports_answer(s->exports, message);
+    return true;
+}
+
+static void note(lf_session *s, const json_t *message)
+{
+    const char *method = json_string_value(json_object_get(message, "method"));
+    const json_t *params = json_object_get(message, "params");
+    if (method && strcmp(method, "frame") == 0)
+        note_frame(s, params);
+    else if (method && strcmp(method, "export") == 0)
+        lf_exports_note(s->exports, params);
 }
 
 static void on_line(void *context, const char *line, size_t n)
 {
     lf_session *s = context;
-    if (n <= MAX_OWN_LINE && take_own(s, line, n))
-        return;
-    lf_ws_send_text(s->ws, line, n);
+    json_t *message = n <= MAX_OWN_LINE ? json_loadb(line, n, 0, NULL) : NULL;
+    if (!take_own(s, message)) {
+        lf_ws_send_text(s->ws, line, n);
+        note(s, message);
+    }
+    json_decref(message);
     if (lf_ws_queued(s->ws) > MAX_QUEUED_OUT)
         lf_link_pause(s->link, true);
 }
@@ -326,41 +376,63 @@ static int on_reap(sd_event_source *source, void *context)
     return 0;
 }
 
-static void connect_daemon(lf_session *s, sd_event *event, const char *socket)
+/* All that clients may call, and what the session calls for them. */
+static json_t *all_rights(void)
+{
+    json_t *rights = json_pack("[s]", "frame.get");
+    for (int i = 0; lf_allow_at(i); i++)
+        json_array_append_new(rights, json_string(lf_allow_at(i)));
+    return rights;
+}
+
+static void connect_daemon(lf_session *s, const lf_session_home *home)
 {
     static const char subscribe[] = "{\"jsonrpc\":\"2.0\",\"id\":\"" OWN
                                     "subscribe\",\"method\":\"subscribe\",\"params\":{\"events\":"
                                     "[\"frame\"]}}";
     const lf_link_events events = {.line = on_line, .ended = on_link_end, .context = s};
     lf_error err = {0};
-    lf_status status = lf_link_create(event, socket, &events, &s->link, &err);
-    if (status == LF_OK)
-        status = lf_link_send(s->link, subscribe, strlen(subscribe), -1);
-    if (status == LF_OK)
+    if (lf_link_create(home->event, home->socket, &events, &s->link, &err) != LF_OK) {
+        lf_log_error(&err);
+        lf_ws_close(s->ws, LF_WS_INTERNAL, err.what);
         return;
-    lf_log_error(&err);
-    lf_ws_close(s->ws, LF_WS_INTERNAL, err.what);
+    }
+    limit_rights(s);
+    if (lf_link_send(s->link, subscribe, strlen(subscribe), -1) != LF_OK)
+        lf_ws_close(s->ws, LF_WS_INTERNAL, "out of memory");
 }
 
-lf_status lf_session_create(sd_event *event, const char *socket, int fd, const void *early,
-                            size_t n, lf_session **out, lf_error *err)
+static lf_status set_up(lf_session *s, const lf_session_home *home, int fd, const void *early,
+                        size_t n, lf_error *err)
+{
+    const lf_ws_events events = {
+        .text = on_text, .flushed = on_flushed, .ended = on_ws_end, .context = s};
+    const lf_exports_events exports = {.say = say, .ask = ask_daemon, .context = s};
+    s->uploads = home->uploads;
+    s->preview.fd = -1;
+    s->rights = all_rights();
+    if (sd_event_add_defer(home->event, &s->reap, on_reap, s) < 0 ||
+        sd_event_source_set_enabled(s->reap, SD_EVENT_OFF) < 0 ||
+        sd_event_add_time_relative(home->event, &s->preview.pace, CLOCK_MONOTONIC, 0, 1, on_pace,
+                                   s) < 0 ||
+        sd_event_source_set_enabled(s->preview.pace, SD_EVENT_OFF) < 0)
+        return lf_error_set(err, LF_E_NOMEM, "session", "out of memory");
+    lf_status status = lf_exports_create(home->downloads, &exports, &s->exports, err);
+    return status == LF_OK ? lf_ws_create(home->event, fd, early, n, &events, &s->ws, err) : status;
+}
+
+lf_status lf_session_create(const lf_session_home *home, int fd, const void *early, size_t n,
+                            lf_session **out, lf_error *err)
 {
     lf_session *s = lf_calloc(1, sizeof *s);
     if (!s)
         return lf_error_set(err, LF_E_NOMEM, "session", "out of memory");
-    s->preview.fd = -1;
-    const lf_ws_events events = {
-        .text = on_text, .flushed = on_flushed, .ended = on_ws_end, .context = s};
-    if (sd_event_add_defer(event, &s->reap, on_reap, s) < 0 ||
-        sd_event_source_set_enabled(s->reap, SD_EVENT_OFF) < 0 ||
-        sd_event_add_time_relative(event, &s->preview.pace, CLOCK_MONOTONIC, 0, 1, on_pace, s) <
-            0 ||
-        sd_event_source_set_enabled(s->preview.pace, SD_EVENT_OFF) < 0 ||
-        lf_ws_create(event, fd, early, n, &events, &s->ws, err) != LF_OK) {
+    lf_status status = set_up(s, home, fd, early, n, err);
+    if (status != LF_OK) {
         lf_session_destroy(s);
-        return lf_error_set(err, LF_E_NOMEM, "session", "out of memory");
+        return status;
     }
-    connect_daemon(s, event, socket);
+    connect_daemon(s, home);
     *out = s;
     return LF_OK;
 }
@@ -377,6 +449,8 @@ void lf_session_destroy(lf_session *session)
         return;
     lf_ws_destroy(session->ws);
     lf_link_destroy(session->link);
+    lf_exports_destroy(session->exports);
+    json_decref(session->rights);
     forget_image(session);
     sd_event_source_disable_unref(session->reap);
     sd_event_source_disable_unref(session->preview.pace);

@@ -1,129 +1,20 @@
-#include "daemon/web/web.h"
+#include "daemon/web/web_internal.h"
 
-#include <arpa/inet.h>
 #include <errno.h>
-#include <microhttpd.h>
-#include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
-#include <systemd/sd-daemon.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "base/alloc.h"
-#include "base/errno_text.h"
 #include "base/log.h"
-#include "base/number.h"
-#include "daemon/web/fetch.h"
-#include "daemon/web/guard.h"
 #include "daemon/web/reply.h"
-#include "daemon/web/session.h"
+#include "daemon/wire/rpc.h"
 
-#define MAX_FETCHES 8
 #define HEADER_BYTES ((size_t)32768)
 #define IDLE_S 10u
-#define DEADLINE_USEC ((uint64_t)10000000)
-
-/* A WebSocket: a session and the socket that libmicrohttpd lends. */
-typedef struct seat {
-    struct seat *next;
-    lf_web *web;
-    lf_session *session;
-    struct MHD_UpgradeResponseHandle *handle;
-} seat;
-
-/* A request that passed the guard. */
-typedef struct request {
-    struct request *next;
-    lf_web *web;
-    struct MHD_Connection *connection;
-    lf_fetch *fetch; /* NULL: none was asked for */
-} request;
-
-struct lf_web {
-    sd_event *event;
-    char *socket;
-    lf_guard guard;
-    int port;
-    char url[96];
-    struct MHD_Daemon *http;
-    sd_event_source *io, *timer; /* timer: libmicrohttpd wants to run */
-    seat *seats;
-    int n_seats;
-    request *requests;
-    int n_fetches;
-    bool ending; /* nobody is let in any more */
-};
-
-/* --------------------------------------------------------------------------------- listening -- */
-
-static lf_status address_of(const char *text, struct sockaddr_storage *out, socklen_t *out_size,
-                            lf_error *err)
-{
-    struct sockaddr_in v4 = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    struct sockaddr_in6 v6 = {.sin6_family = AF_INET6, .sin6_addr = IN6ADDR_LOOPBACK_INIT};
-    static const char v4_name[] = "127.0.0.1:", v6_name[] = "[::1]:";
-    const bool is_v4 = strncmp(text, v4_name, strlen(v4_name)) == 0;
-    const bool is_v6 = strncmp(text, v6_name, strlen(v6_name)) == 0;
-    const char *port_text = text + (is_v6 ? strlen(v6_name) : strlen(v4_name));
-    uint64_t port = 0;
-    if ((!is_v4 && !is_v6) || !lf_whole_is(port_text, &port) || port > 65535)
-        return lf_error_set(err, LF_E_ARG, "--listen",
-                            "expects 127.0.0.1:PORT or [::1]:PORT, got \"%s\"", text);
-    v4.sin_port = v6.sin6_port = htons((uint16_t)port);
-    memset(out, 0, sizeof *out);
-    *out_size = is_v6 ? sizeof v6 : sizeof v4;
-    memcpy(out, is_v6 ? (const void *)&v6 : (const void *)&v4, *out_size);
-    return LF_OK;
-}
-
-lf_status lf_web_listen(const char *address, int *out_fd, lf_error *err)
-{
-    struct sockaddr_storage storage;
-    socklen_t size = 0;
-    lf_status status = address_of(address, &storage, &size, err);
-    if (status != LF_OK)
-        return status;
-    int fd = socket(storage.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    const int on = 1;
-    if (fd >= 0 && setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
-        bind(fd, (const struct sockaddr *)&storage, size) == 0 && listen(fd, 32) == 0) {
-        *out_fd = fd;
-        return LF_OK;
-    }
-    const int why = errno;
-    if (fd >= 0)
-        close(fd);
-    return lf_error_set(err, why == EADDRINUSE ? LF_E_BUSY : LF_E_IO, address, "cannot listen: %s",
-                        lf_errno_text(why));
-}
-
-/* Finds port and name of a listening socket, which must be on a loopback address. */
-static lf_status look_at_socket(lf_web *web, int fd, bool *out_v6, lf_error *err)
-{
-    union {
-        struct sockaddr any;
-        struct sockaddr_in v4;
-        struct sockaddr_in6 v6;
-    } address = {.any.sa_family = AF_UNSPEC};
-    socklen_t size = sizeof address;
-    const bool listens = sd_is_socket(fd, AF_UNSPEC, SOCK_STREAM, 1) > 0 &&
-                         getsockname(fd, &address.any, &size) == 0;
-    const bool v4 = listens && address.any.sa_family == AF_INET &&
-                    address.v4.sin_addr.s_addr == htonl(INADDR_LOOPBACK);
-    const bool v6 =
-        listens && address.any.sa_family == AF_INET6 && IN6_IS_ADDR_LOOPBACK(&address.v6.sin6_addr);
-    if (!v4 && !v6)
-        return lf_error_set(err, LF_E_ARG, "socket",
-                            "quiltweb listens on 127.0.0.1 or [::1] alone; put a server with TLS "
-                            "in front to reach it from elsewhere");
-    web->port = ntohs(v6 ? address.v6.sin6_port : address.v4.sin_port);
-    *out_v6 = v6;
-    return LF_OK;
-}
 
 /* --------------------------------------------------------------------- libmicrohttpd's turns -- */
 
@@ -153,217 +44,162 @@ static int on_time(sd_event_source *source, uint64_t usec, void *context)
     return on_turn(context);
 }
 
-/* libmicrohttpd has something to do. */
-static void wake(lf_web *web)
+void lf_web_wake(lf_web *web)
 {
     sd_event_source_set_time_relative(web->timer, 0);
     sd_event_source_set_enabled(web->timer, SD_EVENT_ONESHOT);
 }
 
-static int on_deadline(sd_event_source *source, uint64_t usec, void *context)
+/* ------------------------------------------------------------------------------- connections -- */
+
+static void accept_more(lf_web *web, bool more)
 {
-    (void)usec;
-    struct MHD_Connection *connection = context;
-    const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
-    if (info)
-        shutdown(info->connect_fd, SHUT_RDWR); /* libmicrohttpd sees the end */
-    sd_event_source_set_enabled(source, SD_EVENT_OFF);
-    return 0;
+    for (int i = 0; i < web->n_listeners; i++)
+        sd_event_source_set_enabled(web->accept[i], more ? SD_EVENT_ON : SD_EVENT_OFF);
 }
 
-/* The context of a connection is its deadline. */
-static void on_connection(void *context, struct MHD_Connection *connection, void **deadline,
+/* One a turn. Above the limit, connections wait in the kernel. */
+static int on_accept(sd_event_source *source, int fd, uint32_t what, void *context)
+{
+    (void)source;
+    (void)what;
+    lf_web *web = context;
+    struct sockaddr_storage address = {0};
+    socklen_t size = sizeof address;
+    int peer = accept4(fd, (struct sockaddr *)&address, &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    const bool full = peer < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOMEM);
+    if (peer >= 0) /* on failure it is closed */
+        (void)MHD_add_connection(web->http, peer, (const struct sockaddr *)&address, size);
+    if (web->counts.connections >= LF_WEB_MAX_CONNECTIONS || (full && web->counts.connections > 0))
+        accept_more(web, false);
+    return on_turn(web);
+}
+
+/* The context of a connection is its patience. */
+static void on_connection(void *context, struct MHD_Connection *connection, void **patience,
                           enum MHD_ConnectionNotificationCode what)
 {
     lf_web *web = context;
-    sd_event_source *timer = NULL;
+    lf_patience *new = NULL;
+    const union MHD_ConnectionInfo *info =
+        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     if (what == MHD_CONNECTION_NOTIFY_STARTED) {
-        if (sd_event_add_time_relative(web->event, &timer, CLOCK_MONOTONIC, DEADLINE_USEC, 0,
-                                       on_deadline, connection) >= 0)
-            *deadline = timer;
+        web->counts.connections++;
+        if (info &&
+            lf_patience_create(web->event, info->connect_fd, LF_WEB_DEADLINE_USEC, &new) == LF_OK)
+            *patience = new;
         return;
     }
-    sd_event_source_disable_unref(*deadline);
-    *deadline = NULL;
+    web->counts.connections--;
+    lf_patience_destroy(*patience);
+    *patience = NULL;
+    if (!web->ending)
+        accept_more(web, true);
 }
 
-/* -------------------------------------------------------------------------------- WebSockets -- */
-
-static void leave_seat(seat *gone)
+lf_patience *lf_request_patience(struct MHD_Connection *connection)
 {
-    lf_web *web = gone->web;
-    for (seat **at = &web->seats; *at; at = &(*at)->next) {
-        if (*at != gone)
-            continue;
-        *at = gone->next;
-        break;
-    }
-    web->n_seats--;
-    lf_session_destroy(gone->session);
-    MHD_upgrade_action(gone->handle, MHD_UPGRADE_ACTION_CLOSE);
-    lf_free(gone);
-    wake(web);
-}
-
-static void on_session_end(void *context, lf_session *session)
-{
-    (void)session;
-    leave_seat(context);
-}
-
-static void on_upgrade(void *context, struct MHD_Connection *connection, void *req,
-                       const char *early, size_t n, MHD_socket fd,
-                       struct MHD_UpgradeResponseHandle *handle)
-{
-    (void)req;
-    lf_web *web = context;
-    lf_error err = {0};
-    const bool room = !web->ending && web->n_seats < LF_WEB_MAX_SESSIONS;
-    seat *new = room ? lf_calloc(1, sizeof *new) : NULL;
     const union MHD_ConnectionInfo *info =
         MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
-    if (info && info->socket_context)
-        sd_event_source_set_enabled(info->socket_context, SD_EVENT_OFF);
-    if (!new ||
-        lf_session_create(web->event, web->socket, fd, early, n, &new->session, &err) != LF_OK) {
-        lf_free(new);
-        MHD_upgrade_action(handle, MHD_UPGRADE_ACTION_CLOSE);
-        wake(web);
-        return;
-    }
-    new->web = web;
-    new->handle = handle;
-    new->next = web->seats;
-    web->seats = new;
-    web->n_seats++;
-    lf_session_on_end(new->session, on_session_end, new);
-}
-
-static bool has_word(const char *list, const char *word)
-{
-    const size_t length = strlen(word);
-    for (const char *at = list; at && *at;) {
-        at += strspn(at, ", \t");
-        const size_t n = strcspn(at, ", \t");
-        if (n == length && strncasecmp(at, word, n) == 0)
-            return true;
-        at += n;
-    }
-    return false;
-}
-
-static enum MHD_Result answer_handshake(lf_web *web, struct MHD_Connection *connection,
-                                        const lf_guard_request *headers)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const char *value[4];
-    static const char *const names[] = {"Upgrade", "Connection", "Sec-WebSocket-Version",
-                                        "Sec-WebSocket-Key"};
-    for (int i = 0; i < 4; i++)
-        value[i] = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, names[i]);
-    if (!lf_guard_may_connect(&web->guard, headers))
-        return lf_reply_text(connection, 401, "the token is missing or wrong");
-    if (!has_word(value[0], "websocket") || !has_word(value[1], "upgrade") || !value[2] ||
-        strcmp(value[2], "13") != 0)
-        return lf_reply_text(connection, 426, "expects a WebSocket of version 13");
-    if (!value[3] || strlen(value[3]) != 24 || strspn(value[3], digits) != 22 ||
-        strcmp(value[3] + 22, "==") != 0)
-        return lf_reply_text(connection, 400, "Sec-WebSocket-Key is not 16 bytes in base64");
-    if (web->n_seats >= LF_WEB_MAX_SESSIONS)
-        return lf_reply_text(connection, 503, "too many clients");
-    return lf_reply_upgrade(connection, value[3], on_upgrade, web);
+    return info ? info->socket_context : NULL;
 }
 
 /* ---------------------------------------------------------------------------------- requests -- */
 
-static void on_fetched(void *context)
+void lf_request_resume(lf_request *r)
 {
-    request *r = context;
     MHD_resume_connection(r->connection);
-    wake(r->web);
+    lf_web_wake(r->web);
 }
 
-static enum MHD_Result begin_fetch(request *r, lf_fetch_kind kind)
+enum MHD_Result lf_request_refuse(lf_request *r, unsigned status, const char *why)
 {
-    lf_web *web = r->web;
-    lf_error err = {0};
-    if (web->n_fetches >= MAX_FETCHES)
-        return lf_reply_text(r->connection, 503, "too many requests");
-    if (lf_fetch_create(web->event, web->socket, kind, on_fetched, r, &r->fetch, &err) != LF_OK)
-        return lf_reply_text(r->connection, 503, err.what);
-    web->n_fetches++;
-    MHD_suspend_connection(r->connection);
-    return MHD_YES;
+    r->route = NULL;
+    return lf_reply_text(r->connection, status, why);
 }
 
-static enum MHD_Result answer_fetch(request *r)
+enum MHD_Result lf_request_refuse_json(lf_request *r, unsigned status, int code,
+                                       const lf_error *err)
 {
-    const char *text = NULL;
-    int fd = -1;
-    size_t size = 0;
-    lf_error err = {0};
-    lf_status status = lf_fetch_result(r->fetch, &text, &fd, &size, &err);
-    if (status != LF_OK)
-        return lf_reply_text(r->connection, 503, err.what);
-    return text ? lf_reply_json(r->connection, text) : lf_reply_jpeg(r->connection, fd, size);
+    char text[sizeof *err + 32];
+    json_t *answer = json_pack("{s:{s:i, s:o}}", "error", "code", code, "message",
+                               lf_rpc_text(lf_error_format(err, text, sizeof text)));
+    r->route = NULL;
+    enum MHD_Result sent = lf_reply_json(r->connection, status, answer);
+    json_decref(answer);
+    return sent;
 }
 
-static enum MHD_Result answer(request *r, const char *path, const char *method,
-                              const lf_guard_request *headers)
+static bool may_ask(const lf_guard *guard, lf_route_needs needs, const lf_guard_request *headers)
 {
-    static const char no_token[] = "the token is missing or wrong";
-    const lf_guard *guard = &r->web->guard;
-    const bool get = strcmp(method, "GET") == 0;
-    const lf_page *page = lf_page_find(path);
-    const bool status = strcmp(path, "/api/status") == 0;
-    const bool login = strcmp(path, "/api/login") == 0, rpc = strcmp(path, "/rpc") == 0;
-    if (!page && !status && !login && !rpc && strcmp(path, "/preview.jpg") != 0)
-        return lf_reply_text(r->connection, 404, "no such page");
-    if (login ? strcmp(method, "POST") != 0 : !get && !(page && strcmp(method, "HEAD") == 0))
-        return lf_reply_text(r->connection, 405, "the method is not allowed here");
-    if (page)
-        return lf_reply_page(r->connection, page);
-    if (rpc)
-        return answer_handshake(r->web, r->connection, headers);
-    if (login)
-        return lf_guard_has_token(guard, headers) ? lf_reply_cookie(r->connection, guard)
-                                                  : lf_reply_text(r->connection, 401, no_token);
-    if (!lf_guard_has_token(guard, headers) && !lf_guard_has_cookie(guard, headers))
-        return lf_reply_text(r->connection, 401, no_token);
-    return begin_fetch(r, status ? LF_FETCH_STATUS : LF_FETCH_STILL);
+    if (needs == LF_NEEDS_TO_WRITE)
+        return lf_guard_may_write(guard, headers);
+    return needs == LF_NEEDS_NOTHING || lf_guard_has_token(guard, headers) ||
+           (needs == LF_NEEDS_TOKEN_OR_COOKIE && lf_guard_has_cookie(guard, headers));
 }
 
-/* libmicrohttpd calls this once the headers are there, and again when an answer may be made. */
+/* The headers are there: refuses the request, or makes *out of it. */
+static enum MHD_Result begin_request(lf_web *web, struct MHD_Connection *connection,
+                                     const char *path, const char *method, lf_request **out)
+{
+    lf_guard_request headers;
+    const char *why = NULL;
+    unsigned status = 0;
+    const lf_route *route = lf_route_find(path, method, &status);
+    web->counts.requests++;
+    lf_reply_read(connection, path, &headers);
+    headers.takes_body = route && route->has_body;
+    headers.body_limit = web->upload_limit;
+    const int refused = lf_guard_check(&web->guard, &headers, &why);
+    web->counts.refused += refused != 0;
+    if (refused)
+        return lf_reply_text(connection, (unsigned)refused, why);
+    if (!route)
+        return lf_reply_text(connection, status,
+                             status == 404 ? "no such page" : "the method is not allowed here");
+    if (!may_ask(&web->guard, route->needs, &headers)) {
+        web->counts.refused++;
+        return lf_reply_text(connection, 401, "the token is missing or wrong");
+    }
+    lf_request *r = lf_calloc(1, sizeof *r);
+    if (!r)
+        return MHD_NO;
+    *r = (lf_request){.web = web,
+                      .connection = connection,
+                      .path = path,
+                      .route = route,
+                      .fd = -1,
+                      .next = web->requests};
+    web->requests = r;
+    *out = r;
+    return route->check ? route->check(r) : MHD_YES;
+}
+
+/* libmicrohttpd calls this once the headers are there, for the parts of a body, and again when an
+ * answer may be made. */
 static enum MHD_Result on_request(void *context, struct MHD_Connection *connection,
                                   const char *path, const char *method, const char *version,
                                   const char *body, size_t *n_body, void **out_request)
 {
     (void)version;
-    (void)body;
     lf_web *web = context;
-    request *r = *out_request;
-    lf_guard_request headers;
-    const char *why = NULL;
+    lf_request *r = *out_request;
     if (web->ending)
         return MHD_NO;
-    lf_reply_read(connection, path, &headers);
-    const int refused = r ? 0 : lf_guard_check(&web->guard, &headers, &why);
-    if (refused)
-        return lf_reply_text(connection, (unsigned)refused, why);
-    if (*n_body > 0) {
-        *n_body = 0; /* the guard has refused every request that announces a body */
-        return MHD_YES;
+    if (!r) {
+        enum MHD_Result result = begin_request(web, connection, path, method, &r);
+        *out_request = r;
+        return result;
     }
-    if (r)
-        return r->fetch ? answer_fetch(r) : answer(r, path, method, &headers);
-    r = lf_calloc(1, sizeof *r);
-    if (!r)
-        return MHD_NO;
-    *r = (request){.next = web->requests, .web = web, .connection = connection};
-    web->requests = r;
-    *out_request = r;
-    return MHD_YES;
+    const size_t n = *n_body;
+    *n_body = 0;
+    if (!r->route)
+        return MHD_YES; /* it is answered; what still comes is lost */
+    if (n > 0)
+        return lf_put_take(r, body, n);
+    const bool first = !r->acted;
+    r->acted = true;
+    return first ? r->route->act(r) : r->route->finish(r);
 }
 
 static void on_completed(void *context, struct MHD_Connection *connection, void **out_request,
@@ -372,17 +208,23 @@ static void on_completed(void *context, struct MHD_Connection *connection, void 
     (void)connection;
     (void)why;
     lf_web *web = context;
-    request *gone = *out_request;
+    lf_request *gone = *out_request;
     if (!gone)
         return;
-    for (request **at = &web->requests; *at; at = &(*at)->next) {
+    for (lf_request **at = &web->requests; *at; at = &(*at)->next) {
         if (*at != gone)
             continue;
         *at = gone->next;
         break;
     }
     web->n_fetches -= gone->fetch ? 1 : 0;
+    web->n_streams -= gone->stream ? 1 : 0;
     lf_fetch_destroy(gone->fetch);
+    lf_stream_destroy(gone->stream);
+    lf_upload_drop(gone->upload);
+    json_decref(gone->query);
+    if (gone->fd >= 0)
+        close(gone->fd);
     lf_free(gone);
     *out_request = NULL;
 }
@@ -399,57 +241,79 @@ static void on_log(void *context, const char *format, va_list arguments)
     lf_log(LF_LOG_DEBUG, "http: %s", text);
 }
 
-static lf_status start(lf_web *web, int listen_fd, bool v6, lf_error *err)
+static lf_status start(lf_web *web, lf_error *err)
 {
-    const unsigned flags = MHD_USE_EPOLL | MHD_ALLOW_UPGRADE | MHD_ALLOW_SUSPEND_RESUME |
-                           MHD_USE_ERROR_LOG | (v6 ? MHD_USE_IPv6 : 0u);
+    const unsigned flags = MHD_USE_EPOLL | MHD_USE_NO_LISTEN_SOCKET | MHD_ALLOW_UPGRADE |
+                           MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG;
     web->http = MHD_start_daemon(
         flags, 0, NULL, NULL, on_request, web, MHD_OPTION_EXTERNAL_LOGGER, on_log, web,
-        MHD_OPTION_LISTEN_SOCKET, listen_fd, MHD_OPTION_CONNECTION_LIMIT,
-        (unsigned)LF_WEB_MAX_CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S,
-        MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES, MHD_OPTION_STRICT_FOR_CLIENT, 1,
-        MHD_OPTION_NOTIFY_CONNECTION, on_connection, web, MHD_OPTION_NOTIFY_COMPLETED, on_completed,
-        web, MHD_OPTION_END);
+        MHD_OPTION_CONNECTION_LIMIT, (unsigned)LF_WEB_MAX_CONNECTIONS,
+        MHD_OPTION_CONNECTION_TIMEOUT, IDLE_S, MHD_OPTION_CONNECTION_MEMORY_LIMIT, HEADER_BYTES,
+        MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_NOTIFY_CONNECTION, on_connection, web,
+        MHD_OPTION_NOTIFY_COMPLETED, on_completed, web, MHD_OPTION_END);
     const union MHD_DaemonInfo *info =
         web->http ? MHD_get_daemon_info(web->http, MHD_DAEMON_INFO_EPOLL_FD) : NULL;
     if (!info)
         return lf_error_set(err, LF_E_IO, "http", "cannot start the server");
-    if (sd_event_add_io(web->event, &web->io, info->epoll_fd, EPOLLIN, on_io, web) < 0 ||
-        /* accuracy 1: 0 stands for a quarter of a second */
-        sd_event_add_time_relative(web->event, &web->timer, CLOCK_MONOTONIC, 0, 1, on_time, web) <
-            0)
-        return lf_error_set(err, LF_E_NOMEM, "http", "out of memory");
-    return LF_OK;
+    bool made = sd_event_add_io(web->event, &web->io, info->epoll_fd, EPOLLIN, on_io, web) >= 0 &&
+                /* accuracy 1: 0 stands for a quarter of a second */
+                sd_event_add_time_relative(web->event, &web->timer, CLOCK_MONOTONIC, 0, 1, on_time,
+                                           web) >= 0;
+    for (int i = 0; i < web->n_listeners && made; i++)
+        made = sd_event_add_io(web->event, &web->accept[i], web->listen_fd[i], EPOLLIN, on_accept,
+                               web) >= 0;
+    return made ? LF_OK : lf_error_set(err, LF_E_NOMEM, "http", "out of memory");
 }
 
-lf_status lf_web_create(sd_event *event, int listen_fd, const char *socket, lf_web **out,
-                        lf_error *err)
+/* Looks at the sockets, which must be at one port, and writes the URL of the first. */
+static lf_status look_at_listeners(lf_web *web, lf_error *err)
 {
-    bool v6 = false;
+    lf_status status = LF_OK;
+    bool v6 = false, first_v6 = false;
+    for (int i = 0; i < web->n_listeners && status == LF_OK; i++) {
+        int port = 0;
+        status = lf_web_listener_look(web->listen_fd[i], &port, &v6, err);
+        if (status == LF_OK && i > 0 && port != web->port)
+            status = lf_error_set(err, LF_E_ARG, "socket", "all sockets need the same port");
+        web->port = i == 0 ? port : web->port;
+        first_v6 = i == 0 ? v6 : first_v6;
+    }
+    if (status == LF_OK)
+        status = lf_guard_init(&web->guard, web->port, err);
+    if (status == LF_OK)
+        snprintf(web->url, sizeof web->url, "http://%s:%d/#%s", first_v6 ? "[::1]" : "127.0.0.1",
+                 web->port, web->guard.token.text);
+    return status;
+}
+
+lf_status lf_web_create(sd_event *event, const lf_web_config *config, lf_web **out, lf_error *err)
+{
     lf_web *web = lf_calloc(1, sizeof *web);
-    char *path = lf_strdup(socket);
+    char *path = lf_strdup(config->socket);
     if (!web || !path) {
         lf_free(web);
         lf_free(path);
-        close(listen_fd);
+        for (int i = 0; i < config->n_listen_fds; i++)
+            close(config->listen_fds[i]);
         return lf_error_set(err, LF_E_NOMEM, "http", "out of memory");
     }
-    *web = (lf_web){.event = event, .socket = path};
-    lf_status status = look_at_socket(web, listen_fd, &v6, err);
+    *web = (lf_web){.event = event,
+                    .socket = path,
+                    .upload_limit = config->upload_limit,
+                    .n_listeners = config->n_listen_fds};
+    memcpy(web->listen_fd, config->listen_fds, (size_t)web->n_listeners * sizeof(int));
+    lf_status status = look_at_listeners(web, err);
     if (status == LF_OK)
-        status = lf_guard_init(&web->guard, web->port, err);
-    if (status != LF_OK)
-        close(listen_fd);
+        status = lf_uploads_create(event, config->upload_limit, &web->uploads, err);
+    if (status == LF_OK)
+        status = lf_downloads_create(event, LF_DOWNLOADS_LIMIT, &web->downloads, err);
+    if (status == LF_OK)
+        status = start(web, err);
+    if (status == LF_OK)
+        *out = web;
     else
-        status = start(web, listen_fd, v6, err);
-    if (status != LF_OK) {
         lf_web_destroy(web);
-        return status;
-    }
-    snprintf(web->url, sizeof web->url, "http://%s:%d/#%s", v6 ? "[::1]" : "127.0.0.1", web->port,
-             web->guard.token.text);
-    *out = web;
-    return LF_OK;
+    return status;
 }
 
 void lf_web_destroy(lf_web *web)
@@ -457,15 +321,23 @@ void lf_web_destroy(lf_web *web)
     if (!web)
         return;
     web->ending = true;
-    while (web->seats)
-        leave_seat(web->seats);
-    for (request *r = web->requests; r; r = r->next)
+    for (int i = 0; i < web->n_listeners; i++) {
+        sd_event_source_disable_unref(web->accept[i]);
+        close(web->listen_fd[i]);
+    }
+    lf_seats_leave(web);
+    for (lf_request *r = web->requests; r; r = r->next) {
         if (r->fetch)
             lf_fetch_cancel(r->fetch);
+        if (r->stream)
+            lf_stream_end(r->stream);
+    }
     if (web->http) {
         MHD_run(web->http); /* what was resumed must run before the end */
         MHD_stop_daemon(web->http);
     }
+    lf_uploads_destroy(web->uploads);
+    lf_downloads_destroy(web->downloads);
     sd_event_source_disable_unref(web->io);
     sd_event_source_disable_unref(web->timer);
     lf_free(web->socket);

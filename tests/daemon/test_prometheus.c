@@ -4,7 +4,7 @@
 
 #include <regex.h>
 
-#include "daemon/tools/prometheus.h"
+#include "daemon/wire/prometheus.h"
 
 #define NAME "quiltd_[a-z_]+"
 #define LABEL "[a-z]+=\"([^\"\\\\\n]|\\\\[\\\\\"n])*\""

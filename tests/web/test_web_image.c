@@ -3,6 +3,7 @@
 
 #include "base/alloc.h"
 #include "daemon/web/image.h"
+#include "daemon/web/memory.h"
 
 enum { COARSE = 1, COMPLETE = 2, CONVERGED = 3 };
 
@@ -115,7 +116,7 @@ static void a_message_is_the_header_and_the_file(void **state)
     size_t n = 0;
     int fd = -1;
     json_t *result = result_of(5);
-    lf_assert_ok(lf_web_image_file(&fd, &err), &err);
+    lf_assert_ok(lf_memory_create(&fd, &err), &err);
     assert_int_equal(write(fd, "image", 5), 5);
     lf_assert_ok(lf_web_image_read(result, fd, &p, &err), &err);
     assert_int_equal(p.generation, 5);
@@ -136,7 +137,7 @@ static void results_that_cannot_be_are_refused(void **state)
     lf_web_image p;
     int fd = -1;
     static const char *const keys[] = {"columns", "rows", "views", "width", "height", "bytes"};
-    lf_assert_ok(lf_web_image_file(&fd, &err), &err);
+    lf_assert_ok(lf_memory_create(&fd, &err), &err);
     assert_int_equal(write(fd, "image", 5), 5);
     json_t *result = result_of(4);
     lf_assert_status(lf_web_image_read(result, fd, &p, &err), LF_E_FORMAT, &err);
@@ -167,7 +168,7 @@ static void a_file_that_is_not_there_is_no_message(void **state)
     size_t n = 0;
     int fd = -1;
     lf_web_image p = {.bytes = 5};
-    lf_assert_ok(lf_web_image_file(&fd, &err), &err);
+    lf_assert_ok(lf_memory_create(&fd, &err), &err);
     lf_assert_status(lf_web_image_message(&p, fd, &data, &n, &err), LF_E_IO, &err);
     p.bytes = LF_WEB_IMAGE_MAX_BYTES + 1;
     lf_assert_status(lf_web_image_message(&p, fd, &data, &n, &err), LF_E_NOMEM, &err);

@@ -1,4 +1,4 @@
-#include "daemon/tools/prometheus.h"
+#include "daemon/wire/prometheus.h"
 
 #include <string.h>
 

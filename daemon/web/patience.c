@@ -1,0 +1,86 @@
+#include "daemon/web/patience.h"
+
+#include <sys/socket.h>
+#include <time.h>
+
+#include "base/alloc.h"
+
+struct lf_patience {
+    int fd;
+    sd_event_source *timer;
+    uint64_t period_usec;
+    size_t moved; /* in this period */
+    bool paced;
+};
+
+static void arm(lf_patience *patience)
+{
+    patience->moved = 0;
+    sd_event_source_set_time_relative(patience->timer, patience->period_usec);
+    sd_event_source_set_enabled(patience->timer, SD_EVENT_ONESHOT);
+}
+
+static int on_time(sd_event_source *source, uint64_t usec, void *context)
+{
+    (void)source;
+    (void)usec;
+    lf_patience *patience = context;
+    if (patience->paced && patience->moved >= LF_PATIENCE_BYTES)
+        arm(patience);
+    else
+        shutdown(patience->fd, SHUT_RDWR);
+    return 0;
+}
+
+lf_status lf_patience_create(sd_event *event, int fd, uint64_t usec, lf_patience **out)
+{
+    lf_patience *patience = lf_calloc(1, sizeof *patience);
+    if (!patience)
+        return LF_E_NOMEM;
+    *patience = (lf_patience){.fd = fd, .period_usec = usec};
+    if (sd_event_add_time_relative(event, &patience->timer, CLOCK_MONOTONIC, usec, 0, on_time,
+                                   patience) < 0) {
+        lf_free(patience);
+        return LF_E_NOMEM;
+    }
+    *out = patience;
+    return LF_OK;
+}
+
+void lf_patience_destroy(lf_patience *patience)
+{
+    if (!patience)
+        return;
+    sd_event_source_disable_unref(patience->timer);
+    lf_free(patience);
+}
+
+void lf_patience_wait(lf_patience *patience, uint64_t usec)
+{
+    if (!patience)
+        return;
+    patience->paced = false;
+    patience->period_usec = usec;
+    arm(patience);
+}
+
+void lf_patience_pace(lf_patience *patience, uint64_t usec)
+{
+    if (!patience)
+        return;
+    patience->paced = true;
+    patience->period_usec = usec;
+    arm(patience);
+}
+
+void lf_patience_note(lf_patience *patience, size_t n)
+{
+    if (patience)
+        patience->moved += n;
+}
+
+void lf_patience_stop(lf_patience *patience)
+{
+    if (patience)
+        sd_event_source_set_enabled(patience->timer, SD_EVENT_OFF);
+}

@@ -1,0 +1,139 @@
+/* web_internal: what the files of the HTTP server share.
+ *
+ * web.c       sockets, libmicrohttpd's turns, the life of a request
+ * routes.c    the table of paths, and requests without a body
+ * puts.c      PUT: uploads, and quilts for quiltd
+ * sends.c     downloads, and streams of images
+ * seats.c     WebSockets: handshakes and sessions
+ *
+ * libmicrohttpd calls a request several times: once its headers are there (`check` may refuse it
+ * before a byte of the body is read), for each part of the body, when the body is there (`act`),
+ * and after the request was suspended (`finish`). Thread: event. */
+#ifndef LF_DAEMON_WEB_WEB_INTERNAL_H
+#define LF_DAEMON_WEB_WEB_INTERNAL_H
+
+#include <jansson.h>
+#include <microhttpd.h>
+
+#include "daemon/web/counts.h"
+#include "daemon/web/downloads.h"
+#include "daemon/web/fetch.h"
+#include "daemon/web/guard.h"
+#include "daemon/web/listen.h"
+#include "daemon/web/patience.h"
+#include "daemon/web/stream.h"
+#include "daemon/web/uploads.h"
+#include "daemon/web/web.h"
+
+#define LF_WEB_MAX_FETCHES 8
+#define LF_WEB_MAX_STREAMS 4
+/* A request has so long, except where pace or patience of its own are set. */
+#define LF_WEB_DEADLINE_USEC ((uint64_t)10000000)
+/* A client of a download or a stream has so long for LF_PATIENCE_BYTES. */
+#define LF_WEB_SLOW_S 60u
+
+typedef struct lf_seat lf_seat;
+typedef struct lf_request lf_request;
+
+struct lf_web {
+    sd_event *event;
+    char *socket;
+    uint64_t upload_limit;
+    lf_guard guard;
+    int port;
+    char url[96];
+    struct MHD_Daemon *http;
+    sd_event_source *io, *timer; /* timer: libmicrohttpd wants to run */
+    sd_event_source *accept[LF_WEB_MAX_LISTENERS];
+    int listen_fd[LF_WEB_MAX_LISTENERS], n_listeners;
+    lf_seat *seats;
+    int n_seats;
+    lf_request *requests;
+    int n_fetches, n_streams;
+    lf_uploads *uploads;
+    lf_downloads *downloads;
+    lf_web_counts counts;
+    bool ending; /* nobody is let in any more */
+};
+
+/* Who may ask. */
+typedef enum lf_route_needs {
+    LF_NEEDS_NOTHING,
+    LF_NEEDS_TOKEN,
+    LF_NEEDS_TOKEN_OR_COOKIE,
+    LF_NEEDS_TO_WRITE, /* lf_guard_may_write */
+} lf_route_needs;
+
+typedef struct lf_route {
+    const char *path;
+    bool is_start; /* of longer paths, which are meant */
+    const char *method;
+    lf_route_needs needs;
+    bool has_body;
+    /* Each answers the request, or leaves it as it is (check), or suspends it (act). NULL: nothing
+     * to do. */
+    enum MHD_Result (*check)(lf_request *r);
+    enum MHD_Result (*act)(lf_request *r);
+    enum MHD_Result (*finish)(lf_request *r);
+} lf_route;
+
+/* A request that passed the guard. */
+struct lf_request {
+    lf_request *next;
+    lf_web *web;
+    struct MHD_Connection *connection;
+    const char *path;
+    const lf_route *route; /* NULL: it is answered */
+    bool acted;
+    json_t *query;    /* NULL: none was read */
+    lf_fetch *fetch;  /* NULL: none was asked for */
+    int fd;           /* that goes with the fetch; -1: none */
+    lf_status status; /* of fetch or stream, with its error */
+    lf_error error;
+    lf_stream *stream; /* NULL: none */
+    lf_upload *upload; /* the body; NULL: none */
+};
+
+/* web.c */
+/* libmicrohttpd has something to do. */
+void lf_web_wake(lf_web *web);
+/* Continues a suspended request. */
+void lf_request_resume(lf_request *r);
+lf_patience *lf_request_patience(struct MHD_Connection *connection);
+/* An answer after which the request needs nothing any more, and its body, if one comes, is lost. */
+enum MHD_Result lf_request_refuse(lf_request *r, unsigned status, const char *why);
+/* The same with {"error": {"code", "message"}}. */
+enum MHD_Result lf_request_refuse_json(lf_request *r, unsigned status, int code,
+                                       const lf_error *err);
+
+/* routes.c */
+/* The route of a path and a method. NULL: *out_status is 404 or 405. */
+const lf_route *lf_route_find(const char *path, const char *method, unsigned *out_status);
+/* Asks quiltd and suspends the request; `finish` follows, at once if nobody listens. params: taken.
+ * r->fd goes with the call. */
+enum MHD_Result lf_route_fetch(lf_request *r, const char *method, json_t *params,
+                               unsigned patience_s);
+/* The answer, in `finish`; on failure also r->status and r->error. *out_code: of quiltd's error. */
+LF_NODISCARD lf_status lf_route_result(lf_request *r, const json_t **out_result, int *out_code);
+/* Answers such a failure: 422 if quiltd has refused, otherwise 503, as JSON. */
+enum MHD_Result lf_route_fetch_failed(lf_request *r, int code);
+
+/* puts.c */
+enum MHD_Result lf_put_check_upload(lf_request *r);
+enum MHD_Result lf_put_upload(lf_request *r);
+enum MHD_Result lf_put_check_quilt(lf_request *r);
+enum MHD_Result lf_put_quilt(lf_request *r);
+enum MHD_Result lf_put_quilt_shown(lf_request *r);
+/* A part of the body. */
+enum MHD_Result lf_put_take(lf_request *r, const char *body, size_t n);
+
+/* sends.c */
+enum MHD_Result lf_send_download(lf_request *r);
+enum MHD_Result lf_send_stream(lf_request *r);
+enum MHD_Result lf_send_stream_begun(lf_request *r);
+
+/* seats.c */
+enum MHD_Result lf_seats_answer(lf_request *r);
+void lf_seats_leave(lf_web *web);
+
+#endif
