@@ -46,19 +46,25 @@ function keepDrawings() {
 export class Watch {
   requests = []; // URLs
   errors = []; // of the console, and those that nobody caught
-  bytes = 0; // bodies of HTTP that are no preview
+  bytes = 0; // bodies of HTTP
+  open = 0; // requests that have no whole answer
   sent = []; // messages of the WebSocket: { method, params }
   images = []; // generations of the images
   answers = new Map(); // method of a call by its id
   refused = []; // methods of calls that got an error
 
   constructor(page) {
-    page.on("request", (request) => this.requests.push(request.url()));
+    page.on("request", (request) => {
+      this.requests.push(request.url());
+      this.open++;
+    });
+    page.on("requestfailed", () => this.open--);
     page.on("console", (message) => message.type() === "error" && this.errors.push(message.text()));
     page.on("pageerror", (error) => this.errors.push(String(error)));
     page.on("requestfinished", async (request) => {
       const { responseBodySize } = await request.sizes().catch(() => ({ responseBodySize: 0 }));
       this.bytes += responseBodySize;
+      this.open--;
     });
     page.on("websocket", (socket) => {
       this.requests.push(socket.url());
@@ -90,7 +96,6 @@ export async function newPage(browser, { width = 1280, height = 800, dark = fals
   const colorScheme = dark ? "dark" : "light";
   const context = await browser.newContext({ viewport: { width, height }, colorScheme, reducedMotion: "reduce", ...more });
   await context.addInitScript(keepDrawings);
-  if (process.env.DEV) await context.route("**/scene.schema.json", (route) => route.fulfill({ path: process.env.DEV })); // DEV
   const page = await context.newPage();
   page.setDefaultTimeout(300000);
   return { page, watch: new Watch(page) };

@@ -86,7 +86,7 @@ describe("the page", () => {
 
   step("has less than 200 kB in all its tabs", async () => {
     for (const name of TABS) if (await at(`#tab-${name}`).isVisible()) await tab(name);
-    await page.waitForLoadState("networkidle");
+    await until(() => watch.open === 0);
     assert.ok(watch.bytes > 20000 && watch.bytes < MOST_BYTES, `${watch.bytes} bytes`);
   });
 

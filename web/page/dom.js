@@ -21,10 +21,16 @@ export function button(text, onclick, attributes = {}) {
   return make("button", { type: "button", onclick, ...attributes }, text);
 }
 
-/** A select of [value, text] pairs. */
+/** Gives a select new options: [value, text] pairs. The first is chosen. */
+export function fill(list, choices) {
+  list.replaceChildren(...choices.map(([value, text = value]) => make("option", { value: String(value) }, text)));
+  list.selectedIndex = choices.length ? 0 : -1;
+}
+
 export function select(choices, attributes = {}) {
-  const options = choices.map(([value, text = value]) => make("option", { value: String(value) }, text));
-  return make("select", attributes, ...options);
+  const list = make("select", attributes);
+  fill(list, choices);
+  return list;
 }
 
 /** A label in front of a field. */
@@ -32,9 +38,16 @@ export function labelled(text, field, ...more) {
   return make("label", { class: "line" }, make("span", {}, text), field, ...more);
 }
 
+/** Shows in `about` what the field means that has the focus or the pointer. */
+export function explain(place, about) {
+  const show = ({ target }) => {
+    const row = target.closest("[data-about]");
+    if (row?.dataset.about) about.textContent = `${row.querySelector("span").textContent}: ${row.dataset.about}`;
+  };
+  place.addEventListener("focusin", show);
+  place.addEventListener("pointerover", show);
+}
+
 export function heading(text) {
   return make("h2", {}, text);
 }
-
-let ids = 0;
-export const freshId = (word) => `${word}-${++ids}`;

@@ -1,6 +1,6 @@
 // The tab Export: what to write, its options, and the jobs with their downloads.
 
-import { button, heading, labelled, make, select } from "./dom.js";
+import { button, explain, fill, heading, labelled, make, select } from "./dom.js";
 import { EXPORTS, kindsOf, nameFor, parametersOf, valueOf } from "./exports.js";
 import { recall, remember } from "./store.js";
 import { bytesText } from "./words.js";
@@ -33,16 +33,18 @@ export class ExportForm {
     this.#scene = scene;
     this.kind = select([], { id: "export-kind" });
     this.kind.addEventListener("change", () => this.#showKind());
-    this.about = make("p", { class: "hint" });
+    this.what = make("p", { class: "hint" });
+    this.about = make("p", { class: "about" });
     this.ending = select([], { id: "export-ending" });
     this.wait = select([["coarse", "now"], ["complete", "when complete"], ["converged", "at the error to reach"]], { id: "export-wait" });
     this.options = make("div", { class: "options" });
     this.start = button("Export", () => this.#start(), { id: "export-start", class: "main" });
     this.jobs = make("ul", { id: "jobs", class: "jobs" });
     this.element.append(
-      make("section", {}, heading("What"), labelled("Kind", this.kind), this.about,
+      make("section", {}, heading("What"), labelled("Kind", this.kind), this.what,
         labelled("File type", this.ending), labelled("Write", this.wait), this.options, this.start),
-      make("section", {}, heading("Jobs"), this.jobs));
+      make("section", {}, heading("Jobs"), this.jobs), this.about);
+    explain(this.options, this.about);
     rpc.addEventListener("export", ({ detail }) => this.#follow(detail));
     rpc.addEventListener("download", ({ detail }) => this.#download(detail));
   }
@@ -51,7 +53,7 @@ export class ExportForm {
   hello({ methods }) {
     this.#parameters = methods.export?.params.properties ?? {};
     const kinds = kindsOf(this.#parameters);
-    this.kind.replaceChildren(...select(kinds.map((kind) => [kind, EXPORTS[kind].name])).children);
+    fill(this.kind, kinds.map((kind) => [kind, EXPORTS[kind].name]));
     const kept = recall("export");
     if (kinds.includes(kept)) this.kind.value = kept;
     if (kinds.length) this.#showKind();
@@ -61,15 +63,16 @@ export class ExportForm {
   #showKind() {
     const kind = this.kind.value, { about, endings } = EXPORTS[kind];
     remember("export", kind);
-    this.about.textContent = about;
-    this.ending.replaceChildren(...select(endings.map((one) => [one])).children);
+    this.what.textContent = about;
+    this.about.textContent = "";
+    fill(this.ending, endings.map((one) => [one]));
     this.ending.parentElement.hidden = endings.length < 2;
     this.#fields.clear();
     const lines = parametersOf(kind, this.#parameters).map(([key, schema, needed]) => {
       const field = fieldFor(key, schema);
       this.#fields.set(key, { field, schema, needed });
       const line = labelled(key.replaceAll("_", " "), field, make("span", { class: "unit" }, schema.unit ?? ""));
-      line.title = schema.description;
+      line.dataset.about = schema.description;
       if (needed) field.required = true;
       return line;
     });

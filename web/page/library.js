@@ -9,6 +9,15 @@ import { bytesText } from "./words.js";
 const WITH_THUMBNAIL = ["quilt", "image"];
 const KIND_WORDS = { folder: "folder", scene: "scene", model: "model", volume: "volume", environment: "light", quilt: "quilt", image: "photo" };
 
+const sign = (kind) => make("span", { class: "sign" }, KIND_WORDS[kind] ?? kind);
+
+function thumbnail({ path, kind }) {
+  const src = `/api/thumbnail?${new URLSearchParams({ file: path, width: "160" })}`;
+  const image = make("img", { src, alt: "", loading: "lazy", draggable: "false" });
+  image.addEventListener("error", () => image.replaceWith(sign(kind)));
+  return image;
+}
+
 export class Library {
   #rpc;
   #scene;
@@ -72,9 +81,7 @@ export class Library {
 
   #item(entry) {
     const { name, kind, bytes } = entry;
-    const picture = WITH_THUMBNAIL.includes(kind)
-      ? make("img", { src: `/api/thumbnail?${new URLSearchParams({ file: entry.path, width: "160" })}`, alt: "", loading: "lazy", draggable: "false" })
-      : make("span", { class: "sign" }, KIND_WORDS[kind] ?? kind);
+    const picture = WITH_THUMBNAIL.includes(kind) ? thumbnail(entry) : sign(kind);
     const note = kind === "folder" ? "folder" : `${KIND_WORDS[kind] ?? kind}, ${bytesText(bytes ?? 0)}`;
     const open = make("button", { type: "button", class: "entry", "data-kind": kind, title: name, onclick: () => this.#choose(entry) },
       picture, make("span", { class: "name" }, name), make("span", { class: "note" }, note));
@@ -144,7 +151,7 @@ export class Library {
       };
       const row = make("div", { class: "answers" }, ...answers.map((answer, i) => button(answer, () => end(i))));
       this.task.replaceChildren(make("p", {}, text), ...(field ? [field] : []), row);
-      (field ?? row.firstChild).focus();
+      row.firstChild.focus();
     });
   }
 

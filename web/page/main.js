@@ -46,7 +46,7 @@ async function explain(reason) {
 
 function describe(status) {
   const words = [status.state];
-  if (status.level) words.push(status.level === "none" ? "no image yet" : status.level);
+  if (status.level && status.level !== status.state) words.push(status.level === "none" ? "no image yet" : status.level);
   if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
   if (status.state === "rendering") words.push(timeLeft(status));
   return words.join(" · ");

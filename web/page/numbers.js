@@ -22,7 +22,7 @@ export function limit(x, { minimum = -Infinity, maximum = Infinity, integer }) {
   return Math.min(Math.max(integer ? Math.round(x) : x, minimum), maximum);
 }
 
-/** What a pixel of dragging or a tenth of an arrow key adds to a value. */
+/** What a pixel of dragging adds to a value. */
 export function stepOf(value, { minimum = -Infinity, maximum = Infinity, integer, unit }) {
   if (integer) return 0.1;
   if (unit === "degrees") return 0.5;
@@ -37,4 +37,10 @@ export function dragged(value, pixels, range) {
   const step = stepOf(value, range);
   const moved = Math.round((value + pixels * step) / step) * step;
   return limit(tidy(moved, 9), range);
+}
+
+/** The value after some presses of an arrow key. */
+export function nudged(value, times, range) {
+  const step = range.integer || range.unit === "degrees" ? 1 : stepOf(value, range) * 10;
+  return limit(tidy(value + times * step, 9), range);
 }

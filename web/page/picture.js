@@ -1,12 +1,13 @@
 // The tab Picture: how good the image is, how it is rendered, and its depth.
 
-import { heading, labelled, make, select } from "./dom.js";
+import { fill, heading, labelled, make, select } from "./dom.js";
 import { latest } from "./latest.js";
 import { format } from "./numbers.js";
 import { distanceOf, placed, targetAt } from "./rig.js";
 import { freshGroup } from "./scrub.js";
 import { depthText, errorText, progressOf, timeLeft } from "./words.js";
 
+const REST_MS = 600;
 const KEYS = [
   ["Move the mouse", "look from another view"],
   ["Drag, one finger, arrow keys", "turn the scene"],
@@ -33,15 +34,17 @@ function meter(name) {
  * @param change called with the value and the group of the gesture
  */
 function slider(name, attributes, change, words = (value) => format(value)) {
-  let group;
+  let group, rest;
   const input = make("input", { type: "range", ...attributes });
   const text = make("output", { class: "number" });
   const show = () => (text.textContent = words(Number(input.value)));
   input.addEventListener("input", () => {
     show();
+    clearTimeout(rest);
     change(Number(input.value), (group ??= freshGroup()));
   });
-  input.addEventListener("change", () => (group = undefined));
+  // several presses of an arrow key are one gesture
+  input.addEventListener("change", () => (rest = setTimeout(() => (group = undefined), REST_MS)));
   return {
     element: labelled(name, input, text),
     input,
@@ -76,7 +79,7 @@ export class Picture {
   }
 
   #choices(list, words = []) {
-    list.replaceChildren(...select(words.map((word) => [word])).children);
+    fill(list, words.map((word) => [word]));
     list.parentElement.hidden = words.length === 0;
     this.status(this.#status);
   }
@@ -117,7 +120,7 @@ export class Picture {
     this.integrator = select([], { id: "integrator" });
     this.integrator.addEventListener("change", () => this.#render({ integrator: this.integrator.value }));
     this.light = make("section", {}, heading("Light"), this.exposure.element,
-      labelled("Measured", this.auto), labelled("Tone", this.tone));
+      labelled("Automatic", this.auto), labelled("Tone", this.tone));
   }
 
   #makeDepth() {

@@ -1,6 +1,6 @@
 // The tab Scene: the tree, and what the chosen key means.
 
-import { make } from "./dom.js";
+import { explain, make } from "./dom.js";
 import { recall, remember } from "./store.js";
 import { Tree } from "./tree.js";
 
@@ -15,13 +15,8 @@ export class SceneTab {
     this.about = make("p", { id: "about", class: "about" }, "Drag a number to change it, or press it to type.");
     this.none = make("p", { class: "hint", hidden: true }, "A finished image has no scene.");
     this.element.append(this.none, this.place, this.about);
-    for (const type of ["focusin", "pointerover"])
-      this.place.addEventListener(type, ({ target }) => this.#explain(target.closest("[data-about]")));
+    explain(this.place, this.about);
     scene.addEventListener("change", () => (this.none.hidden = scene.document !== null));
-  }
-
-  #explain(row) {
-    if (row?.dataset.about) this.about.textContent = `${row.querySelector(".key").textContent}: ${row.dataset.about}`;
   }
 
   /** Whether the gateway has the schema. */

@@ -1,7 +1,7 @@
 // A number that is dragged, typed, or changed by arrow keys.
 
 import { make } from "./dom.js";
-import { dragged, format, limit, parse } from "./numbers.js";
+import { dragged, format, limit, nudged, parse } from "./numbers.js";
 
 const SLACK_PX = 3;
 let groups = 0;
@@ -72,7 +72,7 @@ export function scrub({ label, range, commit }) {
   input.addEventListener("blur", take);
   input.addEventListener("keyup", () => (keys = undefined));
   input.addEventListener("keydown", (event) => {
-    const way = { ArrowUp: 10, ArrowDown: -10, PageUp: 100, PageDown: -100 }[event.key];
+    const way = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
     if (event.key === "Enter") return take();
     if (event.key === "Escape") {
       typing = false;
@@ -81,7 +81,7 @@ export function scrub({ label, range, commit }) {
     if (!way) return;
     take();
     keys ??= freshGroup();
-    change(dragged(value, way * (event.shiftKey ? 10 : 1), range), keys);
+    change(nudged(value, way * (event.shiftKey ? 10 : 1), range), keys);
     show();
     event.preventDefault();
   });

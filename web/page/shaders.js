@@ -83,9 +83,10 @@ void main() {
   ivec2 size = ivec2(tile), inside = ivec2(of * tile);
   inside.y = size.y - 1 - inside.y;
   ivec2 below = ivec2(p.x, panel.y - 1 - p.y); // rows from the bottom
+  vec3 channels;
   for (int c = 0; c < 3; c++) {
     int i = viewOf(below, c);
-    colour[c] = texelFetch(quilt, ivec2(i % layout_.x, i / layout_.x) * size + inside, 0)[c];
+    channels[c] = texelFetch(quilt, ivec2(i % layout_.x, i / layout_.x) * size + inside, 0)[c];
   }
-  colour.a = 1.0;
+  colour = vec4(channels, 1.0);
 }`;

@@ -11,6 +11,7 @@ export class Slideshow {
   #fail;
   #list = { entries: [], index: 0, playing: false, loop: true };
   #dragged; // index of the row that is dragged
+  #focus; // key of the button that follows its row to another place
   element = make("div");
 
   constructor({ rpc, fail }) {
@@ -51,7 +52,8 @@ export class Slideshow {
   }
 
   #show(list) {
-    const focus = document.activeElement?.closest?.("#slides li button")?.dataset.key;
+    const focus = this.#focus ?? document.activeElement?.closest?.("#slides li button")?.dataset.key;
+    this.#focus = undefined;
     this.#list = list;
     this.loop.checked = list.loop;
     this.play.textContent = list.playing ? "Stop" : "Play";
@@ -59,7 +61,13 @@ export class Slideshow {
     this.empty.hidden = list.entries.length > 0;
     if (!this.rows.querySelector(":focus.scrub, .dragged"))
       this.rows.replaceChildren(...list.entries.map((entry, i) => this.#row(entry, i)));
-    if (focus) this.rows.querySelector(`[data-key="${focus}"]`)?.focus();
+    if (focus) this.#focusOn(focus);
+  }
+
+  // A button that is disabled now gives the focus to the row's name.
+  #focusOn(key) {
+    const one = this.rows.querySelector(`[data-key="${key}"]`);
+    (one?.disabled ? one.closest("li").querySelector("button") : one)?.focus();
   }
 
   #row({ file, seconds }, i) {
@@ -71,10 +79,10 @@ export class Slideshow {
     time.set(seconds);
     for (const type of ["pointerup", "change", "keyup"])
       time.element.addEventListener(type, () => entries[i].seconds !== seconds && this.#set(entries));
-    const move = (text, words, to) => button(text, () => this.#move(i, to), {
+    const move = (text, words, to) => button(text, () => this.#move(i, to, text), {
       class: "quiet", "aria-label": `${words} ${name}`, "data-key": `${text}${i}`, disabled: to < 0 || to >= entries.length });
     const row = make("li", { draggable: "true", "aria-current": playing && i === index ? "true" : undefined },
-      button(name, () => this.#call("playlist.play", { index: i }), { class: "quiet name", title: file }),
+      button(name, () => this.#call("playlist.play", { index: i }), { class: "quiet name", title: file, "data-key": `name${i}` }),
       time.element, make("span", { class: "unit" }, "s"), move("Up", "Move up", i - 1), move("Down", "Move down", i + 1),
       button("×", () => this.#set(entries.filter((_, k) => k !== i)), { class: "remove", "aria-label": `Remove ${name}` }));
     row.addEventListener("keydown", (event) => this.#moveByKey(event, i));
@@ -87,12 +95,14 @@ export class Slideshow {
     const way = event.altKey ? { ArrowUp: -1, ArrowDown: 1 }[event.key] : undefined;
     if (!way) return;
     event.preventDefault();
-    this.#move(i, i + way);
+    this.#move(i, i + way, "name");
   }
 
-  #move(from, to) {
+  // button: which of the row's buttons gets the focus
+  #move(from, to, button) {
     const entries = [...this.#list.entries];
     if (to < 0 || to >= entries.length) return;
+    if (button) this.#focus = button + to;
     entries.splice(to, 0, ...entries.splice(from, 1));
     return this.#set(entries);
   }

@@ -1,7 +1,7 @@
 // The picture and the controls below it.
 
 import { Camera } from "./camera.js";
-import { at, select } from "./dom.js";
+import { at, fill } from "./dom.js";
 import { listenToKeys, listenToPointers } from "./gestures.js";
 import { MODES, STEREO, viewAt } from "./stereo.js";
 import { recall, remember } from "./store.js";
@@ -51,16 +51,16 @@ export class Stage {
   }
 
   #makeControls() {
-    const fill = (id, choices, usual) => {
+    const offer = (id, choices, usual) => {
       const list = at(id);
-      list.append(...select(choices).children);
+      fill(list, choices);
       const kept = recall(id, usual);
       list.value = choices.some(([value]) => value === kept) ? kept : usual;
       list.addEventListener("change", () => this.#apply());
     };
-    fill("mode", Object.entries(MODES), "view");
-    fill("apart", APART, "eyes");
-    fill("zoom", ZOOMS, "1");
+    offer("mode", Object.entries(MODES), "view");
+    offer("apart", APART, "eyes");
+    offer("zoom", ZOOMS, "1");
     this.#view.position = recall("view", 0.5);
     this.slider.value = this.#view.position;
     this.slider.addEventListener("input", () => this.turnTo(Number(this.slider.value)));

@@ -31,6 +31,8 @@ function link(gl, fragment) {
     gl.attachShader(program, shader);
   }
   gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
+    throw new Error("This browser cannot draw the preview: its WebGL2 refuses a program.");
   return { program, at: (name) => gl.getUniformLocation(program, name) };
 }
 

@@ -1,0 +1,49 @@
+// Numbers of the daemon in words.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { bytesText, depthText, duration, progressOf, secondsLeft, timeLeft } from "../../../web/page/words.js";
+
+test("times are round", () => {
+  assert.equal(duration(0.2), "about a second");
+  assert.equal(duration(12.4), "about 12 s");
+  assert.equal(duration(42), "about 40 s");
+  assert.equal(duration(200), "about 3 min");
+  assert.equal(duration(3600 * 2.2), "about 2 hours");
+  assert.equal(duration(3600 * 1.5), "about 2 hours");
+});
+
+test("the time left is the daemon's, or follows from the error", () => {
+  const status = { error_estimate: 4e-4, target_error: 1e-4, seconds: 10 };
+  assert.ok(Math.abs(secondsLeft(status) - 30) < 1e-9);
+  assert.ok(Math.abs(secondsLeft({ ...status, error_bound: 2e-4 }) - 10) < 1e-9);
+  assert.equal(secondsLeft({ ...status, seconds_left: 7 }), 7);
+  assert.equal(secondsLeft({ ...status, seconds_left: null }), undefined);
+  assert.equal(secondsLeft({ ...status, error_estimate: null }), undefined);
+  assert.equal(timeLeft({ ...status, state: "rendering" }), "about 30 s left");
+  assert.equal(timeLeft({ ...status, error_estimate: null, state: "rendering" }), "time left unknown");
+  assert.equal(timeLeft({ state: "paused" }), "paused");
+  assert.equal(timeLeft({ state: "idle" }), "");
+});
+
+test("progress goes from an error of 1 to the target", () => {
+  assert.equal(progressOf(1, 1e-4), 0);
+  assert.ok(Math.abs(progressOf(1e-2, 1e-4) - 0.5) < 1e-9);
+  assert.equal(progressOf(1e-5, 1e-4), 1);
+  assert.equal(progressOf(null, 1e-4), 0);
+  assert.equal(progressOf(7, 1e-4), 0);
+});
+
+test("sizes have units", () => {
+  assert.deepEqual([0, 999, 1500, 15e6, 3e9].map(bytesText), ["0 bytes", "999 bytes", "1.5 kB", "15 MB", "3.0 GB"]);
+});
+
+test("the depth budget says what is not sharp, and where", () => {
+  const budget = { nearest_step: -3, farthest_step: 4, limit: 5, sharp_from: 9, sharp_to: 14, exceeded: false };
+  assert.equal(depthText(null).level, "note");
+  assert.equal(depthText(budget).level, "ok");
+  assert.match(depthText({ ...budget, farthest_step: 6, exceeded: true }).text, /far behind the window looks double/);
+  assert.match(depthText({ ...budget, nearest_step: -6, exceeded: true }).text, /far in front of the window/);
+  assert.match(depthText({ ...budget, nearest_step: null, exceeded: true }).text, /far in front of the window/);
+  assert.match(depthText({ ...budget, farthest_step: 6 }).text, /is blurred/); // by view_blur
+  assert.match(depthText({ ...budget, sharp_to: null }).text, /from 9\.00 on sharply/);
+});
