@@ -8,10 +8,8 @@ out=$(cd "${QUILTD_BUILD:-build/release}" && pwd)
 # shellcheck source=tests/node_modules.sh
 . "$src/tests/node_modules.sh"
 
-export CHROMIUM=${CHROMIUM:-/usr/bin/chromium} QUILTD_BUILD=$out QUILTD_NODE=${out%/*}/node
-why=$(node_missing 20)
-[ -n "$why" ] || [ -x "$CHROMIUM" ] || why="there is no $CHROMIUM (package chromium)"
-[ -n "$why" ] || why=$(packages_missing "$src" "$QUILTD_NODE")
+export QUILTD_BUILD=$out QUILTD_NODE=${out%/*}/node
+why=$(browser_missing "$src" "$QUILTD_NODE")
 if [ -n "$why" ]; then
     skip "the page in a browser" "$why"
     end

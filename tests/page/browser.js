@@ -91,13 +91,12 @@ export class Watch {
   }
 }
 
-// A page of its own window, without a token. { page, watch }
-export async function newPage(browser, { width = 1280, height = 800, dark = false, ...more } = {}) {
-  const colorScheme = dark ? "dark" : "light";
-  const context = await browser.newContext({ viewport: { width, height }, colorScheme, reducedMotion: "reduce", ...more });
+// A window without a token. { page, watch }
+export async function newPage(browser) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, reducedMotion: "reduce" });
   await context.addInitScript(keepDrawings);
   const page = await context.newPage();
-  page.setDefaultTimeout(300000);
+  page.setDefaultTimeout(120000);
   return { page, watch: new Watch(page) };
 }
 
