@@ -64,10 +64,13 @@ $(O)/tests/docs/make_tables: $(patsubst %,$(O)/%,tests/docs/make_tables.c.o $(pa
 	$(call link,)
 
 # a gateway with a quiltd that does not exist
-gateway_srcs := tests/web/gateway.c
+gateway_srcs := tests/web/gateway.c tests/web/caller.c
 
 # connections whose time is over soon
-wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative
+wrap_test_listen := -Wl,--wrap=sd_event_add_time_relative,--wrap=bind
+
+# time that passes when the test says so
+wrap_test_web_time := -Wl,--wrap=sd_event_add_time_relative,--wrap=sd_event_source_set_time_relative
 
 # devices with random faults in place of libusb and hidapi
 faulty_srcs := tests/daemon/faulty.c

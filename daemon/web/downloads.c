@@ -37,7 +37,7 @@ struct lf_downloads {
     sd_event_source *look; /* on while something is written */
 };
 
-/* ------------------------------------------------------------------------------ the store -- */
+/* --------------------------------------------------------------------------------- the store -- */
 
 static uint64_t bytes_of(const lf_download *download)
 {
@@ -145,7 +145,7 @@ void lf_downloads_destroy(lf_downloads *downloads)
     lf_free(downloads);
 }
 
-/* ------------------------------------------------------------------------------ an export -- */
+/* --------------------------------------------------------------------------------- an export -- */
 
 bool lf_download_is_name(const char *name)
 {
@@ -247,7 +247,7 @@ lf_status lf_download_finish(lf_download *download, json_t **out_files, lf_error
     return LF_OK;
 }
 
-/* -------------------------------------------------------------------------------- reading -- */
+/* ----------------------------------------------------------------------------------- reading -- */
 
 static bool has_file(const lf_download *download, const char *path, int *out_i)
 {

@@ -79,7 +79,7 @@ static void say_failed(lf_exports *exports, int64_t job, const lf_error *err)
     say(exports, lf_rpc_notification("download", params));
 }
 
-/* ------------------------------------------------------------------------------------ calls -- */
+/* ------------------------------------------------------------------------------------- calls -- */
 
 static void cancel(lf_exports *exports, int64_t job)
 {
@@ -170,7 +170,7 @@ lf_status lf_exports_begin(lf_exports *exports, const lf_rpc_request *request, l
     return status;
 }
 
-/* --------------------------------------------------------------------------------- messages -- */
+/* ---------------------------------------------------------------------------------- messages -- */
 
 static void pass_answer(exporting *e, json_t *message)
 {

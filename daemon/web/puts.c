@@ -51,7 +51,7 @@ enum MHD_Result lf_put_take(lf_request *r, const char *body, size_t n)
     return MHD_NO; /* the connection ends: within a body there is no answer */
 }
 
-/* ---------------------------------------------------------------------------------- uploads -- */
+/* ----------------------------------------------------------------------------------- uploads -- */
 
 static const char *param(const lf_request *r, const char *name)
 {
@@ -84,7 +84,7 @@ enum MHD_Result lf_put_upload(lf_request *r)
     return sent;
 }
 
-/* ----------------------------------------------------------------------------------- quilts -- */
+/* ------------------------------------------------------------------------------------ quilts -- */
 
 enum MHD_Result lf_put_check_quilt(lf_request *r)
 {

@@ -14,7 +14,7 @@
 
 #define PATIENCE_S 8u /* within the deadline of a request */
 
-/* -------------------------------------------------------------------------- calls of quiltd -- */
+/* --------------------------------------------------------------------------- calls of quiltd -- */
 
 static void on_fetched(void *context)
 {
@@ -65,7 +65,7 @@ static enum MHD_Result reply_jpeg(lf_request *r, size_t bytes)
     return lf_reply_jpeg(r->connection, fd, bytes);
 }
 
-/* --------------------------------------------------------------------------------- requests -- */
+/* ---------------------------------------------------------------------------------- requests -- */
 
 static enum MHD_Result act_page(lf_request *r)
 {
@@ -175,7 +175,7 @@ static enum MHD_Result finish_metrics(lf_request *r)
     return sent;
 }
 
-/* ------------------------------------------------------------------------------------ paths -- */
+/* ------------------------------------------------------------------------------------- paths -- */
 
 static const lf_route page_route = {.act = act_page};
 

@@ -19,7 +19,7 @@ static void go_slowly(struct MHD_Connection *connection)
     lf_patience_wait(lf_request_patience(connection), SLOW_USEC);
 }
 
-/* -------------------------------------------------------------------------------- downloads -- */
+/* --------------------------------------------------------------------------------- downloads -- */
 
 typedef struct sending {
     struct MHD_Connection *connection;
@@ -64,7 +64,7 @@ enum MHD_Result lf_send_download(lf_request *r)
     return lf_reply_send(r->connection, 200, response, "application/octet-stream");
 }
 
-/* ---------------------------------------------------------------------------------- streams -- */
+/* ----------------------------------------------------------------------------------- streams -- */
 
 static void on_stream(void *context)
 {

@@ -72,7 +72,7 @@ static bool is_on(sd_event_source *timer)
     return sd_event_source_get_enabled(timer, &enabled) >= 0 && enabled != SD_EVENT_OFF;
 }
 
-/* ----------------------------------------------------------------------------------- images -- */
+/* ------------------------------------------------------------------------------------ images -- */
 
 /* Asks for the image that quiltd shows, if the client has taken the last one. */
 static void ask(lf_stream *stream)
@@ -170,7 +170,7 @@ static void take_image(lf_stream *stream, const json_t *message)
     ask(stream);
 }
 
-/* ------------------------------------------------------------------------- lines of quiltd -- */
+/* --------------------------------------------------------------------------- lines of quiltd -- */
 
 static void on_line(void *context, const char *line, size_t n)
 {
@@ -195,7 +195,7 @@ static void on_end(void *context)
     end(stream, lf_error_set(&stream->error, LF_E_NODEV, where, "the connection broke"));
 }
 
-/* --------------------------------------------------------------------------------- its life -- */
+/* ---------------------------------------------------------------------------------- its life -- */
 
 static lf_status begin(lf_stream *stream, sd_event *event, const char *socket, lf_error *err)
 {

@@ -63,7 +63,7 @@ int lf_uploads_count(const lf_uploads *uploads)
     return n;
 }
 
-/* ---------------------------------------------------------------------------------- a body -- */
+/* ------------------------------------------------------------------------------------ a body -- */
 
 static lf_status check_room(const lf_uploads *uploads, uint64_t size, lf_error *err)
 {
@@ -169,7 +169,7 @@ void lf_upload_drop(lf_upload *upload)
     lf_free(upload);
 }
 
-/* ----------------------------------------------------------------------------------- names -- */
+/* ------------------------------------------------------------------------------------- names -- */
 
 static lf_upload *find(const lf_uploads *uploads, const char *path)
 {
@@ -260,7 +260,7 @@ const char *lf_upload_path(const lf_upload *upload)
     return upload->path;
 }
 
-/* ----------------------------------------------------------------------------------- taking -- */
+/* ------------------------------------------------------------------------------------ taking -- */
 
 static lf_status find_all(const lf_uploads *uploads, const json_t *paths,
                           lf_upload *out[LF_UPLOADS_A_CALL], lf_error *err)

@@ -1,25 +1,25 @@
 #include "tests/web/gateway.h"
 
-#include <arpa/inet.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <jansson.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <pthread.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include "daemon/web/listen.h"
 #include "daemon/web/web.h"
 
-enum { MAX_CONNECTIONS = 40, MAX_CALLS = 4096, LINE = 1 << 20, PATIENCE_MS = 60000 };
+enum { MAX_CONNECTIONS = 40, MAX_CALLS = 4096, LINE = 1 << 20, MAX_FDS = 64 };
 
 struct gateway {
     char *folder;
     char socket[108];
     pthread_t web_thread, daemon_thread;
-    int stop_web, stop_daemon; /* eventfds */
-    int web_fd, daemon_fd;     /* listening */
+    int stop_web, stop_daemon;                               /* eventfds */
+    int web_fds[LF_WEB_MAX_LISTENERS], n_web_fds, daemon_fd; /* listening */
     int port;
     char token[33];
     char cookie[128];
@@ -28,10 +28,18 @@ struct gateway {
     int connections[MAX_CONNECTIONS];
     char *lines[MAX_CONNECTIONS]; /* [LINE] what came of the next line */
     size_t used[MAX_CONNECTIONS];
+    bool limited[MAX_CONNECTIONS]; /* rights.limit was called */
     int n_connections;
     char calls[MAX_CALLS][24];
     int n_calls;
     bool answers_images;
+    lf_gateway_rights rights;
+    int unlimited; /* calls before rights.limit */
+    struct {
+        int fd[MAX_FDS];
+        int n;
+    } passed, exported; /* that no call has taken yet; of the last export */
+    int n_jobs;
     int columns;      /* of its images */
     const char *rest; /* of the line that lf_gateway_flood could not end */
 };
@@ -63,34 +71,160 @@ static void send_whole(int fd, const char *text)
     }
 }
 
-static void answer_line(gateway *g, int connection, const char *line, size_t n, int fd)
+/* The next descriptor that came; -1: none. The caller closes it. */
+static int take_fd(gateway *g)
 {
-    json_t *call = json_loadb(line, n, 0, NULL), *result;
-    const char *method = json_string_value(json_object_get(call, "method"));
-    json_t *params = json_object_get(call, "params");
+    if (g->passed.n == 0)
+        return -1;
+    const int fd = g->passed.fd[0];
+    memmove(g->passed.fd, g->passed.fd + 1, (size_t)--g->passed.n * sizeof(int));
+    return fd;
+}
+
+/* What a passed file holds, and whether it can only be read. */
+static json_t *look_at_fd(int fd)
+{
+    char text[64] = "";
+    const ssize_t n = pread(fd, text, sizeof text - 1, 0);
+    const bool reads = (fcntl(fd, F_GETFL) & O_ACCMODE) == O_RDONLY;
+    json_t *seen = json_pack("{s:s, s:b, s:I}", "text", n > 0 ? text : "", "reads", reads, "bytes",
+                             (json_int_t)lseek(fd, 0, SEEK_END));
+    if (fd >= 0)
+        close(fd);
+    return seen ? seen : json_object();
+}
+
+static json_t *take_files(gateway *g, const char *method, json_t *params)
+{
+    json_t *seen = json_array();
+    for (size_t i = 0; i < json_array_size(json_object_get(params, "files")); i++)
+        json_array_append_new(seen, look_at_fd(take_fd(g)));
+    return json_pack("{s:s, s:O?, s:o}", "method", method, "params", params, "seen", seen);
+}
+
+/* Job 1, 2 … writes its number and the number of the file. */
+static json_t *take_export(gateway *g, json_t *params)
+{
+    char text[32];
+    while (g->exported.n > 0)
+        close(g->exported.fd[--g->exported.n]);
+    g->n_jobs++;
+    for (json_int_t i = 0; i < json_integer_value(json_object_get(params, "fds")); i++) {
+        const int fd = take_fd(g),
+                  n = snprintf(text, sizeof text, "job %d file %d", g->n_jobs, (int)i);
+        if (fd < 0 || write(fd, text, (size_t)n) != n)
+            return json_object();
+        g->exported.fd[g->exported.n++] = fd;
+    }
+    return json_pack("{s:i, s:O, s:O}", "job", g->n_jobs, "file", json_object_get(params, "file"),
+                     "params", params);
+}
+
+static json_t *make_thumbnail(int fd)
+{
+    static const char jpeg[] = "\xff\xd8 a thumbnail \xff\xd9";
+    if (fd < 0 || write(fd, jpeg, sizeof jpeg) != (ssize_t)sizeof jpeg)
+        return json_object();
+    close(fd);
+    return json_pack("{s:i, s:i, s:i}", "width", 16, "height", 16, "bytes", (int)sizeof jpeg);
+}
+
+/* NULL: *out_code and *out_pointer say why. */
+static json_t *limit_rights(gateway *g, json_t *params, int *out_code, const char **out_pointer)
+{
+    size_t i;
+    json_t *name;
+    static char pointer[32];
+    *out_code = g->rights == LF_RIGHTS_UNKNOWN ? -32601 : -32602;
+    json_array_foreach(json_object_get(params, "methods"), i, name)
+    {
+        if (g->rights != LF_RIGHTS_LACKING || strcmp(json_string_value(name), "doctor") != 0)
+            continue;
+        snprintf(pointer, sizeof pointer, "/methods/%zu", i);
+        *out_pointer = pointer;
+    }
+    if (g->rights == LF_RIGHTS_KNOWN || (g->rights == LF_RIGHTS_LACKING && !*out_pointer))
+        return json_incref(params);
+    return NULL;
+}
+
+static json_t *result_of(gateway *g, const char *method, json_t *params, int *out_code,
+                         const char **out_pointer)
+{
+    const char *file = json_string_value(json_object_get(params, "file"));
+    if (strcmp(method, "status") == 0)
+        return json_pack("{s:s, s:i}", "state", "rendering", "generation", 7);
+    if (strcmp(method, "rights.limit") == 0)
+        return limit_rights(g, params, out_code, out_pointer);
+    if (strcmp(method, "export") == 0)
+        return take_export(g, params);
+    if (strcmp(method, "scene.load") == 0 || strcmp(method, "scene.patch") == 0)
+        return take_files(g, method, params);
+    if (strcmp(method, "library.thumbnail") == 0) {
+        const int fd = take_fd(g);
+        *out_code = -32001;
+        if (file && strcmp(file, "/etc/passwd") != 0)
+            return make_thumbnail(fd);
+        close(fd);
+        return NULL;
+    }
+    if (strcmp(method, "quilt.show") == 0) {
+        json_t *seen = look_at_fd(take_fd(g));
+        *out_code = -32602;
+        if (json_integer_value(json_object_get(params, "columns")) < 99)
+            return json_pack("{s:i, s:O, s:o}", "generation", 9, "params", params, "seen", seen);
+        json_decref(seen);
+        return NULL;
+    }
+    return params ? json_pack("{s:s, s:O}", "method", method, "params", params)
+                  : json_pack("{s:s}", "method", method);
+}
+
+/* A call without an id gets none. */
+static void send_answer(int connection, json_t *answer)
+{
+    char *text = NULL;
+    if (json_is_null(json_object_get(answer, "id"))) {
+        json_decref(answer);
+        return;
+    }
+    text = json_dumps(answer, JSON_COMPACT);
+    send_whole(connection, text);
+    send_whole(connection, "\n");
+    free(text);
+    json_decref(answer);
+}
+
+static void answer_line(gateway *g, int i, const char *line, size_t n)
+{
+    json_t *call = json_loadb(line, n, 0, NULL), *result = NULL;
+    const char *method = json_string_value(json_object_get(call, "method")), *pointer = NULL;
+    json_t *params = json_object_get(call, "params"), *id = json_object_get(call, "id");
+    int code = 0;
     if (!method) { /* no assertion: this is another thread */
         json_decref(call);
         return;
     }
     if (g->n_calls < MAX_CALLS)
         snprintf(g->calls[g->n_calls++], sizeof g->calls[0], "%s", method);
-    if (strcmp(method, "status") == 0)
-        result = json_pack("{s:s, s:i}", "state", "rendering", "generation", 7);
-    else if (strcmp(method, "frame.get") == 0)
+    g->limited[i] |= strcmp(method, "rights.limit") == 0;
+    g->unlimited += !g->limited[i];
+    if (strcmp(method, "frame.get") == 0) {
+        const int fd = take_fd(g);
         result = g->answers_images ? image_for(params, fd, g->columns) : NULL;
-    else if (params)
-        result = json_pack("{s:s, s:O}", "method", method, "params", params);
-    else
-        result = json_pack("{s:s}", "method", method);
-    if (result) {
-        json_t *answer = json_pack("{s:s, s:O?, s:o}", "jsonrpc", "2.0", "id",
-                                   json_object_get(call, "id"), "result", result);
-        char *text = json_dumps(answer, JSON_COMPACT);
-        send_whole(connection, text);
-        send_whole(connection, "\n");
-        free(text);
-        json_decref(answer);
+        if (fd >= 0)
+            close(fd);
+    } else {
+        result = result_of(g, method, params, &code, &pointer);
     }
+    if (result)
+        send_answer(g->connections[i],
+                    json_pack("{s:s, s:O?, s:o}", "jsonrpc", "2.0", "id", id, "result", result));
+    else if (code != 0)
+        send_answer(g->connections[i],
+                    json_pack("{s:s, s:O?, s:{s:i, s:s, s:{s:s*}}}", "jsonrpc", "2.0", "id", id,
+                              "error", "code", code, "message", "the false quiltd refuses", "data",
+                              "pointer", pointer));
     json_decref(call);
 }
 
@@ -103,7 +237,18 @@ static void close_connection(gateway *g, int i)
         g->connections[k] = g->connections[k + 1];
         g->lines[k] = g->lines[k + 1];
         g->used[k] = g->used[k + 1];
+        g->limited[k] = g->limited[k + 1];
     }
+}
+
+static void keep_fds(gateway *g, struct msghdr *message)
+{
+    struct cmsghdr *c = CMSG_FIRSTHDR(message);
+    if (!c || c->cmsg_type != SCM_RIGHTS)
+        return;
+    const size_t n = (c->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+    for (size_t i = 0; i < n && g->passed.n < MAX_FDS; i++)
+        memcpy(&g->passed.fd[g->passed.n++], CMSG_DATA(c) + i * sizeof(int), sizeof(int));
 }
 
 /* False: the connection is gone. */
@@ -111,7 +256,7 @@ static bool read_connection(gateway *g, int i)
 {
     union {
         struct cmsghdr align;
-        char bytes[CMSG_SPACE(sizeof(int))];
+        char bytes[CMSG_SPACE(MAX_FDS * sizeof(int))];
     } control;
     struct iovec vector = {g->lines[i] + g->used[i], LINE - g->used[i]};
     struct msghdr message = {.msg_iov = &vector,
@@ -121,20 +266,15 @@ static bool read_connection(gateway *g, int i)
     ssize_t n = recvmsg(g->connections[i], &message, MSG_CMSG_CLOEXEC);
     if (n <= 0)
         return false;
-    int fd = -1;
-    struct cmsghdr *c = CMSG_FIRSTHDR(&message);
-    if (c && c->cmsg_type == SCM_RIGHTS)
-        memcpy(&fd, CMSG_DATA(c), sizeof fd);
+    keep_fds(g, &message);
     g->used[i] += (size_t)n;
     char *line = g->lines[i], *end;
     while ((end = memchr(line, '\n', g->used[i] - (size_t)(line - g->lines[i])))) {
-        answer_line(g, g->connections[i], line, (size_t)(end - line), fd);
+        answer_line(g, i, line, (size_t)(end - line));
         line = end + 1;
     }
     g->used[i] -= (size_t)(line - g->lines[i]);
     memmove(g->lines[i], line, g->used[i]);
-    if (fd >= 0)
-        close(fd);
     return true;
 }
 
@@ -150,6 +290,7 @@ static void take_connection(gateway *g)
     }
     g->connections[g->n_connections] = fd;
     g->lines[g->n_connections] = line;
+    g->limited[g->n_connections] = false;
     g->used[g->n_connections++] = 0;
 }
 
@@ -192,6 +333,29 @@ void lf_gateway_set_columns(gateway *g, int columns)
     pthread_mutex_lock(&g->lock);
     g->columns = columns;
     pthread_mutex_unlock(&g->lock);
+}
+
+void lf_gateway_set_rights(gateway *g, lf_gateway_rights rights)
+{
+    pthread_mutex_lock(&g->lock);
+    g->rights = rights;
+    pthread_mutex_unlock(&g->lock);
+}
+
+int lf_gateway_unlimited(gateway *g)
+{
+    pthread_mutex_lock(&g->lock);
+    const int n = g->unlimited;
+    pthread_mutex_unlock(&g->lock);
+    return n;
+}
+
+bool lf_gateway_grow_export(gateway *g, int64_t bytes)
+{
+    pthread_mutex_lock(&g->lock);
+    const bool grown = g->exported.n > 0 && ftruncate(g->exported.fd[0], bytes) == 0;
+    pthread_mutex_unlock(&g->lock);
+    return grown;
 }
 
 int lf_gateway_calls(gateway *g, const char *method)
@@ -265,9 +429,13 @@ static void *be_gateway(void *context)
     sd_event *event = NULL;
     lf_web *web = NULL;
     lf_error err = {0};
+    const lf_web_config config = {.listen_fds = g->web_fds,
+                                  .n_listen_fds = g->n_web_fds,
+                                  .socket = g->socket,
+                                  .upload_limit = GATEWAY_UPLOADS};
     if (sd_event_new(&event) < 0 ||
         sd_event_add_io(event, NULL, g->stop_web, POLLIN, on_stop, NULL) < 0 ||
-        lf_web_create(event, g->web_fd, g->socket, &web, &err) != LF_OK)
+        lf_web_create(event, &config, &web, &err) != LF_OK)
         abort();
     g->port = lf_web_port(web);
     snprintf(g->token, sizeof g->token, "%s", strchr(lf_web_url(web), '#') + 1);
@@ -281,6 +449,7 @@ static void *be_gateway(void *context)
 int lf_gateway_setup(void **state)
 {
     gateway *g = calloc(1, sizeof *g);
+    static const char *const both[] = {"127.0.0.1:0", "[::1]:0"};
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     lf_error err = {0};
     assert_non_null(g);
@@ -294,7 +463,7 @@ int lf_gateway_setup(void **state)
     g->daemon_fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
     assert_int_equal(bind(g->daemon_fd, (struct sockaddr *)&address, sizeof address), 0);
     assert_int_equal(listen(g->daemon_fd, 40), 0);
-    lf_assert_ok(lf_web_listen("127.0.0.1:0", &g->web_fd, &err), &err);
+    lf_assert_ok(lf_web_listen_all(both, 2, g->web_fds, &g->n_web_fds, &err), &err);
     pthread_mutex_init(&g->lock, NULL);
     pthread_barrier_init(&g->ready, NULL, 2);
     assert_int_equal(pthread_create(&g->daemon_thread, NULL, be_daemon, g), 0);
@@ -313,6 +482,10 @@ int lf_gateway_teardown(void **state)
     assert_int_equal(write(g->stop_daemon, &one, sizeof one), sizeof one);
     pthread_join(g->daemon_thread, NULL);
     lf_gateway_hang_up(g);
+    while (g->exported.n > 0)
+        close(g->exported.fd[--g->exported.n]);
+    while (g->passed.n > 0)
+        close(take_fd(g));
     close(g->stop_web);
     close(g->stop_daemon);
     close(g->daemon_fd);
@@ -326,6 +499,11 @@ int lf_gateway_teardown(void **state)
 int lf_gateway_port(const gateway *g)
 {
     return g->port;
+}
+
+bool lf_gateway_has_v6(const gateway *g)
+{
+    return g->n_web_fds == 2;
 }
 
 const char *lf_gateway_token(const gateway *g)
@@ -344,181 +522,4 @@ const char *lf_gateway_cookie(gateway *g)
     at += strlen("Set-Cookie: ");
     snprintf(g->cookie, sizeof g->cookie, "%.*s", (int)strcspn(at, ";\r"), at);
     return g->cookie;
-}
-
-/* ----------------------------------------------------------------------------------- clients -- */
-
-int lf_caller_connect(const gateway *g)
-{
-    struct sockaddr_in address = {.sin_family = AF_INET,
-                                  .sin_port = htons((uint16_t)g->port),
-                                  .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
-    const struct timeval patience = {.tv_sec = PATIENCE_MS / 1000};
-    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    assert_true(fd >= 0);
-    setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    assert_int_equal(connect(fd, (struct sockaddr *)&address, sizeof address), 0);
-    return fd;
-}
-
-bool lf_caller_send(int fd, const char *raw, size_t n)
-{
-    while (n > 0) {
-        ssize_t sent = send(fd, raw, n, MSG_NOSIGNAL);
-        if (sent <= 0)
-            return false;
-        raw += sent;
-        n -= (size_t)sent;
-    }
-    return true;
-}
-
-size_t lf_caller_flood(int fd, const char *raw, size_t n)
-{
-    size_t sent = 0;
-    struct pollfd polled = {fd, POLLOUT, 0};
-    while (sent < n && poll(&polled, 1, 1000) > 0) {
-        ssize_t more = send(fd, raw + sent, n - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
-        if (more < 0 && errno != EAGAIN)
-            break;
-        sent += more > 0 ? (size_t)more : 0;
-    }
-    return sent;
-}
-
-const char *lf_caller_ask(const gateway *g, const char *request)
-{
-    static char answer[1 << 17];
-    size_t used = 0;
-    int fd = lf_caller_connect(g);
-    (void)lf_caller_send(fd, request, strlen(request));
-    ssize_t n;
-    while (used + 1 < sizeof answer &&
-           (n = recv(fd, answer + used, sizeof answer - 1 - used, 0)) > 0)
-        used += (size_t)n;
-    answer[used] = '\0';
-    close(fd);
-    return answer;
-}
-
-const char *lf_caller_get(const gateway *g, const char *line, const char *headers)
-{
-    char request[4096];
-    snprintf(request, sizeof request, "%s\r\nHost: 127.0.0.1:%d\r\n%s\r\n", line, g->port, headers);
-    return lf_caller_ask(g, request);
-}
-
-int lf_caller_status(const char *answer)
-{
-    return strncmp(answer, "HTTP/1.1 ", 9) == 0 ? atoi(answer + 9) : 0;
-}
-
-int lf_talk_connect(const gateway *g, const char *headers, const char **out_answer)
-{
-    static char answer[4096];
-    char request[4096];
-    size_t used = 0;
-    int fd = lf_caller_connect(g);
-    snprintf(request, sizeof request,
-             "GET /rpc HTTP/1.1\r\nHost: 127.0.0.1:%d\r\nUpgrade: websocket\r\n"
-             "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n%s\r\n",
-             g->port, headers);
-    assert_true(lf_caller_send(fd, request, strlen(request)));
-    while (used + 1 < sizeof answer && recv(fd, answer + used, 1, 0) == 1) {
-        answer[++used] = '\0';
-        if (used >= 4 && strcmp(answer + used - 4, "\r\n\r\n") == 0)
-            break;
-    }
-    if (out_answer)
-        *out_answer = answer;
-    return fd;
-}
-
-int lf_talk_open(const gateway *g)
-{
-    char header[80];
-    const char *answer = NULL;
-    snprintf(header, sizeof header, "Authorization: Bearer %s\r\n", g->token);
-    int fd = lf_talk_connect(g, header, &answer);
-    assert_int_equal(lf_caller_status(answer), 101);
-    return fd;
-}
-
-void lf_talk_send(int fd, int opcode, const char *data, size_t n)
-{
-    unsigned char head[14] = {(unsigned char)(0x80 | opcode)};
-    size_t n_head = 2;
-    if (n < 126) {
-        head[1] = (unsigned char)(0x80 | n);
-    } else if (n < 65536) {
-        head[1] = 0x80 | 126;
-        for (int i = 0; i < 2; i++)
-            head[n_head++] = (unsigned char)(n >> (8 - 8 * i));
-    } else {
-        head[1] = 0x80 | 127;
-        for (int i = 0; i < 8; i++)
-            head[n_head++] = (unsigned char)(n >> (56 - 8 * i));
-    }
-    n_head += 4; /* a mask of zeros: the data is as it is */
-    if (lf_caller_send(fd, (const char *)head, n_head))
-        (void)lf_caller_send(fd, data, n);
-}
-
-void lf_talk_say(int fd, const char *text)
-{
-    lf_talk_send(fd, 1, text, strlen(text));
-}
-
-static bool receive_all(int fd, unsigned char *to, size_t n)
-{
-    for (size_t used = 0; used < n;) {
-        ssize_t got = recv(fd, to + used, n - used, 0);
-        if (got <= 0)
-            return false;
-        used += (size_t)got;
-    }
-    return true;
-}
-
-int lf_talk_next(int fd, const unsigned char **out_data, size_t *out_n)
-{
-    static unsigned char data[(1 << 21) + 1];
-    for (;;) {
-        unsigned char head[10];
-        if (!receive_all(fd, head, 2))
-            return -1;
-        size_t n = head[1] & 127u, more = n == 126 ? 2 : n == 127 ? 8 : 0;
-        if (!receive_all(fd, head + 2, more))
-            return -1;
-        for (size_t i = 0, m = 0; i < more; i++)
-            n = m = m << 8 | head[2 + i];
-        assert_true(n < sizeof data);
-        assert_false(head[1] & 0x80); /* a server does not mask */
-        if (!receive_all(fd, data, n))
-            return -1;
-        data[n] = '\0';
-        if ((head[0] & 15) == 9 || (head[0] & 15) == 10)
-            continue;
-        *out_data = data;
-        *out_n = n;
-        return head[0] & 15;
-    }
-}
-
-const char *lf_talk_until(int fd, const char *word, int *out_binaries)
-{
-    const unsigned char *data = NULL;
-    size_t n = 0;
-    for (int opcode; (opcode = lf_talk_next(fd, &data, &n)) > 0;) {
-        if (opcode == 8)
-            fail_msg("closed with %d: %s", n >= 2 ? data[0] << 8 | data[1] : 0,
-                     n >= 2 ? (const char *)data + 2 : "");
-        if (opcode == 2 && out_binaries)
-            ++*out_binaries;
-        if (opcode == 1 && strstr((const char *)data, word))
-            return (const char *)data;
-    }
-    fail_msg("the connection ended before \"%s\"", word);
-    return NULL;
 }

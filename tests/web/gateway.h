@@ -8,6 +8,9 @@
 /* What the false quiltd renders: 9 views of 60x80 in 3x3 tiles. */
 enum { FALSE_COLUMNS = 3, FALSE_VIEWS = 9, FALSE_WIDTH = 60, FALSE_HEIGHT = 80 };
 
+/* Bytes of all uploads. */
+enum { GATEWAY_UPLOADS = 3 << 20 };
+
 typedef struct gateway gateway;
 
 /* *state is the gateway. */
@@ -17,15 +20,31 @@ int lf_gateway_teardown(void **state);
     cmocka_unit_test_setup_teardown(test, lf_gateway_setup, lf_gateway_teardown)
 
 int lf_gateway_port(const gateway *g);
+/* Whether it listens on [::1], too, and not only on 127.0.0.1. */
+bool lf_gateway_has_v6(const gateway *g);
 const char *lf_gateway_token(const gateway *g);
 /* "quiltweb-PORT=…" as the gateway gives it for the token. */
 const char *lf_gateway_cookie(gateway *g);
 
-/* The false quiltd answers each call with {"method": NAME}, status with its state, and frame.get
- * with an image. false: it answers no frame.get any more. */
+/* The false quiltd answers each call with {"method": NAME, "params"}, status with its state, and
+ * frame.get with an image; scene.load, scene.patch and quilt.show say in "seen" what the passed
+ * files are. It refuses quilts of 99 columns and thumbnails of /etc/passwd. Exports are jobs 1, 2 …
+ * whose files hold "job 1 file 0". false: it answers no frame.get any more. */
 void lf_gateway_answer_images(gateway *g, bool answer);
 /* Another scene: its images have these columns. */
 void lf_gateway_set_columns(gateway *g, int columns);
+/* What it knows of rights.limit: all, nothing, all but the method doctor; or it refuses. */
+typedef enum lf_gateway_rights {
+    LF_RIGHTS_KNOWN,
+    LF_RIGHTS_UNKNOWN,
+    LF_RIGHTS_LACKING,
+    LF_RIGHTS_AGAINST,
+} lf_gateway_rights;
+void lf_gateway_set_rights(gateway *g, lf_gateway_rights rights);
+/* How many calls came on connections that had not called rights.limit first. */
+int lf_gateway_unlimited(gateway *g);
+/* Makes the first file of the last export so large. */
+bool lf_gateway_grow_export(gateway *g, int64_t bytes);
 /* How often quiltd was called with this method. */
 int lf_gateway_calls(gateway *g, const char *method);
 /* Sends a line to all connections. */
@@ -43,6 +62,12 @@ int lf_caller_connect(const gateway *g);
 bool lf_caller_send(int fd, const char *raw, size_t n);
 /* Sends raw[n] until nobody takes more for a second; the number of bytes taken. */
 size_t lf_caller_flood(int fd, const char *raw, size_t n);
+/* All that comes until the end, terminated, in a static buffer. Closes fd. */
+const char *lf_caller_rest(int fd);
+/* A request with the token whose body may follow: "METHOD PATH HTTP/1.1" and more headers. */
+int lf_caller_begin(const gateway *g, const char *line, const char *headers);
+/* PUT with the token; as lf_caller_ask. */
+const char *lf_caller_put(const gateway *g, const char *target, const char *body, size_t n);
 /* Sends a request and returns all that comes until the end, terminated, in a static buffer. */
 const char *lf_caller_ask(const gateway *g, const char *request);
 /* As lf_caller_ask, with "METHOD PATH HTTP/1.1", a Host that is right, and more headers (each ended

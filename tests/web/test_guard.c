@@ -116,6 +116,54 @@ static void a_body_is_refused(void **state)
     assert_int_equal(check(&r), 413);
 }
 
+static void a_body_has_a_length_within_its_limit(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *length;
+        int status;
+    } rows[] = {{NULL, 411}, {"0", 0},    {"1000", 0}, {"1001", 413}, {"99999999999999999999", 400},
+                {"", 400},   {"+1", 400}, {"-1", 400}, {"1,1", 400},  {"0x10", 400}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        lf_guard_request r = good();
+        r.takes_body = true;
+        r.body_limit = 1000;
+        r.length = rows[i].length;
+        r.lengths = r.length ? 1 : 0;
+        assert_int_equal(check(&r), rows[i].status);
+        r.encoded = true; /* a coded body has no length that all readers agree on */
+        assert_int_equal(check(&r), 400);
+    }
+}
+
+/* A page sends its origin with every PUT; the cookie alone may come from anywhere. */
+static void a_cookie_writes_only_with_an_origin(void **state)
+{
+    (void)state;
+    lf_guard guard;
+    lf_error err = {0};
+    char cookie[128], token[64];
+    lf_assert_ok(lf_guard_init(&guard, PORT, &err), &err);
+    snprintf(cookie, sizeof cookie, "%s=%s", guard.cookie, guard.session.text);
+    snprintf(token, sizeof token, "Bearer %s", guard.token.text);
+    lf_guard_request r = good();
+    assert_false(lf_guard_may_write(&guard, &r));
+    r.cookie = cookie;
+    r.cookies = 1;
+    assert_false(lf_guard_may_write(&guard, &r));
+    r.origin = "http://127.0.0.1:8033";
+    r.origins = 1;
+    assert_true(lf_guard_may_write(&guard, &r));
+    r.cookie = NULL;
+    r.cookies = 0;
+    assert_false(lf_guard_may_write(&guard, &r));
+    r.authorization = token;
+    r.authorizations = 1;
+    assert_true(lf_guard_may_write(&guard, &r));
+    r.origins = 0;
+    assert_true(lf_guard_may_write(&guard, &r));
+}
+
 static void a_secret_equals_itself_alone(void **state)
 {
     (void)state;
@@ -205,6 +253,8 @@ int main(void)
         cmocka_unit_test(an_origin_is_ours_by_the_same_name),
         cmocka_unit_test(what_two_readers_understand_differently_is_refused),
         cmocka_unit_test(a_body_is_refused),
+        cmocka_unit_test(a_body_has_a_length_within_its_limit),
+        cmocka_unit_test(a_cookie_writes_only_with_an_origin),
         cmocka_unit_test(a_secret_equals_itself_alone),
         cmocka_unit_test(the_cookie_is_found_among_others),
         cmocka_unit_test(a_page_connects_with_its_cookie_and_a_program_with_the_token),

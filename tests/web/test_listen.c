@@ -6,6 +6,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include "daemon/web/listen.h"
 #include "daemon/web/web.h"
 #include "tests/daemon/soon.h"
 
@@ -32,6 +33,14 @@ static void only_loopback_is_listened_on(void **state)
     close(fd);
 }
 
+static void check_refused(sd_event *event, const int *fds, int n)
+{
+    lf_error err = {0};
+    lf_web *web = NULL;
+    const lf_web_config config = {.listen_fds = fds, .n_listen_fds = n, .socket = "/nowhere"};
+    lf_assert_status(lf_web_create(event, &config, &web, &err), LF_E_ARG, &err);
+}
+
 /* What systemd passes may be anything. */
 static void a_socket_for_everybody_is_refused(void **state)
 {
@@ -40,19 +49,89 @@ static void a_socket_for_everybody_is_refused(void **state)
     lf_error err = {0};
     sd_event *event = NULL;
     lf_web *web = NULL;
-    int fd = socket(AF_INET, SOCK_STREAM, 0);
+    int fds[2] = {socket(AF_INET, SOCK_STREAM, 0), -1};
+    const lf_web_config config = {.listen_fds = fds, .n_listen_fds = 1, .socket = "/nowhere"};
     assert_true(sd_event_new(&event) >= 0);
-    assert_int_equal(bind(fd, (struct sockaddr *)&address, sizeof address), 0);
-    assert_int_equal(listen(fd, 1), 0);
-    lf_assert_status(lf_web_create(event, fd, "/nowhere", &web, &err), LF_E_ARG, &err);
-    fd = socket(AF_UNIX, SOCK_STREAM, 0);
-    lf_assert_status(lf_web_create(event, fd, "/nowhere", &web, &err), LF_E_ARG, &err);
-    lf_assert_ok(lf_web_listen("127.0.0.1:0", &fd, &err), &err);
-    lf_assert_ok(lf_web_create(event, fd, "/nowhere", &web, &err), &err);
+    assert_int_equal(bind(fds[0], (struct sockaddr *)&address, sizeof address), 0);
+    assert_int_equal(listen(fds[0], 1), 0);
+    check_refused(event, fds, 1);
+    fds[0] = socket(AF_UNIX, SOCK_STREAM, 0);
+    check_refused(event, fds, 1);
+    lf_assert_ok(lf_web_listen("127.0.0.1:0", &fds[0], &err), &err);
+    lf_assert_ok(lf_web_listen("127.0.0.1:0", &fds[1], &err), &err);
+    check_refused(event, fds, 2); /* two ports */
+    lf_assert_ok(lf_web_listen("127.0.0.1:0", &fds[0], &err), &err);
+    lf_assert_ok(lf_web_create(event, &config, &web, &err), &err);
     assert_memory_equal(lf_web_url(web), "http://127.0.0.1:", 17);
     assert_int_equal(strlen(strchr(lf_web_url(web), '#') + 1), 32);
     lf_web_destroy(web);
     sd_event_unref(event);
+}
+
+static bool without_v6; /* as on a machine that lacks it */
+
+int __real_bind(int fd, const struct sockaddr *address, socklen_t size);
+int __wrap_bind(int fd, const struct sockaddr *address, socklen_t size);
+int __wrap_bind(int fd, const struct sockaddr *address, socklen_t size)
+{
+    if (without_v6 && address->sa_family == AF_INET6) {
+        errno = EADDRNOTAVAIL;
+        return -1;
+    }
+    return __real_bind(fd, address, size);
+}
+
+static void close_all(int *fds, int n)
+{
+    for (int i = 0; i < n; i++)
+        close(fds[i]);
+}
+
+static void both_addresses_have_one_port(void **state)
+{
+    (void)state;
+    static const char *const both[] = {"127.0.0.1:0", "[::1]:0"};
+    static const char *const wrong[][2] = {
+        {"127.0.0.1:1", "[::1]:2"}, {"127.0.0.1:0", "127.0.0.1:0"}, {"127.0.0.1:0", "0.0.0.0:0"}};
+    lf_error err = {0};
+    int fds[2] = {-1, -1}, n = 0, ports[2] = {0};
+    bool v6[2] = {false};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        lf_assert_status(lf_web_listen_all(wrong[i], 2, fds, &n, &err), LF_E_ARG, &err);
+    lf_assert_ok(lf_web_listen_all(both, 2, fds, &n, &err), &err);
+    for (int i = 0; i < n; i++)
+        lf_assert_ok(lf_web_listener_look(fds[i], &ports[i], &v6[i], &err), &err);
+    if (n == 2) {
+        char taken[2][32];
+        const char *const again[] = {taken[0], taken[1]};
+        int more[2], n_more = 0;
+        assert_int_equal(ports[0], ports[1]);
+        assert_true(!v6[0] && v6[1]);
+        snprintf(taken[0], sizeof taken[0], "127.0.0.1:%d", ports[0]);
+        snprintf(taken[1], sizeof taken[1], "[::1]:%d", ports[0]);
+        close(fds[0]); /* in use on one of the two is in use */
+        lf_assert_status(lf_web_listen_all(again, 2, more, &n_more, &err), LF_E_BUSY, &err);
+        close(fds[1]);
+    } else {
+        close_all(fds, n);
+    }
+}
+
+static void a_machine_without_an_address_is_served_on_the_other(void **state)
+{
+    (void)state;
+    static const char *const both[] = {"[::1]:0", "127.0.0.1:0"};
+    lf_error err = {0};
+    int fds[2] = {-1, -1}, n = 0, port = 0;
+    bool v6 = true;
+    without_v6 = true;
+    lf_assert_ok(lf_web_listen_all(both, 2, fds, &n, &err), &err);
+    assert_int_equal(n, 1);
+    lf_assert_ok(lf_web_listener_look(fds[0], &port, &v6, &err), &err);
+    assert_false(v6);
+    close_all(fds, n);
+    lf_assert_status(lf_web_listen_all(both, 1, fds, &n, &err), LF_E_NODEV, &err);
+    without_v6 = false;
 }
 
 /* Timers of this program are due at once. */
@@ -81,6 +160,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(only_loopback_is_listened_on),
         cmocka_unit_test(a_socket_for_everybody_is_refused),
+        cmocka_unit_test(both_addresses_have_one_port),
+        cmocka_unit_test(a_machine_without_an_address_is_served_on_the_other),
         lf_gateway_test(a_request_that_does_not_end_is_dropped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

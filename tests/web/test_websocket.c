@@ -71,8 +71,10 @@ static void allowed_methods_reach_quiltd(void **state)
     int fd = lf_talk_open(g);
     char call[128];
     for (int i = 0; lf_allow_at(i); i++) {
-        snprintf(call, sizeof call, "{\"jsonrpc\":\"2.0\",\"id\":%d,\"method\":\"%s\"}", i,
-                 lf_allow_at(i));
+        const bool needs_files = strcmp(lf_allow_at(i), "export") == 0;
+        snprintf(call, sizeof call, "{\"jsonrpc\":\"2.0\",\"id\":%d,\"method\":\"%s\"%s}", i,
+                 lf_allow_at(i),
+                 needs_files ? ",\"params\":{\"kind\":\"still\",\"file\":\"a.png\"}" : "");
         lf_talk_say(fd, call);
         snprintf(call, sizeof call, "\"id\":%d,", i);
         assert_non_null(strstr(lf_talk_until(fd, call, NULL), "\"result\""));
@@ -84,9 +86,10 @@ static void allowed_methods_reach_quiltd(void **state)
 static void all_other_methods_are_refused(void **state)
 {
     gateway *g = *state;
-    static const char *const methods[] = {"shutdown", "device.set", "export",    "frame.get",
-                                          "button",   "quilt.show", "Shutdown",  "shutdown ",
-                                          "",         "status2",    "preview.x", "rpc.discover"};
+    static const char *const methods[] = {"shutdown",  "device.set", "library.thumbnail",
+                                          "frame.get", "button",     "quilt.show",
+                                          "Shutdown",  "shutdown ",  "",
+                                          "status2",   "preview.x",  "rpc.discover"};
     int fd = lf_talk_open(g);
     char call[160];
     for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++) {
@@ -97,6 +100,9 @@ static void all_other_methods_are_refused(void **state)
         assert_non_null(strstr(lf_talk_until(fd, call, NULL), "-32601"));
         assert_int_equal(lf_gateway_calls(g, methods[i]), 0);
     }
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":89,\"method\":\"rights.limit\"}");
+    assert_non_null(strstr(lf_talk_until(fd, "\"id\":89", NULL), "-32601"));
+    assert_int_equal(lf_gateway_calls(g, "rights.limit"), 1); /* the gateway's own */
     /* of two keys of a name quiltd gets the one that was looked at */
     lf_talk_say(fd,
                 "{\"jsonrpc\":\"2.0\",\"id\":90,\"method\":\"status\",\"method\":\"shutdown\"}");
@@ -111,39 +117,78 @@ static void all_other_methods_are_refused(void **state)
     close(fd);
 }
 
+static void check_answer(int fd, const char *call, const char *word)
+{
+    lf_talk_say(fd, call);
+    const char *answer = lf_talk_until(fd, "\"id\":", NULL);
+    if (!strstr(answer, word))
+        fail_msg("%s: %s, expected %s", call, answer, word);
+}
+
 static void some_parameters_are_refused(void **state)
 {
     gateway *g = *state;
+    static const char *const refused[] = {
+        "\"scene.load\",\"params\":{\"file\":\"a\",\"files\":[\"/etc/passwd\"]}",
+        "\"scene.load\",\"params\":{\"scene_fd\":true}",
+        "\"scene.load\",\"params\":{\"scene\":{},\"arrays\":{}}",
+        "\"scene.patch\",\"params\":{\"patch\":{},\"arrays\":{}}",
+        "\"scene.patch\",\"params\":{\"patch\":{},\"files\":[\"/etc/passwd\"]}",
+        "\"render.set\",\"params\":{\"threads\":1}",
+        "\"export\",\"params\":{\"kind\":\"still\",\"file\":\"a.png\",\"fds\":1}",
+        "\"export\",\"params\":{\"kind\":\"still\",\"file\":\"a.png\",\"detach\":true}",
+        "\"export\",\"params\":{\"kind\":\"still\",\"file\":\"a.png\",\"overwrite\":true}",
+        "\"preview.start\",\"params\":{\"x\":1}"};
+    static const char *const methods[] = {"scene.load", "scene.patch", "render.set", "export"};
     int fd = lf_talk_open(g);
-    lf_talk_say(
-        fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"scene.load\",\"params\":{\"file\":\"a\","
-            "\"files\":[\"/etc/passwd\"]}}");
-    assert_non_null(strstr(lf_talk_until(fd, "\"id\":1", NULL), "-32602"));
-    assert_int_equal(lf_gateway_calls(g, "scene.load"), 0);
-    lf_talk_say(
-        fd, "{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"scene.load\",\"params\":{\"file\":\"a\"}}");
-    assert_non_null(strstr(lf_talk_until(fd, "\"id\":2", NULL), "\"result\""));
+    char call[256];
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        snprintf(call, sizeof call, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":%s}", refused[i]);
+        check_answer(fd, call, "-32602");
+    }
+    for (size_t i = 0; i < sizeof methods / sizeof methods[0]; i++)
+        assert_int_equal(lf_gateway_calls(g, methods[i]), 0);
+    check_answer(
+        fd, "{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"scene.load\",\"params\":{\"file\":\"a\"}}",
+        "\"result\"");
     /* ids of the gateway's own calls */
-    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:image\",\"method\":\"hello\"}");
-    assert_non_null(strstr(lf_talk_until(fd, "quiltweb:image", NULL), "-32600"));
-    lf_talk_say(fd,
-                "{\"jsonrpc\":\"2.0\",\"id\":3,\"method\":\"preview.start\",\"params\":{\"x\":1}}");
-    assert_non_null(strstr(lf_talk_until(fd, "\"id\":3", NULL), "-32602"));
-    lf_talk_say(fd, "no JSON");
-    assert_non_null(strstr(lf_talk_until(fd, "-32700", NULL), "\"id\":null"));
-    lf_talk_say(fd, "");
-    assert_non_null(strstr(lf_talk_until(fd, "-32700", NULL), "\"id\":null"));
+    check_answer(fd, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:image\",\"method\":\"hello\"}",
+                 "-32600");
+    check_answer(fd, "{\"jsonrpc\":\"2.0\",\"id\":\"quiltweb:export:1\",\"method\":\"hello\"}",
+                 "-32600");
+    check_answer(fd, "no JSON", "-32700");
+    check_answer(fd, "", "-32700");
     close(fd);
 }
 
-static void a_subscription_keeps_frames(void **state)
+/* Whatever quiltd says to it, the gateway calls rights.limit before all else, on each connection.
+ */
+static void rights_are_limited_first(void **state)
 {
     gateway *g = *state;
-    int fd = lf_talk_open(g);
-    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"subscribe\",\"params\":{\"events\":"
-                    "[\"scene\"]}}");
-    assert_non_null(strstr(lf_talk_until(fd, "\"id\":1", NULL), "[\"scene\",\"frame\"]"));
-    close(fd);
+    static const struct {
+        lf_gateway_rights rights;
+        int calls;
+    } rows[] = {{LF_RIGHTS_KNOWN, 1}, {LF_RIGHTS_UNKNOWN, 1}, {LF_RIGHTS_LACKING, 2}};
+    int before = 0;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        lf_gateway_set_rights(g, rows[i].rights);
+        int fd = lf_talk_open(g);
+        check_answer(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"hello\"}", "\"result\"");
+        check_answer(fd, "{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"hello\"}", "\"result\"");
+        assert_int_equal(lf_gateway_calls(g, "rights.limit") - before, rows[i].calls);
+        before += rows[i].calls;
+        close(fd);
+    }
+    lf_gateway_set_rights(g, LF_RIGHTS_KNOWN);
+    char token[80];
+    snprintf(token, sizeof token, "Authorization: Bearer %s\r\n", lf_gateway_token(g));
+    static const char *const lines[] = {"GET /api/status HTTP/1.1", "GET /preview.jpg HTTP/1.1",
+                                        "GET /api/thumbnail?file=/a.png HTTP/1.1"};
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(lf_caller_status(lf_caller_get(g, lines[i], token)), 200);
+    assert_int_equal(lf_gateway_calls(g, "rights.limit") - before, 3);
+    assert_int_equal(lf_gateway_unlimited(g), 0);
 }
 
 /* The code of the close that comes next. */
@@ -155,6 +200,28 @@ static int close_code(int fd)
         if (opcode == 8)
             return n >= 2 ? data[0] << 8 | data[1] : 0;
     return -1;
+}
+
+static void a_quiltd_that_does_not_limit_rights_is_not_used(void **state)
+{
+    gateway *g = *state;
+    char token[80];
+    snprintf(token, sizeof token, "Authorization: Bearer %s\r\n", lf_gateway_token(g));
+    lf_gateway_set_rights(g, LF_RIGHTS_AGAINST);
+    int fd = lf_talk_open(g);
+    assert_int_equal(close_code(fd), 1011);
+    close(fd);
+    assert_int_equal(lf_caller_status(lf_caller_get(g, "GET /api/status HTTP/1.1", token)), 503);
+}
+
+static void a_subscription_keeps_frames(void **state)
+{
+    gateway *g = *state;
+    int fd = lf_talk_open(g);
+    lf_talk_say(fd, "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"subscribe\",\"params\":{\"events\":"
+                    "[\"scene\"]}}");
+    assert_non_null(strstr(lf_talk_until(fd, "\"id\":1", NULL), "[\"scene\",\"frame\"]"));
+    close(fd);
 }
 
 static void long_messages_are_closed_with_1009(void **state)
@@ -433,6 +500,8 @@ int main(void)
         lf_gateway_test(allowed_methods_reach_quiltd),
         lf_gateway_test(all_other_methods_are_refused),
         lf_gateway_test(some_parameters_are_refused),
+        lf_gateway_test(rights_are_limited_first),
+        lf_gateway_test(a_quiltd_that_does_not_limit_rights_is_not_used),
         lf_gateway_test(a_subscription_keeps_frames),
         lf_gateway_test(long_messages_are_closed_with_1009),
         lf_gateway_test(long_lines_are_refused_with_their_id),
