@@ -13,7 +13,7 @@
 #   make python             the client in Python: a wheel and an sdist in build/
 #   make docs               write the tables of docs/reference from the tables of the programs
 #   make fuzz               feed random bytes to the readers: FUZZ_SECONDS each (60); T=hid: only that one
-#   make soak               the daemon on a panel with random faults: SOAK_SECONDS (600), SOAK_SEED
+#   make soak               the daemon on a panel with random faults, then the gateway among hostile clients: SOAK_SECONDS each (600), SOAK_SEED
 #   make mutants            break one line at a time and list the changes that no test detects; T=render: only those with this word
 #   make check-arm64        the portable parts, built for arm64 and run by an emulator
 #   make check-kernel       simulated devices through a real kernel and the installed daemon under systemd, in QEMU; as root
@@ -217,7 +217,7 @@ run_tests = O='$(O)' SRCDIR='$(SRCDIR)' BUILD='$(BUILD)' \
 
 .PHONY: tests fuzz-targets check-now check-arm64-now check-kernel-now verify-now bench-now run-now lint-now fuzz-now soak-now mutants-now
 # what renders for long is run once, as it is built for users
-tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh python.sh page_modules.sh $(if $(filter release,$(BUILD)),readme.sh guides.sh) arm64.sh)
+tests_extra := $(addprefix $(SRCDIR)/tests/,style.sh install.sh completion.sh client.sh python.sh js.sh page_modules.sh $(if $(filter release,$(BUILD)),readme.sh guides.sh page.sh web_soak.sh) arm64.sh)
 selected := $(filter-out $(addprefix $(O)/,$(WITHOUT)),$(call matching_or_all,$(tests)))
 tests: all $(selected) $(if $(T)$(filter-out release,$(BUILD)),,$(headers_alone)) $(O)/tests/arm64/results
 check-now: tests
@@ -236,10 +236,12 @@ verify-now: all $(tests)
 	 QUILTD_SEED=$$seed QUILTD_LONG=1 TEST_TIMEOUT=$${TEST_TIMEOUT:-3600} $(run_tests) $(tests)
 
 # its table is the last thing in the log; a command that was delayed is a failure here
-soak-now: $(O)/tests/daemon/test_faults
+soak-now: $(O)/tests/daemon/test_faults all
 	@seed=$${SOAK_SEED:-$$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}; seconds=$${SOAK_SECONDS:-600}; rc=0; \
-	 SOAK_SEED=$$seed SOAK_SECONDS=$$seconds SOAK_STRICT=1 TEST_TIMEOUT=$$((seconds + 1200)) $(run_tests) $< || rc=1; \
-	 sed -n '/^SOAK_SEED/,/^descriptors/p' $(O)/tests/test_faults.log; exit $$rc
+	 export SOAK_SEED=$$seed SOAK_SECONDS=$$seconds SOAK_STRICT=1 TEST_TIMEOUT=$$((seconds + 1200)); \
+	 $(run_tests) $< || rc=1; \
+	 $(run_tests) $(SRCDIR)/tests/web_soak.sh || rc=1; \
+	 sed -n '/^SOAK_SEED/,/^descriptors/p' $(O)/tests/test_faults.log; sed -n '/^#/p' $(O)/tests/web_soak.sh.log; exit $$rc
 
 # in a copy of the tree, which starts with what is built here
 mutants-now: all $(tests)
@@ -253,6 +255,7 @@ fuzz-now: fuzz-targets
 .PHONY: docs
 docs: $(O)/tests/docs/make_tables $(O)/quiltd $(O)/quiltrender
 	@cd $(SRCDIR) && $(abspath $<) $(abspath $(O))
+	@$(SRCDIR)/clients/js/make_types.sh $(O)/quiltd
 
 bench-now: all
 	@mkdir -p $(BUILDROOT)/bench

@@ -1,0 +1,986 @@
+// Written by `make docs` from the answer of `hello`.
+
+export interface Calls {
+  /** return version, protocol, methods and notifications */
+  "hello": {
+    params: {};
+    result: {
+      /** name of the program: quiltd */
+      "name"?: string;
+      /** version of quiltd */
+      "version"?: string;
+      /** version of the protocol [count] */
+      "protocol"?: number;
+      /** folders from which clients may name files */
+      "folders"?: string[];
+      /** methods by name, each with summary, params and result (JSON Schemas) and example */
+      "methods"?: { [key: string]: unknown };
+      /** notifications by name, each with summary, event (for subscribe) and params (JSON Schema) */
+      "events"?: { [key: string]: unknown };
+    };
+  };
+  /** return the state of the daemon */
+  "status": {
+    params: {};
+    result: {
+      /** rendering, converged, paused, idle or error */
+      "state"?: string;
+      /** why the scene could not be loaded; absent if it was loaded */
+      "error"?: {
+        /** error code, as in an error response [count] */
+        "code"?: number;
+        /** what is wrong and what to do, in one line */
+        "message"?: string;
+        /** where the error is, if known */
+        "data"?: {
+          /** file or option with the error */
+          "file"?: string;
+          /** line in this file, from 1 [count] */
+          "line"?: number;
+          /** JSON pointer of the value */
+          "pointer"?: string;
+        };
+      };
+      /** file on display */
+      "scene"?: string | null;
+      /** files and arrays of the scene that clients passed as descriptors */
+      "passed"?: string[];
+      /** true: a finished image is on display, not a rendering */
+      "is_quilt"?: boolean;
+      /** number of views [count] */
+      "views"?: number;
+      /** columns of the quilt [count] */
+      "columns"?: number;
+      /** rows of the quilt [count] */
+      "rows"?: number;
+      /** width of one view [pixels] */
+      "view_width"?: number;
+      /** height of one view [pixels] */
+      "view_height"?: number;
+      /** aspect of the focal plane [width over height] */
+      "aspect"?: number;
+      /** total angle over which the cameras are spread, seen from the target [degrees] */
+      "cone"?: number;
+      /** length of the camera track [scene units] */
+      "track"?: number;
+      /** current frame, and playback */
+      "time"?: {
+        /** frame number [frames] */
+        "frame"?: number;
+        /** true: frames are being played */
+        "playing"?: boolean;
+        /** playback speed; absent unless playing [frames per second] */
+        "fps"?: number;
+        /** former name of fps [frames per second] */
+        "rate"?: number;
+        /** first frame, during playback [frames] */
+        "from"?: number;
+        /** last frame, during playback [frames] */
+        "to"?: number;
+        /** true: loop, during playback */
+        "loop"?: boolean;
+      };
+      /** whether the scene is too deep for a panel */
+      "depth_budget"?: {
+        /** distance of the nearest point [scene units] */
+        "nearest"?: number;
+        /** distance of the farthest point [scene units] */
+        "farthest"?: number;
+        /** shift of this point between views [pixels] */
+        "nearest_step"?: number | null;
+        /** shift of this point between views [pixels] */
+        "farthest_step"?: number;
+        /** largest shift that the panel shows sharply [pixels] */
+        "limit"?: number;
+        /** nearest sharp distance [scene units] */
+        "sharp_from"?: number;
+        /** farthest sharp distance; null: no limit [scene units] */
+        "sharp_to"?: number | null;
+        /** true: the scene exceeds these distances and has no view_blur */
+        "exceeded"?: boolean;
+      } | null;
+      /** random seed; a string if it exceeds 2^63 - 1 [count] */
+      "seed"?: number | string;
+      /** name of the integrator */
+      "integrator"?: string;
+      /** number of the scene and camera state [count] */
+      "generation"?: number;
+      /** level of the image: none, coarse, complete or converged */
+      "level"?: string;
+      /** passes rendered so far [passes] */
+      "passes"?: number;
+      /** rendering time so far [seconds] */
+      "seconds"?: number;
+      /** CPU time of all threads so far [seconds] */
+      "cpu_seconds"?: number;
+      /** mean native samples of a view pixel [samples per pixel] */
+      "spp"?: number | null;
+      /** estimated error of the unfiltered image [relMSE] */
+      "error_estimate"?: number | null;
+      /** 95 % upper bound of this error [relMSE] */
+      "error_bound"?: number | null;
+      /** error of the denoised image [relMSE] */
+      "denoised_error"?: number | null;
+      /** 95 % upper bound of this error [relMSE] */
+      "denoised_error_bound"?: number | null;
+      /** former name of denoised_error [relMSE] */
+      "shown_error"?: number | null;
+      /** former name of denoised_error_bound [relMSE] */
+      "shown_error_bound"?: number | null;
+      /** cost of the last image up to its first coarse frame; null: none yet */
+      "coarse_cost"?: {
+        /** all threads: rows with paths [CPU seconds] */
+        "paths"?: number;
+        /** all threads: rows without paths yet [CPU seconds] */
+        "fans"?: number;
+        /** all threads: fitting the denoiser [CPU seconds] */
+        "fit"?: number;
+        /** all threads: denoised rows [CPU seconds] */
+        "answer"?: number;
+        /** all threads: tone mapping and interlacing [CPU seconds] */
+        "compose"?: number;
+      } | null;
+      /** cost of the last image up to its first complete frame, the coarse one included */
+      "complete_cost"?: {
+        /** all threads: rows with paths [CPU seconds] */
+        "paths"?: number;
+        /** all threads: rows without paths yet [CPU seconds] */
+        "fans"?: number;
+        /** all threads: fitting the denoiser [CPU seconds] */
+        "fit"?: number;
+        /** all threads: denoised rows [CPU seconds] */
+        "answer"?: number;
+        /** all threads: tone mapping and interlacing [CPU seconds] */
+        "compose"?: number;
+      } | null;
+      /** view pixels that no path has reached yet [pixels] */
+      "missing"?: number;
+      /** number of worker threads [count] */
+      "threads"?: number;
+      /** name of the estimator */
+      "estimator"?: string;
+      /** error at which rendering stops; 0: never [relMSE] */
+      "target_error"?: number;
+      /** true: rendering is paused */
+      "paused"?: boolean;
+      /** true: what is too near or too far is tinted */
+      "guides"?: boolean;
+      /** on: the denoised image is shown; off: the unfiltered */
+      "denoise"?: string;
+      /** former name of denoise */
+      "reconstruct"?: string;
+      /** exposure and tone curve */
+      "exposure"?: {
+        /** exposure in use [stops] */
+        "stops"?: number;
+        /** true: quiltd chose it from the image */
+        "auto"?: boolean;
+        /** name of the tone curve */
+        "tonemap"?: string;
+      };
+      /** the frame on the panel */
+      "shown"?: {
+        /** number of the scene and camera state [count] */
+        "generation"?: number;
+        /** none, coarse, complete or converged */
+        "level"?: string;
+        /** denoised, unfiltered or card */
+        "image"?: string;
+        /** former image: reconstructed, unfiltered or card */
+        "picture"?: string;
+        /** text on the card; null: no card */
+        "card"?: string | null;
+      };
+      /** warnings about the scene and its image */
+      "warnings"?: string[];
+      /** the panel that is open */
+      "device"?: {
+        /** device spec for --device and device.set */
+        "spec"?: string;
+        /** kind of device, such as sim or none */
+        "kind"?: string;
+        /** name of the display, if it has one */
+        "model"?: string;
+        /** serial number of the panel */
+        "serial"?: string;
+        /** where the calibration came from */
+        "calibration_from"?: string;
+        /** file, connector or USB address */
+        "output"?: string;
+        /** what is wrong and what to do; empty if all is well */
+        "problem"?: string;
+        /** true: the device is open; absent in lists */
+        "present"?: boolean;
+        /** response of the panel; absent in lists */
+        "response"?: {
+          /** gamma: a number or srgb [exponent] */
+          "gamma"?: number | string;
+          /** colour temperature of the white; 0: not set [kelvin] */
+          "white"?: number;
+          /** chromaticity of the white; 0: not set [CIE x] */
+          "white_x"?: number;
+          /** chromaticity of the white; 0: not set [CIE y] */
+          "white_y"?: number;
+        };
+      };
+      /** updates pushed to the panel [count] */
+      "updates"?: number;
+      /** bytes pushed to the panel [bytes] */
+      "bytes"?: number;
+      /** updates that the panel did not accept [count] */
+      "device_errors"?: number;
+      /** number of loads waiting or in progress [count] */
+      "loading"?: number;
+      /** the load in progress */
+      "load"?: {
+        /** job number of the load, for job.cancel [count] */
+        "job"?: number;
+        /** file, patch, orbit, fit or settings */
+        "kind"?: string;
+        /** file being loaded */
+        "file"?: string | null;
+      } | null;
+      /** file being read */
+      "reading"?: {
+        /** file being read, one of the scene's files */
+        "file"?: string;
+        /** size of this file [bytes] */
+        "bytes"?: number;
+        /** time spent on this file so far [seconds] */
+        "seconds"?: number;
+        /** number of files read before [count] */
+        "files_read"?: number;
+      } | null;
+      /** Landlock confinement of the file readers: on, off, refused or unknown */
+      "landlock"?: string;
+      /** number of connected clients [count] */
+      "clients"?: number;
+      /** number of client lines handled so far [count] */
+      "lines"?: number;
+      /** exports waiting or running */
+      "jobs"?: {
+        /** job number of the export [count] */
+        "job"?: number;
+        /** kind of the export */
+        "kind"?: string;
+        /** file being written */
+        "file"?: string;
+        /** waiting, running, done, failed or cancelled */
+        "state"?: string;
+        /** share written, from 0 to 1 [share] */
+        "progress"?: number;
+      }[];
+      /** time since the daemon started [seconds] */
+      "uptime"?: number;
+      /** longest CPU time of the event thread for one event [seconds] */
+      "longest_turn"?: number;
+    };
+  };
+  /** show a scene file, a model, a volume or a quilt image */
+  "scene.load": {
+    params: {
+      /** path of a scene, model, volume, quilt image or folder of views; quiltctl makes it absolute */
+      "file"?: string;
+      /** scene document, instead of file; its paths are absolute */
+      "scene"?: { [key: string]: unknown };
+      /** the scene document comes as the first descriptor, instead of file; at most 16 MiB */
+      "scene_fd"?: boolean;
+      /** name of scene or scene_fd in messages, at most 128 bytes without / (scene) */
+      "name"?: string;
+      /** arrays of the scene by name, each {shape, type}; their descriptors follow those of files */
+      "arrays"?: { [key: string]: unknown };
+      /** tiles COLUMNSxROWS of an image whose name has no _qs suffix */
+      "quilt"?: string;
+      /** absolute names of the passed files, in the order of their descriptors (SCM_RIGHTS, read-only); quiltctl fills this in */
+      "files"?: string[];
+      /** file without a scene: how far the eye is to the right of the front (as on the command line, else 22) [degrees] */
+      "yaw"?: number;
+      /** file without a scene: how far the eye is above the front (as on the command line, else 13) [degrees] */
+      "pitch"?: number;
+      /** file without a scene: its up axis; file: z in STL files, else y */
+      "up"?: "file" | "y" | "z";
+      /** file without a scene: dark backdrop, no ground, no studio; of a volume the density grid alone */
+      "bare"?: boolean;
+      /** image of another shape: show it whole with borders, or cut it to cover the view */
+      "photo"?: "fit" | "fill";
+      /** position of the image, or the part of it that is kept */
+      "photo_position"?: "center" | "left" | "right" | "top" | "bottom" | "top-left" | "top-right" | "bottom-left" | "bottom-right";
+      /** turn each image clockwise; auto: by 90 if only one of image and output is upright */
+      "photo_rotate"?: "0" | "90" | "180" | "270" | "auto";
+      /** width / height of the views of a finished quilt or folder (from its name, images or pixels) */
+      "aspect"?: number;
+    };
+    result: {
+      /** generation of the scene on display [count] */
+      "generation"?: number;
+      /** features of its files that the image lacks */
+      "warnings"?: string[];
+    };
+  };
+  /** return the current scene */
+  "scene.get": {
+    params: {};
+    result: {
+      /** file of the scene */
+      "file"?: string;
+      /** generation of the scene [count] */
+      "generation"?: number;
+      /** bounding box of the scene without its grounds */
+      "bounds"?: {
+        /** minimum x, y and z [scene units] */
+        "min"?: number[];
+        /** maximum x, y and z [scene units] */
+        "max"?: number[];
+      } | null;
+      /** scene document; null: a finished image is on display */
+      "scene"?: { [key: string]: unknown } | null;
+    };
+  };
+  /** change the current scene with a JSON Merge Patch (RFC 7396) */
+  "scene.patch": {
+    params: {
+      /** keys of the scene file with their new values; null removes a key */
+      "patch": { [key: string]: unknown };
+      /** absolute names of the passed files, in the order of their descriptors (SCM_RIGHTS, read-only); quiltctl fills this in */
+      "files"?: string[];
+    };
+    result: {
+      /** generation of the scene on display [count] */
+      "generation"?: number;
+      /** features of its files that the image lacks */
+      "warnings"?: string[];
+    };
+  };
+  /** set keys of the camera; other keys keep their values */
+  "camera.set": {
+    params: {
+      /** point in the middle of the window, in the focal plane */
+      "target"?: number[];
+      /** middle of the line of cameras, at least 1e-9 from target */
+      "position"?: number[];
+      /** direction that is up in the image; not along the line of sight */
+      "up"?: number[];
+      /** vertical angle of the window, seen from the centre of the cameras [degrees] */
+      "fov_y"?: number;
+      /** width / height of the window */
+      "aspect"?: number;
+      /** number of views, or an object that places the cameras; see Views */
+      "views"?: number | { [key: string]: unknown };
+      /** view cone: angle over which the cameras are spread, seen from the target [degrees] */
+      "cone"?: number;
+      /** inclusive: the outermost cameras are at the ends of the cone; centred: half a spacing inside */
+      "placement"?: "centred" | "inclusive";
+      /** radius of each view's lens; 0: a pinhole, everything is sharp [scene units] */
+      "lens_radius"?: number;
+      /** distance along the view axis that is sharp with a lens_radius (that of target) [scene units] */
+      "focus_distance"?: number;
+      /** width of each view's aperture along the line of cameras; 0: a pinhole; excludes lens_radius [camera spacings] */
+      "view_blur"?: number;
+      /** exposure time, see Motion blur; 0: no motion blur [frames] */
+      "shutter"?: number;
+      /** time at which the shutter opens, relative to the frame; minus half of shutter centres it [frames] */
+      "shutter_open"?: number;
+    };
+    result: {
+      /** generation of the scene on display [count] */
+      "generation"?: number;
+      /** features of its files that the image lacks */
+      "warnings"?: string[];
+    };
+  };
+  /** orbit the camera around its target */
+  "camera.orbit": {
+    params: {
+      /** rotation to the right around the target [degrees] */
+      "yaw"?: number;
+      /** rotation upwards around the target [degrees] */
+      "pitch"?: number;
+      /** how many times nearer to the target */
+      "zoom"?: number;
+    };
+    result: {
+      /** generation of the scene on display [count] */
+      "generation"?: number;
+    };
+  };
+  /** move the camera so that the scene, or a part of it, fills the views */
+  "camera.fit": {
+    params: {
+      /** mesh or volume to frame (the scene except its grounds) */
+      "name"?: string;
+      /** share of the window's width or height that it fills in every view [share of the window] */
+      "fill"?: number;
+      /** largest shift of any of its points between neighbouring views (no limit) [pixels] */
+      "steps"?: number;
+    };
+    result: {
+      /** generation of the scene on display [count] */
+      "generation"?: number;
+    };
+  };
+  /** show a frame of the scene */
+  "time.set": {
+    params: {
+      /** number of the frame [frames] */
+      "frame": number;
+    };
+    result: {
+      /** generation of the scene on display [count] */
+      "generation"?: number;
+      /** features of its files that the image lacks */
+      "warnings"?: string[];
+    };
+  };
+  /** play frames of the scene */
+  "time.play": {
+    params: {
+      /** first frame (the frame that is shown) [frames] */
+      "from"?: number;
+      /** last frame, not before from [frames] */
+      "to": number;
+      /** start again after the last frame */
+      "loop"?: boolean;
+      /** playback speed (the scene's fps) [frames per second] */
+      "fps"?: number;
+    };
+    result: {
+      /** frame number [frames] */
+      "frame"?: number;
+      /** true: frames are being played */
+      "playing"?: boolean;
+      /** playback speed; absent unless playing [frames per second] */
+      "fps"?: number;
+      /** former name of fps [frames per second] */
+      "rate"?: number;
+      /** first frame, during playback [frames] */
+      "from"?: number;
+      /** last frame, during playback [frames] */
+      "to"?: number;
+      /** true: loop, during playback */
+      "loop"?: boolean;
+    };
+  };
+  /** stop at the current frame */
+  "time.stop": {
+    params: {};
+    result: {
+      /** frame number [frames] */
+      "frame"?: number;
+      /** true: frames are being played */
+      "playing"?: boolean;
+      /** playback speed; absent unless playing [frames per second] */
+      "fps"?: number;
+      /** former name of fps [frames per second] */
+      "rate"?: number;
+      /** first frame, during playback [frames] */
+      "from"?: number;
+      /** last frame, during playback [frames] */
+      "to"?: number;
+      /** true: loop, during playback */
+      "loop"?: boolean;
+    };
+  };
+  /** wait until the panel shows the image */
+  "wait": {
+    params: {
+      /** wait for this generation or a later one (the newest) [count] */
+      "generation"?: number;
+      /** level that the panel must show */
+      "for"?: "coarse" | "complete" | "converged";
+      /** fail with -32004 after this time (never) [seconds] */
+      "timeout"?: number;
+    };
+    result: {
+      /** generation of the scene on the panel [count] */
+      "generation"?: number;
+      /** coarse, complete or converged */
+      "level"?: string;
+    };
+  };
+  /** set how to render; other settings keep their values */
+  "render.set": {
+    params: {
+      /** stop rendering, or continue */
+      "paused"?: boolean;
+      /** how views share light paths; another one starts the image again */
+      "integrator"?: "mvpt" | "vpt" | "amvpt";
+      /** how samples become the image; mwis has the least noise, mis and cv are unbiased */
+      "estimator"?: "mwis" | "mis" | "cv";
+      /** no effect in quiltd */
+      "png"?: boolean;
+      /** tint what is too near (red) or too far (blue) for the panel to show sharply */
+      "guides"?: boolean;
+      /** worker threads; 0: all CPUs; another number starts the image again [threads] */
+      "threads"?: number;
+      /** stops; auto: measured; scene: the scene's own */
+      "exposure"?: "auto" | "scene" | number;
+      /** rendering rests when the bound of the error is below this relative mean squared error */
+      "target_error"?: number;
+      /** show the denoised image; auto: if the estimator is mwis */
+      "denoise"?: "auto" | "off" | "on";
+    };
+    result: {
+      /** generation of the image; a new one if the image restarts [count] */
+      "generation"?: number;
+    };
+  };
+  /** write the image that is shown, as a quilt, to a passed descriptor */
+  "frame.get": {
+    params: {
+      /** number of views, evenly spaced; 1: the middle one (all) */
+      "views"?: number;
+      /** width of a view, at most as rendered; the height follows (as rendered) [pixels] */
+      "width"?: number;
+      /** raw: RGB, 3 bytes per pixel, rows from the top */
+      "format"?: "jpeg" | "raw";
+      /** quality of the JPEG */
+      "quality"?: number;
+    };
+    result: {
+      /** number of the scene and camera state [count] */
+      "generation"?: number;
+      /** none, coarse, complete or converged */
+      "level"?: string;
+      /** passes in the image [passes] */
+      "passes"?: number;
+      /** denoised or unfiltered */
+      "image"?: string;
+      /** jpeg or raw */
+      "format"?: string;
+      /** columns of the quilt [tiles] */
+      "columns"?: number;
+      /** rows of the quilt [tiles] */
+      "rows"?: number;
+      /** number of views [count] */
+      "views"?: number;
+      /** width of one view [pixels] */
+      "width"?: number;
+      /** height of one view [pixels] */
+      "height"?: number;
+      /** size of the written file [bytes] */
+      "bytes"?: number;
+    };
+  };
+  /** write a quilt, views, panel image, print, pitch test chart or state */
+  "export": {
+    params: {
+      /** kind of output, see Export kinds */
+      "kind": "quilt" | "still" | "views" | "pictures" | "panel" | "print" | "chart" | "rgbd" | "state";
+      /** name of the file, or of a folder with a final slash, below --export-dir; with fds any name: only its ending counts */
+      "file": string;
+      /** write as soon as the image has this level; state: at once */
+      "wait"?: "coarse" | "complete" | "converged";
+      /** continue after the client disconnects */
+      "detach"?: boolean;
+      /** replace an existing file */
+      "overwrite"?: boolean;
+      /** write the denoised image; auto: as on the panel, but EXR files unfiltered */
+      "denoise"?: "auto" | "off" | "on";
+      /** number of descriptors (SCM_RIGHTS) that come with the call; quiltd writes to them instead of opening file */
+      "fds"?: number;
+      /** print: measured visual pitch of the lens sheet; chart: pitch in its middle [lpi] */
+      "lpi"?: number;
+      /** resolution of the printer; "XxY": across and down the page [dpi] */
+      "dpi"?: string | number;
+      /** chart: how far its pitches go below and above the middle [lpi] */
+      "range"?: number;
+      /** chart: difference of pitch between two bands [lpi] */
+      "step"?: number;
+      /** trim width of the print [mm] */
+      "width"?: number;
+      /** trim height of the print [mm] */
+      "height"?: number;
+      /** views under a lens (the whole part of 0.8 dpi / lpi, at least 2) */
+      "views"?: number;
+      /** how stripes of views are mapped to printer dots */
+      "stripes"?: "fractional" | "nearest";
+      /** move the lens in the middle of the print to the right [mm] */
+      "phase"?: number;
+      /** orientation of the lenses */
+      "orientation"?: "vertical" | "horizontal";
+      /** rendered margin on every side [mm] */
+      "bleed"?: number;
+      /** ICC file with the colour profile of the print, in a readable folder (sRGB) */
+      "icc"?: string;
+      /** bits per channel */
+      "bits"?: 8 | 16 | number;
+      /** compression of the TIFF file */
+      "compress"?: "none" | "lzw" | "deflate";
+      /** order the views under a lens from first to last */
+      "reverse"?: boolean;
+      /** mirror the whole print, for the back of the sheet */
+      "mirror"?: boolean;
+      /** add register and alignment marks, 8 mm more on every side */
+      "marks"?: boolean;
+      /** panel: how its pixels are taken from the views; nearest copies 8-bit values unchanged */
+      "filter"?: "nearest" | "linear";
+      /** panel: reverse the order of the views under a lens; auto: as the calibration says */
+      "invert"?: "auto" | "yes" | "no";
+      /** response of the panel to its codes: srgb or an exponent */
+      "gamma"?: "srgb" | number;
+      /** colour temperature of the panel's white; not together with white_x [kelvin] */
+      "white"?: number;
+      /** CIE x of the panel's white; needs white_y */
+      "white_x"?: number;
+      /** CIE y of the panel's white; needs white_x */
+      "white_y"?: number;
+      /** rgbd: side on which the depth is */
+      "side"?: "right" | "left" | "top" | "bottom";
+      /** rgbd: the middle view, or all views as a quilt next to a quilt of depth */
+      "of"?: "middle" | "quilt";
+      /** rgbd: on: near is black and far is white in the depth */
+      "depth_inversion"?: "off" | "on";
+      /** rgbd: distance along the view axis of the nearest depth code (from the image) [scene units] */
+      "near"?: number;
+      /** rgbd: distance along the view axis of the farthest depth code (from the image) [scene units] */
+      "far"?: number;
+      /** image of another shape: show it whole with borders, or cut it to cover the view */
+      "photo"?: "fit" | "fill";
+      /** position of the image, or the part of it that is kept */
+      "photo_position"?: "center" | "left" | "right" | "top" | "bottom" | "top-left" | "top-right" | "bottom-left" | "bottom-right";
+    };
+    result: {
+      /** job number of the export; a notification reports its end [count] */
+      "job"?: number;
+      /** file to be written; with fds the name of the call */
+      "file"?: string;
+    };
+  };
+  /** cancel an export or a load */
+  "job.cancel": {
+    params: {
+      /** number of the export or load, from its answer or from status [count] */
+      "job": number;
+    };
+    result: {};
+  };
+  /** list the devices that can be opened */
+  "device.list": {
+    params: {};
+    result: {
+      /** devices that can be opened */
+      "devices"?: ({
+        /** device spec for --device and device.set */
+        "spec"?: string;
+        /** kind of device, such as sim or none */
+        "kind"?: string;
+        /** name of the display, if it has one */
+        "model"?: string;
+        /** serial number of the panel */
+        "serial"?: string;
+        /** where the calibration came from */
+        "calibration_from"?: string;
+        /** file, connector or USB address */
+        "output"?: string;
+        /** what is wrong and what to do; empty if all is well */
+        "problem"?: string;
+        /** true: the device is open; absent in lists */
+        "present"?: boolean;
+        /** response of the panel; absent in lists */
+        "response"?: {
+          /** gamma: a number or srgb [exponent] */
+          "gamma"?: number | string;
+          /** colour temperature of the white; 0: not set [kelvin] */
+          "white"?: number;
+          /** chromaticity of the white; 0: not set [CIE x] */
+          "white_x"?: number;
+          /** chromaticity of the white; 0: not set [CIE y] */
+          "white_y"?: number;
+        };
+      })[];
+      /** device that is open */
+      "present"?: {
+        /** device spec for --device and device.set */
+        "spec"?: string;
+        /** kind of device, such as sim or none */
+        "kind"?: string;
+        /** name of the display, if it has one */
+        "model"?: string;
+        /** serial number of the panel */
+        "serial"?: string;
+        /** where the calibration came from */
+        "calibration_from"?: string;
+        /** file, connector or USB address */
+        "output"?: string;
+        /** what is wrong and what to do; empty if all is well */
+        "problem"?: string;
+        /** true: the device is open; absent in lists */
+        "present"?: boolean;
+        /** response of the panel; absent in lists */
+        "response"?: {
+          /** gamma: a number or srgb [exponent] */
+          "gamma"?: number | string;
+          /** colour temperature of the white; 0: not set [kelvin] */
+          "white"?: number;
+          /** chromaticity of the white; 0: not set [CIE x] */
+          "white_x"?: number;
+          /** chromaticity of the white; 0: not set [CIE y] */
+          "white_y"?: number;
+        };
+      };
+    };
+  };
+  /** open another device and set the panel's response */
+  "device.set": {
+    params: {
+      /** device as in --device: auto, none, sim:DIR, drm, window, usb */
+      "spec": string;
+      /** response of the panel to its codes: srgb or an exponent */
+      "gamma"?: "srgb" | number;
+      /** colour temperature of the panel's white; not together with white_x [kelvin] */
+      "white"?: number;
+      /** CIE x of the panel's white; needs white_y */
+      "white_x"?: number;
+      /** CIE y of the panel's white; needs white_x */
+      "white_y"?: number;
+    };
+    result: {
+      /** device spec for --device and device.set */
+      "spec"?: string;
+      /** kind of device, such as sim or none */
+      "kind"?: string;
+      /** name of the display, if it has one */
+      "model"?: string;
+      /** serial number of the panel */
+      "serial"?: string;
+      /** where the calibration came from */
+      "calibration_from"?: string;
+      /** file, connector or USB address */
+      "output"?: string;
+      /** what is wrong and what to do; empty if all is well */
+      "problem"?: string;
+      /** true: the device is open; absent in lists */
+      "present"?: boolean;
+      /** response of the panel; absent in lists */
+      "response"?: {
+        /** gamma: a number or srgb [exponent] */
+        "gamma"?: number | string;
+        /** colour temperature of the white; 0: not set [kelvin] */
+        "white"?: number;
+        /** chromaticity of the white; 0: not set [CIE x] */
+        "white_x"?: number;
+        /** chromaticity of the white; 0: not set [CIE y] */
+        "white_y"?: number;
+      };
+    };
+  };
+  /** return the lens calibration of the panel */
+  "device.calibration": {
+    params: {};
+    result: {
+      /** version of the calibration format */
+      "configVersion"?: string;
+      /** serial number of the panel */
+      "serial"?: string;
+      /** pitch of the lenses [lenses per inch] */
+      "pitch"?: number;
+      /** slant of the lenses [rise over run] */
+      "slope"?: number;
+      /** phase of the lenses [lens periods] */
+      "center"?: number;
+      /** view cone of the optics; 0: not given [degrees] */
+      "viewCone"?: number;
+      /** resolution of the panel [pixels per inch] */
+      "DPI"?: number;
+      /** width of the panel [pixels] */
+      "screenW"?: number;
+      /** height of the panel [pixels] */
+      "screenH"?: number;
+      /** 1: the order of the views is reversed [count] */
+      "invView"?: number;
+      /** 1: mirrored horizontally [count] */
+      "flipImageX"?: number;
+      /** 1: mirrored vertically [count] */
+      "flipImageY"?: number;
+      /** 1: the subpixel order is blue, green, red [count] */
+      "flipSubp"?: number;
+      /** number of the subpixel layout [count] */
+      "CellPatternMode"?: number;
+      /** positions of the subpixels */
+      "subpixelCells"?: { [key: string]: unknown }[];
+      /** quilt layout of the panel, if given */
+      "defaultQuilt"?: {
+        /** width of the quilt [pixels] */
+        "quiltX"?: number;
+        /** height of the quilt [pixels] */
+        "quiltY"?: number;
+        /** columns of the quilt [tiles] */
+        "tileX"?: number;
+        /** rows of the quilt [tiles] */
+        "tileY"?: number;
+      };
+    };
+  };
+  /** trigger the action of a panel button */
+  "button": {
+    params: {
+      /** button of a first-generation panel */
+      "name": "square" | "left" | "right" | "circle";
+    };
+    result: {
+      /** action of the button, as in --buttons */
+      "action"?: string;
+    };
+  };
+  /** return the last lines of the log */
+  "log.tail": {
+    params: {
+      /** number of lines, at most */
+      "lines"?: number;
+    };
+    result: {
+      /** lines of the log, oldest first */
+      "lines"?: {
+        /** number of the line since the daemon started [count] */
+        "number"?: number;
+        /** time of the line since 1970 (UTC) [seconds] */
+        "time"?: number;
+        /** error, warning, info or debug */
+        "level"?: string;
+        /** text of the line, at most 1023 bytes */
+        "text"?: string;
+      }[];
+    };
+  };
+  /** choose the notifications for this client */
+  "subscribe": {
+    params: {
+      /** events to send; an empty list: none, except the progress of your own exports */
+      "events": ("frame" | "converged" | "device" | "scene" | "export" | "button" | "log")[];
+    };
+    result: {
+      /** events that this client now receives */
+      "events"?: string[];
+    };
+  };
+  /** shut down the daemon */
+  "shutdown": {
+    params: {};
+    result: {};
+  };
+}
+
+export interface Notifications {
+  /** the panel shows a new frame */
+  "frame": {
+    /** number of the scene and camera state [count] */
+    "generation"?: number;
+    /** none, coarse, complete or converged */
+    "level"?: string;
+    /** passes in the image [passes] */
+    "passes"?: number;
+    /** denoised, unfiltered or card */
+    "image"?: string;
+    /** former image: reconstructed, unfiltered or card */
+    "picture"?: string;
+    /** text on the card, if one is shown */
+    "card"?: string;
+  };
+  /** the image has reached the target error */
+  "converged": {
+    /** number of the scene and camera state [count] */
+    "generation"?: number;
+    /** passes in the image [passes] */
+    "passes"?: number;
+  };
+  /** the panel was connected, disconnected or changed */
+  "device": {
+    /** device spec for --device and device.set */
+    "spec"?: string;
+    /** kind of device, such as sim or none */
+    "kind"?: string;
+    /** name of the display, if it has one */
+    "model"?: string;
+    /** serial number of the panel */
+    "serial"?: string;
+    /** where the calibration came from */
+    "calibration_from"?: string;
+    /** file, connector or USB address */
+    "output"?: string;
+    /** what is wrong and what to do; empty if all is well */
+    "problem"?: string;
+    /** true: the device is open; absent in lists */
+    "present"?: boolean;
+    /** response of the panel; absent in lists */
+    "response"?: {
+      /** gamma: a number or srgb [exponent] */
+      "gamma"?: number | string;
+      /** colour temperature of the white; 0: not set [kelvin] */
+      "white"?: number;
+      /** chromaticity of the white; 0: not set [CIE x] */
+      "white_x"?: number;
+      /** chromaticity of the white; 0: not set [CIE y] */
+      "white_y"?: number;
+    };
+  };
+  /** the scene was replaced or changed */
+  "scene": {
+    /** generation of the scene on display [count] */
+    "generation"?: number;
+    /** file of the scene */
+    "file"?: string;
+  };
+  /** progress of reading a scene file, sent twice per second */
+  "scene.load": {
+    /** file being read, one of the scene's files */
+    "file"?: string;
+    /** size of this file [bytes] */
+    "bytes"?: number;
+    /** time spent on this file so far [seconds] */
+    "seconds"?: number;
+    /** number of files read before [count] */
+    "files_read"?: number;
+    /** job number of the load, for job.cancel [count] */
+    "job"?: number;
+  };
+  /** progress and end of an export; the client that started it always receives it */
+  "export": {
+    /** job number of the export [count] */
+    "job"?: number;
+    /** kind of the export */
+    "kind"?: string;
+    /** file being written */
+    "file"?: string;
+    /** waiting, running, done, failed or cancelled */
+    "state"?: string;
+    /** share written, from 0 to 1 [share] */
+    "progress"?: number;
+    /** why it failed; absent if it did not */
+    "error"?: {
+      /** error code, as in an error response [count] */
+      "code"?: number;
+      /** what is wrong and what to do, in one line */
+      "message"?: string;
+      /** where the error is, if known */
+      "data"?: {
+        /** file or option with the error */
+        "file"?: string;
+        /** line in this file, from 1 [count] */
+        "line"?: number;
+        /** JSON pointer of the value */
+        "pointer"?: string;
+      };
+    };
+  };
+  /** the daemon has logged a line */
+  "log": {
+    /** number of the line since the daemon started [count] */
+    "number"?: number;
+    /** time of the line since 1970 (UTC) [seconds] */
+    "time"?: number;
+    /** error, warning, info or debug */
+    "level"?: string;
+    /** text of the line, at most 1023 bytes */
+    "text"?: string;
+  };
+  /** a button on the panel was pressed */
+  "button": {
+    /** square, left, right or circle */
+    "button"?: string;
+    /** action of the button, as in --buttons */
+    "action"?: string;
+  };
+}
+
+/** A word of subscribe. */
+export type EventWord = "frame" | "converged" | "device" | "scene" | "export" | "log" | "button";

@@ -1,0 +1,160 @@
+// The client with a real quiltd, over its socket and over a quiltweb.
+
+import assert from "node:assert/strict";
+import { execFile } from "node:child_process";
+import { readFile, readdir } from "node:fs/promises";
+import { join } from "node:path";
+import { after, before, describe, it } from "node:test";
+import { fileURLToPath } from "node:url";
+import { promisify } from "node:util";
+
+import { connect } from "../quiltd/node.js";
+import { HEIGHT, VIEWS, WIDTH, start } from "./live.js";
+
+const examples = fileURLToPath(new URL("../examples/", import.meta.url));
+let live;
+before(async () => (live = await start()));
+after(() => live.stop());
+
+const doors = { socket: () => live.socket, gateway: () => live.url };
+for (const [door, where] of Object.entries(doors))
+  describe(`over the ${door}`, () => {
+    let q;
+    before(async () => (q = await connect(where())));
+    after(() => q.close());
+
+    it("has each method of hello as a member", () => {
+      for (const name of Object.keys(q.info.methods))
+        assert.equal(typeof name.split(".").reduce((at, word) => at[word], q), "function", name);
+    });
+
+    it("turns the camera and waits for the image", async () => {
+      const { generation: first } = await q.status();
+      const { generation } = await q.camera.orbit({ yaw: 15 });
+      assert.ok(generation > first);
+      const shown = await q.wait("complete", { timeout: 120 });
+      assert.equal(shown.generation, generation);
+    });
+
+    it("tells an error by its name, code and place", async () => {
+      await assert.rejects(q.camera.set({ fov: 20 }), { name: "ParameterError", code: -32602, message: /fov_y/ });
+      await assert.rejects(q.scene.patch({ patch: { lights: { sky: { radianc: 1 } } } }), (error) => {
+        assert.deepEqual([error.name, error.data.pointer], ["BadScene", "/lights/sky/radianc"]);
+        return true;
+      });
+      await assert.rejects(q.call("scene.lead"), { name: "MethodNotFound", code: -32601 });
+      await q.render.set({ target_error: 1e-12 });
+      await assert.rejects(q.wait("converged", { timeout: 0.05 }), { name: "TimedOut", code: -32004 });
+      await assert.rejects(q.call("wait", { for: "converged" }, { timeout: 0.05 }), { name: "TimedOut", code: undefined });
+    });
+
+    it("yields notifications of the events that were asked for", async () => {
+      const events = q.events("frame", "scene");
+      const { generation } = await q.camera.orbit({ yaw: 1 });
+      const names = new Set();
+      for await (const { name, params } of events) {
+        names.add(name);
+        if (name === "frame" && params.generation >= generation) break;
+      }
+      assert.deepEqual([...names].sort(), ["frame", "scene"]);
+      await q.camera.orbit({ yaw: 1 });
+      await q.wait();
+      assert.deepEqual(await events.next(), { value: undefined, done: true });
+    });
+
+    it("refuses unknown events, and ends without one", async () => {
+      assert.throws(() => q.events("frames"), { name: "ParameterError", message: /frames.*quiltd has frame/ });
+      const seen = [];
+      for await (const event of q.events("button", { timeout: 0.05 })) seen.push(event);
+      assert.deepEqual(seen, []);
+    });
+
+    it("has two readers of the same event", async () => {
+      const [one, two] = [q.events("scene"), q.events("scene")];
+      const { generation } = await q.camera.orbit({ pitch: 1 });
+      for (const reader of [one, two]) assert.equal((await reader.next()).value.params.generation, generation);
+      one.return();
+      const { generation: later } = await q.camera.orbit({ pitch: -1 });
+      assert.equal((await two.next()).value.params.generation, later);
+      two.return();
+    });
+  });
+
+describe("the gateway alone", () => {
+  let q;
+  before(async () => (q = await connect(live.url)));
+  after(() => q.close());
+
+  it("yields images, each of a later picture", async () => {
+    const seen = [];
+    for await (const image of q.images()) {
+      assert.deepEqual([image.views, image.jpeg[0], image.jpeg[1]], [VIEWS, 0xff, 0xd8]);
+      assert.deepEqual([image.width <= WIDTH, image.height <= HEIGHT], [true, true]);
+      seen.push(image.generation);
+      if (seen.length === 3) break;
+      await q.camera.orbit({ yaw: 2 });
+      await q.wait("complete", { timeout: 120 });
+    }
+    assert.deepEqual(seen, [...seen].sort((a, b) => a - b));
+    assert.ok(seen[2] > seen[0]);
+  });
+
+  it("gives the image that is shown", async () => {
+    const { generation } = await q.wait("complete", { timeout: 120 });
+    const image = await q.preview();
+    assert.deepEqual([image.generation, image.level !== "none"], [generation, true]);
+  });
+
+  it("has one reader of images at a time", async () => {
+    const first = q.images();
+    await first.next();
+    await assert.rejects(q.images().next(), { name: "Busy" });
+    await first.return();
+    assert.ok(await q.preview());
+  });
+
+  it("tells a wrong token, and that nobody listens", async () => {
+    await assert.rejects(connect(live.url.slice(0, -1)), { name: "NoDaemon", message: /status 401/ });
+    await assert.rejects(connect("http://127.0.0.1:9/#0"), { name: "NoDaemon", message: /ECONNREFUSED/ });
+    await assert.rejects(connect(join(live.folder, "nothing")), { name: "NoDaemon", message: /ENOENT/ });
+  });
+
+  it("is needed for images and files", async () => {
+    await assert.rejects(live.q.images().next(), { name: "NotSupported", message: /connect to the URL of quiltweb/ });
+    await assert.rejects(live.q.export("still"), { name: "NotSupported" });
+    await assert.rejects(live.q.upload("a.glb", new Uint8Array()), { name: "NotSupported" });
+  });
+});
+
+describe("examples", () => {
+  const run = (name, env, input, ...args) => {
+    const options = { cwd: live.folder, env: { ...process.env, ...env } };
+    const running = promisify(execFile)(process.execPath, [examples + name, ...args], options);
+    running.child.stdin.end(input);
+    return running.then(({ stdout }) => stdout);
+  };
+
+  it("orbit.js turns once around", async () => {
+    const lines = (await run("orbit.js", { QUILTD_SOCKET: live.socket }, "", "120")).trim().split("\n");
+    assert.equal(lines.length, 3);
+    assert.ok(lines.every((line) => /^generation \d+$/.test(line)), lines);
+  });
+
+  it("slider.js takes lines", async () => {
+    assert.match(await run("slider.js", { QUILTD_URL: live.url }, "20\n30\n"), /^(shown: (complete|converged)\n){2}$/);
+    assert.equal((await live.q.scene.get()).scene.camera.fov_y, 30);
+  });
+
+  it("turntable.js saves images", async () => {
+    await run("turntable.js", { QUILTD_URL: live.url }, "", "2");
+    for (const name of ["turn_0.jpg", "turn_1.jpg"])
+      assert.equal((await readFile(join(live.folder, name))).readUInt16BE(0), 0xffd8);
+  });
+
+  it("have at most ten lines", async () => {
+    for (const name of await readdir(examples)) {
+      const lines = (await readFile(examples + name, "utf8")).split("\n").slice(2);
+      assert.ok(lines.filter(Boolean).length <= 10, name);
+    }
+  });
+});

@@ -1,0 +1,284 @@
+// The page in a browser: what a person does with it, in the order of a visit. No test asserts how long something takes.
+
+import assert from "node:assert/strict";
+import { mkdir } from "node:fs/promises";
+import { join } from "node:path";
+import { after, before, describe, it } from "node:test";
+
+import { SCENE, VIEWS, findings, newPage, readCanvas, shown, startBrowser, startQuiltd } from "./browser.js";
+import { makePyramid } from "./glb.js";
+
+const TABS = ["picture", "scene", "library", "slideshow", "export", "health"];
+const MODES = ["view", "parallel", "crossed", "anaglyph", "quilt", "panel"];
+const DEGREES_PER_PIXEL = 0.35;
+const MOST_BYTES = 200000;
+const screenshots = join(process.env.QUILTD_NODE, "..", "page");
+
+let quiltd, browser, page, watch, failed = false;
+
+// A step of the visit. After one that fails, the others say nothing.
+const step = (name, body) =>
+  it(name, async (test) => {
+    if (failed) return test.skip("an earlier step failed");
+    failed = true;
+    await body();
+    failed = false;
+  });
+const at = (selector) => page.locator(selector);
+// Those that this quiltd has something for.
+const tabs = () => TABS.filter((name) => name !== "slideshow" || quiltd.q.info.methods["playlist.set"]);
+const tab = (name) => at(`#tab-${name}`).click();
+const notice = () => at("#notice").textContent();
+
+// Waits for what comes to hold at some time; the limit is there for a page that never comes to it.
+async function until(holds) {
+  for (let i = 0; i < 6000; i++) {
+    if (await holds()) return;
+    await page.waitForTimeout(20);
+  }
+  assert.fail(`it never came to hold: ${holds}`);
+}
+const sceneNow = async () => (await quiltd.q.scene.get()).scene;
+
+// The panel and the preview show the newest generation, which is returned.
+async function settled() {
+  const { generation } = await quiltd.q.wait("complete");
+  await shown(page, generation);
+  return generation;
+}
+
+async function drag(what, dx, dy, steps) {
+  await what.hover(); // scrolls until nothing covers it
+  const box = await what.boundingBox();
+  const x = Math.round(box.x + box.width / 2), y = Math.round(box.y + box.height / 2);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= steps; i++) await page.mouse.move(x + (dx * i) / steps, y + (dy * i) / steps);
+  await page.mouse.up();
+}
+
+// Drops files { name, data } on the page.
+async function drop(files) {
+  await page.evaluate((all) => {
+    const transfer = new DataTransfer();
+    for (const { name, base64 } of all)
+      transfer.items.add(new File([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], name));
+    for (const type of ["dragover", "drop"])
+      document.body.dispatchEvent(new DragEvent(type, { dataTransfer: transfer, bubbles: true, cancelable: true }));
+  }, files.map(({ name, data }) => ({ name, base64: Buffer.from(data).toString("base64") })));
+}
+
+before(async () => {
+  [quiltd, browser] = await Promise.all([startQuiltd(), startBrowser()]);
+  ({ page, watch } = await newPage(browser));
+});
+after(async () => {
+  await browser?.close();
+  await quiltd?.stop();
+});
+
+describe("the page", () => {
+  step("opens by its URL, and takes the token out of the address", async () => {
+    await page.goto(quiltd.url);
+    await settled();
+    assert.equal(new URL(page.url()).hash, "");
+    assert.match(await at("#view-number").textContent(), new RegExp(`of ${VIEWS}$`));
+    await until(async () => (await at("#scene").textContent()) === "scene.json");
+  });
+
+  step("has less than 200 kB in all its tabs", async () => {
+    for (const name of tabs()) await tab(name);
+    await until(() => watch.open === 0);
+    assert.ok(watch.bytes > 20000 && watch.bytes < MOST_BYTES, `${watch.bytes} bytes`);
+  });
+
+  step("draws something in every mode, in each something else", async () => {
+    const sums = new Map();
+    for (const mode of MODES) {
+      await at("#mode").selectOption(mode);
+      await until(async () => (await readCanvas(page)).colours > 50);
+      const { sum } = await readCanvas(page);
+      assert.equal(sums.get(sum), undefined, `${mode} looks like ${sums.get(sum)}`);
+      sums.set(sum, mode);
+    }
+    await at("#mode").selectOption("view");
+  });
+
+  step("draws another view under the pointer, without asking for it", async () => {
+    const box = await at("#preview").boundingBox();
+    await settled();
+    const before = watch.sent.filter(({ method }) => method !== "status" && method !== "preview.ack").length;
+    await page.mouse.move(box.x + 0.1 * box.width, box.y + box.height / 2);
+    const left = await readCanvas(page);
+    assert.match(await at("#view-number").textContent(), /^View 1 of/);
+    await page.mouse.move(box.x + 0.9 * box.width, box.y + box.height / 2);
+    assert.match(await at("#view-number").textContent(), new RegExp(`^View ${VIEWS} of`));
+    assert.notEqual((await readCanvas(page)).sum, left.sum);
+    const after = watch.sent.filter(({ method }) => method !== "status" && method !== "preview.ack").length;
+    assert.equal(after, before);
+  });
+});
+
+describe("a drag", () => {
+  let first, from;
+  step("turns the camera by all of its steps", async () => {
+    first = await settled();
+    from = await sceneNow();
+    watch.sent.length = watch.images.length = 0;
+    await drag(at("#preview"), 120, -40, 30);
+    const near = (a, b) => Math.abs(a - b) < 1e-6;
+    await until(async () => near(watch.sum("camera.orbit", "yaw"), -120 * DEGREES_PER_PIXEL));
+    assert.ok(near(watch.sum("camera.orbit", "pitch"), -40 * DEGREES_PER_PIXEL));
+  });
+
+  step("changes what the panel shows, and the preview after it, in order", async () => {
+    const generation = await settled();
+    const calls = watch.sent.filter(({ method }) => method === "camera.orbit").length;
+    // one for each call, and none from elsewhere
+    assert.equal(generation, first + calls);
+    const { shown: panel } = await quiltd.q.status();
+    assert.equal(panel.generation, generation);
+    assert.equal(Number(await at("#preview").getAttribute("data-generation")), generation);
+    assert.ok(watch.images.length > 0 && watch.images.at(-1) === generation, `${watch.images}`);
+    assert.deepEqual(watch.images, [...watch.images].sort((a, b) => a - b));
+  });
+
+  step("leaves the camera where its angle says", async () => {
+    const { position } = (await sceneNow()).camera;
+    const angle = ([x, , z]) => (Math.atan2(x, z) * 180) / Math.PI;
+    assert.ok(Math.abs(angle(position) - angle(from.camera.position) + 120 * DEGREES_PER_PIXEL) < 1e-3, position);
+  });
+
+  step("is one step of undo", async () => {
+    await until(() => at("#undo").isEnabled());
+    await at("#undo").click();
+    await until(async () => JSON.stringify(await sceneNow()) === JSON.stringify(from));
+  });
+});
+
+describe("the tree of the scene", () => {
+  let original;
+  const field = (pointer) => at(`[data-path="${pointer}"] input.scrub`).first();
+  const open = async (pointer) => {
+    const branch = at(`details[data-path="${pointer}"]`);
+    if ((await branch.getAttribute("open")) === null) await branch.locator("> summary").click();
+  };
+
+  step("has values that can be dragged", async () => {
+    await tab("scene");
+    original = await sceneNow();
+    for (const [branch, name, dx] of [["/lights/lamp", "intensity", 60], ["/camera", "fov_y", -40]]) {
+      if (branch.startsWith("/lights")) await open("/lights");
+      await open(branch);
+      const number = field(`${branch}/${name}`);
+      const value = Number(await number.inputValue());
+      await drag(number, dx, 0, 12);
+      const dragged = Number(await number.inputValue());
+      assert.ok(dx > 0 ? dragged > value : dragged < value, `${name}: ${value} became ${dragged}`);
+      const steps = branch.slice(1).split("/");
+      await until(async () => Math.abs(steps.reduce((to, key) => to[key], await sceneNow())[name] - dragged) < 1e-3 * dragged);
+    }
+    await settled();
+  });
+
+  step("undoes a drag by one step each, to the same scene", async () => {
+    for (let i = 0; i < 2; i++) {
+      await until(() => at("#undo").isEnabled());
+      await at("#undo").click();
+    }
+    await until(async () => JSON.stringify(await sceneNow()) === JSON.stringify(original));
+    assert.equal(await at("#redo").isEnabled(), true);
+  });
+
+  step("redoes what was undone, also after a reload, which keeps the rest, too", async () => {
+    await at("#redo").click();
+    await until(async () => (await sceneNow()).lights.lamp.intensity !== original.lights.lamp.intensity);
+    const changed = await sceneNow();
+    await at("#mode").selectOption("anaglyph");
+    const number = await at("#view-number").textContent();
+    await page.reload();
+    await settled();
+    assert.deepEqual(await sceneNow(), changed);
+    assert.equal(await at("#mode").inputValue(), "anaglyph");
+    assert.equal(await at("#view-number").textContent(), number);
+    assert.equal(await at("#tab-scene").getAttribute("aria-selected"), "true");
+    await until(() => field("/lights/lamp/intensity").isVisible());
+    await until(() => at("#undo").isEnabled());
+    await at("#undo").click();
+    await until(async () => JSON.stringify(await sceneNow()) === JSON.stringify(original));
+    await at("#mode").selectOption("view");
+  });
+});
+
+describe("files of the person", () => {
+  step("are shown when they are dropped", async () => {
+    await drop([{ name: "pyramid.glb", data: makePyramid([0.1, 0.6, 0.2]) }]);
+    await until(async () => /^\/upload\/[^/]+\/pyramid\.glb$/.test((await quiltd.q.status()).scene));
+    await settled();
+    assert.equal(await notice(), "");
+    await until(async () => (await at("#scene").textContent()) === "pyramid.glb");
+    assert.ok((await readCanvas(page)).colours > 50);
+  });
+
+  step("that are wrong are refused in words, and the image stays", async () => {
+    const { scene } = await quiltd.q.status();
+    const wrong = [
+      ["broken.glb", makePyramid([1, 0, 0]).subarray(0, 300), /broken\.glb/],
+      ["noise.vdb", Buffer.from("no volume at all"), /noise\.vdb/],
+      ["letter.docx", Buffer.from("text"), /letter\.docx: quiltd does not know this kind of file/],
+      ["scene.json", Buffer.from('{"quiltd":1,"lights":{"a":{"type":"moon"}}}'), /moon|lights/],
+    ];
+    for (const [name, data, words] of wrong) {
+      await drop([{ name, data }]);
+      await until(async () => words.test(await notice()));
+    }
+    assert.equal((await quiltd.q.status()).scene, scene);
+  });
+});
+
+describe("every visitor", () => {
+  const heights = { 360: 740, 1280: 800, 2560: 1440 };
+
+  // What is wrong in the tabs of a page of this width.
+  async function look(width, scheme) {
+    const findingsHere = [];
+    for (const name of tabs()) {
+      await tab(name);
+      await page.screenshot({ path: join(screenshots, `${width}-${scheme}-${name}.png`) });
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+      if (wide > width) findingsHere.push(`${name} is ${wide} pixels wide`);
+      for (const line of await findings(page)) findingsHere.push(`${name}: ${line}`);
+    }
+    return findingsHere;
+  }
+
+  before(async () => {
+    await mkdir(screenshots, { recursive: true });
+    // the image stands still meanwhile
+    await quiltd.q.render.set({ paused: true });
+  });
+
+  for (const scheme of ["light", "dark"])
+    for (const width of [360, 1280])
+      step(`has a page without serious faults at ${width} pixels, ${scheme}`, async () => {
+        await page.setViewportSize({ width, height: heights[width] });
+        await page.emulateMedia({ colorScheme: scheme });
+        assert.deepEqual(await look(width, scheme), []);
+      });
+
+  step("has a page of 2560 pixels", async () => {
+    await page.setViewportSize({ width: 2560, height: heights[2560] });
+    for (const scheme of ["light", "dark"]) {
+      await page.emulateMedia({ colorScheme: scheme });
+      await page.screenshot({ path: join(screenshots, `2560-${scheme}.png`) });
+    }
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 2560);
+  });
+
+  step("asks nobody but quiltweb, and finds nothing wrong in the console", () => {
+    const { host } = new URL(quiltd.url);
+    const others = watch.requests.filter((url) => new URL(url).host !== host && !url.startsWith("blob:"));
+    assert.ok(watch.requests.length > 10);
+    assert.deepEqual([others, watch.errors], [[], []]);
+  });
+});
