@@ -114,14 +114,9 @@ static lf_status take_file(const lf_server *server, lf_export *what, const char 
         return lf_error_set(err, LF_E_NOMEM, "export", "out of memory");
     if (!what->kind)
         return LF_OK;
-    char *path = NULL;
     const lf_content *content = server->content;
-    status = lf_output_path(what->kind, what->file, content ? &content->layout : NULL, &path, err);
-    if (what->n_fds == 0)
-        what->name = path;
-    else
-        lf_free(path);
-    return status;
+    return lf_output_path(what->kind, what->file, content ? &content->layout : NULL, &what->name,
+                          err);
 }
 
 /* A state can be saved from the first pass on, a picture once it is coarse. */

@@ -124,7 +124,7 @@ static void assert_known_keywords(const json_t *schema)
         "propertyNames "
         "maxProperties required $ref items prefixItems minItems maxItems minLength maxLength "
         "pattern minimum "
-        "maximum enum const anyOf oneOf ";
+        "maximum enum const anyOf oneOf not ";
     const char *key;
     json_t *member;
     json_object_foreach((json_t *)(uintptr_t)schema, key, member)
@@ -143,7 +143,8 @@ static bool valid(const json_t *root, const json_t *schema, json_t *value)
     assert_true(json_is_object(schema));
     assert_known_keywords(schema);
     const json_t *type = json_object_get(schema, "type"), *ref = json_object_get(schema, "$ref");
-    const json_t *any = json_object_get(schema, "anyOf"), *one = json_object_get(schema, "oneOf");
+    const json_t *any = json_object_get(schema, "anyOf"), *one = json_object_get(schema, "oneOf"),
+                 *not = json_object_get(schema, "not");
     if (ref) {
         const char *name = json_string_value(ref) + strlen("#/$defs/");
         const json_t *target = json_object_get(json_object_get(root, "$defs"), name);
@@ -154,7 +155,8 @@ static bool valid(const json_t *root, const json_t *schema, json_t *value)
     }
     return (!type || has_type(json_string_value(type), value)) &&
            (!any || count_valid(root, any, value) > 0) &&
-           (!one || count_valid(root, one, value) == 1) && valid_scalar(schema, value) &&
+           (!one || count_valid(root, one, value) == 1) && (!not || !valid(root, not, value)) &&
+           valid_scalar(schema, value) &&
            (!json_is_object(value) || valid_object(root, schema, value)) &&
            (!json_is_array(value) || valid_array(root, schema, value)) &&
            (!json_is_string(value) || valid_string(schema, value));
@@ -348,6 +350,9 @@ static const char *const wrong[] = {
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'scale': -1}}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'colour': [1, 2]}}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'kelvin': 2e6}}}}",
+    /* former names next to current ones */
+    "{'fps': 24, 'rate': 24}",
+    "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'kelvin': 1, 'temperature_scale': 1}}}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'emission': {'temperature': 1}}}}",
     "{'volumes': {'v': {'shape': 'box', 'emission': {}}}}",
     "{'volumes': {'v': {'shape': 'box', 'emission': -1}}}",
