@@ -19,6 +19,7 @@ fuzz_libs_rpc := $(filter-out tools model,$(libraries))
 fuzz_libs_quilt_name := quilt base
 fuzz_libs_icc := quilt base
 fuzz_libs_mesh := meshes render base
+fuzz_libs_mesh_arrays := $(fuzz_libs_mesh)
 fuzz_libs_gltf := meshes render base
 fuzz_libs_instances := meshes render base
 fuzz_libs_http := web wire base
