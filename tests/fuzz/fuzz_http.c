@@ -59,15 +59,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     size_t n = 0;
     char *request = request_of(data + 1, size - 1, cookie, g, &n);
     /* a fuzzer may find them out, because it sees what is compared */
-    const bool knows = memmem(request, n, g->token, strlen(g->token)) ||
-                       memmem(request, n, cookie, strlen(cookie));
+    const bool has_token = memmem(request, n, g->token, strlen(g->token));
+    const bool knows = has_token || memmem(request, n, cookie, strlen(cookie));
     const int reached = g->n_reached;
     int fd = fuzz_connect(g);
     for (size_t at = 0; at < n; at += piece)
         fuzz_send(g, fd, request + at, n - at < piece ? n - at : piece);
     const size_t got = fuzz_end(g, fd, answer, sizeof answer);
     lf_fuzz_require(got == 0 || strncmp(answer, "HTTP/1.", 7) == 0);
-    lf_fuzz_require(!memmem(answer, got, g->token, strlen(g->token)));
+    lf_fuzz_require(has_token || !memmem(answer, got, g->token, strlen(g->token)));
     lf_fuzz_require(knows || g->n_reached == reached);
     lf_free(request);
     return 0;

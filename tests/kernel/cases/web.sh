@@ -18,10 +18,11 @@ comes_back() {
     within 60 another_pid "$before" || systemctl status --no-pager quiltweb
 }
 # The first line of the answer to a request.
-ask() { # address as in /dev/tcp, name for Host, path, token
+ask() { # address as in /dev/tcp, name for Host, path, token; method and body, where they are not GET and none
     local line
     exec 5<> "/dev/tcp/$1/8033" || return
-    printf 'GET %s HTTP/1.1\r\nHost: %s:8033\r\nAuthorization: Bearer %s\r\n\r\n' "$3" "$2" "$4" >&5
+    printf '%s %s HTTP/1.1\r\nHost: %s:8033\r\nAuthorization: Bearer %s\r\nContent-Length: %d\r\n\r\n%s' \
+        "${5:-GET}" "$3" "$2" "$4" "${#6}" "${6-}" >&5
     read -r -t 60 line <&5
     exec 5>&-
     printf '%s\n' "${line%$'\r'}"
@@ -76,6 +77,8 @@ fact "without the token nothing is told" expects 401 127.0.0.1 localhost /api/st
 fact "the socket of quiltd is there" succeeds systemctl --quiet is-active quiltd.socket
 fact "with the token quiltd answers, started by its socket" expects 200 127.0.0.1 localhost /api/status "$(token)"
 fact "which becomes active" succeeds within 120 systemctl --quiet is-active quiltd
+fact "it keeps an upload in memory" expects 201 127.0.0.1 localhost '/api/upload?name=a.txt' "$(token)" PUT words
+fact "quiltd says what it cannot show of one" expects 422 127.0.0.1 localhost '/api/quilt?cols=1&rows=1' "$(token)" PUT words
 before=$(token)
 fact "it comes back after a crash" comes_back
 fact "with another token" succeeds test "$(token)" != "$before"
