@@ -27,6 +27,8 @@ static const field fields[] = {
      "methods by name, each with summary, params and result (JSON Schemas) and example"},
     {"hello", "events", "object", NULL,
      "notifications by name, each with summary, event (for subscribe) and params (JSON Schema)"},
+    {"hello", "limited", "boolean", NULL,
+     "true: this connection may call only some of quiltd's methods"},
 
     {"status", "state", "string", NULL, "rendering, converged, paused, idle or error"},
     {"status", "error", "@error", NULL,
@@ -258,6 +260,7 @@ static const field fields[] = {
     {"@line", "level", "string", NULL, "error, warning, info or debug"},
     {"@line", "text", "string", NULL, "text of the line, at most 1023 bytes"},
     {"subscribe", "events", "[string]", NULL, "events that this client now receives"},
+    {"rights.limit", "methods", "[string]", NULL, "methods that this connection may call now"},
     {"shutdown", NULL, NULL, NULL, NULL},
 
     {"!frame", "generation", "integer", COUNT, "number of the scene and camera state"},
