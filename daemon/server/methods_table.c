@@ -195,6 +195,8 @@ static const lf_method methods[] = {
      lf_method_device_set},
     {"device.calibration", "return the lens calibration of the panel", "device.calibration",
      OBJECT(""), lf_method_device_calibration},
+    {"doctor", "check what this machine needs to show an image on a panel", "doctor", OBJECT(""),
+     lf_server_doctor},
     {"button", "trigger the action of a panel button", "button name=right",
      OBJECT_WITH("\"name\"", KEY("name", ENUM("\"square\",\"left\",\"right\",\"circle\""),
                                  "button of a first-generation panel")),

@@ -267,6 +267,7 @@ static void a_running_daemon_says_what_hello_lists(void **state)
            json_pack("{s:[{s:s, s:i}]}", "entries", "file", t.l.scene, "seconds", 9));
     do_ask(&t, "playlist.get", NULL);
     do_ask(&t, "status", NULL);
+    do_ask(&t, "doctor", NULL);
     do_ask(&t, "button", json_pack("{s:s}", "name", "square"));
     do_ask(&t, "button", json_pack("{s:s}", "name", "square"));
     do_ask(&t, "export", json_pack("{s:s, s:s}", "kind", "panel", "file", "panel.png"));
