@@ -61,6 +61,8 @@ static const field fields[] = {
     {"status", "error_estimate", "number|null", "relMSE",
      "estimated error of the unfiltered image"},
     {"status", "error_bound", "number|null", "relMSE", "95 % upper bound of this error"},
+    {"status", "seconds_left", "number|null", "seconds",
+     "estimated rendering time until the error meets target_error"},
     {"status", "denoised_error", "number|null", "relMSE", "error of the denoised image"},
     {"status", "denoised_error_bound", "number|null", "relMSE", "95 % upper bound of this error"},
     {"status", "shown_error", "number|null", "relMSE", "former name of denoised_error"},

@@ -122,6 +122,7 @@ static void add_engine(lf_server *server, json_t *status)
         now.reconstructed ? "on" : "off", "reconstruct", now.reconstructed ? "on" : "off");
     json_object_update(status, more);
     json_decref(more);
+    json_object_set_new(status, "seconds_left", known_or_null(now.seconds_left));
     json_object_set_new(status, "denoised_error", known_or_null(now.shown_error));
     json_object_set_new(status, "denoised_error_bound", known_or_null(now.shown_error_bound));
     json_object_set_new(status, "shown_error", known_or_null(now.shown_error));
