@@ -112,7 +112,7 @@ wrap_test_auto := $(addprefix -Wl$(comma)--wrap=,lf_usb_list lf_usb_open lf_hid_
  $(addprefix sd_device_,monitor_attach_event monitor_start get_action get_subsystem get_devnum get_property_value))
 
 # a panel, its buttons and a list of devices of the test's own
-wrap_test_show := $(addprefix -Wl$(comma)--wrap=,lf_device_open lf_device_list lf_find_hid pthread_join \
+wrap_test_show := $(addprefix -Wl$(comma)--wrap=,lf_device_open lf_device_list lf_find_hid lf_find_all pthread_join \
  lf_buttons_open lf_buttons_destroy lf_buttons_poll_fd lf_buttons_next)
 
 # a file that is replaced once its digest is taken

@@ -5,11 +5,21 @@
 #include "daemon/server/methods.h"
 #include "daemon/server/server_internal.h"
 
+/* methods_rights.c: what a client may call */
+/* The index of the method with this name, if the client may call it; otherwise -1, with *err. */
+int lf_rights_find(lf_client *client, const char *name, lf_error *err);
+bool lf_rights_have(lf_client *client, const char *name);
+/* Whether there is a method that it may not call. */
+bool lf_rights_limited(lf_client *client);
+/* The methods of hello that it may call, and the notifications that it may receive. */
+json_t *lf_rights_methods_json(lf_client *client);
+json_t *lf_rights_events_json(lf_client *client);
 /* methods_status.c */
 void lf_method_hello(lf_call *call);
 void lf_method_status(lf_call *call);
 void lf_method_wait(lf_call *call);
 void lf_method_subscribe(lf_call *call);
+void lf_method_rights_limit(lf_call *call);
 void lf_method_shutdown(lf_call *call);
 /* methods_scene.c */
 /* Queues a load that the call waits for; load NULL = out of memory. */

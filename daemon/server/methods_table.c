@@ -195,6 +195,8 @@ static const lf_method methods[] = {
      lf_method_device_set},
     {"device.calibration", "return the lens calibration of the panel", "device.calibration",
      OBJECT(""), lf_method_device_calibration},
+    {"doctor", "check what this machine needs to show an image on a panel", "doctor", OBJECT(""),
+     lf_server_doctor},
     {"button", "trigger the action of a panel button", "button name=right",
      OBJECT_WITH("\"name\"", KEY("name", ENUM("\"square\",\"left\",\"right\",\"circle\""),
                                  "button of a first-generation panel")),
@@ -209,11 +211,18 @@ static const lf_method methods[] = {
                                  "\"button\",\"log\",\"playlist\"")) ",\"maxItems\":16",
              "events to send; an empty list: none, except the progress of your own exports")),
      lf_method_subscribe},
+    {"rights.limit", "allow this connection only these methods from now on",
+     "rights.limit methods=hello,status,camera.orbit",
+     OBJECT_WITH("\"methods\"",
+         KEY("methods", LIST(STRING) ",\"maxItems\":64",
+             "methods that stay allowed; each must be allowed before")),
+     lf_method_rights_limit},
     {"shutdown", "shut down the daemon", "shutdown", OBJECT(""), lf_method_shutdown},
 };
 /* clang-format on */
 
 enum { N_METHODS = sizeof methods / sizeof *methods };
+_Static_assert(N_METHODS <= LF_MAX_METHODS, "a bit for each");
 
 /* Parsed once and never freed: constant like the texts. */
 static json_t *schemas[N_METHODS];

@@ -7,6 +7,7 @@
  *   server_device.c   the panel (daemon/show) as clients see it.
  *   server_card.c     text on the panel if there is no picture.
  *   server_buttons.c  actions of its buttons.
+ *   server_doctor.c   what panels and system lack (daemon/parts/doctor.h).
  *   server_engine.c   results of the engine and the loader.
  *   server_status.c   the daemon's state in words.
  *   server_log.c      the last lines of the log, and new ones as notifications.
@@ -46,6 +47,7 @@
 #include "daemon/wire/notify.h"
 
 typedef struct lf_server lf_server;
+typedef struct lf_examination lf_examination; /* server_doctor.c */
 
 /* A call being answered by its method. */
 typedef struct lf_call {
@@ -98,6 +100,7 @@ typedef struct lf_life {
     lf_card card;
     lf_log_watch log;
     lf_web_child *web;   /* NULL without --web */
+    lf_examination *examination; /* for doctor, in progress; NULL: none */
     lf_load_words words; /* parameters of the shown file, for reading it again */
     lf_task *held;       /* loads that arrived before the scene of the command line */
     /* CPU seconds of the longest turn of the event loop (turns.h) */
@@ -161,6 +164,13 @@ json_t *lf_server_device_json(const lf_server *server);
 LF_NODISCARD lf_status lf_server_make_card(lf_server *server);
 /* Updates the card, whose text may have changed. */
 void lf_server_tell_card(lf_server *server);
+
+/* --------------------------------------------------------------------------- server_doctor.c -- */
+
+/* Examines panels and system; the call is answered when all is known. */
+void lf_server_doctor(lf_call *call);
+/* An event of the show: the examination has ended. */
+void lf_server_examined(void *context, void *examination, const lf_error *err);
 
 /* -------------------------------------------------------------------------- server_buttons.c -- */
 

@@ -58,6 +58,7 @@ struct lf_client {
     uint64_t received; /* bytes received */
     uint64_t line_end; /* of these, up to the end of the line being handled */
     unsigned flags;
+    uint64_t denied;
     passed_fd fds[LF_MAX_CLIENT_FDS]; /* in the order of their arrival */
     int n_fds, line_fds; /* all, and the first of them, which are for the line being handled */
 };
@@ -676,6 +677,11 @@ bool lf_client_take_fds(lf_client *client, int *out_fds, int n)
 unsigned *lf_client_flags(lf_client *client)
 {
     return &client->flags;
+}
+
+uint64_t *lf_client_denied(lf_client *client)
+{
+    return &client->denied;
 }
 
 void lf_clients_each(lf_clients *clients, void (*fn)(void *context, lf_client *client),

@@ -81,6 +81,8 @@ int lf_client_count_fds(const lf_client *client);
 
 /* Bits for the owner's use (subscriptions). */
 unsigned *lf_client_flags(lf_client *client);
+/* Likewise (methods that the client may not call); at first 0. */
+uint64_t *lf_client_denied(lf_client *client);
 /* Calls fn for every client. */
 void lf_clients_each(lf_clients *clients, void (*fn)(void *context, lf_client *client),
                      void *context);

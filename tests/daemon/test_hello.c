@@ -267,6 +267,7 @@ static void a_running_daemon_says_what_hello_lists(void **state)
            json_pack("{s:[{s:s, s:i}]}", "entries", "file", t.l.scene, "seconds", 9));
     do_ask(&t, "playlist.get", NULL);
     do_ask(&t, "status", NULL);
+    do_ask(&t, "doctor", NULL);
     do_ask(&t, "button", json_pack("{s:s}", "name", "square"));
     do_ask(&t, "button", json_pack("{s:s}", "name", "square"));
     do_ask(&t, "export", json_pack("{s:s, s:s}", "kind", "panel", "file", "panel.png"));
@@ -278,6 +279,8 @@ static void a_running_daemon_says_what_hello_lists(void **state)
         if (!has_seen(&t, lf_notification_at(i)->name) &&
             strcmp(lf_notification_at(i)->name, "scene.load") != 0)
             fail_msg("there was no notification %s", lf_notification_at(i)->name);
+    do_ask(&t, "rights.limit", json_pack("{s:[s, s]}", "methods", "hello", "shutdown"));
+    do_ask(&t, "hello", NULL);
     do_ask(&t, "shutdown", NULL);
     assert_int_equal(live_reap(t.l.pid), 0);
     t.l.pid = 0;

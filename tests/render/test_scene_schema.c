@@ -207,6 +207,8 @@ static const char *const good[] = {
     "{'camera': {'fov_y': 0.1, 'aspect': 20, 'cone': 0, 'placement': 'inclusive', 'views': 1, "
     "'lens_radius': 1}}",
     "{'camera': {'view_blur': 1.5}}",
+    "{'camera': {'depthiness': 0}}",
+    "{'camera': {'depthiness': 2}}",
     "{'volumes': {'v': {'file': 'a.vdb', 'grid': 'd', 'scale': 0, 'interpolation': 'nearest', "
     "'g': -0.999}}}",
     "{'volumes': {'v': {'file': 'a.VDB'}}}",
@@ -419,6 +421,8 @@ static const char *const wrong[] = {
     "{'film': {'tonemap': 'linear'}}",
     "{'film': {'exposure': 33}}",
     "{'camera': {'view_blur': 8.5}}",
+    "{'camera': {'depthiness': 2.5}}",
+    "{'camera': {'depthiness': -1}}",
     "{'render': {'max_depth': 1.5}}",
     "{'render': {'depth': 1}}",
     "{'camera': {'fov_y': {'keys': []}}}",

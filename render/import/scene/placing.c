@@ -145,6 +145,7 @@ static json_t *fit_camera(lf_reader *reader, const lf_scene *scene)
     lf_render_settings settings = {.camera = *lf_scene_camera(scene), .height = 560};
     double target[3], position[3], view[3];
     lf_error err = {0};
+    lf_camera_deepen(&settings.camera);
     settings.width = (int)fmax(1.0, nearbyint(settings.height * settings.camera.aspect));
     if (lf_camera_fit(scene, &settings, name, LF_CAMERA_FILL, 0.0, target, position, &err) !=
         LF_OK) {
