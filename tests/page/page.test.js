@@ -254,6 +254,8 @@ describe("every visitor", () => {
 
   before(async () => {
     await mkdir(screenshots, { recursive: true });
+    await quiltd.q.scene.load({ file: quiltd.scene });
+    await settled();
     // the image stands still meanwhile
     await quiltd.q.render.set({ paused: true });
   });

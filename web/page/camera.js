@@ -57,7 +57,8 @@ export class Camera {
 
   // Whether there was something to send.
   async #sendOne() {
-    const turn = this.#turn, shift = this.#shift;
+    const turn = this.#turn,
+      shift = this.#shift;
     if (turn.yaw !== 0 || turn.pitch !== 0 || turn.zoom !== 1) {
       this.#turn = { yaw: 0, pitch: 0, zoom: 1 };
       await this.#rpc.call("camera.orbit", turn);
@@ -73,7 +74,9 @@ export class Camera {
     const { scene } = await this.#rpc.call("scene.get");
     const camera = placed(scene?.camera);
     if (!camera)
-      throw new Error("The target cannot be moved: the camera of this scene has no fixed position.");
+      throw new Error(
+        "The target cannot be moved: the camera of this scene has no fixed position.",
+      );
     await this.#rpc.call("camera.set", shifted(camera, right, down, this.#canvas.clientHeight));
   }
 }

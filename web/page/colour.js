@@ -6,7 +6,10 @@ const clamp = (x) => Math.min(Math.max(x, 0), 1);
 
 /** "#rrggbb" of a linear colour; what is above 1 is cut off. */
 export function hexOf(colour) {
-  const byte = (x) => Math.round(encode(clamp(x)) * 255).toString(16).padStart(2, "0");
+  const byte = (x) =>
+    Math.round(encode(clamp(x)) * 255)
+      .toString(16)
+      .padStart(2, "0");
   return "#" + colour.map(byte).join("");
 }
 

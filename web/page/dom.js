@@ -23,7 +23,9 @@ export function button(text, onclick, attributes = {}) {
 
 /** Gives a select new options: [value, text] pairs. The first is chosen. */
 export function fill(list, choices) {
-  list.replaceChildren(...choices.map(([value, text = value]) => make("option", { value: String(value) }, text)));
+  list.replaceChildren(
+    ...choices.map(([value, text = value]) => make("option", { value: String(value) }, text)),
+  );
   list.selectedIndex = choices.length ? 0 : -1;
 }
 
@@ -42,7 +44,8 @@ export function labelled(text, field, ...more) {
 export function explain(place, about) {
   const show = ({ target }) => {
     const row = target.closest("[data-about]");
-    if (row?.dataset.about) about.textContent = `${row.querySelector("span").textContent}: ${row.dataset.about}`;
+    if (row?.dataset.about)
+      about.textContent = `${row.querySelector("span").textContent}: ${row.dataset.about}`;
   };
   place.addEventListener("focusin", show);
   place.addEventListener("pointerover", show);

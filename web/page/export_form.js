@@ -8,14 +8,24 @@ import { bytesText } from "./words.js";
 // A field for a parameter of the schema; a default stands in it as a placeholder.
 function fieldFor(key, schema) {
   const id = `export-${key}`;
-  if (schema.type === "boolean") return make("input", { type: "checkbox", id, checked: Boolean(schema.default) });
+  if (schema.type === "boolean")
+    return make("input", { type: "checkbox", id, checked: Boolean(schema.default) });
   if (schema.enum) {
-    const list = select(schema.enum.map((word) => [word]), { id });
+    const list = select(
+      schema.enum.map((word) => [word]),
+      { id },
+    );
     list.value = schema.default ?? schema.enum[0];
     return list;
   }
   const usual = schema.default ?? /\(([^()]*)\)$/.exec(schema.description)?.[1] ?? "";
-  return make("input", { type: "text", class: "text", id, placeholder: String(usual), autocomplete: "off" });
+  return make("input", {
+    type: "text",
+    class: "text",
+    id,
+    placeholder: String(usual),
+    autocomplete: "off",
+  });
 }
 
 export class ExportForm {
@@ -36,14 +46,32 @@ export class ExportForm {
     this.what = make("p", { class: "hint" });
     this.about = make("p", { class: "about" });
     this.ending = select([], { id: "export-ending" });
-    this.wait = select([["coarse", "now"], ["complete", "when complete"], ["converged", "at the error to reach"]], { id: "export-wait" });
+    this.wait = select(
+      [
+        ["coarse", "now"],
+        ["complete", "when complete"],
+        ["converged", "at the error to reach"],
+      ],
+      { id: "export-wait" },
+    );
     this.options = make("div", { class: "options" });
     this.start = button("Export", () => this.#start(), { id: "export-start", class: "main" });
     this.jobs = make("ul", { id: "jobs", class: "jobs" });
     this.element.append(
-      make("section", {}, heading("What"), labelled("Kind", this.kind), this.what,
-        labelled("File type", this.ending), labelled("Write", this.wait), this.options, this.start),
-      make("section", {}, heading("Jobs"), this.jobs), this.about);
+      make(
+        "section",
+        {},
+        heading("What"),
+        labelled("Kind", this.kind),
+        this.what,
+        labelled("File type", this.ending),
+        labelled("Write", this.wait),
+        this.options,
+        this.start,
+      ),
+      make("section", {}, heading("Jobs"), this.jobs),
+      this.about,
+    );
     explain(this.options, this.about);
     rpc.addEventListener("export", ({ detail }) => this.#follow(detail));
     rpc.addEventListener("download", ({ detail }) => this.#download(detail));
@@ -53,7 +81,10 @@ export class ExportForm {
   hello({ methods }) {
     this.#parameters = methods.export?.params.properties ?? {};
     const kinds = kindsOf(this.#parameters);
-    fill(this.kind, kinds.map((kind) => [kind, EXPORTS[kind].name]));
+    fill(
+      this.kind,
+      kinds.map((kind) => [kind, EXPORTS[kind].name]),
+    );
     const kept = recall("export");
     if (kinds.includes(kept)) this.kind.value = kept;
     if (kinds.length) this.#showKind();
@@ -61,17 +92,25 @@ export class ExportForm {
   }
 
   #showKind() {
-    const kind = this.kind.value, { about, endings } = EXPORTS[kind];
+    const kind = this.kind.value,
+      { about, endings } = EXPORTS[kind];
     remember("export", kind);
     this.what.textContent = about;
     this.about.textContent = "";
-    fill(this.ending, endings.map((one) => [one]));
+    fill(
+      this.ending,
+      endings.map((one) => [one]),
+    );
     this.ending.parentElement.hidden = endings.length < 2;
     this.#fields.clear();
     const lines = parametersOf(kind, this.#parameters).map(([key, schema, needed]) => {
       const field = fieldFor(key, schema);
       this.#fields.set(key, { field, schema, needed });
-      const line = labelled(key.replaceAll("_", " "), field, make("span", { class: "unit" }, schema.unit ?? ""));
+      const line = labelled(
+        key.replaceAll("_", " "),
+        field,
+        make("span", { class: "unit" }, schema.unit ?? ""),
+      );
       line.dataset.about = schema.description;
       if (needed) field.required = true;
       return line;
@@ -81,7 +120,11 @@ export class ExportForm {
 
   #start() {
     const kind = this.kind.value;
-    const params = { kind, file: nameFor(kind, this.#scene.file, this.ending.value), wait: this.wait.value };
+    const params = {
+      kind,
+      file: nameFor(this.#scene.file, this.ending.value),
+      wait: this.wait.value,
+    };
     for (const [key, { field, schema, needed }] of this.#fields) {
       const value = valueOf(schema, field.type === "checkbox" ? field.checked : field.value);
       if (needed && value === undefined) return field.focus();
@@ -97,8 +140,17 @@ export class ExportForm {
     if (!this.#jobs.has(job)) {
       const bar = make("progress", { max: "1", value: "0", "aria-label": `Progress of ${file}` });
       const text = make("span", { class: "note" });
-      const cancel = button("Cancel", () => this.#rpc.call("job.cancel", { job }).catch(this.#fail));
-      const element = make("li", { "data-job": job }, make("span", { class: "name" }, file.split("/").filter(Boolean).pop()), bar, text, cancel);
+      const cancel = button("Cancel", () =>
+        this.#rpc.call("job.cancel", { job }).catch(this.#fail),
+      );
+      const element = make(
+        "li",
+        { "data-job": job },
+        make("span", { class: "name" }, file.split("/").filter(Boolean).pop()),
+        bar,
+        text,
+        cancel,
+      );
       this.#jobs.set(job, { element, bar, text, cancel });
       this.jobs.prepend(element);
     }
@@ -116,7 +168,12 @@ export class ExportForm {
   #download({ job, files }) {
     const { element } = this.#job(job, files[0]?.name);
     const links = files.map(({ name, bytes, path }) =>
-      make("a", { href: path, download: name.split("/").pop() }, `Save ${name} (${bytesText(bytes)})`));
+      make(
+        "a",
+        { href: path, download: name.split("/").pop() },
+        `Save ${name} (${bytesText(bytes)})`,
+      ),
+    );
     element.append(...links);
     if (links.length <= 2) links.forEach((link) => link.click());
   }

@@ -3,26 +3,54 @@
 const PHOTO = ["photo", "photo_position"];
 
 export const EXPORTS = {
-  still: { name: "Still", about: "the middle view as an image", endings: ["png", "jpg", "exr"], keys: ["denoise"] },
-  quilt: { name: "Quilt", about: "all views as tiles of one image", endings: ["png", "jpg", "exr"], keys: ["denoise"] },
+  still: {
+    name: "Still",
+    about: "the middle view as an image",
+    endings: ["png", "jpg", "exr"],
+    keys: ["denoise"],
+  },
+  quilt: {
+    name: "Quilt",
+    about: "all views as tiles of one image",
+    endings: ["png", "jpg", "exr"],
+    keys: ["denoise"],
+  },
   panel: {
-    name: "Panel", about: "the pixels of the panel", endings: ["png"],
+    name: "Panel",
+    about: "the pixels of the panel",
+    endings: ["png"],
     keys: ["filter", "invert", "gamma", "white", "white_x", "white_y", "denoise"],
   },
   rgbd: {
-    name: "Colour and depth", about: "an image with its depth next to it", endings: ["png"],
+    name: "Colour and depth",
+    about: "an image with its depth next to it",
+    endings: ["png"],
     keys: ["side", "of", "depth_inversion", "near", "far"],
   },
-  wiggle: { name: "Wiggle", about: "a video that swings through the views", endings: ["webm", "mp4", "gif"], keys: [] },
-  pictures: { name: "Views", about: "a PNG file for each view", endings: [""], keys: ["denoise"] },
-  views: { name: "Views for measurements", about: "an EXR file for each view", endings: [""], keys: ["denoise"] },
   print: {
-    name: "Print", about: "an image for a lenticular sheet, and its manifest", endings: ["tif"],
+    name: "Print",
+    about: "an image for a lenticular sheet, and its manifest",
+    endings: ["tif"],
     needed: ["lpi", "width", "height"],
-    keys: ["dpi", "views", "stripes", "phase", "orientation", "bleed", "bits", "compress", "reverse", "mirror", "marks", ...PHOTO],
+    keys: [
+      "dpi",
+      "views",
+      "stripes",
+      "phase",
+      "orientation",
+      "bleed",
+      "bits",
+      "compress",
+      "reverse",
+      "mirror",
+      "marks",
+      ...PHOTO,
+    ],
   },
   chart: {
-    name: "Pitch test chart", about: "stripes that show the pitch of a sheet", endings: ["tif"],
+    name: "Pitch test chart",
+    about: "stripes that show the pitch of a sheet",
+    endings: ["tif"],
     needed: ["lpi", "width", "height", "range", "step"],
     keys: ["dpi", "orientation", "bits", "compress", "mirror"],
   },
@@ -43,9 +71,14 @@ export function parametersOf(kind, parameters) {
 }
 
 /** The name of the file for the call, after the scene. */
-export function nameFor(kind, scene, ending) {
-  const base = (scene ?? "").split("/").pop().replace(/\.\w+$/, "").replace(/[^\w.-]+/g, "_") || "image";
-  return ending ? `${base}.${ending}` : `${base}/`;
+export function nameFor(scene, ending) {
+  const base =
+    (scene ?? "")
+      .split("/")
+      .pop()
+      .replace(/\.\w+$/, "")
+      .replace(/[^\w.-]+/g, "_") || "image";
+  return `${base}.${ending}`;
 }
 
 /** The value that a text or switch of the form stands for; undefined: left out. */
@@ -54,6 +87,7 @@ export function valueOf(schema, text) {
   if (text.trim() === "") return undefined;
   const types = [schema.type].flat();
   const number = Number(text.replace(",", "."));
-  if ((types.includes("number") || types.includes("integer")) && Number.isFinite(number)) return number;
+  if ((types.includes("number") || types.includes("integer")) && Number.isFinite(number))
+    return number;
   return text.trim();
 }

@@ -20,7 +20,11 @@ function vector({ label, range, commit }, count) {
     }),
   );
   return {
-    element: make("div", { class: "vector", role: "group", "aria-label": label }, ...parts.map((p) => p.element)),
+    element: make(
+      "div",
+      { class: "vector", role: "group", "aria-label": label },
+      ...parts.map((p) => p.element),
+    ),
     set(next) {
       values = next;
       parts.forEach((part, i) => part.set(next[i]));
@@ -34,7 +38,9 @@ const precise = (colour) => colour.map((x) => tidy(x, 4));
 function unitColour({ label, commit }) {
   let group;
   const picker = make("input", { type: "color", "aria-label": label });
-  picker.addEventListener("input", () => commit(precise(linearOf(picker.value)), (group ??= freshGroup())));
+  picker.addEventListener("input", () =>
+    commit(precise(linearOf(picker.value)), (group ??= freshGroup())),
+  );
   picker.addEventListener("change", () => (group = undefined));
   return {
     element: picker,
@@ -46,7 +52,8 @@ function unitColour({ label, commit }) {
 
 // Light may be brighter than 1: a colour times a strength.
 function lightColour({ label, range, commit }) {
-  let value = 0, group;
+  let value = 0,
+    group;
   const picker = make("input", { type: "color", "aria-label": label });
   const strength = scrub({
     label: `${label}, strength`,
@@ -63,7 +70,12 @@ function lightColour({ label, range, commit }) {
   });
   picker.addEventListener("change", () => (group = undefined));
   return {
-    element: make("div", { class: "colour", role: "group", "aria-label": label }, picker, strength.element),
+    element: make(
+      "div",
+      { class: "colour", role: "group", "aria-label": label },
+      picker,
+      strength.element,
+    ),
     set(next) {
       // black has no hue: the field keeps the one before
       const split = splitColour(next);
@@ -75,7 +87,10 @@ function lightColour({ label, range, commit }) {
 }
 
 function choice({ label, words, commit }) {
-  const list = select(words.map((word) => [word]), { "aria-label": label });
+  const list = select(
+    words.map((word) => [word]),
+    { "aria-label": label },
+  );
   list.addEventListener("change", () => commit(words[list.selectedIndex], freshGroup()));
   return { element: list, set: (value) => (list.selectedIndex = words.indexOf(value)) };
 }
@@ -83,12 +98,18 @@ function choice({ label, words, commit }) {
 function toggle({ label, commit }) {
   const box = make("input", { type: "checkbox", "aria-label": label });
   box.addEventListener("change", () => commit(box.checked, freshGroup()));
-  return { element: box, set: (value) => (box.checked = value) };
+  return { element: make("label", { class: "check" }, box), set: (value) => (box.checked = value) };
 }
 
 // A text, or any other value as JSON.
 function text({ label, commit }, read, write) {
-  const input = make("input", { type: "text", class: "text", "aria-label": label, autocomplete: "off", spellcheck: "false" });
+  const input = make("input", {
+    type: "text",
+    class: "text",
+    "aria-label": label,
+    autocomplete: "off",
+    spellcheck: "false",
+  });
   let shown = "";
   const take = () => {
     if (input.value === shown) return;
@@ -121,6 +142,11 @@ export function makeField(kind, options, value) {
   if (kind === "colour") return options.bounded ? unitColour(options) : lightColour(options);
   if (kind === "choice") return choice(options);
   if (kind === "switch") return toggle(options);
-  if (kind === "text") return text(options, (word) => word, (word) => word);
+  if (kind === "text")
+    return text(
+      options,
+      (word) => word,
+      (word) => word,
+    );
   return text(options, JSON.parse, (word) => JSON.stringify(word));
 }

@@ -30,7 +30,10 @@ export function tilesOf(text) {
 
 /** A path without leading slashes and steps out of its folder. */
 export function safePath(path) {
-  return path.split("/").filter((part) => part && part !== "." && part !== "..").join("/");
+  return path
+    .split("/")
+    .filter((part) => part && part !== "." && part !== "..")
+    .join("/");
 }
 
 /** The patch that makes a picture the only environment of a scene. */
@@ -38,14 +41,22 @@ export function environmentPatch(scene, file) {
   const patch = {};
   for (const [name, light] of Object.entries(scene?.lights ?? {}))
     if (["environment", "sky", "studio"].includes(light.type)) patch[name] = null;
-  const kept = Object.keys(scene?.lights ?? {}).find((name) => scene.lights[name].type === "environment");
+  const kept = Object.keys(scene?.lights ?? {}).find(
+    (name) => scene.lights[name].type === "environment",
+  );
   const name = kept ?? "environment";
-  patch[name] = { type: "environment", file, ...leftOut(scene?.lights?.[name], ["type", "file", "scale", "rotate", "visible"]) };
+  patch[name] = {
+    type: "environment",
+    file,
+    ...leftOut(scene?.lights?.[name], ["type", "file", "scale", "rotate", "visible"]),
+  };
   return { lights: patch, ...(scene?.backdrop === undefined ? {} : { backdrop: null }) };
 }
 
 function leftOut(object, kept) {
   return Object.fromEntries(
-    Object.keys(object ?? {}).filter((key) => !kept.includes(key)).map((key) => [key, null]),
+    Object.keys(object ?? {})
+      .filter((key) => !kept.includes(key))
+      .map((key) => [key, null]),
   );
 }

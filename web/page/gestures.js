@@ -27,7 +27,8 @@ export function listenToPointers(canvas, hand, hover) {
       return hover((event.clientX - box.left) / box.width);
     }
     const before = fingers.size === 2 ? spread() : 0;
-    const right = event.clientX - finger.x, down = event.clientY - finger.y;
+    const right = event.clientX - finger.x,
+      down = event.clientY - finger.y;
     fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     if (before > 0 && spread() > 0) hand().zoom(spread() / before);
     else if (event.shiftKey) hand().shift(right, down);

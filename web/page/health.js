@@ -6,7 +6,13 @@ const MOST_LINES = 200;
 const LEVELS = { ok: "fine", note: "note", fail: "wrong" };
 
 function finding({ level, text }) {
-  return make("li", { class: "finding", "data-level": level }, make("strong", {}, LEVELS[level] ?? level), " ", text);
+  return make(
+    "li",
+    { class: "finding", "data-level": level },
+    make("strong", {}, LEVELS[level] ?? level),
+    " ",
+    text,
+  );
 }
 
 export class Health {
@@ -23,20 +29,30 @@ export class Health {
     this.warnings = make("ul", { id: "warnings", class: "findings" });
     this.findings = make("ul", { id: "findings", class: "findings" });
     this.lines = make("ol", { id: "log", class: "log", tabindex: "0", "aria-label": "Log" });
-    this.doctor = make("section", { hidden: true }, heading("Check"), this.findings, button("Check again", () => this.shown()));
+    this.doctor = make(
+      "section",
+      { hidden: true },
+      heading("Check"),
+      this.findings,
+      button("Check again", () => this.shown()),
+    );
     this.log = make("section", { hidden: true }, heading("Log"), this.lines);
     this.element.append(
       make("section", {}, heading("Connection"), this.link),
       make("section", {}, heading("Panel"), this.panel),
       make("section", {}, heading("This image"), this.warnings),
-      this.doctor, this.log);
+      this.doctor,
+      this.log,
+    );
     rpc.addEventListener("log", ({ detail }) => this.#add([detail]));
     this.connected(false);
   }
 
   connected(yes, words) {
     this.link.dataset.level = yes ? "ok" : "fail";
-    this.link.textContent = yes ? "This page is connected to quiltd." : (words || "This page is not connected to quiltd.");
+    this.link.textContent = yes
+      ? "This page is connected to quiltd."
+      : words || "This page is not connected to quiltd.";
   }
 
   hello({ methods, name, version }) {
@@ -45,15 +61,23 @@ export class Health {
     this.doctor.hidden = !methods.doctor;
     this.log.hidden = !methods["log.tail"];
     if (!this.log.hidden)
-      this.#rpc.call("log.tail").then(({ lines }) => {
-        this.lines.replaceChildren();
-        this.#add(lines);
-      }, () => (this.log.hidden = true));
+      this.#rpc.call("log.tail").then(
+        ({ lines }) => {
+          this.lines.replaceChildren();
+          this.#add(lines);
+        },
+        () => (this.log.hidden = true),
+      );
   }
 
   shown() {
     if (this.#methods.doctor)
-      this.#rpc.call("doctor").then(({ findings }) => this.findings.replaceChildren(...findings.map(finding)), this.#fail);
+      this.#rpc
+        .call("doctor")
+        .then(
+          ({ findings }) => this.findings.replaceChildren(...findings.map(finding)),
+          this.#fail,
+        );
   }
 
   #add(lines) {
@@ -65,11 +89,28 @@ export class Health {
   }
 
   status({ device = {}, warnings = [], error, landlock }) {
-    const rows = [["Panel", device.present ? device.model || device.kind : "none"], ["Serial", device.serial],
-      ["Calibration", device.calibration_from], ["Output", device.output], ["Problem", device.problem],
-      ["File readers", { on: "confined", refused: "confined by seccomp alone", off: "confined by seccomp alone" }[landlock]]];
-    this.panel.replaceChildren(...rows.filter(([, value]) => value).flatMap(([key, value]) => [make("dt", {}, key), make("dd", {}, value)]));
-    const said = [...(error ? [{ level: "fail", text: error.message }] : []), ...warnings.map((text) => ({ level: "note", text }))];
+    const rows = [
+      ["Panel", device.present ? device.model || device.kind : "none"],
+      ["Serial", device.serial],
+      ["Calibration", device.calibration_from],
+      ["Output", device.output],
+      ["Problem", device.problem],
+      [
+        "File readers",
+        { on: "confined", refused: "confined by seccomp alone", off: "confined by seccomp alone" }[
+          landlock
+        ],
+      ],
+    ];
+    this.panel.replaceChildren(
+      ...rows
+        .filter(([, value]) => value)
+        .flatMap(([key, value]) => [make("dt", {}, key), make("dd", {}, value)]),
+    );
+    const said = [
+      ...(error ? [{ level: "fail", text: error.message }] : []),
+      ...warnings.map((text) => ({ level: "note", text })),
+    ];
     if (!said.length) said.push({ level: "ok", text: "Nothing to report." });
     const words = JSON.stringify(said);
     if (this.words !== words) this.warnings.replaceChildren(...said.map(finding));

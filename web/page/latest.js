@@ -3,7 +3,8 @@
  * @param call takes an object and returns a promise that does not fail
  */
 export function latest(call) {
-  let busy = false, next;
+  let busy = false,
+    next;
   return async (params) => {
     next = { ...next, ...params };
     if (busy) return;

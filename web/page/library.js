@@ -2,12 +2,21 @@
 
 import { at, button, heading, make } from "./dom.js";
 import { environmentPatch, kindOf, mainOf, tilesOf } from "./files.js";
+import { freshGroup } from "./scrub.js";
 import { recall, remember } from "./store.js";
 import { Cancelled, nameOf, upload } from "./upload.js";
 import { bytesText } from "./words.js";
 
 const WITH_THUMBNAIL = ["quilt", "image"];
-const KIND_WORDS = { folder: "folder", scene: "scene", model: "model", volume: "volume", environment: "light", quilt: "quilt", image: "photo" };
+const KIND_WORDS = {
+  folder: "folder",
+  scene: "scene",
+  model: "model",
+  volume: "volume",
+  environment: "light",
+  quilt: "quilt",
+  image: "photo",
+};
 
 const sign = (kind) => make("span", { class: "sign" }, KIND_WORDS[kind] ?? kind);
 
@@ -35,12 +44,28 @@ export class Library {
     this.path = make("nav", { class: "path", "aria-label": "Folder" });
     this.list = make("ul", { id: "entries", class: "entries" });
     this.task = make("div", { id: "task", class: "task" });
-    this.picker = make("input", { type: "file", id: "files", multiple: true, class: "unseen", "aria-label": "Files to show" });
+    this.picker = make("input", {
+      type: "file",
+      id: "files",
+      multiple: true,
+      class: "unseen",
+      "aria-label": "Files to show",
+    });
     this.picker.addEventListener("change", () => this.take([...this.picker.files]));
     this.element.append(
-      make("section", {}, heading("From this computer"),
-        make("p", { class: "hint" }, "Drop models, volumes, light, quilts or photos onto the page, with the files that belong to them."),
-        make("label", { class: "file", for: "files" }, "Choose files"), this.picker, this.task),
+      make(
+        "section",
+        {},
+        heading("From this computer"),
+        make(
+          "p",
+          { class: "hint" },
+          "Drop models, volumes, light, quilts or photos onto the page, with the files that belong to them.",
+        ),
+        make("label", { class: "file", for: "files" }, "Choose files"),
+        this.picker,
+        this.task,
+      ),
       make("section", { id: "folders" }, heading("Folders of quiltd"), this.path, this.list),
     );
   }
@@ -67,33 +92,65 @@ export class Library {
   }
 
   #show({ folder, folders, entries, more }) {
-    const root = folders.filter((one) => folder === one || folder?.startsWith(one + "/")).sort((a, b) => b.length - a.length)[0];
+    const root = folders
+      .filter((one) => folder === one || folder?.startsWith(one + "/"))
+      .sort((a, b) => b.length - a.length)[0];
     const steps = root ? folder.slice(root.length).split("/").filter(Boolean) : [];
     const crumbs = [["All folders", undefined]];
     if (root) crumbs.push([root.split("/").pop() || "/", root]);
     steps.forEach((name, i) => crumbs.push([name, [root, ...steps.slice(0, i + 1)].join("/")]));
-    this.path.replaceChildren(...crumbs.map(([name, path], i) =>
-      button(name, () => this.#open(path), { class: "quiet", "aria-current": i === crumbs.length - 1 ? "true" : undefined })));
+    this.path.replaceChildren(
+      ...crumbs.map(([name, path], i) =>
+        button(name, () => this.#open(path), {
+          class: "quiet",
+          "aria-current": i === crumbs.length - 1 ? "true" : undefined,
+        }),
+      ),
+    );
     this.list.replaceChildren(...entries.map((entry) => this.#item(entry)));
-    if (more) this.list.append(make("li", { class: "hint" }, "This folder has more entries. quiltd lists the first 1000."));
-    if (!entries.length) this.list.append(make("li", { class: "hint" }, "Nothing here that quiltd can show."));
+    if (more)
+      this.list.append(
+        make("li", { class: "hint" }, "This folder has more entries. quiltd lists the first 1000."),
+      );
+    if (!entries.length)
+      this.list.append(make("li", { class: "hint" }, "Nothing here that quiltd can show."));
   }
 
   #item(entry) {
     const { name, kind, bytes } = entry;
     const picture = WITH_THUMBNAIL.includes(kind) ? thumbnail(entry) : sign(kind);
-    const note = kind === "folder" ? "folder" : `${KIND_WORDS[kind] ?? kind}, ${bytesText(bytes ?? 0)}`;
-    const open = make("button", { type: "button", class: "entry", "data-kind": kind, title: name, onclick: () => this.#choose(entry) },
-      picture, make("span", { class: "name" }, name), make("span", { class: "note" }, note));
+    const note =
+      kind === "folder" ? "folder" : `${KIND_WORDS[kind] ?? kind}, ${bytesText(bytes ?? 0)}`;
+    const open = make(
+      "button",
+      {
+        type: "button",
+        class: "entry",
+        "data-kind": kind,
+        title: name,
+        onclick: () => this.#choose(entry),
+      },
+      picture,
+      make("span", { class: "name" }, name),
+      make("span", { class: "note" }, note),
+    );
     const item = make("li", {}, open);
-    if (this.slideshow && kind !== "folder" && kind !== "environment") this.#makeMovable(item, open, entry);
+    if (this.slideshow && kind !== "folder" && kind !== "environment")
+      this.#makeMovable(item, open, entry);
     return item;
   }
 
   #makeMovable(item, open, entry) {
     open.draggable = true;
-    open.addEventListener("dragstart", (event) => event.dataTransfer.setData("application/x-quiltd", JSON.stringify(entry)));
-    item.append(button("Add", () => this.#queue(entry), { class: "quiet add", "aria-label": `Add ${entry.name} to the slideshow` }));
+    open.addEventListener("dragstart", (event) =>
+      event.dataTransfer.setData("application/x-quiltd", JSON.stringify(entry)),
+    );
+    item.append(
+      button("Add", () => this.#queue(entry), {
+        class: "quiet add",
+        "aria-label": `Add ${entry.name} to the slideshow`,
+      }),
+    );
   }
 
   async #choose({ name, path, kind }) {
@@ -119,20 +176,29 @@ export class Library {
   }
 
   async #planImage(name) {
-    const tiles = make("input", { type: "text", class: "text", placeholder: "columns x rows, such as 8x6", "aria-label": "Columns and rows of the quilt" });
-    const answer = await this.#ask(`What is ${name}?`, ["Photo", "Quilt of these tiles", "Cancel"], tiles);
+    const tiles = make("input", {
+      type: "text",
+      class: "text",
+      placeholder: "columns x rows, such as 8x6",
+      "aria-label": "Columns and rows of the quilt",
+    });
+    const answer = await this.#ask(
+      `What is ${name}?`,
+      ["Photo", "Quilt of these tiles", "Cancel"],
+      tiles,
+    );
     if (answer === 0) return { quilt: "1x1" };
     if (answer === 2) return undefined;
     const quilt = tilesOf(tiles.value);
-    if (!quilt) this.#fail({ message: `${name}: the tiles of a quilt are columns x rows, such as 8x6.` });
+    if (!quilt)
+      this.#fail({ message: `${name}: the tiles of a quilt are columns x rows, such as 8x6.` });
     return quilt && { quilt };
   }
 
   // Shows a file as planned. passed: {files} of an upload.
   #use({ light, ...how }, file, passed) {
     if (!light) return this.#load({ file, ...how, ...passed });
-    const patch = environmentPatch(this.#scene.document, file);
-    return this.#rpc.call("scene.patch", { patch, ...passed }).then(() => this.#fail(), this.#fail);
+    this.#scene.change(environmentPatch(this.#scene.document, file), freshGroup(), passed);
   }
 
   #load(params) {
@@ -149,7 +215,11 @@ export class Library {
         this.task.replaceChildren();
         resolve(i);
       };
-      const row = make("div", { class: "answers" }, ...answers.map((answer, i) => button(answer, () => end(i))));
+      const row = make(
+        "div",
+        { class: "answers" },
+        ...answers.map((answer, i) => button(answer, () => end(i))),
+      );
       this.task.replaceChildren(make("p", {}, text), ...(field ? [field] : []), row);
       row.firstChild.focus();
     });
@@ -160,7 +230,10 @@ export class Library {
     this.picker.value = "";
     if (!files.length) return;
     const main = mainOf(files.map(nameOf));
-    if (!main) return this.#fail({ message: `${nameOf(files[0])}: quiltd does not know this kind of file.` });
+    if (!main)
+      return this.#fail({
+        message: `${nameOf(files[0])}: quiltd does not know this kind of file.`,
+      });
     const plan = await this.#plan(main, kindOf(main));
     if (!plan) return;
     const stop = new AbortController();

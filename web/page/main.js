@@ -16,8 +16,8 @@ import { filesOf } from "./upload.js";
 import { timeLeft } from "./words.js";
 
 const STATUS_MS = 1000;
-const notice = at("notice");
 const rpc = new Rpc();
+const notices = { link: "", trouble: "", scene: "", card: "" };
 
 // The token of the URL becomes a cookie, and leaves the address bar.
 async function exchangeToken() {
@@ -28,10 +28,15 @@ async function exchangeToken() {
   if (answer.ok) history.replaceState(null, "", location.pathname);
 }
 
-// Shows what is wrong; without an error, nothing is.
-function complain(error) {
-  notice.textContent = error?.message ?? "";
+// Shows a notice of one kind in place of the one before; an empty text ends it.
+function notify(kind, text = "") {
+  notices[kind] = text;
+  const words = [...new Set(Object.values(notices).filter(Boolean))].join(" ");
+  if (at("notice").textContent !== words) at("notice").textContent = words;
 }
+
+// The error of a call; without one, the last call has succeeded.
+const complain = (error) => notify("trouble", error?.message);
 
 // Why there is no connection.
 async function explain(reason) {
@@ -45,16 +50,22 @@ async function explain(reason) {
 }
 
 function describe(status) {
-  const words = [status.state];
-  if (status.level && status.level !== status.state) words.push(status.level === "none" ? "no image yet" : status.level);
+  if (status.is_quilt)
+    return `finished image · ${status.views} ${status.views === 1 ? "view" : "views"}`;
+  const level = status.level === "none" ? "no image yet" : status.level;
+  const words = status.state === "rendering" ? [level, timeLeft(status)] : [status.state, level];
   if (status.passes != null) words.push(`${status.passes.toPrecision(3)} passes`);
-  if (status.state === "rendering") words.push(timeLeft(status));
-  return words.join(" · ");
+  return [...new Set(words.filter(Boolean))].join(" · ");
 }
 
 class Page {
   constructor() {
-    const context = { rpc, fail: complain, scene: new Scene(rpc, complain), queue: (entry) => this.slideshow.add(entry) };
+    const context = {
+      rpc,
+      fail: complain,
+      scene: new Scene(rpc, complain),
+      queue: (entry) => this.slideshow.add(entry),
+    };
     this.scene = context.scene;
     this.stage = new Stage(context);
     this.picture = new Picture(context);
@@ -77,8 +88,12 @@ class Page {
     const raise = makeSheet(at("side"), at("sheet"));
     const tab = (id, name, part) => ({ id, name, part, panel: part.element });
     const tabs = [
-      tab("picture", "Picture", this.picture), tab("scene", "Scene", this.tree), tab("library", "Library", this.library),
-      tab("slideshow", "Slideshow", this.slideshow), tab("export", "Export", this.exports), tab("health", "Health", this.health),
+      tab("picture", "Picture", this.picture),
+      tab("scene", "Scene", this.tree),
+      tab("library", "Library", this.library),
+      tab("slideshow", "Slideshow", this.slideshow),
+      tab("export", "Export", this.exports),
+      tab("health", "Health", this.health),
     ];
     at("panels").append(...tabs.map(({ panel }) => panel));
     this.showTab = makeTabs(at("tabs"), tabs, (id) => {
@@ -86,6 +101,7 @@ class Page {
       tabs.find((one) => one.id === id).part.shown?.();
     });
     at("tabs").addEventListener("click", raise);
+    this.slideshow.accept(at("tab-slideshow"));
   }
 
   #makeButtons() {
@@ -93,13 +109,15 @@ class Page {
       this.scene.cameraMoves();
       rpc.call("camera.fit").then(() => complain(), complain);
     });
-    const pause = latest((params) => rpc.call("render.set", params).then(() => complain(), complain));
+    const pause = latest((params) =>
+      rpc.call("render.set", params).then(() => complain(), complain),
+    );
     at("pause").addEventListener("click", ({ currentTarget }) => {
       const paused = currentTarget.getAttribute("aria-pressed") !== "true";
       currentTarget.setAttribute("aria-pressed", String(paused));
       pause({ paused });
     });
-    at("undo").addEventListener("click", () => this.scene.undo().catch(complain));
+    at("undo").addEventListener("click", () => this.scene.undo());
     at("redo").addEventListener("click", () => this.scene.redo());
     this.scene.addEventListener("change", () => {
       at("undo").disabled = !this.scene.canUndo;
@@ -114,18 +132,20 @@ class Page {
     if (event.target.matches?.("input.text")) return;
     event.preventDefault();
     if (event.shiftKey) this.scene.redo();
-    else this.scene.undo().catch(complain);
+    else this.scene.undo();
   }
 
   #follow() {
     rpc.addEventListener("frame", ({ detail }) =>
-      complain(detail.card ? { message: `The panel shows a card: ${detail.card}` } : undefined));
+      notify("card", detail.card && `The panel shows a card: ${detail.card}`),
+    );
     rpc.addEventListener("open", () => this.#open().catch(complain));
     rpc.addEventListener("close", async ({ detail }) => {
       for (const control of [this.stage.slider, at("fit"), at("pause")]) control.disabled = true;
       at("progress").textContent = "";
       const words = await explain(detail);
-      complain({ message: words });
+      complain();
+      notify("link", words);
       this.health.connected(false, words);
     });
     this.#followStatus();
@@ -133,6 +153,7 @@ class Page {
   }
 
   async #open() {
+    notify("link");
     complain();
     this.health.connected(true);
     this.stage.connected();
@@ -157,7 +178,11 @@ class Page {
   }
 
   async #followStatus() {
-    if (!document.hidden) await rpc.call("status").then((status) => this.#status(status), () => {});
+    if (!document.hidden)
+      await rpc.call("status").then(
+        (status) => this.#status(status),
+        () => {},
+      );
     setTimeout(() => this.#followStatus(), STATUS_MS);
   }
 
@@ -167,11 +192,13 @@ class Page {
     at("scene").title = status.scene ?? "";
     at("pause").setAttribute("aria-pressed", String(Boolean(status.paused)));
     for (const id of ["fit", "pause"]) at(id).disabled = !status.scene || status.is_quilt;
-    if (status.error) complain(status.error);
+    notify("scene", status.error?.message);
     for (const part of [this.stage, this.picture, this.health]) part.status(status);
   }
 }
 
 // Another token was pasted into the address bar.
 addEventListener("hashchange", () => location.reload());
-exchangeToken().then(() => new Page()).catch(complain);
+exchangeToken()
+  .then(() => new Page())
+  .catch(complain);

@@ -4,14 +4,22 @@ const isObject = (value) => value !== null && typeof value === "object" && !Arra
 const has = (object, key) => Object.hasOwn(object, key);
 // also for the key __proto__, which an assignment would not set
 const put = (object, key, value) =>
-  Object.defineProperty(object, key, { value, writable: true, enumerable: true, configurable: true });
+  Object.defineProperty(object, key, {
+    value,
+    writable: true,
+    enumerable: true,
+    configurable: true,
+  });
 
 export function same(a, b) {
   if (Array.isArray(a))
     return Array.isArray(b) && a.length === b.length && a.every((value, i) => same(value, b[i]));
   if (!isObject(a) || !isObject(b)) return a === b;
   const keys = Object.keys(a);
-  return keys.length === Object.keys(b).length && keys.every((key) => has(b, key) && same(a[key], b[key]));
+  return (
+    keys.length === Object.keys(b).length &&
+    keys.every((key) => has(b, key) && same(a[key], b[key]))
+  );
 }
 
 /** The document after the patch. */

@@ -18,7 +18,11 @@ const KEYS = [
 ];
 
 function meter(name) {
-  const bar = make("progress", { max: "1", value: "0", "aria-label": `${name}: share of the way to the target` });
+  const bar = make("progress", {
+    max: "1",
+    value: "0",
+    "aria-label": `${name}: share of the way to the target`,
+  });
   const text = make("span", { class: "number" });
   return {
     element: make("div", { class: "meter" }, make("span", {}, name), bar, text),
@@ -79,7 +83,10 @@ export class Picture {
   }
 
   #choices(list, words = []) {
-    fill(list, words.map((word) => [word]));
+    fill(
+      list,
+      words.map((word) => [word]),
+    );
     list.parentElement.hidden = words.length === 0;
     this.status(this.#status);
   }
@@ -88,16 +95,35 @@ export class Picture {
     this.unfiltered = meter("Unfiltered");
     this.denoised = meter("Denoised");
     this.left = make("p", { id: "left" });
-    this.target = select(["1e-2", "3e-3", "1e-3", "3e-4", "1e-4", "3e-5", "1e-5"].map((e) => [Number(e), e]), { id: "target" });
-    this.target.addEventListener("change", () => this.#render({ target_error: Number(this.target.value) }));
+    this.target = select(
+      ["1e-2", "3e-3", "1e-3", "3e-4", "1e-4", "3e-5", "1e-5"].map((e) => [Number(e), e]),
+      { id: "target" },
+    );
+    this.target.addEventListener("change", () =>
+      this.#render({ target_error: Number(this.target.value) }),
+    );
     this.#makeLight();
     this.#makeDepth();
-    const keys = make("dl", {}, ...KEYS.flatMap(([what, does]) => [make("dt", {}, what), make("dd", {}, does)]));
+    const keys = make(
+      "dl",
+      {},
+      ...KEYS.flatMap(([what, does]) => [make("dt", {}, what), make("dd", {}, does)]),
+    );
     this.element.append(
-      make("section", {}, heading("Quality"), this.unfiltered.element, this.denoised.element, this.left,
-        labelled("Error to reach", this.target), labelled("Denoise", this.denoise),
-        labelled("Estimator", this.estimator), labelled("Integrator", this.integrator)),
-      this.light, this.depths,
+      make(
+        "section",
+        {},
+        heading("Quality"),
+        this.unfiltered.element,
+        this.denoised.element,
+        this.left,
+        labelled("Error to reach", this.target),
+        labelled("Denoise", this.denoise),
+        labelled("Estimator", this.estimator),
+        labelled("Integrator", this.integrator),
+      ),
+      this.light,
+      this.depths,
       make("details", { id: "keys" }, make("summary", {}, "Mouse, touch and keys"), keys),
     );
   }
@@ -105,36 +131,90 @@ export class Picture {
   #makeLight() {
     this.auto = make("input", { type: "checkbox", id: "exposure-auto" });
     this.auto.addEventListener("change", () =>
-      this.#render({ exposure: this.auto.checked ? "auto" : this.#status.exposure?.stops ?? 0 }));
+      this.#render({ exposure: this.auto.checked ? "auto" : (this.#status.exposure?.stops ?? 0) }),
+    );
     const range = { id: "exposure", min: "-8", max: "8", step: "0.125" };
-    this.exposure = slider("Exposure", range, (stops) => {
-      this.auto.checked = false;
-      this.#render({ exposure: stops });
-    }, (stops) => `${stops > 0 ? "+" : ""}${format(stops)}`);
-    this.tone = select([["srgb", "None"], ["filmic", "Filmic"], ["aces", "ACES"], ["neutral", "Neutral"]], { id: "tone" });
-    this.tone.addEventListener("change", () => this.#scene.change({ film: { tonemap: this.tone.value } }, freshGroup()));
-    this.denoise = select([["on", "On"], ["off", "Off"]], { id: "denoise" });
+    this.exposure = slider(
+      "Exposure",
+      range,
+      (stops) => {
+        this.auto.checked = false;
+        this.#render({ exposure: stops });
+      },
+      (stops) => `${stops > 0 ? "+" : ""}${format(stops)}`,
+    );
+    this.tone = select(
+      [
+        ["srgb", "None"],
+        ["filmic", "Filmic"],
+        ["aces", "ACES"],
+        ["neutral", "Neutral"],
+      ],
+      { id: "tone" },
+    );
+    this.tone.addEventListener("change", () =>
+      this.#scene.change({ film: { tonemap: this.tone.value } }, freshGroup()),
+    );
+    this.denoise = select(
+      [
+        ["on", "On"],
+        ["off", "Off"],
+      ],
+      { id: "denoise" },
+    );
     this.denoise.addEventListener("change", () => this.#render({ denoise: this.denoise.value }));
     this.estimator = select([], { id: "estimator" });
-    this.estimator.addEventListener("change", () => this.#render({ estimator: this.estimator.value }));
+    this.estimator.addEventListener("change", () =>
+      this.#render({ estimator: this.estimator.value }),
+    );
     this.integrator = select([], { id: "integrator" });
-    this.integrator.addEventListener("change", () => this.#render({ integrator: this.integrator.value }));
-    this.light = make("section", {}, heading("Light"), this.exposure.element,
-      labelled("Automatic", this.auto), labelled("Tone", this.tone));
+    this.integrator.addEventListener("change", () =>
+      this.#render({ integrator: this.integrator.value }),
+    );
+    this.light = make(
+      "section",
+      {},
+      heading("Light"),
+      this.exposure.element,
+      labelled("Automatic", this.auto),
+      labelled("Tone", this.tone),
+    );
   }
 
   #makeDepth() {
     this.budget = make("p", { id: "budget", class: "finding" });
     this.guides = make("input", { type: "checkbox", id: "guides" });
     this.guides.addEventListener("change", () => this.#render({ guides: this.guides.checked }));
-    this.focus = slider("Focus", { id: "focus", min: "-1", max: "1", step: "any" },
-      (log, group) => this.#setFocus(Math.exp(log), group), (log) => format(Number(Math.exp(log).toPrecision(3))));
-    this.depth = slider("Depth", { id: "depth", min: "0", max: "2", step: "0.01" },
-      (depthiness, group) => this.#scene.change({ camera: { depthiness } }, group));
-    this.blur = slider("View blur", { id: "blur", min: "0", max: "4", step: "0.05" },
-      (view_blur, group) => this.#scene.change({ camera: { view_blur } }, group));
-    this.depths = make("section", {}, heading("Depth"), this.budget, this.focus.element, this.depth.element,
-      this.blur.element, labelled("Mark what is not sharp", this.guides, make("span", { class: "hint" }, "the panel shows the marks, too")));
+    this.focus = slider(
+      "Focus",
+      { id: "focus", min: "-1", max: "1", step: "any" },
+      (log, group) => this.#setFocus(Math.exp(log), group),
+      (log) => format(Number(Math.exp(log).toPrecision(3))),
+    );
+    this.depth = slider(
+      "Depth",
+      { id: "depth", min: "0", max: "2", step: "0.01" },
+      (depthiness, group) => this.#scene.change({ camera: { depthiness } }, group),
+    );
+    this.blur = slider(
+      "View blur",
+      { id: "blur", min: "0", max: "4", step: "0.05" },
+      (view_blur, group) => this.#scene.change({ camera: { view_blur } }, group),
+    );
+    this.depths = make(
+      "section",
+      {},
+      heading("Depth"),
+      this.budget,
+      this.focus.element,
+      this.depth.element,
+      this.blur.element,
+      labelled(
+        "Mark what is not sharp",
+        this.guides,
+        make("span", { class: "hint" }, "the panel shows the marks, too"),
+      ),
+    );
   }
 
   #setFocus(distance, group) {
@@ -144,19 +224,25 @@ export class Picture {
 
   // An object without a scene, such as a quilt, has neither light nor depth to set.
   #showScene() {
-    const { document } = this.#scene, camera = placed(document?.camera);
+    const { document } = this.#scene,
+      camera = placed(document?.camera);
     for (const section of [this.light, this.depths]) section.hidden = !document;
     if (!document) return;
     this.focus.input.disabled = !camera;
     if (camera) this.#showFocus(camera);
     this.depth.set(document.camera?.depthiness ?? 1);
-    this.blur.set(typeof document.camera?.view_blur === "object" ? undefined : (document.camera?.view_blur ?? 0));
+    this.blur.set(
+      typeof document.camera?.view_blur === "object"
+        ? undefined
+        : (document.camera?.view_blur ?? 0),
+    );
     this.blur.input.disabled = document.camera?.lens_radius > 0;
     this.tone.value = document.film?.tonemap ?? "srgb";
   }
 
   #showFocus(camera) {
-    const { depth_budget: budget } = this.#status, now = distanceOf(camera);
+    const { depth_budget: budget } = this.#status,
+      now = distanceOf(camera);
     const near = Math.min(budget?.nearest > 0 ? budget.nearest : now / 2, now);
     const far = Math.max(budget?.farthest > 0 ? budget.farthest : now * 2, now);
     if (this.focus.input !== document.activeElement || !this.focus.input.min) {
@@ -189,7 +275,8 @@ export class Picture {
   #showTarget(target) {
     if (!target || document.activeElement === this.target) return;
     const values = [...this.target.options].map((option) => Number(option.value));
-    if (!values.includes(target)) this.target.append(make("option", { value: String(target) }, target.toExponential(0)));
+    if (!values.includes(target))
+      this.target.append(make("option", { value: String(target) }, target.toExponential(0)));
     this.target.value = String(target);
   }
 }

@@ -32,7 +32,8 @@ export function targetAt({ position, target }, distance) {
 /** Position and target after the image has moved by pixels of a window of some height. */
 export function shifted({ position, target, up, fov_y }, right, down, height) {
   const sight = sub(target, position);
-  const across = unit(cross(sight, up)), upwards = unit(cross(across, sight));
+  const across = unit(cross(sight, up)),
+    upwards = unit(cross(across, sight));
   const perPixel = (2 * length(sight) * Math.tan((fov_y * Math.PI) / 360)) / height;
   const moved = (point) => along(along(point, across, -right * perPixel), upwards, down * perPixel);
   return { position: moved(position), target: moved(target) };

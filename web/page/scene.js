@@ -13,7 +13,7 @@ export class Scene extends EventTarget {
   #rpc;
   #fail;
   #history = new History();
-  #queue = []; // {patch, group} that wait
+  #queue = []; // {patch, group, passed} that wait
   #busy = false;
   #edits = 0; // a document that was asked for before an edit is out of date
   #refreshing;
@@ -41,11 +41,14 @@ export class Scene extends EventTarget {
     return this.#history.canRedo;
   }
 
-  /** Changes the scene by a merge patch. Changes of one group are one step of undo. */
-  change(patch, group) {
+  /**
+   * Changes the scene by a merge patch. Changes of one group are one step of undo.
+   * @param passed {files}: uploads that the patch names
+   */
+  change(patch, group, passed) {
     if (!this.document) return;
     this.#history.push({ undo: inverse(this.document, patch), redo: patch, group });
-    this.#apply(patch, group);
+    this.#apply(patch, group, passed);
   }
 
   async undo() {
@@ -65,7 +68,7 @@ export class Scene extends EventTarget {
       this.#tell();
     }
     clearTimeout(this.#resting);
-    this.#resting = setTimeout(() => this.#rest().catch(this.#fail), CAMERA_REST_MS);
+    this.#resting = setTimeout(() => this.#rest(), CAMERA_REST_MS);
   }
 
   /** Another scene was loaded: nothing of the old one can be undone. */
@@ -78,32 +81,44 @@ export class Scene extends EventTarget {
   refreshSoon() {
     this.#refreshing ??= setTimeout(() => {
       this.#refreshing = undefined;
-      this.refresh().catch(this.#fail);
+      this.refresh();
     }, REFRESH_MS);
   }
 
-  /** Asks the daemon for the scene. */
+  /** Asks the daemon for the scene. @returns whether the answer counts: nothing was changed meanwhile */
   async refresh() {
-    if (this.#busy) return this.refreshSoon();
     const edits = this.#edits;
-    const { scene, file, bounds } = await this.#rpc.call("scene.get").catch((error) => {
-      if (error.code === undefined) throw error;
-      return {}; // nothing is shown, or the scene is too long to send
-    });
-    if (edits !== this.#edits) return this.refreshSoon();
+    const answer = this.#busy ? undefined : await this.#ask();
+    if (this.#busy || edits !== this.#edits) {
+      this.refreshSoon();
+      return false;
+    }
+    if (answer) this.#take(answer);
+    return true;
+  }
+
+  // Undefined if the connection ends: the next one asks again.
+  #ask() {
+    // an error of the daemon: nothing is shown, or the scene is too long to send
+    return this.#rpc
+      .call("scene.get")
+      .catch((error) => (error.code === undefined ? undefined : {}));
+  }
+
+  #take({ scene, file, bounds }) {
     if (this.file === undefined) this.#restore(file);
     else if (file !== this.file) this.forget();
     Object.assign(this, { document: scene ?? null, file: file ?? null, bounds: bounds ?? null });
     this.#tell();
   }
 
-  #apply(patch, group) {
+  #apply(patch, group, passed) {
     if (!patch) return;
     this.#edits++;
     this.document = merge(this.document, patch);
     const last = this.#queue.at(-1);
     if (group !== undefined && last?.group === group) last.patch = patch;
-    else this.#queue.push({ patch, group });
+    else this.#queue.push({ patch, group, passed });
     this.#save();
     this.#tell();
     this.#send();
@@ -113,9 +128,9 @@ export class Scene extends EventTarget {
     if (this.#busy) return;
     this.#busy = true;
     while (this.#queue.length) {
-      const { patch, group } = this.#queue.shift();
+      const { patch, group, passed } = this.#queue.shift();
       try {
-        await this.#rpc.call("scene.patch", { patch });
+        await this.#rpc.call("scene.patch", { patch, ...passed });
         this.#fail();
       } catch (error) {
         this.#queue = [];
@@ -131,8 +146,10 @@ export class Scene extends EventTarget {
   async #rest() {
     clearTimeout(this.#resting);
     if (this.#camera === undefined) return;
-    await this.refresh();
-    const before = { camera: this.#camera ?? {} }, after = { camera: this.document?.camera ?? {} };
+    while (!(await this.refresh())) await new Promise((resolve) => setTimeout(resolve, REFRESH_MS));
+    if (this.#camera === undefined) return; // another rest was quicker
+    const before = { camera: this.#camera ?? {} },
+      after = { camera: this.document?.camera ?? {} };
     this.#camera = undefined;
     const redo = difference(before, after);
     if (Object.keys(redo).length) this.#history.push({ undo: difference(after, before), redo });

@@ -12,7 +12,11 @@ export class SceneTab {
   constructor({ scene }) {
     this.#scene = scene;
     this.place = make("div", { id: "tree", class: "tree" });
-    this.about = make("p", { id: "about", class: "about" }, "Drag a number to change it, or press it to type.");
+    this.about = make(
+      "p",
+      { id: "about", class: "about" },
+      "Drag a number to change it, or press it to type.",
+    );
     this.none = make("p", { class: "hint", hidden: true }, "A finished image has no scene.");
     this.element.append(this.none, this.place, this.about);
     explain(this.place, this.about);
@@ -25,7 +29,9 @@ export class SceneTab {
     const answer = await fetch("/scene.schema.json").catch(() => undefined);
     if (!answer?.ok) return false;
     const open = new Set(recall("open", ["/camera", "/lights"]));
-    this.#tree = new Tree(await answer.json(), this.#scene, open, () => remember("open", [...open]));
+    this.#tree = new Tree(await answer.json(), this.#scene, open, () =>
+      remember("open", [...open]),
+    );
     this.place.replaceChildren(this.#tree.element);
     return true;
   }

@@ -10,7 +10,10 @@ export function resolve(root, schema) {
   let result = schema;
   for (let i = 0; result.$ref && i < 16; i++) {
     const { $ref, ...own } = result;
-    const from = $ref.slice(2).split("/").reduce((at, key) => at[key], root);
+    const from = $ref
+      .slice(2)
+      .split("/")
+      .reduce((at, key) => at[key], root);
     result = { ...from, ...own };
     if (COLOURS.includes($ref)) result.colour = true;
   }
@@ -22,16 +25,19 @@ export function variants(root, schema) {
   const { anyOf, ...own } = resolve(root, schema);
   if (!anyOf) return [own];
   const inherited = Object.fromEntries(
-    ["description", "unit", "default", "colour"].filter((key) => key in own).map((key) => [key, own[key]]),
+    ["description", "unit", "default", "colour"]
+      .filter((key) => key in own)
+      .map((key) => [key, own[key]]),
   );
   return anyOf.flatMap((one) => variants(root, one)).map((one) => ({ ...one, ...inherited }));
 }
 
-const typeOf = (value) =>
-  value === null ? "null" : Array.isArray(value) ? "array" : typeof value;
+const typeOf = (value) => (value === null ? "null" : Array.isArray(value) ? "array" : typeof value);
 
 function fitsType(type, value) {
-  return type === "integer" ? Number.isInteger(value) : type === undefined || type === typeOf(value);
+  return type === "integer"
+    ? Number.isInteger(value)
+    : type === undefined || type === typeOf(value);
 }
 
 function fitsObject(root, schema, value) {
@@ -51,7 +57,8 @@ export function fits(root, schema, value) {
     if ("const" in one) return same(one.const, value);
     if (one.enum) return one.enum.includes(value);
     if (!fitsType(one.type, value)) return false;
-    if (typeof value === "number") return value >= (one.minimum ?? value) && value <= (one.maximum ?? value);
+    if (typeof value === "number")
+      return value >= (one.minimum ?? value) && value <= (one.maximum ?? value);
     if (Array.isArray(value))
       return (
         value.length >= (one.minItems ?? 0) &&
@@ -79,7 +86,9 @@ export function pick(root, schema, value) {
 /** What a person reads about a key: meaning, range and usual value. */
 export function describe(root, schema) {
   const { description = "", unit, default: usual } = resolve(root, schema);
-  const number = variants(root, schema).find((one) => one.type === "number" || one.type === "integer");
+  const number = variants(root, schema).find(
+    (one) => one.type === "number" || one.type === "integer",
+  );
   const words = [description];
   if (number?.minimum !== undefined && number.maximum !== undefined)
     words.push(`${number.minimum} to ${number.maximum}`);
@@ -142,9 +151,13 @@ export function retyped(root, schema, value, key, word) {
   const allows = (one) => one.properties?.[key] && fits(root, one.properties[key], word);
   for (const one of variants(root, schema).filter(allows)) {
     const kept = Object.entries(value).filter(
-      ([name, inner]) => name !== key && one.properties[name] && fits(root, one.properties[name], inner),
+      ([name, inner]) =>
+        name !== key && one.properties[name] && fits(root, one.properties[name], inner),
     );
-    const needed = sampleObject(root, { ...one, required: (one.required ?? []).filter((name) => name !== key) });
+    const needed = sampleObject(root, {
+      ...one,
+      required: (one.required ?? []).filter((name) => name !== key),
+    });
     if (needed) return { [key]: word, ...needed, ...Object.fromEntries(kept) };
   }
   return undefined;
@@ -161,7 +174,8 @@ export function fieldOf(root, schema, value) {
   const colour = variants(root, schema).some((each) => each.colour);
   if (colour && (typeof value === "number" || value?.length === 3)) return "colour";
   if (typeof value === "number") return "number";
-  const numbers = Array.isArray(value) && value.length <= 4 && value.every((x) => typeof x === "number");
+  const numbers =
+    Array.isArray(value) && value.length <= 4 && value.every((x) => typeof x === "number");
   return numbers ? "vector" : "json";
 }
 
@@ -171,7 +185,12 @@ export function rangeOf(root, schema) {
   for (const one of variants(root, schema)) {
     const number = one.type === "array" && one.items ? resolve(root, one.items) : one;
     if (number.type === "number" || number.type === "integer")
-      return { minimum: number.minimum, maximum: number.maximum, integer: number.type === "integer", unit };
+      return {
+        minimum: number.minimum,
+        maximum: number.maximum,
+        integer: number.type === "integer",
+        unit,
+      };
   }
   return {};
 }

@@ -15,10 +15,19 @@ export const freshGroup = () => `gesture-${Date.now()}-${++groups}`;
  * @returns {element, set}
  */
 export function scrub({ label, range, commit }) {
-  let value = 0, drag, keys, typing = false;
+  let value = 0,
+    drag,
+    keys,
+    typing = false;
   const input = make("input", {
-    type: "text", inputmode: "decimal", role: "spinbutton", class: "scrub", autocomplete: "off",
-    "aria-label": label, "aria-valuemin": range.minimum, "aria-valuemax": range.maximum,
+    type: "text",
+    inputmode: "decimal",
+    role: "spinbutton",
+    class: "scrub",
+    autocomplete: "off",
+    "aria-label": label,
+    "aria-valuemin": range.minimum,
+    "aria-valuemax": range.maximum,
   });
   const show = () => {
     if (typing) return;

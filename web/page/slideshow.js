@@ -20,13 +20,31 @@ export class Slideshow {
     this.rows = make("ol", { id: "slides", class: "slides" });
     this.loop = make("input", { type: "checkbox", id: "loop" });
     this.loop.addEventListener("change", () => this.#set(this.#list.entries));
-    this.play = button("Play", () => this.#call(this.#list.playing ? "playlist.stop" : "playlist.play"), { id: "play", class: "main" });
+    this.play = button(
+      "Play",
+      () => this.#call(this.#list.playing ? "playlist.stop" : "playlist.play"),
+      { id: "play", class: "main" },
+    );
     const step = (text, method) => button(text, () => this.#call(method));
     this.empty = make("p", { class: "hint" }, "Add entries in the tab Library, or drag them here.");
-    this.element.append(make("section", {}, heading("Slideshow"),
-      make("div", { class: "answers" }, this.play, step("Previous", "playlist.previous"), step("Next", "playlist.next")),
-      labelled("Start again at the end", this.loop), this.rows, this.empty));
-    this.#acceptDrops();
+    this.element.append(
+      make(
+        "section",
+        {},
+        heading("Slideshow"),
+        make(
+          "div",
+          { class: "answers" },
+          this.play,
+          step("Previous", "playlist.previous"),
+          step("Next", "playlist.next"),
+        ),
+        labelled("Start again at the end", this.loop),
+        this.rows,
+        this.empty,
+      ),
+    );
+    this.accept(this.element);
     rpc.addEventListener("playlist", ({ detail }) => this.#show(detail));
   }
 
@@ -52,7 +70,8 @@ export class Slideshow {
   }
 
   #show(list) {
-    const focus = this.#focus ?? document.activeElement?.closest?.("#slides li button")?.dataset.key;
+    const focus =
+      this.#focus ?? document.activeElement?.closest?.("#slides li button")?.dataset.key;
     this.#focus = undefined;
     this.#list = list;
     this.loop.checked = list.loop;
@@ -71,20 +90,44 @@ export class Slideshow {
   }
 
   #row({ file, seconds }, i) {
-    const name = file.split("/").pop(), { entries, index, playing } = this.#list;
+    const name = file.split("/").pop(),
+      { entries, index, playing } = this.#list;
     const time = scrub({
-      label: `Seconds of ${name}`, range: SECONDS,
+      label: `Seconds of ${name}`,
+      range: SECONDS,
       commit: (value) => (entries[i] = { file, seconds: value }),
     });
     time.set(seconds);
     for (const type of ["pointerup", "change", "keyup"])
-      time.element.addEventListener(type, () => entries[i].seconds !== seconds && this.#set(entries));
-    const move = (text, words, to) => button(text, () => this.#move(i, to, text), {
-      class: "quiet", "aria-label": `${words} ${name}`, "data-key": `${text}${i}`, disabled: to < 0 || to >= entries.length });
-    const row = make("li", { draggable: "true", "aria-current": playing && i === index ? "true" : undefined },
-      button(name, () => this.#call("playlist.play", { index: i }), { class: "quiet name", title: file, "data-key": `name${i}` }),
-      time.element, make("span", { class: "unit" }, "s"), move("Up", "Move up", i - 1), move("Down", "Move down", i + 1),
-      button("×", () => this.#set(entries.filter((_, k) => k !== i)), { class: "remove", "aria-label": `Remove ${name}` }));
+      time.element.addEventListener(
+        type,
+        () => entries[i].seconds !== seconds && this.#set(entries),
+      );
+    const move = (text, words, to) =>
+      button(text, () => this.#move(i, to, text), {
+        class: "quiet",
+        "aria-label": `${words} ${name}`,
+        "data-key": `${text}${i}`,
+        disabled: to < 0 || to >= entries.length,
+      });
+    const row = make(
+      "li",
+      { draggable: "true", "aria-current": playing && i === index ? "true" : undefined },
+      make("span", { class: "grip", title: "Drag to another place" }, String(i + 1)),
+      button(name, () => this.#call("playlist.play", { index: i }), {
+        class: "quiet name",
+        title: file,
+        "data-key": `name${i}`,
+      }),
+      time.element,
+      make("span", { class: "unit" }, "s"),
+      move("Up", "Move up", i - 1),
+      move("Down", "Move down", i + 1),
+      button("×", () => this.#set(entries.filter((_, k) => k !== i)), {
+        class: "remove",
+        "aria-label": `Remove ${name}`,
+      }),
+    );
     row.addEventListener("keydown", (event) => this.#moveByKey(event, i));
     row.addEventListener("dragstart", () => (this.#dragged = i));
     row.addEventListener("dragend", () => (this.#dragged = undefined));
@@ -107,12 +150,13 @@ export class Slideshow {
     return this.#set(entries);
   }
 
-  // Rows that change their place, and entries of the library.
-  #acceptDrops() {
-    this.element.addEventListener("dragover", (event) => {
-      if (this.#dragged !== undefined || event.dataTransfer.types.includes("application/x-quiltd")) event.preventDefault();
+  /** Takes what is dropped on an element: rows that change their place, and entries of the library. */
+  accept(element) {
+    element.addEventListener("dragover", (event) => {
+      if (this.#dragged !== undefined || event.dataTransfer.types.includes("application/x-quiltd"))
+        event.preventDefault();
     });
-    this.element.addEventListener("drop", (event) => {
+    element.addEventListener("drop", (event) => {
       const row = event.target.closest("#slides li");
       const to = row ? [...this.rows.children].indexOf(row) : this.#list.entries.length - 1;
       if (this.#dragged !== undefined) this.#move(this.#dragged, to);

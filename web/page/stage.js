@@ -7,8 +7,19 @@ import { MODES, STEREO, viewAt } from "./stereo.js";
 import { recall, remember } from "./store.js";
 import { QuiltView } from "./view.js";
 
-const APART = [["eyes", "6 degrees apart"], ["1", "1 view apart"], ["2", "2 views apart"], ["4", "4 views apart"], ["8", "8 views apart"]];
-const ZOOMS = [["1", "1:1"], ["2", "2:1"], ["4", "4:1"], ["8", "8:1"]];
+const APART = [
+  ["eyes", "6 degrees apart"],
+  ["1", "1 view apart"],
+  ["2", "2 views apart"],
+  ["4", "4 views apart"],
+  ["8", "8 views apart"],
+];
+const ZOOMS = [
+  ["1", "1:1"],
+  ["2", "2:1"],
+  ["4", "4:1"],
+  ["8", "8:1"],
+];
 const WHEEL_STEP = 1.3;
 
 export class Stage {
@@ -27,8 +38,16 @@ export class Stage {
     this.#view = new QuiltView(this.canvas);
     this.#camera = new Camera(rpc, this.canvas, () => scene.cameraMoves(), fail);
     this.#makeControls();
-    listenToPointers(this.canvas, () => this.#hand(), (position) => this.turnTo(position));
-    listenToKeys(this.canvas, () => this.#hand(), (step) => this.turnTo(this.#view.position + step / Math.max(this.#view.views, 1)));
+    listenToPointers(
+      this.canvas,
+      () => this.#hand(),
+      (position) => this.turnTo(position),
+    );
+    listenToKeys(
+      this.canvas,
+      () => this.#hand(),
+      (step) => this.turnTo(this.#view.position + step / Math.max(this.#view.views, 1)),
+    );
     this.#followImages();
     rpc.addEventListener("device", () => this.#calibrate());
   }
@@ -68,7 +87,9 @@ export class Stage {
   }
 
   #apply() {
-    const mode = at("mode").value, apart = at("apart").value, zoom = at("zoom").value;
+    const mode = at("mode").value,
+      apart = at("apart").value,
+      zoom = at("zoom").value;
     remember("mode", mode);
     remember("apart", apart);
     remember("zoom", zoom);
@@ -101,7 +122,8 @@ export class Stage {
   turnTo(position) {
     this.#view.position = position;
     this.slider.value = this.#view.position;
-    const { views } = this.#view, shown = Math.round(viewAt(this.#view.position, views));
+    const { views } = this.#view,
+      shown = Math.round(viewAt(this.#view.position, views));
     at("view-number").textContent = views ? `View ${shown + 1} of ${views}` : "View";
     remember("view", this.#view.position);
   }
@@ -129,7 +151,8 @@ export class Stage {
 
 /** Lets files be dropped anywhere on the page. @param take called with a DataTransfer */
 export function acceptFiles(take) {
-  const sign = at("drop"), isFile = (event) => event.dataTransfer.types.includes("Files");
+  const sign = at("drop"),
+    isFile = (event) => event.dataTransfer.types.includes("Files");
   addEventListener("dragover", (event) => {
     if (!isFile(event)) return;
     event.preventDefault();
@@ -158,7 +181,8 @@ export function makeSheet(side, handle) {
     handle.setPointerCapture(event.pointerId);
   });
   handle.addEventListener("pointerup", (event) => {
-    const up = from - event.clientY, i = sizes.indexOf(side.dataset.size);
+    const up = from - event.clientY,
+      i = sizes.indexOf(side.dataset.size);
     if (Math.abs(up) > 20) show(sizes[Math.min(Math.max(i + Math.sign(up), 0), 2)]);
   });
   handle.addEventListener("click", (event) => {

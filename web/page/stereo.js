@@ -19,7 +19,8 @@ const EYES_DEGREES = 6;
  */
 export function viewsApart(choice, views, cone) {
   const most = Math.max(views - 1, 0);
-  const wanted = choice === "eyes" ? Math.round((EYES_DEGREES * views) / (cone || 40)) : Number(choice);
+  const wanted =
+    choice === "eyes" ? Math.round((EYES_DEGREES * views) / (cone || 40)) : Number(choice);
   return Math.min(Math.max(wanted, 1), most);
 }
 

@@ -40,12 +40,15 @@ export class Tree {
   }
 }
 
-const pointer = (path) => path.map((key) => "/" + key.replaceAll("~", "~0").replaceAll("/", "~1")).join("");
+const pointer = (path) =>
+  path.map((key) => "/" + key.replaceAll("~", "~0").replaceAll("/", "~1")).join("");
 
 function removal(tree, path) {
   const name = path.at(-1);
   return button("×", () => tree.set(path, null, freshGroup()), {
-    class: "remove", "aria-label": `Remove ${name}`, title: `Remove ${name}`,
+    class: "remove",
+    "aria-label": `Remove ${name}`,
+    title: `Remove ${name}`,
   });
 }
 
@@ -69,7 +72,11 @@ class Leaf {
     const { unit } = schemas.resolve(tree.root, schema);
     this.element = make(
       "div",
-      { class: "row", "data-path": pointer(path), "data-about": schemas.describe(tree.root, schema) },
+      {
+        class: "row",
+        "data-path": pointer(path),
+        "data-about": schemas.describe(tree.root, schema),
+      },
       make("span", { class: "key" }, name),
       this.field.element,
       make("span", { class: "unit" }, unit === "degrees" ? "°" : ""),
@@ -102,9 +109,19 @@ class Branch {
   #makeDetails() {
     this.note = make("span", { class: "note" });
     const about = schemas.describe(this.tree.root, this.schema);
-    const summary = make("summary", { "data-about": about }, make("span", { class: "key" }, this.path.at(-1)), this.note);
+    const summary = make(
+      "summary",
+      { "data-about": about },
+      make("span", { class: "key" }, this.path.at(-1)),
+      this.note,
+    );
     this.isOpen = this.tree.open.has(this.pointer);
-    this.element = make("details", { "data-path": this.pointer, open: this.isOpen }, summary, this.body);
+    this.element = make(
+      "details",
+      { "data-path": this.pointer, open: this.isOpen },
+      summary,
+      this.body,
+    );
     this.element.addEventListener("toggle", () => {
       this.isOpen = this.element.open;
       this.tree.open[this.isOpen ? "add" : "delete"](this.pointer);
@@ -118,7 +135,9 @@ class Branch {
     if (this.note) this.note.textContent = this.#summary(value);
     if (!this.isOpen) return;
     const variant = schemas.pick(this.tree.root, this.schema, value);
-    const keys = Object.keys(value).filter((key) => !(this.path.length === 0 && HIDDEN.includes(key)));
+    const keys = Object.keys(value).filter(
+      (key) => !(this.path.length === 0 && HIDDEN.includes(key)),
+    );
     for (const [key, row] of this.#rows)
       if (!keys.includes(key)) {
         row.element.remove();
@@ -129,18 +148,21 @@ class Branch {
   }
 
   #summary(value) {
-    const word = KIND_KEYS.map((key) => value[key]).find((one) => typeof one === "string") ?? value.file?.split?.("/").pop();
+    const word =
+      KIND_KEYS.map((key) => value[key]).find((one) => typeof one === "string") ??
+      value.file?.split?.("/").pop();
     if (word) return word;
     const n = Object.keys(value).length;
     return this.schema.additionalProperties ? String(n) : "";
   }
 
   #schemaOf(key, variant) {
-    return variant.properties?.[key] || (variant.additionalProperties || {});
+    return variant.properties?.[key] || variant.additionalProperties || {};
   }
 
   #updateRow(key, index, value, variant) {
-    const schema = this.#schemaOf(key, variant), kind = this.#kindOf(key, schema, value);
+    const schema = this.#schemaOf(key, variant),
+      kind = this.#kindOf(key, schema, value);
     let row = this.#rows.get(key);
     if (row && row.kind !== kind) {
       row.element.remove();
@@ -161,14 +183,24 @@ class Branch {
   }
 
   #isKindKey(key) {
-    return KIND_KEYS.includes(key) && schemas.choicesOf(this.tree.root, this.schema, key).length > 1;
+    return (
+      KIND_KEYS.includes(key) && schemas.choicesOf(this.tree.root, this.schema, key).length > 1
+    );
   }
 
   #makeRow(key, schema, kind, value, variant) {
-    const path = [...this.path, key], { tree } = this;
+    const path = [...this.path, key],
+      { tree } = this;
     if (kind === "object") return new Branch(tree, path, schemas.resolve(tree.root, schema));
     if (kind === "kind") return this.#makeKind(key);
-    const leaf = new Leaf(tree, path, schema, kind.split(" ")[0], value, variant.required?.includes(key));
+    const leaf = new Leaf(
+      tree,
+      path,
+      schema,
+      kind.split(" ")[0],
+      value,
+      variant.required?.includes(key),
+    );
     leaf.kind = kind;
     return leaf;
   }
@@ -182,14 +214,25 @@ class Branch {
     };
     const field = makeField("choice", { label: key, words, commit });
     const about = schemas.describe(root, this.schema);
-    const element = make("div", { class: "row", "data-about": about }, make("span", { class: "key" }, key), field.element);
+    const element = make(
+      "div",
+      { class: "row", "data-about": about },
+      make("span", { class: "key" }, key),
+      field.element,
+    );
     return { kind: "kind", element, update: field.set };
   }
 
   // What can be added, and how the branch is removed.
   #updateMore(value, variant) {
-    const missing = schemas.propertiesOf(variant)
-      .filter(([key, schema]) => !(key in value) && !HIDDEN.includes(key) && schemas.sample(this.tree.root, schema) !== undefined)
+    const missing = schemas
+      .propertiesOf(variant)
+      .filter(
+        ([key, schema]) =>
+          !(key in value) &&
+          !HIDDEN.includes(key) &&
+          schemas.sample(this.tree.root, schema) !== undefined,
+      )
       .map(([key]) => key);
     const words = missing.join() + "|" + Boolean(variant.additionalProperties);
     if (this.words === words) return;
@@ -197,14 +240,22 @@ class Branch {
     const parts = [];
     if (missing.length) parts.push(this.#makeAdd(missing, variant));
     if (variant.additionalProperties) parts.push(this.#makeEntry(variant.additionalProperties));
-    if (this.path.length) parts.push(button(`Remove ${this.path.at(-1)}`, () => this.tree.set(this.path, null, freshGroup()), { class: "quiet" }));
+    if (this.path.length)
+      parts.push(
+        button(`Remove ${this.path.at(-1)}`, () => this.tree.set(this.path, null, freshGroup()), {
+          class: "quiet",
+        }),
+      );
     this.more.replaceChildren(...parts);
   }
 
   #makeAdd(keys, variant) {
-    const list = select([["", "Add a key"], ...keys.map((key) => [key])], { "aria-label": `Add a key to ${this.path.at(-1) ?? "the scene"}` });
+    const list = select([["", "Add a key"], ...keys.map((key) => [key])], {
+      "aria-label": `Add a key to ${this.path.at(-1) ?? "the scene"}`,
+    });
     list.addEventListener("change", () => {
-      const key = list.value, schema = this.#schemaOf(key, variant);
+      const key = list.value,
+        schema = this.#schemaOf(key, variant);
       list.value = "";
       this.#show(key);
       this.tree.set([...this.path, key], schemas.sample(this.tree.root, schema), freshGroup());
@@ -221,7 +272,9 @@ class Branch {
     for (const word of words) samples.set(word, schemas.retyped(root, schema, {}, key, word));
     const kinds = words.filter((word) => samples.get(word));
     if (!kinds.length) return null;
-    const list = select([["", "Add"], ...kinds.map((word) => [word])], { "aria-label": `Add to ${this.path.at(-1)}` });
+    const list = select([["", "Add"], ...kinds.map((word) => [word])], {
+      "aria-label": `Add to ${this.path.at(-1)}`,
+    });
     list.addEventListener("change", () => {
       const name = this.#freeName(list.value);
       this.#show(name);

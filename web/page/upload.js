@@ -13,8 +13,11 @@ function reason(request) {
   const said = response?.error?.message;
   if (said) return said;
   const words = {
-    401: "this page has no token", 404: "this quiltweb takes no files", 413: "the file is too large for quiltweb",
-    503: "quiltd does not answer", 507: "quiltweb has no memory for it",
+    401: "this page has no token",
+    404: "this quiltweb takes no files",
+    413: "the file is too large for quiltweb",
+    503: "quiltd does not answer",
+    507: "quiltweb has no memory for it",
   };
   return words[status] ?? `quiltweb answered with ${status}`;
 }
@@ -49,11 +52,17 @@ function put(path, body, progress, signal) {
 export async function upload(files, progress, signal) {
   const all = files.reduce((sum, file) => sum + file.size, 0) || 1;
   const paths = [];
-  let before = 0, folder;
+  let before = 0,
+    folder;
   for (const file of files) {
     const query = new URLSearchParams({ name: nameOf(file) });
     if (folder) query.set("folder", folder);
-    const answer = await put(`/api/upload?${query}`, file, (sent) => progress((before + sent) / all), signal);
+    const answer = await put(
+      `/api/upload?${query}`,
+      file,
+      (sent) => progress((before + sent) / all),
+      signal,
+    );
     folder = answer.folder;
     paths.push(answer.path);
     before += file.size;
@@ -67,7 +76,8 @@ async function filesBelow(entry) {
     const file = await new Promise((resolve, reject) => entry.file(resolve, reject));
     return [Object.defineProperty(file, "path", { value: entry.fullPath })];
   }
-  const reader = entry.createReader(), files = [];
+  const reader = entry.createReader(),
+    files = [];
   for (;;) {
     const some = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
     if (!some.length) return files;

@@ -24,7 +24,10 @@ export function readHeader(buffer) {
 // A program, and its uniforms by name.
 function link(gl, fragment) {
   const program = gl.createProgram();
-  for (const [type, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, fragment]]) {
+  for (const [type, source] of [
+    [gl.VERTEX_SHADER, VERTEX],
+    [gl.FRAGMENT_SHADER, fragment],
+  ]) {
     const shader = gl.createShader(type);
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
@@ -33,7 +36,8 @@ function link(gl, fragment) {
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
     throw new Error("This browser cannot draw the preview: its WebGL2 refuses a program.");
-  return { program, at: (name) => gl.getUniformLocation(program, name) };
+  const places = {};
+  return { program, at: (name) => (places[name] ??= gl.getUniformLocation(program, name)) };
 }
 
 export class QuiltView {
@@ -43,7 +47,14 @@ export class QuiltView {
   #image; // { header, bitmap }
   #position = 0.5;
   #drawing = 0;
-  #options = { mode: "view", apart: "eyes", zoom: 1, cone: 40, aspect: undefined, calibration: undefined };
+  #options = {
+    mode: "view",
+    apart: "eyes",
+    zoom: 1,
+    cone: 40,
+    aspect: undefined,
+    calibration: undefined,
+  };
   #pan = [0.5, 0.5]; // the middle of what is shown of the panel, 0 to 1
 
   constructor(canvas) {
@@ -131,7 +142,8 @@ export class QuiltView {
 
   // Width / height of what is drawn.
   #shape() {
-    const { header } = this.#image, { mode } = this.#options;
+    const { header } = this.#image,
+      { mode } = this.#options;
     const aspect = this.#options.aspect ?? header.width / header.height;
     if (mode === "quilt") return (aspect * header.columns) / header.rows;
     return SHADER_MODES[mode] === 1 ? aspect * 2 : aspect;
@@ -142,7 +154,8 @@ export class QuiltView {
     if (!this.#image) return;
     const { clientWidth, clientHeight } = this.#canvas.parentElement;
     const { mode, calibration, zoom } = this.#options;
-    let wide = clientWidth, high = clientHeight;
+    let wide = clientWidth,
+      high = clientHeight;
     if (mode === "panel" && calibration) {
       wide = Math.min(wide, (calibration.screenW * zoom) / devicePixelRatio);
       high = Math.min(high, (calibration.screenH * zoom) / devicePixelRatio);
@@ -162,7 +175,8 @@ export class QuiltView {
     this.#drawing ||= requestAnimationFrame(() => {
       this.#drawing = 0;
       if (!this.#image) return;
-      const gl = this.#gl, { mode, calibration } = this.#options;
+      const gl = this.#gl,
+        { mode, calibration } = this.#options;
       const panel = mode === "panel" && calibration;
       const { program, at } = panel
         ? (this.#programs.panel ??= link(gl, PANEL))
@@ -179,7 +193,9 @@ export class QuiltView {
   }
 
   #setEyes(at) {
-    const gl = this.#gl, { mode, apart, cone } = this.#options, { views } = this.#image.header;
+    const gl = this.#gl,
+      { mode, apart, cone } = this.#options,
+      { views } = this.#image.header;
     const [left, right] = pairAt(this.#position, views, viewsApart(apart, views, cone));
     const one = viewAt(this.#position, views);
     if (mode === "crossed") gl.uniform2f(at("views"), right, left);
@@ -190,11 +206,16 @@ export class QuiltView {
   }
 
   #setPanel(at) {
-    const gl = this.#gl, { calibration, aspect, zoom } = this.#options, { header } = this.#image;
-    const lens = lensOf(calibration), { width, height } = this.#canvas;
+    const gl = this.#gl,
+      { calibration, aspect, zoom } = this.#options,
+      { header } = this.#image;
+    const lens = lensOf(calibration),
+      { width, height } = this.#canvas;
     const first = [lens.width, lens.height].map((size, i) => {
       const shown = [width, height][i] / zoom;
-      return Math.round(Math.min(Math.max(this.#pan[i] * size - shown / 2, 0), Math.max(size - shown, 0)));
+      return Math.round(
+        Math.min(Math.max(this.#pan[i] * size - shown / 2, 0), Math.max(size - shown, 0)),
+      );
     });
     gl.uniform2i(at("panel"), lens.width, lens.height);
     gl.uniform2i(at("first"), ...first);

@@ -5,7 +5,8 @@ const one = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
 /** "about 40 s", "about 3 min". */
 export function duration(seconds) {
   if (seconds < 1) return "about a second";
-  if (seconds < 90) return `about ${seconds < 20 ? Math.round(seconds) : Math.round(seconds / 5) * 5} s`;
+  if (seconds < 90)
+    return `about ${seconds < 20 ? Math.round(seconds) : Math.round(seconds / 5) * 5} s`;
   if (seconds < 5400) return `about ${Math.round(seconds / 60)} min`;
   return `about ${one(Math.round(seconds / 3600), "hour")}`;
 }
@@ -42,7 +43,8 @@ export function errorText(error) {
 export function bytesText(bytes) {
   if (bytes < 1000) return `${bytes} bytes`;
   const units = ["kB", "MB", "GB"];
-  let value = bytes / 1000, i = 0;
+  let value = bytes / 1000,
+    i = 0;
   for (; value >= 1000 && i < 2; i++) value /= 1000;
   return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${units[i]}`;
 }
@@ -54,8 +56,12 @@ export function depthText(budget) {
   const front = budget.nearest_step === null || -budget.nearest_step > budget.limit;
   const to = budget.sharp_to === null ? "on" : `to ${budget.sharp_to.toPrecision(3)}`;
   const sharp = `A panel shows distances from ${budget.sharp_from.toPrecision(3)} ${to} sharply.`;
-  if (!behind && !front) return { level: "ok", text: `All of the scene is in the sharp depth. ${sharp}` };
+  if (!behind && !front)
+    return { level: "ok", text: `All of the scene is in the sharp depth. ${sharp}` };
   const where = behind && front ? "in front of and behind" : behind ? "behind" : "in front of";
   const blurred = budget.exceeded ? "looks double" : "is blurred";
-  return { level: budget.exceeded ? "fail" : "note", text: `What is far ${where} the window ${blurred}. ${sharp}` };
+  return {
+    level: budget.exceeded ? "fail" : "note",
+    text: `What is far ${where} the window ${blurred}. ${sharp}`,
+  };
 }

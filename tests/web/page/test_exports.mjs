@@ -4,22 +4,35 @@ import { test } from "node:test";
 import { kindsOf, nameFor, parametersOf, valueOf } from "../../../web/page/exports.js";
 
 const parameters = {
-  kind: { enum: ["quilt", "still", "print"] }, lpi: { type: "number" }, width: { type: "number" }, height: { type: "number" },
-  dpi: { type: ["string", "number"] }, denoise: { enum: ["auto", "on"] },
+  kind: { enum: ["quilt", "still", "print"] },
+  lpi: { type: "number" },
+  width: { type: "number" },
+  height: { type: "number" },
+  dpi: { type: ["string", "number"] },
+  denoise: { enum: ["auto", "on"] },
 };
 
 test("only what quiltd knows is offered", () => {
   assert.deepEqual(kindsOf(parameters), ["still", "quilt", "print"]);
   assert.deepEqual(kindsOf(undefined), []);
-  assert.deepEqual(parametersOf("still", parameters).map(([key]) => key), ["denoise"]);
-  assert.deepEqual(parametersOf("print", parameters).map(([key, , needed]) => [key, needed]),
-    [["lpi", true], ["width", true], ["height", true], ["dpi", false]]);
+  assert.deepEqual(
+    parametersOf("still", parameters).map(([key]) => key),
+    ["denoise"],
+  );
+  assert.deepEqual(
+    parametersOf("print", parameters).map(([key, , needed]) => [key, needed]),
+    [
+      ["lpi", true],
+      ["width", true],
+      ["height", true],
+      ["dpi", false],
+    ],
+  );
 });
 
 test("the file is named after the scene", () => {
-  assert.equal(nameFor("still", "/srv/scenes/first light.json", "png"), "first_light.png");
-  assert.equal(nameFor("views", "/srv/ball.json", ""), "ball/");
-  assert.equal(nameFor("still", null, "png"), "image.png");
+  assert.equal(nameFor("/srv/scenes/first light.json", "png"), "first_light.png");
+  assert.equal(nameFor(null, "png"), "image.png");
 });
 
 test("texts become values", () => {

@@ -5,8 +5,19 @@ import { environmentPatch, kindOf, mainOf, safePath, tilesOf } from "../../../we
 import { merge } from "../../../web/page/patch.js";
 
 test("names have kinds", () => {
-  const kinds = { "a.GLB": "model", "b.vdb": "volume", "c.hdr": "environment", "d.exr": "environment", "e.json": "scene",
-    "f.jpg": "image", "g_qs8x6a0.75.png": "quilt", "h_qs5x9.jpg": "quilt", "i.bin": undefined, "j_qs8x6.json": "scene", "k": undefined };
+  const kinds = {
+    "a.GLB": "model",
+    "b.vdb": "volume",
+    "c.hdr": "environment",
+    "d.exr": "environment",
+    "e.json": "scene",
+    "f.jpg": "image",
+    "g_qs8x6a0.75.png": "quilt",
+    "h_qs5x9.jpg": "quilt",
+    "i.bin": undefined,
+    "j_qs8x6.json": "scene",
+    k: undefined,
+  };
   for (const [name, kind] of Object.entries(kinds)) assert.equal(kindOf(name), kind, name);
 });
 
@@ -21,7 +32,8 @@ test("tiles are columns x rows", () => {
   assert.equal(tilesOf("8x6"), "8x6");
   assert.equal(tilesOf(" 8 x 6 "), "8x6");
   assert.equal(tilesOf("8×6"), "8x6");
-  for (const text of ["", "8", "0x6", "8x", "axb", "8x6x4"]) assert.equal(tilesOf(text), undefined, text);
+  for (const text of ["", "8", "0x6", "8x", "axb", "8x6x4"])
+    assert.equal(tilesOf(text), undefined, text);
 });
 
 test("paths stay below their folder", () => {
@@ -30,11 +42,20 @@ test("paths stay below their folder", () => {
 
 test("a picture of light takes the place of the other light at infinity", () => {
   const scene = {
-    lights: { day: { type: "sky", elevation: 3 }, lamp: { type: "point" }, old: { type: "environment", radiance: 1, rotate: 20 } },
+    lights: {
+      day: { type: "sky", elevation: 3 },
+      lamp: { type: "point" },
+      old: { type: "environment", radiance: 1, rotate: 20 },
+    },
     backdrop: [0, 0, 0],
   };
   assert.deepEqual(merge(scene, environmentPatch(scene, "/upload/1/a.hdr")), {
-    lights: { lamp: { type: "point" }, old: { type: "environment", file: "/upload/1/a.hdr", rotate: 20 } },
+    lights: {
+      lamp: { type: "point" },
+      old: { type: "environment", file: "/upload/1/a.hdr", rotate: 20 },
+    },
   });
-  assert.deepEqual(environmentPatch({}, "/a.exr"), { lights: { environment: { type: "environment", file: "/a.exr" } } });
+  assert.deepEqual(environmentPatch({}, "/a.exr"), {
+    lights: { environment: { type: "environment", file: "/a.exr" } },
+  });
 });

@@ -9,8 +9,14 @@ test("steps come back in order, and can be done again", () => {
   const history = new History();
   history.push(step(1));
   history.push(step(2));
-  assert.deepEqual([history.undo(), history.undo(), history.undo()], [{ a: 1 }, { a: 0 }, undefined]);
-  assert.deepEqual([history.redo(), history.redo(), history.redo()], [{ a: 1 }, { a: 2 }, undefined]);
+  assert.deepEqual(
+    [history.undo(), history.undo(), history.undo()],
+    [{ a: 1 }, { a: 0 }, undefined],
+  );
+  assert.deepEqual(
+    [history.redo(), history.redo(), history.redo()],
+    [{ a: 1 }, { a: 2 }, undefined],
+  );
   assert.ok(history.canUndo && !history.canRedo);
 });
 
@@ -18,7 +24,10 @@ test("a gesture is one step, from its beginning to its end", () => {
   const history = new History();
   for (let n = 1; n <= 5; n++) history.push(step(n, "drag"));
   history.push(step(6, "other"));
-  assert.deepEqual([history.undo(), history.undo(), history.undo()], [{ a: 5 }, { a: 0 }, undefined]);
+  assert.deepEqual(
+    [history.undo(), history.undo(), history.undo()],
+    [{ a: 5 }, { a: 0 }, undefined],
+  );
   assert.deepEqual(history.redo(), { a: 5 });
 });
 
@@ -48,7 +57,8 @@ test("a refused step is forgotten, another is not", () => {
 });
 
 test("a reload keeps the steps, and a gesture after it is a new one", () => {
-  const history = new History(), restored = new History();
+  const history = new History(),
+    restored = new History();
   history.push(step(1, "drag"));
   history.push(step(2));
   history.undo();
@@ -67,7 +77,8 @@ test("the memory is bounded: the oldest steps go first", () => {
   assert.equal(undone, 100);
   const long = new History();
   for (let n = 0; n < 20; n++) long.push({ undo: { n }, redo: { text: "x".repeat(200000) } });
-  const text = long.save(), kept = new History();
+  const text = long.save(),
+    kept = new History();
   assert.ok(text.length <= 1 << 20);
   kept.restore(text);
   assert.deepEqual(kept.undo(), { n: 19 });

@@ -4,31 +4,102 @@ import { test } from "node:test";
 import { lensOf, shareOf, viewOfSubpixel } from "../../../web/page/lens.js";
 
 const panel = (pitch, slope, center, DPI, screenW, screenH, more) => ({
-  configVersion: "3.0", pitch, slope, center, DPI, screenW, screenH, invView: 1, flipImageX: 0, flipSubp: 0,
-  CellPatternMode: 0, subpixelCells: [], ...more,
+  configVersion: "3.0",
+  pitch,
+  slope,
+  center,
+  DPI,
+  screenW,
+  screenH,
+  invView: 1,
+  flipImageX: 0,
+  flipSubp: 0,
+  CellPatternMode: 0,
+  subpixelCells: [],
+  ...more,
 });
-const cell = (r, g, b) => ({ ROffsetX: r[0], ROffsetY: r[1], GOffsetX: g[0], GOffsetY: g[1], BOffsetX: b[0], BOffsetY: b[1] });
+const cell = (r, g, b) => ({
+  ROffsetX: r[0],
+  ROffsetY: r[1],
+  GOffsetX: g[0],
+  GOffsetY: g[1],
+  BOffsetX: b[0],
+  BOffsetY: b[1],
+});
 const portrait = panel(52.594383239746094, -7.21152925491333, 0.40277382731437683, 324, 1536, 2048);
 const known = [
-  [panel(47.56401443481445, -5.480000019073486, 0.374184787273407, 338, 2560, 1600), 45, [[14, 12, 10], [23, 21, 19], [20, 18, 16]]],
-  [portrait, 48, [[16, 13, 10], [34, 31, 29], [7, 5, 2]]],
-  [panel(80.74475016919882, -6.6587766801719095, 0.47708486403293315, 491, 1440, 2560), 66, [[26, 23, 19], [1, 64, 60], [58, 54, 51]]],
-  [panel(44.72, -7.45, 0, 283, 2160, 3840, {
-    CellPatternMode: 4,
-    subpixelCells: [cell([-0.25, -0.31], [-0.25, 0.28], [0.25, 0]), cell([0.25, -0.31], [0.25, 0.28], [-0.25, 0])],
-  }), 66, [[63, 64, 58], [33, 34, 28], [30, 30, 35]]],
-  [panel(44.72, -6.9, 0.5, 283, 3840, 2160, {
-    CellPatternMode: 2,
-    subpixelCells: [cell([-0.31, 0.25], [0.28, 0.25], [0, -0.25]), cell([-0.31, -0.25], [0.28, -0.25], [0, 0.25])],
-  }), 49, [[23, 19, 20], [18, 14, 15], [1, 46, 0]]],
+  [
+    panel(47.56401443481445, -5.480000019073486, 0.374184787273407, 338, 2560, 1600),
+    45,
+    [
+      [14, 12, 10],
+      [23, 21, 19],
+      [20, 18, 16],
+    ],
+  ],
+  [
+    portrait,
+    48,
+    [
+      [16, 13, 10],
+      [34, 31, 29],
+      [7, 5, 2],
+    ],
+  ],
+  [
+    panel(80.74475016919882, -6.6587766801719095, 0.47708486403293315, 491, 1440, 2560),
+    66,
+    [
+      [26, 23, 19],
+      [1, 64, 60],
+      [58, 54, 51],
+    ],
+  ],
+  [
+    panel(44.72, -7.45, 0, 283, 2160, 3840, {
+      CellPatternMode: 4,
+      subpixelCells: [
+        cell([-0.25, -0.31], [-0.25, 0.28], [0.25, 0]),
+        cell([0.25, -0.31], [0.25, 0.28], [-0.25, 0]),
+      ],
+    }),
+    66,
+    [
+      [63, 64, 58],
+      [33, 34, 28],
+      [30, 30, 35],
+    ],
+  ],
+  [
+    panel(44.72, -6.9, 0.5, 283, 3840, 2160, {
+      CellPatternMode: 2,
+      subpixelCells: [
+        cell([-0.31, 0.25], [0.28, 0.25], [0, -0.25]),
+        cell([-0.31, -0.25], [0.28, -0.25], [0, 0.25]),
+      ],
+    }),
+    49,
+    [
+      [23, 19, 20],
+      [18, 14, 15],
+      [1, 46, 0],
+    ],
+  ],
 ];
 const rgb = (lens, n, x, y) => [0, 1, 2].map((c) => viewOfSubpixel(lens, n, x, y, c));
 
 test("known subpixels show the known views", () => {
   for (const [calibration, n, views] of known) {
     const lens = lensOf(calibration);
-    const at = [[0, 0], [100, 200], [calibration.screenW - 1, calibration.screenH - 1]];
-    assert.deepEqual(at.map(([x, y]) => rgb(lens, n, x, y)), views);
+    const at = [
+      [0, 0],
+      [100, 200],
+      [calibration.screenW - 1, calibration.screenH - 1],
+    ];
+    assert.deepEqual(
+      at.map(([x, y]) => rgb(lens, n, x, y)),
+      views,
+    );
   }
 });
 

@@ -18,10 +18,14 @@ const examples = [
 ];
 
 test("patches merge as in RFC 7396", () => {
-  for (const [document, patch, result] of examples) assert.deepEqual(merge(document, patch), result);
+  for (const [document, patch, result] of examples)
+    assert.deepEqual(merge(document, patch), result);
 });
 
-const lights = () => ({ lights: { sun: { type: "distant", direction: [0, -1, 0], angle: 0.5 }, sky: { type: "sky" } }, backdrop: 1 });
+const lights = () => ({
+  lights: { sun: { type: "distant", direction: [0, -1, 0], angle: 0.5 }, sky: { type: "sky" } },
+  backdrop: 1,
+});
 const patches = [
   { lights: { sun: { angle: 2 } } }, // a value
   { lights: { sun: { direction: [1, 0, 0] } } }, // an array is replaced
@@ -36,7 +40,8 @@ const patches = [
 
 test("the inverse of a patch brings the document back, and the patch again", () => {
   for (const patch of patches) {
-    const document = lights(), after = merge(document, patch);
+    const document = lights(),
+      after = merge(document, patch);
     const undo = inverse(document, patch);
     assert.deepEqual(merge(after, undo), document);
     assert.deepEqual(merge(merge(after, undo), patch), after);
@@ -62,8 +67,13 @@ test("a document is not changed by a patch", () => {
 });
 
 test("a difference makes one document of another", () => {
-  const from = { a: 1, b: { c: [1, 2], d: 2 }, e: {} }, to = { b: { c: [1, 3], f: {} }, e: {}, g: { h: 1 } };
-  assert.deepEqual(difference(from, to), { a: null, b: { d: null, c: [1, 3], f: {} }, g: { h: 1 } });
+  const from = { a: 1, b: { c: [1, 2], d: 2 }, e: {} },
+    to = { b: { c: [1, 3], f: {} }, e: {}, g: { h: 1 } };
+  assert.deepEqual(difference(from, to), {
+    a: null,
+    b: { d: null, c: [1, 3], f: {} },
+    g: { h: 1 },
+  });
   assert.deepEqual(merge(from, difference(from, to)), to);
   assert.deepEqual(difference(from, from), {});
 });

@@ -3,7 +3,8 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { distanceOf, placed, shifted, targetAt } from "../../../web/page/rig.js";
 
-const close = (a, b) => a.forEach((x, i) => assert.ok(Math.abs(x - b[i]) < 1e-9, `${a} is not ${b}`));
+const close = (a, b) =>
+  a.forEach((x, i) => assert.ok(Math.abs(x - b[i]) < 1e-9, `${a} is not ${b}`));
 
 test("keys that are left out have the usual values", () => {
   assert.deepEqual(placed(undefined).position, [0, 0, 5]);

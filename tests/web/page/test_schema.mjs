@@ -27,10 +27,18 @@ test("a value has the field of its kind", () => {
 
 test("ranges and words come from the schema", () => {
   const { fov_y, views } = schemas.resolve(root, of("camera")).properties;
-  assert.deepEqual(schemas.rangeOf(root, fov_y), { minimum: 0.1, maximum: 160, integer: false, unit: "degrees" });
+  assert.deepEqual(schemas.rangeOf(root, fov_y), {
+    minimum: 0.1,
+    maximum: 160,
+    integer: false,
+    unit: "degrees",
+  });
   assert.equal(schemas.rangeOf(root, views).integer, true);
   assert.equal(schemas.rangeOf(root, of("radiance")).maximum, 1e9);
-  assert.match(schemas.describe(root, fov_y), /^vertical angle of the window.*0\.1 to 160; degrees; usually 14$/);
+  assert.match(
+    schemas.describe(root, fov_y),
+    /^vertical angle of the window.*0\.1 to 160; degrees; usually 14$/,
+  );
 });
 
 test("the alternative is that of the value", () => {
@@ -45,12 +53,31 @@ test("the alternative is that of the value", () => {
 
 test("an object can become another kind, and keeps what that kind has", () => {
   const sphere = { type: "sphere", position: [0, 1, 0], radius: 2, radiance: 3 };
-  assert.deepEqual(schemas.choicesOf(root, of("light"), "type"),
-    ["environment", "sky", "studio", "distant", "point", "spot", "rectangle", "disk", "sphere"]);
-  assert.deepEqual(schemas.retyped(root, of("light"), sphere, "type", "disk"),
-    { type: "disk", radiance: 3, position: [0, 1, 0], radius: 2 });
-  assert.deepEqual(schemas.retyped(root, of("light"), sphere, "type", "point"), { type: "point", position: [0, 1, 0] });
-  assert.deepEqual(schemas.retyped(root, of("light"), { type: "sky" }, "type", "environment"), { type: "environment", radiance: 1 });
+  assert.deepEqual(schemas.choicesOf(root, of("light"), "type"), [
+    "environment",
+    "sky",
+    "studio",
+    "distant",
+    "point",
+    "spot",
+    "rectangle",
+    "disk",
+    "sphere",
+  ]);
+  assert.deepEqual(schemas.retyped(root, of("light"), sphere, "type", "disk"), {
+    type: "disk",
+    radiance: 3,
+    position: [0, 1, 0],
+    radius: 2,
+  });
+  assert.deepEqual(schemas.retyped(root, of("light"), sphere, "type", "point"), {
+    type: "point",
+    position: [0, 1, 0],
+  });
+  assert.deepEqual(schemas.retyped(root, of("light"), { type: "sky" }, "type", "environment"), {
+    type: "environment",
+    radiance: 1,
+  });
   assert.equal(schemas.retyped(root, of("light"), sphere, "type", "laser"), undefined);
 });
 
@@ -61,7 +88,8 @@ test("samples are valid; a file is for a person to choose", () => {
     for (const one of schemas.variants(root, of(name)))
       for (const [key, schema] of schemas.propertiesOf(one)) {
         const value = schemas.sample(root, schema);
-        if (value !== undefined) assert.ok(schemas.fits(root, schema, value), `${name}.${key}: ${JSON.stringify(value)}`);
+        if (value !== undefined)
+          assert.ok(schemas.fits(root, schema, value), `${name}.${key}: ${JSON.stringify(value)}`);
       }
 });
 
@@ -72,7 +100,15 @@ test("former names are not offered", () => {
 
 test("wrong values do not fit", () => {
   const { fov_y, position } = schemas.resolve(root, of("camera")).properties;
-  for (const value of [0, 161, "14", null, true, [14]]) assert.ok(!schemas.fits(root, fov_y, value), String(value));
-  for (const value of [[0, 0], [0, 0, 0, 0], [0, 0, "0"], [0, 0, 1e10]]) assert.ok(!schemas.fits(root, position, value));
-  for (const light of [{ type: "sky", unknown: 1 }, { type: "sphere" }, {}, 3]) assert.ok(!schemas.fits(root, of("light"), light));
+  for (const value of [0, 161, "14", null, true, [14]])
+    assert.ok(!schemas.fits(root, fov_y, value), String(value));
+  for (const value of [
+    [0, 0],
+    [0, 0, 0, 0],
+    [0, 0, "0"],
+    [0, 0, 1e10],
+  ])
+    assert.ok(!schemas.fits(root, position, value));
+  for (const light of [{ type: "sky", unknown: 1 }, { type: "sphere" }, {}, 3])
+    assert.ok(!schemas.fits(root, of("light"), light));
 });

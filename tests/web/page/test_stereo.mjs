@@ -29,7 +29,8 @@ test("each view has an equal share of the slider", () => {
 test("red and cyan keep grey neutral", () => {
   assert.ok(Math.abs(RED_OF_LEFT.reduce((a, b) => a + b) - 1) < 1e-12);
   for (const grey of [0, 0.25, 1])
-    for (const channel of anaglyph([grey, grey, grey], [grey, grey, grey])) assert.ok(Math.abs(channel - grey) < 1e-12);
+    for (const channel of anaglyph([grey, grey, grey], [grey, grey, grey]))
+      assert.ok(Math.abs(channel - grey) < 1e-12);
 });
 
 test("red comes from the left eye alone, the others from the right one", () => {

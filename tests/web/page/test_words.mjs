@@ -1,7 +1,14 @@
 // Numbers of the daemon in words.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { bytesText, depthText, duration, progressOf, secondsLeft, timeLeft } from "../../../web/page/words.js";
+import {
+  bytesText,
+  depthText,
+  duration,
+  progressOf,
+  secondsLeft,
+  timeLeft,
+} from "../../../web/page/words.js";
 
 test("times are round", () => {
   assert.equal(duration(0.2), "about a second");
@@ -20,7 +27,10 @@ test("the time left is the daemon's, or follows from the error", () => {
   assert.equal(secondsLeft({ ...status, seconds_left: null }), undefined);
   assert.equal(secondsLeft({ ...status, error_estimate: null }), undefined);
   assert.equal(timeLeft({ ...status, state: "rendering" }), "about 30 s left");
-  assert.equal(timeLeft({ ...status, error_estimate: null, state: "rendering" }), "time left unknown");
+  assert.equal(
+    timeLeft({ ...status, error_estimate: null, state: "rendering" }),
+    "time left unknown",
+  );
   assert.equal(timeLeft({ state: "paused" }), "paused");
   assert.equal(timeLeft({ state: "idle" }), "");
 });
@@ -34,16 +44,38 @@ test("progress goes from an error of 1 to the target", () => {
 });
 
 test("sizes have units", () => {
-  assert.deepEqual([0, 999, 1500, 15e6, 3e9].map(bytesText), ["0 bytes", "999 bytes", "1.5 kB", "15 MB", "3.0 GB"]);
+  assert.deepEqual([0, 999, 1500, 15e6, 3e9].map(bytesText), [
+    "0 bytes",
+    "999 bytes",
+    "1.5 kB",
+    "15 MB",
+    "3.0 GB",
+  ]);
 });
 
 test("the depth budget says what is not sharp, and where", () => {
-  const budget = { nearest_step: -3, farthest_step: 4, limit: 5, sharp_from: 9, sharp_to: 14, exceeded: false };
+  const budget = {
+    nearest_step: -3,
+    farthest_step: 4,
+    limit: 5,
+    sharp_from: 9,
+    sharp_to: 14,
+    exceeded: false,
+  };
   assert.equal(depthText(null).level, "note");
   assert.equal(depthText(budget).level, "ok");
-  assert.match(depthText({ ...budget, farthest_step: 6, exceeded: true }).text, /far behind the window looks double/);
-  assert.match(depthText({ ...budget, nearest_step: -6, exceeded: true }).text, /far in front of the window/);
-  assert.match(depthText({ ...budget, nearest_step: null, exceeded: true }).text, /far in front of the window/);
+  assert.match(
+    depthText({ ...budget, farthest_step: 6, exceeded: true }).text,
+    /far behind the window looks double/,
+  );
+  assert.match(
+    depthText({ ...budget, nearest_step: -6, exceeded: true }).text,
+    /far in front of the window/,
+  );
+  assert.match(
+    depthText({ ...budget, nearest_step: null, exceeded: true }).text,
+    /far in front of the window/,
+  );
   assert.match(depthText({ ...budget, farthest_step: 6 }).text, /is blurred/); // by view_blur
   assert.match(depthText({ ...budget, sharp_to: null }).text, /from 9\.00 on sharply/);
 });
