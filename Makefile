@@ -9,6 +9,7 @@
 #   make check-distro       make run and make check in clean roots of Debian releases: DISTROS='bookworm trixie'; as root
 #   make deps | clean       install what building needs | remove what was built
 #   make bench | verify     all benchmarks (ARGS='curve FILE': one) | the long tests with fresh seeds
+#   make bench-page         times of quiltweb's page in a browser, as medians, on a machine that does nothing else
 #   make lint               static checks
 #   make python             the client in Python: a wheel and an sdist in build/
 #   make docs               write the tables of docs/reference from the tables of the programs
@@ -64,7 +65,7 @@ libraries := web tools server engine papers render quilt model device base
 all:
 
 # Goals that install packages first, then come back here as GOAL-now.
-front := check check-arm64 check-kernel check-distro run bench verify lint fuzz soak mutants deb
+front := check check-arm64 check-kernel check-distro run bench bench-page verify lint fuzz soak mutants deb
 # Goals that need no library flags.
 light := $(front) deps clean help python
 goals := $(or $(MAKECMDGOALS),all)
@@ -235,7 +236,7 @@ verify-now: all $(tests)
 	@seed=$${QUILTD_SEED:-$$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}; echo "QUILTD_SEED=$$seed"; \
 	 QUILTD_SEED=$$seed QUILTD_LONG=1 TEST_TIMEOUT=$${TEST_TIMEOUT:-3600} $(run_tests) $(tests)
 
-# its table is the last thing in the log; a command that was delayed is a failure here
+# their tables are the last thing in the log; a command that was delayed is a failure here
 soak-now: $(O)/tests/daemon/test_faults all
 	@seed=$${SOAK_SEED:-$$(od -An -N4 -tu4 /dev/urandom | tr -d ' ')}; seconds=$${SOAK_SECONDS:-600}; rc=0; \
 	 export SOAK_SEED=$$seed SOAK_SECONDS=$$seconds SOAK_STRICT=1 TEST_TIMEOUT=$$((seconds + 1200)); \
@@ -261,6 +262,10 @@ bench-now: all
 	@mkdir -p $(BUILDROOT)/bench
 	$(O)/quiltbench $(if $(ARGS),$(ARGS),--out $(BUILDROOT)/bench)
 
+.PHONY: bench-page-now
+bench-page-now: all
+	@O='$(O)' SRCDIR='$(SRCDIR)' $(SRCDIR)/tests/page/bench.sh '$(SCENE)'
+
 # --------------------------------------------------------------------------------------------- everyday commands --
 self = $(MAKE) --no-print-directory -f $(MAKEFILE)
 jobs = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell nproc 2>/dev/null || echo 1))
@@ -274,6 +279,9 @@ run:
 	@trap '' INT; $(self) $@-now
 bench:
 	@$(SRCDIR)/.ci/deps install build bench
+	@$(self) $(jobs) $@-now
+bench-page:
+	@$(SRCDIR)/.ci/deps install build page
 	@$(self) $(jobs) $@-now
 bench-peers:
 	@$(SRCDIR)/.ci/deps install build peers

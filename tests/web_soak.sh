@@ -19,7 +19,11 @@ export QUILTD_BUILD=$out
 unset QUILTD_NODE
 if [ -n "${SOAK_STRICT-}" ]; then
     why=$(browser_missing "$src" "${out%/*}/node")
-    [ -n "$why" ] && echo "without a browser: $why" || export QUILTD_NODE=${out%/*}/node
+    if [ -n "$why" ]; then
+        echo "without a browser: $why"
+    else
+        export QUILTD_NODE=${out%/*}/node
+    fi
 fi
 node --test-reporter=tap "$src/tests/page/soak.js" > "$top/log" 2>&1 < /dev/null
 rc=$?

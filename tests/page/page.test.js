@@ -47,6 +47,19 @@ async function settled() {
   return generation;
 }
 
+// Rendering stops, and the preview has come to its last image.
+async function still() {
+  await settled();
+  await quiltd.q.render.set({ paused: true });
+  let same = 0, last;
+  await until(async () => {
+    const { sum } = await readCanvas(page);
+    same = sum === last ? same + 1 : 0;
+    last = sum;
+    return same === 10;
+  });
+}
+
 async function drag(what, dx, dy, steps) {
   await what.hover(); // scrolls until nothing covers it
   const box = await what.boundingBox();
@@ -93,6 +106,7 @@ describe("the page", () => {
   });
 
   step("draws something in every mode, in each something else", async () => {
+    await still();
     const sums = new Map();
     for (const mode of MODES) {
       await at("#mode").selectOption(mode);
@@ -106,7 +120,6 @@ describe("the page", () => {
 
   step("draws another view under the pointer, without asking for it", async () => {
     const box = await at("#preview").boundingBox();
-    await settled();
     const before = watch.sent.filter(({ method }) => method !== "status" && method !== "preview.ack").length;
     await page.mouse.move(box.x + 0.1 * box.width, box.y + box.height / 2);
     const left = await readCanvas(page);
@@ -116,6 +129,7 @@ describe("the page", () => {
     assert.notEqual((await readCanvas(page)).sum, left.sum);
     const after = watch.sent.filter(({ method }) => method !== "status" && method !== "preview.ack").length;
     assert.equal(after, before);
+    await quiltd.q.render.set({ paused: false });
   });
 });
 
@@ -254,6 +268,8 @@ describe("every visitor", () => {
 
   before(async () => {
     await mkdir(screenshots, { recursive: true });
+    await quiltd.q.scene.load({ file: quiltd.scene });
+    await settled();
     // the image stands still meanwhile
     await quiltd.q.render.set({ paused: true });
   });

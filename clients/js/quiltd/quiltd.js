@@ -217,7 +217,8 @@ export class Quiltd {
   async #exported(job, inbox) {
     for await (const { name, params } of inbox) {
       if (params.job !== job) continue;
-      if (name === "download") return params.files;
+      if (params.files) return params.files;
+      if (name === "download") throw refused(params.error);
       if (params.state === "cancelled")
         throw new QuiltdError(`export: job ${job} was cancelled`, { name: "Cancelled" });
       if (params.state === "failed") throw refused(params.error ?? { message: "export: failed" });

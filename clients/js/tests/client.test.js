@@ -209,8 +209,12 @@ describe("files through the gateway", () => {
     const cancelled = q.export("panel");
     notify("export", { job: 4, state: "cancelled" });
     await assert.rejects(cancelled, { name: "Cancelled" });
+    const lost = q.export("panel");
+    notify("export", { job: 4, state: "done" });
+    notify("download", { job: 4, error: { code: -32603, message: "no memory" } });
+    await assert.rejects(lost, { name: "InternalError", message: "no memory" });
     await assert.rejects(q.export("panel", { timeout: 0.01 }), { name: "TimedOut" });
-    assert.deepEqual(methods(), ["export", "export", "export", "job.cancel"]);
+    assert.deepEqual(methods(), ["export", "export", "export", "export", "job.cancel"]);
   });
 });
 

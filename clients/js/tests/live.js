@@ -38,12 +38,12 @@ async function ended(child) {
 const OPTIONS = ["--device", "sim:panel", "--view-size", `${WIDTH}x${HEIGHT}`, "--threads", "1", "--run-for", "1800"];
 
 // { folder, scene, socket, url, q, pids, stop() }; q is a client over the socket, closed by stop().
-// files: more of them in the folder, by name.
-export async function start({ document = SCENE, options = OPTIONS, files = {} } = {}) {
+// files: more of them in the folder, by name. scene: a file, instead of a document.
+export async function start({ document = SCENE, options = OPTIONS, files = {}, scene } = {}) {
   const build = process.env.QUILTD_BUILD;
   const folder = await mkdtemp(join(tmpdir(), "quiltd-js-"));
-  const scene = join(folder, "scene.json"), socket = join(folder, "s");
-  await writeFile(scene, JSON.stringify(document));
+  const socket = join(folder, "s");
+  if (!scene) await writeFile((scene = join(folder, "scene.json")), JSON.stringify(document));
   for (const [name, data] of Object.entries(files)) {
     await mkdir(dirname(join(folder, name)), { recursive: true });
     await writeFile(join(folder, name), data);

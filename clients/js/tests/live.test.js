@@ -113,6 +113,35 @@ describe("the gateway alone", () => {
     assert.ok(await q.preview());
   });
 
+  it("shows what is uploaded, with the files that belong to it", async () => {
+    const mesh = new TextEncoder().encode("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const { path, folder } = await q.upload("a b.obj", mesh);
+    const material = await q.upload("a.mtl", new Blob(["newmtl a\nKd 0.1 0.2 0.3\n"]), { folder });
+    assert.deepEqual(await q.scene.load({ file: path, files: [path, material.path] }).then(({ warnings }) => warnings), []);
+    assert.equal((await q.status()).scene, path);
+    await assert.rejects(q.scene.load({ file: path, files: [path] }), { name: "ParameterError" }); // it has been passed on
+    await assert.rejects(q.upload("../a.obj", mesh), { name: "ParameterError" });
+    await live.q.scene.load({ file: live.scene });
+  });
+
+  it("shows a picture as a quilt", async (test) => {
+    if (!live.q.info.methods["quilt.show"]) return test.skip("this quiltd has no quilt.show");
+    await q.wait("complete", { timeout: 120 });
+    const { jpeg, columns, rows } = await q.preview();
+    const { generation } = await q.showQuilt(jpeg, { columns, rows });
+    assert.deepEqual([(await q.status()).is_quilt, (await q.status()).generation], [true, generation]);
+    await assert.rejects(q.showQuilt(jpeg.subarray(0, 100), { columns, rows }), { name: "BadScene" });
+    await live.q.scene.load({ file: live.scene });
+  });
+
+  it("gives exports as bytes", async () => {
+    const [still] = await q.export("still");
+    assert.deepEqual([still.name, [...still.data.subarray(1, 4)]], ["still.png", [..."PNG"].map((c) => c.charCodeAt())]);
+    const files = await q.export("print", { lpi: 60, width: 4, height: 3, dpi: 240, file: "card.tif" });
+    assert.deepEqual(files.map(({ data }) => data.length > 0), [true, true]);
+    await assert.rejects(q.export("quilt", { file: "a.gif" }), { name: /ParameterError|PathRefused/ });
+  });
+
   it("tells a wrong token, and that nobody listens", async () => {
     await assert.rejects(connect(live.url.slice(0, -1)), { name: "NoDaemon", message: /status 401/ });
     await assert.rejects(connect("http://127.0.0.1:9/#0"), { name: "NoDaemon", message: /ECONNREFUSED/ });
