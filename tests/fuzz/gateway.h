@@ -98,18 +98,28 @@ static inline void fuzz_begin_web(fuzz_gateway *g, const char *socket)
     lf_fuzz_require(lf_web_create(g->event, &config, &g->web, &err) == LF_OK);
 }
 
+static char fuzz_folder[] = "/tmp/quiltd-fuzz-XXXXXX";
+
+static inline void fuzz_remove_folder(void)
+{
+    char path[64];
+    snprintf(path, sizeof path, "%s/s", fuzz_folder);
+    unlink(path);
+    rmdir(fuzz_folder);
+}
+
 /* The gateway, which stays for all inputs. */
 static inline fuzz_gateway *fuzz_gateway_begin(void)
 {
-    static char folder[] = "/tmp/quiltd-fuzz-XXXXXX";
     fuzz_gateway *g = &fuzz_home;
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     if (g->web)
         return g;
     lf_log_init("fuzz", (lf_log_level)0);
     signal(SIGPIPE, SIG_IGN);
-    lf_fuzz_require(mkdtemp(folder) && sd_event_new(&g->event) >= 0);
-    snprintf(address.sun_path, sizeof address.sun_path, "%s/s", folder);
+    lf_fuzz_require(mkdtemp(fuzz_folder) && sd_event_new(&g->event) >= 0);
+    snprintf(address.sun_path, sizeof address.sun_path, "%s/s", fuzz_folder);
+    atexit(fuzz_remove_folder);
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     lf_fuzz_require(bind(fd, (struct sockaddr *)&address, sizeof address) == 0 &&
                     listen(fd, 64) == 0);
