@@ -95,6 +95,8 @@ lf_status lf_arrays_read(const lf_mesh_desc *desc, int fd, lf_soup *soup, lf_err
     const char *const *name = desc->arrays.name;
     lf_status status = read_rows(fd, 0, 3, take_position, soup, err);
     const size_t n = soup->n_points;
+    if (status == LF_OK && n == 0)
+        status = lf_error_set(err, LF_E_FORMAT, LF_HERE, "there are no positions");
     if (status == LF_OK)
         status = read_asked(LF_MESH_TRIANGLES, 0, 3, take_triangle, soup, err);
     soup->has_own_normals = name[LF_MESH_NORMALS];
