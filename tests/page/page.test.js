@@ -246,6 +246,9 @@ describe("files of the person", () => {
       await drop([{ name, data }]);
       await until(async () => words.test(await notice()));
     }
+    assert.ok(!(await notice()).includes("/upload/"));
+    await at("#dismiss").click();
+    assert.equal(await notice(), "");
     assert.equal((await quiltd.q.status()).scene, scene);
   });
 });
