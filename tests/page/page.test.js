@@ -320,6 +320,7 @@ describe("every visitor", () => {
   }
 
   before(async () => {
+    if (failed) return;
     await mkdir(screenshots, { recursive: true });
     await quiltd.q.scene.load({ file: quiltd.scene });
     await settled();
